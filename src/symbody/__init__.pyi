@@ -1,0 +1,47 @@
+# The public surface, in the order of the flow. attach_stub reads this file at run time:
+# only lines of the form "from .module import name".
+
+__version__: str
+
+# faults
+from .errors import AssemblyError as AssemblyError
+from .errors import CompileError as CompileError
+from .errors import EnvironmentFault as EnvironmentFault
+from .errors import ExpressionError as ExpressionError
+from .errors import FormatError as FormatError
+from .errors import FormulationError as FormulationError
+from .errors import FrameError as FrameError
+from .errors import ModelError as ModelError
+from .errors import Problem as Problem
+from .errors import SimulationError as SimulationError
+from .errors import SymbodyError as SymbodyError
+from .errors import TopologyError as TopologyError
+from .errors import UsageError as UsageError
+
+# the mechanism
+from .model import Body as Body
+from .model import Drive as Drive
+from .model import Frame as Frame
+from .model import Model as Model
+from .model import Prismatic as Prismatic
+
+# its file
+from .formats import load_model as load_model
+from .formats import save_model as save_model
+
+# its equations
+from .equations import EquationSet as EquationSet
+from .equations import VirtualWork as VirtualWork
+from .equations import form_equations as form_equations
+
+# their code
+from .codegen import compile as compile
+from .codegen import generate_code as generate_code
+
+# its motion
+from .simulation import Explicit as Explicit
+from .simulation import Trajectory as Trajectory
+from .simulation import simulate as simulate
+
+# its pictures
+from .visual import plot as plot

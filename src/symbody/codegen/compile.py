@@ -1,0 +1,157 @@
+"""`compile` and `generate_code`: from equations and outputs asked for to functions and source text.
+
+The only file of this folder that knows EquationSet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from collections.abc import Sequence as Items
+
+from symbody.codegen.function import CompiledFunction, Signature, source_text
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import CompileError, Problem, nearest
+from symbody.expr.formula import Formula
+from symbody.expr.graph import TIME
+from symbody.expr.rewrite import substitute
+from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
+
+Value = int | float | str | Formula
+
+
+def compile(
+    eqs: EquationSet,
+    outputs: str | Iterable[str],
+    parameters: Mapping[str, Value] | None = None,
+    free: Iterable[str] = (),
+) -> CompiledFunction:
+    """Return a native function ``f(t, q, u, r=(), p=(), *, out=None)`` of the `outputs`.
+
+    Parameters
+    ----------
+    eqs : EquationSet
+        The equations.
+    outputs : str or iterable of str
+        Output names, for instance ``"udot"`` or ``["mass_matrix", "forcing"]``, or expressions.
+    parameters : mapping of name to number or formula
+        Overrides values of the model; parameters that are formulas of others follow.
+    free : iterable of str
+        Parameters that stay arguments; they form p in this order.
+
+    Raises
+    ------
+    CompileError
+        If parameters have no value, listing all of them, or names are unknown.
+    """
+    return CompiledFunction(*form_sequence(eqs, outputs, parameters, free))
+
+
+def generate_code(
+    eqs: EquationSet,
+    outputs: str | Iterable[str],
+    language: str = "c",
+    parameters: Mapping[str, Value] | None = None,
+) -> str:
+    """Return source text that computes the `outputs`.
+
+    Parameters
+    ----------
+    language : str
+        "c" for C99.
+    parameters : mapping, optional
+        Values to put in; None leaves every parameter an argument, in the order of ``eqs.parameters``.
+
+    Raises
+    ------
+    CompileError
+        If the language or an output is unknown, or parameters have no value.
+    """
+    free = eqs.parameter_names if parameters is None else ()
+    sequence, _ = form_sequence(eqs, outputs, parameters or {}, free)
+    return source_text(sequence, language)
+
+
+def form_sequence(
+    eqs: EquationSet,
+    outputs: str | Iterable[str],
+    parameters: Mapping[str, Value] | None = None,
+    free: Iterable[str] = (),
+    inputs: Mapping[str, Value] | None = None,
+) -> tuple[Sequence, Signature]:
+    """Return the sequence of the `outputs` and the names of its arguments.
+
+    `inputs` replaces inputs by expressions in time, states, parameters; those not named stay arguments.
+    """
+    names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+    kept = tuple(free)
+    replacements = _parameter_nodes(eqs, parameters or {}, kept)
+    replacements |= _input_nodes(eqs, inputs or {}, replacements)
+    left = tuple(name for name in eqs.input_names if name not in (inputs or {}))
+    roots = [_replaced(eqs, eqs.roots(name), replacements) for name in names]
+    signature = Signature(eqs.coordinate_names, eqs.speed_names, left, kept)
+    return build_sequence(eqs.formed.graph, roots, _places(eqs, signature)), signature
+
+
+def _replaced(eqs: EquationSet, roots: Roots, replacements: Mapping[int, int]) -> Roots:
+    return Roots(roots.name, roots.shape, tuple(substitute(eqs.formed.graph, roots.nodes, replacements)))
+
+
+def _places(eqs: EquationSet, signature: Signature) -> dict[int, Input]:
+    names, graph = eqs.formed.names, eqs.formed.graph
+    places = {graph.symbol(TIME): Input("t", "t", 0)}
+    for group in ("q", "u", "r", "p"):
+        for k, name in enumerate(signature.names(group)):
+            places[names.node(name)] = Input(name, group, k)
+    return places
+
+
+def _parameter_nodes(eqs: EquationSet, given: Mapping[str, Value], free: Items[str]) -> dict[int, int]:
+    """Return the nodes that take the place of parameters, computed in the order of their dependence."""
+    model, names, graph = eqs.model, eqs.formed.names, eqs.formed.graph
+    _check_names(eqs, given, free)
+    nodes: dict[str, int] = {name: names.node(name) for name in free}
+    missing = []
+    for name in model.parameter_order():
+        if name in nodes:
+            continue
+        formula = Formula.of(given[name], where=name) if name in given else model.parameters[name]
+        if formula is None:
+            missing.append(name)
+        else:
+            nodes[name] = substitute(
+                graph, [names.expression(formula, f"parameter {name}").index], {names.node(k): v for k, v in nodes.items()}
+            )[0]
+    if missing:
+        raise CompileError(_missing(missing))
+    return {names.node(name): node for name, node in nodes.items() if name not in free}
+
+
+def _input_nodes(eqs: EquationSet, given: Mapping[str, Value], known: Mapping[int, int]) -> dict[int, int]:
+    names, graph = eqs.formed.names, eqs.formed.graph
+    problems = [_unknown("input", name, eqs.input_names) for name in given if name not in eqs.input_names]
+    if problems:
+        raise CompileError(*problems)
+    result = {}
+    for name, value in given.items():
+        node = names.expression(Formula.of(value, where=f"input {name}"), f"input {name}").index
+        result[names.node(name)] = substitute(graph, [node], known)[0]
+    return result
+
+
+def _check_names(eqs: EquationSet, given: Mapping[str, Value], free: Items[str]) -> None:
+    known = eqs.parameter_names
+    problems = [_unknown("parameter", name, known) for name in (*given, *free) if name not in known]
+    if problems:
+        raise CompileError(*problems)
+
+
+def _unknown(kind: str, name: str, known: Items[str]) -> Problem:
+    return Problem(f"compile.unknown_{kind}", name, f"the model has no {kind} {name!r}", "", nearest(name, known))
+
+
+def _missing(names: Items[str]) -> Problem:
+    listed = ", ".join(names)
+    return Problem(
+        "compile.missing_value", "parameters", f"no value is given for {listed}",
+        "a number is needed to compute with", f"give parameters={{{names[0]!r}: ...}}, or name them in free=",
+    )  # fmt: skip

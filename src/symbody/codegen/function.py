@@ -1,0 +1,264 @@
+"""`CompiledFunction`: a sequence as native code behind a NumPy calling convention."""
+
+from __future__ import annotations
+
+import ctypes
+from collections import namedtuple
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from symbody.codegen import c
+from symbody.codegen.llvm import NativeFunction, compile_sequence
+from symbody.errors import CompileError, Problem, SimulationError
+from symbody.expr.folding import fold_constants
+from symbody.expr.sequence import Sequence
+
+Floats = NDArray[np.float64]
+GROUPS: Final = ("t", "q", "u", "r", "p", "c")
+_WORDS: Final = {"q": "coordinates", "u": "speeds", "r": "inputs", "p": "parameters", "t": "time"}
+_POINTER: Final = ctypes.c_void_p
+_BATCH: Final = ctypes.CFUNCTYPE(
+    ctypes.c_int, ctypes.c_long, *([_POINTER, ctypes.c_long] * len(GROUPS)), _POINTER, ctypes.c_long, _POINTER
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Signature:
+    """Names of what a function takes, group by group, in order."""
+
+    q: tuple[str, ...]
+    u: tuple[str, ...]
+    r: tuple[str, ...]
+    p: tuple[str, ...]
+
+    def names(self, group: str) -> tuple[str, ...]:
+        """Return the names of one group."""
+        return {"q": self.q, "u": self.u, "r": self.r, "p": self.p}.get(group, ("t",))
+
+
+class CompiledFunction:
+    """Native function ``f(t, q, u, r=(), p=(), *, out=None)``.
+
+    Arguments are 1-D, or have leading batch axes that broadcast against each other: q of shape
+    (B, n_q) gives results of shape (B, ...). Calls are reentrant and release the GIL; functions pickle.
+
+    Parameters
+    ----------
+    sequence : Sequence
+        What is computed.
+    signature : Signature
+        Names and order of the arguments, for messages.
+    """
+
+    def __init__(self, sequence: Sequence, signature: Signature) -> None:
+        self.sequence = sequence
+        self.signature = signature
+        head, tail = fold_constants(sequence).split("p")
+        self._head = _Native(head) if head.output_size else None
+        self._tail = _Native(tail)
+        self._result = _result_type(sequence)
+
+    def __call__(
+        self,
+        t: ArrayLike,
+        q: ArrayLike,
+        u: ArrayLike,
+        r: ArrayLike = (),
+        p: ArrayLike = (),
+        *,
+        out: Floats | None = None,
+    ) -> Any:
+        """Return the outputs: an array for one, a named tuple for several.
+
+        Parameters
+        ----------
+        t : () or batch [s]
+        q : (..., n_q) coordinates
+        u : (..., n_u) speeds
+        r : (..., n_r) inputs
+        p : (..., n_p) free parameters
+        out : array, optional
+            Receives the result of a single output, of the result's shape, contiguous float64.
+
+        Raises
+        ------
+        CompileError
+            If an argument has the wrong length or type, naming its entries in order.
+        SimulationError
+            If the mass matrix is singular on the admissible velocities.
+        """
+        given = {group: self._checked(group, x) for group, x in zip("qurp", (q, u, r, p), strict=True)}
+        given["t"] = self._checked("t", np.asarray(t)[..., np.newaxis])
+        batch = _broadcast(given)
+        if self._head is not None:
+            given["c"] = self._head(given, given["p"].shape[:-1])
+        return self._shaped(self._tail(given, batch), batch, out)
+
+    def of_state(self, t: ArrayLike, x: ArrayLike, r: ArrayLike = (), p: ArrayLike = ()) -> Any:
+        """Return the outputs for a state (speeds, then coordinates), the order of ``eqs.states``."""
+        state = np.asarray(x)
+        count = len(self.signature.u)
+        names = self.signature.u + self.signature.q
+        if state.ndim == 0 or state.shape[-1] != len(names):
+            raise CompileError(_length_problem("x", "states", names, state.shape))
+        return self(t, state[..., count:], state[..., :count], r, p)
+
+    def bind(self, p: ArrayLike) -> Callable[..., Any]:
+        """Return ``f(t, q, u, r=())`` with parameters fixed; what depends on them alone is computed now."""
+        values = self._checked("p", p)
+        given = {group: np.zeros(0) for group in GROUPS} | {"p": values}
+        cached = np.zeros(0) if self._head is None else self._head(given, values.shape[:-1])
+
+        def bound(t: ArrayLike, q: ArrayLike, u: ArrayLike, r: ArrayLike = ()) -> Any:
+            now = {group: self._checked(group, x) for group, x in zip("qur", (q, u, r), strict=True)}
+            now |= {"t": self._checked("t", np.asarray(t)[..., np.newaxis]), "p": values, "c": cached}
+            batch = _broadcast(now)
+            return self._shaped(self._tail(now, batch), batch, None)
+
+        return bound
+
+    @property
+    def address(self) -> int:
+        """Address of ``int f(t, q, u, r, p, c, out, work)``, all pointers to double; see `constants`."""
+        return self._tail.native.address
+
+    @property
+    def work_size(self) -> int:
+        """Doubles of scratch that the function at `address` needs."""
+        return self._tail.native.work_size
+
+    def constants(self, p: ArrayLike = ()) -> Floats:
+        """Return the values ``c`` that depend on parameters alone, for calls by address."""
+        given = {group: np.zeros(0) for group in GROUPS} | {"p": self._checked("p", p)}
+        return np.zeros(0) if self._head is None else self._head(given, given["p"].shape[:-1])
+
+    @property
+    def operations(self) -> int:
+        """Operations of one evaluation with parameters bound."""
+        return self._tail.sequence.operation_count
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of all arguments: t, coordinates, speeds, inputs, free parameters."""
+        return ("t", *self.signature.q, *self.signature.u, *self.signature.r, *self.signature.p)
+
+    def source(self, language: str = "c") -> str:
+        """Return the function as source text of another language; see `generate_code`."""
+        return source_text(self.sequence, language)
+
+    def __repr__(self) -> str:
+        outputs = ", ".join(output.name for output in self.sequence.outputs)
+        return f"CompiledFunction({outputs}): {self.operations} operations"
+
+    def __reduce__(self) -> tuple[type[CompiledFunction], tuple[Sequence, Signature]]:
+        return CompiledFunction, (self.sequence, self.signature)
+
+    def _checked(self, group: str, value: ArrayLike) -> Floats:
+        given = np.asarray(value)
+        names = self.signature.names(group)
+        if given.ndim == 0 or given.shape[-1] != len(names):
+            raise CompileError(_length_problem(group, _WORDS[group], names, given.shape))
+        if given.size and given.dtype.kind not in "fiu":
+            raise CompileError(
+                Problem("compile.argument_type", group, f"{_WORDS[group]} are of type {given.dtype}",
+                        "only real numbers can be computed with", "give floats")
+            )  # fmt: skip
+        return given.astype(np.float64, copy=False)
+
+    def _shaped(self, flat: Floats, batch: tuple[int, ...], out: Floats | None) -> Any:
+        results, start = [], 0
+        for output in self.sequence.outputs:
+            stop = start + len(output.values)
+            results.append(flat[..., start:stop].reshape(batch + output.shape))
+            start = stop
+        if self._result is not None:
+            return self._result(*results)
+        if out is None:
+            return results[0]
+        out[...] = results[0]
+        return out
+
+
+class _Native:
+    """Native code of one sequence, called over a batch."""
+
+    def __init__(self, sequence: Sequence) -> None:
+        self.sequence = sequence
+        self.native: NativeFunction = compile_sequence(sequence)
+        self._call = _BATCH(self.native.batch_address)
+
+    def __call__(self, given: Mapping[str, Floats], batch: tuple[int, ...]) -> Floats:
+        count = int(np.prod(batch, dtype=np.int64))
+        size = self.sequence.output_size
+        out = np.empty((count, size))
+        work = np.empty(self.native.work_size)
+        held, arguments = [], []
+        for group in GROUPS:
+            rows, stride = _rows(given.get(group), batch, count)
+            held.append(rows)
+            arguments += [rows.ctypes.data, stride]
+        status = self._call(count, *arguments, out.ctypes.data, size, work.ctypes.data)
+        if status:
+            raise SimulationError(
+                Problem("numerics.singular_mass", "", "the mass matrix is singular on the admissible velocities",
+                        "a body without mass or inertia can move freely", "give it mass or inertia")
+            )  # fmt: skip
+        return out.reshape((*batch, size))
+
+
+def source_text(sequence: Sequence, language: str) -> str:
+    """Return a sequence as source text.
+
+    Raises
+    ------
+    CompileError
+        If the language is not known.
+    """
+    if language.lower() != "c":
+        raise CompileError(
+            Problem("compile.unknown_language", "language", f"there is no language {language!r}", "",
+                    "known languages: 'c'.")
+        )  # fmt: skip
+    return c.generate(sequence)
+
+
+def _rows(values: Floats | None, batch: tuple[int, ...], count: int) -> tuple[Floats, int]:
+    """Return a contiguous array of rows and the distance of two rows; 0 repeats the one row."""
+    if values is None or values.shape[-1] == 0:
+        return np.zeros(1), 0
+    if values.ndim == 1 or values.shape[:-1] == (1,) * (values.ndim - 1):
+        return np.ascontiguousarray(values).reshape(-1), 0
+    size = values.shape[-1]
+    return np.ascontiguousarray(np.broadcast_to(values, (*batch, size))).reshape(count, size), size
+
+
+def _broadcast(given: Mapping[str, Floats]) -> tuple[int, ...]:
+    try:
+        return np.broadcast_shapes(*(values.shape[:-1] for values in given.values()))
+    except ValueError as error:
+        shapes = ", ".join(f"{group} {values.shape}" for group, values in given.items() if values.size)
+        raise CompileError(
+            Problem("compile.batch_shapes", "", f"batch axes do not broadcast: {shapes}", str(error),
+                    "give leading axes of equal length, or of length 1")
+        ) from error  # fmt: skip
+
+
+def _length_problem(group: str, word: str, names: tuple[str, ...], shape: tuple[int, ...]) -> Problem:
+    listed = ", ".join(names) or "none"
+    return Problem(
+        "compile.argument_length", group,
+        f"{word} have shape {shape}, but {len(names)} numbers are expected on the last axis", "",
+        f"the order is ({listed})",
+    )  # fmt: skip
+
+
+def _result_type(sequence: Sequence) -> Callable[..., Any] | None:
+    """Return a named tuple class, or None for a single output; expressions get the names _0, _1, ..."""
+    if len(sequence.outputs) == 1:
+        return None
+    names = [output.name for output in sequence.outputs]
+    return namedtuple("Outputs", names, rename=True)  # type: ignore[misc]

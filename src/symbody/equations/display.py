@@ -1,0 +1,65 @@
+"""Equations of motion as a person writes them: what moves on the left, what acts from outside on the right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from symbody.equations.formed import Formed
+from symbody.expr.canonical import ZERO, add, sub
+from symbody.expr.graph import Graph, Kind
+from symbody.expr.latex import to_display, to_latex
+from symbody.expr.opcodes import ADD, NEG, SUB
+from symbody.expr.rewrite import dependence
+
+_MOVING = frozenset({Kind.COORDINATE, Kind.SPEED, Kind.MULTIPLIER})
+
+
+def display_equations(formed: Formed) -> list[str]:
+    """Return one line an equation, for instance ``m x'' + d x' + k x = F``."""
+    return [f"{left} = {right}" for left, right in _printed(formed, to_display)]
+
+
+def latex_equations(formed: Formed) -> list[str]:
+    """Return one LaTeX formula an equation, without delimiters."""
+    return [f"{left} = {right}" for left, right in _printed(formed, to_latex)]
+
+
+def _printed(formed: Formed, show: Callable[[Graph, int], str]) -> list[tuple[str, str]]:
+    graph = formed.graph
+    rates = formed.expressions(tuple(symbol.derivative for symbol in formed.u))
+    lines = []
+    for row, forcing in zip(formed.projection.mass_matrix, formed.projection.forcing, strict=True):
+        total = -forcing
+        for entry, rate in zip(row, rates, strict=True):
+            total = total + entry * rate
+        left, right = _sides(graph, total.index)
+        lines.append((show(graph, left), show(graph, right)))
+    return lines
+
+
+def _sides(graph: Graph, total: int) -> tuple[int, int]:
+    """Split ``total = 0`` into terms that move and terms that do not."""
+    kinds = dependence(graph, [total])
+    left, right = ZERO, ZERO
+    for sign, term in _terms(graph, total):
+        if kinds[term] & _MOVING:
+            left = add(graph, left, term) if sign > 0 else sub(graph, left, term)
+        else:
+            right = sub(graph, right, term) if sign > 0 else add(graph, right, term)
+    return left, right
+
+
+def _terms(graph: Graph, node: int) -> list[tuple[int, int]]:
+    """Return the signed terms of a sum, nested sums included."""
+    terms = []
+    stack = [(1, node)]
+    while stack:
+        sign, node = stack.pop()
+        op = graph.ops[node]
+        if op in (ADD, SUB):
+            stack += [(sign if op == ADD else -sign, graph.right[node]), (sign, graph.left[node])]
+        elif op == NEG:
+            stack.append((-sign, graph.left[node]))
+        else:
+            terms.append((sign, node))
+    return terms

@@ -1,0 +1,188 @@
+"""`EquationSet`: the hinge between how equations are formed and what is done with them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from symbody.equations.formed import Formed
+from symbody.equations.outputs import output_roots
+from symbody.expr.expression import Expr
+from symbody.expr.graph import Symbol
+from symbody.expr.rewrite import operation_count
+from symbody.expr.sequence import Roots
+from symbody.expr.sympy_bridge import (
+    SympyEquation,
+    SympyExpr,
+    SympyMatrix,
+    sympy_equations,
+    sympy_matrix,
+    to_sympy,
+)
+from symbody.model.model import Model
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class EquationSet:
+    """Equations of motion ``M u' = F``, ``q' = N u + nu`` of a model.
+
+    Every property that shows formulas returns SymPy objects in dynamicsymbols; the numbers come from
+    the expression graph behind them, through `compile` and `simulate`.
+
+    Attributes
+    ----------
+    model : Model
+        What the equations belong to.
+    formed : Formed
+        The equations in the expression graph.
+    notes : tuple of str
+        Every choice that was made, with its reason.
+    """
+
+    model: Model
+    formed: Formed
+    notes: tuple[str, ...] = ()
+    # Roots already made; a pure function of `formed`, so it cannot go stale.
+    _roots: dict[str, Roots] = field(default_factory=dict, repr=False)
+
+    def __repr__(self) -> str:
+        return f"EquationSet of {self.model.name!r}: {len(self.formed.u)} speeds, 0 constraints"
+
+    @property
+    def coordinate_names(self) -> tuple[str, ...]:
+        """Names of q in order."""
+        return tuple(symbol.label for symbol in self.formed.q)
+
+    @property
+    def speed_names(self) -> tuple[str, ...]:
+        """Names of u in order."""
+        return tuple(symbol.label for symbol in self.formed.u)
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Names of the states: speeds, then coordinates."""
+        return self.speed_names + self.coordinate_names
+
+    @property
+    def input_names(self) -> tuple[str, ...]:
+        """Names of the inputs r in order."""
+        return tuple(symbol.name for symbol in self.formed.inputs)
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of all parameters of the model."""
+        return tuple(symbol.name for symbol in self.formed.parameters)
+
+    @property
+    def multiplier_names(self) -> tuple[str, ...]:
+        """Names of the multipliers; none in a tree."""
+        return ()
+
+    @property
+    def coordinates(self) -> tuple[SympyExpr, ...]:
+        """Coordinates q as dynamicsymbols."""
+        return self._symbols(self.formed.q)
+
+    @property
+    def speeds(self) -> tuple[SympyExpr, ...]:
+        """Speeds u; those that are rates are derivatives of the coordinates."""
+        return self._symbols(self.formed.u)
+
+    @property
+    def states(self) -> tuple[SympyExpr, ...]:
+        """Speeds, then coordinates."""
+        return self.speeds + self.coordinates
+
+    @property
+    def inputs(self) -> tuple[SympyExpr, ...]:
+        """Inputs r as dynamicsymbols."""
+        return self._symbols(self.formed.inputs)
+
+    @property
+    def parameters(self) -> tuple[SympyExpr, ...]:
+        """Parameters as symbols."""
+        return self._symbols(self.formed.parameters)
+
+    @property
+    def multipliers(self) -> tuple[SympyExpr, ...]:
+        """Multipliers lambda; none in a tree."""
+        return ()
+
+    @property
+    def mass_matrix(self) -> SympyMatrix:
+        """M, (n_u, n_u), symmetric."""
+        return self._matrix("mass_matrix")
+
+    @property
+    def forcing(self) -> SympyMatrix:
+        """F, (n_u, 1): everything but ``M u'``, on the right-hand side."""
+        return self._matrix("forcing")
+
+    @property
+    def constraints(self) -> SympyMatrix:
+        """Position constraints Phi, (n_h, 1); none in a tree."""
+        return self._matrix("constraints")
+
+    @property
+    def constraint_jacobian(self) -> SympyMatrix:
+        """J in the speeds, (n_c, n_u); no rows in a tree."""
+        return self._matrix("jacobian")
+
+    @property
+    def kinetic_energy(self) -> SympyExpr:
+        """Kinetic energy relative to ground [J]."""
+        return self._matrix("kinetic_energy")[0]
+
+    @property
+    def potential_energy(self) -> SympyExpr:
+        """Potential energy of gravity and springs [J], zero at the origin and at the free lengths."""
+        return self._matrix("potential_energy")[0]
+
+    @property
+    def kinematic_equations(self) -> list[SympyEquation]:
+        """``q' = N u + nu``, one equation a coordinate."""
+        formed = self.formed
+        rates = [formed.graph.symbol(symbol.derivative) for symbol in formed.q]
+        return sympy_equations(formed.graph, rates, self.roots("qdot").nodes)
+
+    def dynamic_equations(self) -> list[SympyEquation]:
+        """Return ``M u' = F``, one equation a speed, in the order of `speeds`."""
+        formed = self.formed
+        rates = formed.expressions(tuple(symbol.derivative for symbol in formed.u))
+        left = [_sum_of_products(row, rates) for row in formed.projection.mass_matrix]
+        nodes = [side.index for side in left]
+        return sympy_equations(formed.graph, nodes, [side.index for side in formed.projection.forcing])
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Independent speeds at a generic configuration."""
+        return len(self.formed.u)
+
+    def operation_count(self, *outputs: str) -> int:
+        """Return the operations of a shared evaluation of `outputs`, parameters as symbols."""
+        nodes = [node for name in outputs for node in self.roots(name).nodes]
+        return operation_count(self.formed.graph, nodes)
+
+    def roots(self, name: str) -> Roots:
+        """Return the roots of an output in the expression graph; see `output_roots`."""
+        found = self._roots.get(name)
+        if found is None:
+            found = output_roots(self.formed, name)
+            self._roots[name] = found
+        return found
+
+    def _symbols(self, symbols: tuple[Symbol, ...]) -> tuple[SympyExpr, ...]:
+        graph = self.formed.graph
+        return tuple(to_sympy(graph, [graph.symbol(symbol) for symbol in symbols]))
+
+    def _matrix(self, name: str) -> SympyMatrix:
+        roots = self.roots(name)
+        rows, columns = (*roots.shape, 1, 1)[:2]
+        return sympy_matrix(self.formed.graph, rows, columns, roots.nodes)
+
+
+def _sum_of_products(row: Sequence[Expr], column: Sequence[Expr]) -> Expr:
+    total = Expr(column[0].graph, 0)
+    for a, b in zip(row, column, strict=True):
+        total = total + a * b
+    return total

@@ -1,0 +1,64 @@
+"""Names in formulas: which node of the graph a word in a model stands for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from symbody.errors import FormulationError, Problem, nearest
+from symbody.expr.expression import Expr
+from symbody.expr.formula import Formula, build
+from symbody.expr.graph import TIME, Graph, Kind, Symbol
+
+
+@dataclass(frozen=True, slots=True)
+class Names:
+    """The symbols of a model by name: parameters, inputs, ``t``, coordinates and ``<coordinate>_dot``."""
+
+    graph: Graph
+    symbols: Mapping[str, Symbol]
+
+    def node(self, name: str, where: str = "") -> int:
+        """Return the node of a name.
+
+        Raises
+        ------
+        FormulationError
+            If no symbol has this name.
+        """
+        if name == "pi":
+            return self.graph.pi()
+        symbol = self.symbols.get(name)
+        if symbol is None:
+            raise FormulationError(
+                Problem("equations.unknown_name", where, f"there is no symbol {name!r}", "",
+                        nearest(name, [*self.symbols, "pi"]))
+            )  # fmt: skip
+        return self.graph.symbol(symbol)
+
+    def symbol(self, name: str) -> Expr:
+        """Return the symbol of a name as an expression."""
+        return Expr(self.graph, self.node(name))
+
+    def expression(self, formula: Formula, where: str = "") -> Expr:
+        """Return a formula as an expression of the graph."""
+        return Expr(self.graph, build(formula, self.graph, lambda name, _: self.node(name, where)))
+
+    def triple(self, formulas: Iterable[Formula], where: str = "") -> tuple[Expr, Expr, Expr]:
+        """Return three formulas as expressions."""
+        x, y, z = (self.expression(formula, where) for formula in formulas)
+        return (x, y, z)
+
+
+def model_names(
+    graph: Graph, parameters: Iterable[str], inputs: Iterable[str], coordinates: Iterable[str]
+) -> Names:
+    """Return the names of a model."""
+    symbols = {"t": TIME}
+    symbols.update((name, Symbol(name, Kind.PARAMETER)) for name in parameters)
+    symbols.update((name, Symbol(name, Kind.INPUT)) for name in inputs)
+    for name in coordinates:
+        coordinate = Symbol(name, Kind.COORDINATE)
+        for symbol in (coordinate, coordinate.derivative, coordinate.derivative.derivative):
+            symbols[symbol.label] = symbol
+    return Names(graph, symbols)

@@ -1,0 +1,128 @@
+"""One exception root; every message says what is wrong, where, why, and what to do.
+
+A stage that finds several problems raises once with all of them. Exit codes of the command
+line follow the class: 2 usage, 3 model, 4 numerics, 5 environment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import ClassVar
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One fault, told so that the reader can mend it.
+
+    Attributes
+    ----------
+    code : str
+        Stable identifier such as ``"model.duplicate_name"``; documented in ``docs/messages.md``.
+    where : str
+        Object path or ``file:line`` of the fault, for instance ``"joint slider, axis"``.
+    what : str
+        The fact, in one sentence.
+    why : str
+        The likely cause, where it is not plain from `what`.
+    fix : str
+        What to type instead.
+    """
+
+    code: str
+    where: str
+    what: str
+    why: str = ""
+    fix: str = ""
+
+    def __str__(self) -> str:
+        lines = [f"[{self.code}] {self.where}: {self.what}" if self.where else f"[{self.code}] {self.what}"]
+        if self.why:
+            lines.append(f"  why: {self.why}")
+        if self.fix:
+            lines.append(f"  fix: {self.fix}")
+        return "\n".join(lines)
+
+
+class SymbodyError(Exception):
+    """Root of everything symbody raises for faults of the caller.
+
+    Parameters
+    ----------
+    *problems : Problem
+        All problems of the stage that failed, at least one.
+    """
+
+    exit_code: ClassVar[int] = 3
+
+    def __init__(self, *problems: Problem) -> None:
+        self.problems: tuple[Problem, ...] = problems
+        Exception.__init__(self, *problems)
+
+    def __str__(self) -> str:
+        return "\n".join(str(problem) for problem in self.problems)
+
+
+class UsageError(SymbodyError):
+    """A call or a command line that asks for something that does not exist."""
+
+    exit_code = 2
+
+
+class ExpressionError(SymbodyError):
+    """Text or an operation that is not a legal expression."""
+
+
+class FormatError(SymbodyError):
+    """A file that cannot be read as what it claims to be."""
+
+
+class FrameError(SymbodyError):
+    """Vectors, points or frames that do not fit together."""
+
+
+class ModelError(SymbodyError):
+    """A mechanism whose description contradicts itself."""
+
+
+class TopologyError(SymbodyError):
+    """A choice of trees that does not span the mechanism."""
+
+
+class FormulationError(SymbodyError):
+    """Equations that cannot be formed the way that was asked."""
+
+
+class CompileError(SymbodyError):
+    """Outputs, parameters or arguments that do not fit a compiled function."""
+
+
+class AssemblyError(SymbodyError):
+    """Positions or velocities that cannot satisfy the constraints."""
+
+    exit_code = 4
+
+
+class SimulationError(SymbodyError):
+    """A motion that cannot be computed as asked."""
+
+    exit_code = 4
+
+
+class EnvironmentFault(SymbodyError):
+    """Something this computer lacks: a package, a permission, a file."""
+
+    exit_code = 5
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """Return a "did you mean" sentence for `name`, or a list of what is known."""
+    names = sorted(set(known))
+    close = get_close_matches(name, names, n=3, cutoff=0.6)
+    if close:
+        return "did you mean " + " or ".join(repr(word) for word in close) + "?"
+    if not names:
+        return "there are no names to choose from."
+    shown = ", ".join(names[:20]) + (f", ... ({len(names)} in all)" if len(names) > 20 else "")
+    return f"known names: {shown}."

@@ -1,0 +1,1 @@
+"""The expression graph on which everything computes."""

@@ -1,0 +1,175 @@
+"""Derivatives on the graph: forward along a direction, reverse from a root, by time, linear parts.
+
+Derivatives are nodes of the same graph, so they share everything with what they are derivatives of.
+Griewank & Walther, Evaluating Derivatives (2008), chapter 3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from symbody.errors import FormulationError, Problem
+from symbody.expr.canonical import ONE, ZERO, add, mul, sub
+from symbody.expr.graph import Graph, Kernel, Kind
+from symbody.expr.opcodes import PICK, SADDLE, SELECT, SYMBOL
+from symbody.expr.partials import partials
+from symbody.expr.rewrite import substitute, symbols_of
+
+
+def forward(graph: Graph, roots: Sequence[int], tangents: Mapping[int, int]) -> list[int]:
+    """Return the derivatives of `roots` along a direction.
+
+    Parameters
+    ----------
+    tangents : mapping of node to node
+        Derivative of each seed; every other symbol counts as constant.
+    """
+    known = dict(tangents)
+    for node in graph.reachable(roots):
+        if node in known:
+            continue
+        op = graph.ops[node]
+        if op == PICK:
+            _saddle_tangents(graph, graph.left[node], known)
+            known.setdefault(node, ZERO)
+        elif any(known.get(k, ZERO) for k in graph.operands(node)) and op != SADDLE:
+            known[node] = _tangent(graph, node, known)
+    return [known.get(root, ZERO) for root in roots]
+
+
+def derivative(graph: Graph, roots: Sequence[int], by: int) -> list[int]:
+    """Return the partial derivatives of `roots` by one node, usually a symbol."""
+    return forward(graph, roots, {by: ONE})
+
+
+def gradient(graph: Graph, root: int, by: Sequence[int]) -> list[int]:
+    """Return the partial derivatives of one `root` by many nodes, in one reverse sweep."""
+    reached = graph.reachable([root])
+    if any(graph.ops[node] == SADDLE for node in reached):
+        return [derivative(graph, [root], node)[0] for node in by]
+    relevant = set(by)
+    for node in reached:
+        if node not in relevant and not relevant.isdisjoint(graph.operands(node)):
+            relevant.add(node)
+    adjoint = {root: ONE}
+    stops = set(by)
+    for node in reversed(reached):
+        weight = adjoint.get(node, ZERO)
+        if weight and node not in stops:
+            for operand, slope in partials(graph, node):
+                if operand in relevant:
+                    term = _scaled(graph, weight, slope)
+                    adjoint[operand] = add(graph, adjoint.get(operand, ZERO), term)
+    return [adjoint.get(node, ZERO) for node in by]
+
+
+def jacobian(graph: Graph, roots: Sequence[int], by: Sequence[int]) -> list[list[int]]:
+    """Return the matrix of partial derivatives, one row a root; forward or reverse, as the shape suggests."""
+    if len(roots) < len(by):
+        return [gradient(graph, root, by) for root in roots]
+    columns = [derivative(graph, roots, node) for node in by]
+    return [list(row) for row in zip(*columns, strict=True)] if by else [[] for _ in roots]
+
+
+def time_derivative(graph: Graph, roots: Sequence[int], rates: Mapping[int, int] | None = None) -> list[int]:
+    """Return total time derivatives.
+
+    Parameters
+    ----------
+    rates : mapping of node to node, optional
+        Rate of each symbol, for instance ``q' = N u``. Symbols not named take their own rate:
+        time 1, parameters 0, everything else the symbol of one more derivative.
+    """
+    seeds = dict(rates or {})
+    for node in symbols_of(graph, roots):
+        if node not in seeds:
+            symbol = graph.symbols[graph.left[node]]
+            if symbol.kind == Kind.TIME:
+                seeds[node] = ONE
+            elif symbol.kind != Kind.PARAMETER:
+                seeds[node] = graph.symbol(symbol.derivative)
+    return forward(graph, roots, seeds)
+
+
+def linear_coefficients(
+    graph: Graph, roots: Sequence[int], unknowns: Sequence[int]
+) -> tuple[list[list[int]], list[int]]:
+    """Split ``roots = A unknowns + b``.
+
+    Returns
+    -------
+    (A, b)
+        `A` one row a root, free of the unknowns; `b` the roots with all unknowns zero.
+
+    Raises
+    ------
+    FormulationError
+        If a root is not linear in the unknowns, naming the unknown.
+    """
+    matrix = [gradient(graph, root, unknowns) for root in roots]
+    rest = substitute(graph, roots, dict.fromkeys(unknowns, ZERO))
+    chosen = set(unknowns)
+    problems = []
+    for i, row in enumerate(matrix):
+        for unknown, slope in zip(unknowns, row, strict=True):
+            if chosen.intersection(symbols_of(graph, [slope])):
+                problems.append(_not_linear(graph, i, unknown))
+    if problems:
+        raise FormulationError(*problems)
+    return matrix, rest
+
+
+def _not_linear(graph: Graph, row: int, unknown: int) -> Problem:
+    name = graph.symbols[graph.left[unknown]].label if graph.ops[unknown] == SYMBOL else f"node {unknown}"
+    return Problem(
+        "expression.not_linear", f"row {row}", f"the expression is not linear in {name}",
+        "linear coefficients were asked for", "solve for quantities that enter linearly",
+    )  # fmt: skip
+
+
+def _scaled(graph: Graph, weight: int, slope: int) -> int:
+    """Return ``weight * slope``, taken inside a select so that a branch not taken cannot spoil it."""
+    if graph.ops[slope] == SELECT:
+        condition, then, otherwise = graph.operands(slope)
+        if ZERO in (then, otherwise):
+            scaled = (condition, _scaled(graph, weight, then), _scaled(graph, weight, otherwise))
+            return graph.many(SELECT, scaled) if scaled[1] != scaled[2] else scaled[1]
+    return mul(graph, weight, slope)
+
+
+def _tangent(graph: Graph, node: int, known: Mapping[int, int]) -> int:
+    total = ZERO
+    for operand, slope in partials(graph, node):
+        weight = known.get(operand, ZERO)
+        if weight:
+            total = add(graph, total, _scaled(graph, weight, slope))
+    return total
+
+
+def _saddle_tangents(graph: Graph, node: int, known: dict[int, int]) -> None:
+    """Differentiate M a = F + J^T lambda, J a = gamma: the same matrix with other right-hand sides."""
+    kernel = graph.kernels[graph.right[node]]
+    operands = graph.operands(node)
+    rates = [known.get(k, ZERO) for k in operands]
+    n, m = kernel.n, kernel.m
+    if not any(rates):
+        return
+    entry = [graph.node(PICK, node, k) for k in range(n + m)]
+    if all(k in known for k in entry):
+        return
+    d_mass, d_jacobian = rates[: n * n], rates[n * n : n * n + m * n]
+    d_force, d_gamma = rates[n * n + m * n : n * n + m * n + n], rates[n * n + m * n + n :]
+    force = list(d_force)
+    gamma = list(d_gamma)
+    for i in range(n):
+        for j in range(n):
+            force[i] = sub(graph, force[i], mul(graph, d_mass[i * n + j], entry[j]))
+        for k in range(m):
+            force[i] = add(graph, force[i], mul(graph, d_jacobian[k * n + i], entry[n + k]))
+    for k in range(m):
+        for j in range(n):
+            gamma[k] = sub(graph, gamma[k], mul(graph, d_jacobian[k * n + j], entry[j]))
+    right = (*operands[: n * n + m * n], *force, *gamma)
+    solved = graph.many(SADDLE, right, graph.kernel(Kernel(n, m)))
+    for k in range(n + m):
+        known[entry[k]] = graph.node(PICK, solved, k)

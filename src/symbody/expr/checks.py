@@ -1,0 +1,145 @@
+"""What an operation demands of its operands, as far as the text alone can tell.
+
+Conditions and numbers must not be mixed, whole exponents stay small, and arithmetic on plain
+numbers must have a finite real result.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Final, NamedTuple
+
+from symbody.errors import Problem
+from symbody.expr.caret import Source
+from symbody.expr.graph import Constant
+from symbody.expr.literals import MAX_EXPONENT, fold
+from symbody.expr.program import COMPARISONS, CONNECTIVES
+
+_SIGNS: Final = {"div": "the division", "power": "the power", "add": "the sum", "mul": "the product"}
+
+
+class Value(NamedTuple):
+    """What is known of a part of the expression: where it begins, and its value if it has one yet."""
+
+    column: int
+    is_condition: bool = False
+    constant: Constant | None = None
+
+
+def applied(source: Source, name: str, column: int, operands: list[Value]) -> tuple[Value, Problem | None]:
+    """Return what is known of the operation `name`, written at `column`, and what is wrong with it."""
+    start = min(column, operands[0].column)
+    result = Value(start, name in COMPARISONS or name in CONNECTIVES)
+    problem = _type_problem(source, name, operands)
+    if problem is not None or result.is_condition or name == "if":
+        return result, problem
+    problem = _operand_problem(source, name, column, operands)
+    constants = [value.constant for value in operands if value.constant is not None]
+    if problem is not None or len(constants) < len(operands):
+        return result, problem
+    try:
+        return Value(start, False, fold(name, *constants)), None
+    except (ArithmeticError, ValueError) as fault:
+        return result, _undefined(source, name, column, fault)
+
+
+def condition_problem(source: Source, column: int) -> Problem:
+    """Return the problem of a condition at `column` that stands where a number is needed."""
+    return source.problem(
+        "expression.condition",
+        column,
+        "a condition stands where a number is needed",
+        "comparisons, and, or, not yield true or false, which is only meaningful as first argument of if(...)",
+        "write if(condition, 1, 0) for a number that is 1 where the condition holds",
+    )
+
+
+def _type_problem(source: Source, name: str, operands: list[Value]) -> Problem | None:
+    for place, value in enumerate(operands):
+        wants_condition = name in CONNECTIVES or (name == "if" and place == 0)
+        if value.is_condition == wants_condition:
+            continue
+        if wants_condition:
+            return source.problem(
+                "expression.not_condition",
+                value.column,
+                f"a number stands where '{name}' needs a condition",
+                "numbers are neither true nor false here",
+                "compare it: x != 0, or x > 0",
+            )
+        if name in COMPARISONS:
+            return source.problem(
+                "expression.chained_comparison",
+                value.column,
+                "the result of a comparison is compared again",
+                "comparisons do not chain",
+                "write a < b and b < c for a < b < c",
+            )
+        return condition_problem(source, value.column)
+    return None
+
+
+def _operand_problem(source: Source, name: str, column: int, operands: list[Value]) -> Problem | None:
+    last = operands[-1]
+    if name == "power":
+        return _exponent_problem(source, last)
+    if name in ("div", "mod") and last.constant == 0:
+        return _undefined(source, name, column, ZeroDivisionError())
+    if name == "smoothstep":
+        return _knot_problem(source, operands[1:])
+    if name == "interp1":
+        return _knot_problem(source, operands[1::2])
+    return None
+
+
+def _exponent_problem(source: Source, exponent: Value) -> Problem | None:
+    value = exponent.constant
+    if value is None or value != int(value) or abs(value) <= MAX_EXPONENT:
+        return None
+    size = str(int(value)) if abs(value) < 10**12 else f"{float(value):.3e}"
+    return source.problem(
+        "expression.exponent",
+        exponent.column,
+        f"the exponent is {size}; whole exponents are limited to {MAX_EXPONENT}",
+        "higher powers of numbers grow without bounds, and those of lengths or angles are hardly meant",
+        "make the exponent a parameter, or write exp(n*log(x))",
+    )
+
+
+def _knot_problem(source: Source, knots: list[Value]) -> Problem | None:
+    for low, high in pairwise(knots):
+        if low.constant is not None and high.constant is not None and not low.constant < high.constant:
+            return source.problem(
+                "expression.knots",
+                high.column,
+                "the places do not increase",
+                "interp1(x, x1, y1, x2, y2, ...) and smoothstep(x, x1, x2) need x1 < x2 < ...",
+                "put the places in increasing order, each once",
+            )
+    return None
+
+
+def _undefined(source: Source, name: str, column: int, fault: Exception) -> Problem:
+    if isinstance(fault, ZeroDivisionError):
+        return source.problem(
+            "expression.division_by_zero",
+            column,
+            "a number is divided by 0",
+            "the divisor is zero as it is written",
+            "remove the division, or mend the divisor",
+        )
+    if isinstance(fault, OverflowError):
+        return source.problem(
+            "expression.constant_range",
+            column,
+            f"{_SIGNS.get(name, name)} is beyond 1.797e308, the largest that can be computed with",
+            "the numbers in it are too large",
+            "mend the numbers, or choose other units",
+        )
+    return source.problem(
+        "expression.undefined",
+        column,
+        f"{_SIGNS.get(name, name)} has no real value for the number given",
+        "roots, logarithms and powers of negative numbers are not real, nor asin and acos beyond 1",
+        "mend the number, or the sign before it",
+    )

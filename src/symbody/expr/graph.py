@@ -1,0 +1,317 @@
+"""The arena: an append-only list of nodes in which equal structure is one node.
+
+A node is an index; its operation and operands lie in parallel lists, children before parents,
+so every traversal is a loop over ascending indices. Folding is not done here but in `canonical`,
+which is the only caller of `Graph.node`.
+
+Node hashes depend on structure alone (never on object identity, build order or PYTHONHASHSEED),
+because the canonical form orders operands by them.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import StrEnum
+from fractions import Fraction
+from hashlib import blake2b
+from numbers import Integral
+from threading import RLock
+from typing import Protocol
+from weakref import WeakKeyDictionary
+
+from symbody.errors import ExpressionError, Problem
+from symbody.expr.opcodes import ARITY, CALL, FLOAT, NEG, PI, PICK, RATIONAL, SADDLE, SYMBOL
+
+# int is used for whole numbers: arithmetic on it is several times faster than on Fraction.
+Exact = int | Fraction
+Constant = int | Fraction | float
+
+
+class Kind(StrEnum):
+    """What a symbol stands for."""
+
+    TIME = "time"
+    COORDINATE = "coordinate"
+    SPEED = "speed"
+    PARAMETER = "parameter"
+    INPUT = "input"
+    MULTIPLIER = "multiplier"
+
+
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """A named quantity.
+
+    Attributes
+    ----------
+    name : str
+        Any text; it is never interpreted.
+    kind : Kind
+        What it stands for; two kinds with one name are two symbols.
+    order : int
+        Number of time derivatives taken.
+    """
+
+    name: str
+    kind: Kind = Kind.PARAMETER
+    order: int = 0
+
+    @property
+    def label(self) -> str:
+        """The name in files and results: ``x``, ``x_dot``, ``x_ddot``."""
+        return self.name if self.order == 0 else f"{self.name}_{'d' * self.order}ot"
+
+    @property
+    def derivative(self) -> Symbol:
+        """The symbol of the time derivative."""
+        return Symbol(self.name, self.kind, self.order + 1)
+
+
+TIME = Symbol("t", Kind.TIME)
+
+
+class UserFunction(Protocol):
+    """A function the user supplies: a table or a Python callable with a declared derivative."""
+
+    @property
+    def name(self) -> str:
+        """Display name."""
+
+    def __call__(self, *arguments: float) -> float:
+        """Return the value."""
+
+    def derivative(self, position: int) -> UserFunction:
+        """Return the partial derivative by the argument at `position`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kernel:
+    """Sizes of one `solve_saddle`: `n` unknown accelerations, `m` constraint rows."""
+
+    n: int
+    m: int
+
+
+class Graph:
+    """Append-only arena of hash-consed nodes, owned by one derivation.
+
+    Reading is free in threads; appending takes the graph's lock.
+    """
+
+    __slots__ = (
+        "__weakref__", "_copies", "_index", "_lock", "_symbol_index", "constants", "functions", "hashes",
+        "kernels", "left", "operand_tuples", "ops", "right", "symbols",
+    )  # fmt: skip
+
+    def __init__(self) -> None:
+        self.ops: list[int] = []
+        self.left: list[int] = []
+        self.right: list[int] = []
+        self.hashes: list[int] = []
+        self.constants: list[Constant] = []
+        self.symbols: list[Symbol] = []
+        self.operand_tuples: list[tuple[int, ...]] = []
+        self.functions: list[UserFunction] = []
+        self.kernels: list[Kernel] = []
+        self._index: dict[object, int] = {}
+        self._symbol_index: dict[Symbol, int] = {}
+        self._copies: WeakKeyDictionary[Graph, dict[int, int]] = WeakKeyDictionary()
+        self._lock = RLock()
+        for value in (0, 1, 2):  # so that node i is the constant i: the folding rules rely on it
+            self.constant(value)
+
+    def __len__(self) -> int:
+        return len(self.ops)
+
+    def __repr__(self) -> str:
+        return f"Graph({len(self.ops)} nodes)"
+
+    def node(self, op: int, a: int, b: int = 0) -> int:
+        """Return the node `op` of the operands `a` and `b`, making it if it is new. No folding."""
+        key = (a << 38) | (b << 6) | op
+        found = self._index.get(key)
+        if found is not None:
+            return found
+        hashes = self.hashes
+        # CPython hashes tuples of int by a fixed function, so this is the same in every process.
+        fingerprint = hash((op, hashes[a], hashes[b])) if ARITY[op] == 2 else hash((op, hashes[a], b))
+        return self._append(key, op, a, b, fingerprint)
+
+    def many(self, op: int, operands: tuple[int, ...], datum: int = 0) -> int:
+        """Return the node `op` with any number of `operands`; `datum` selects a function or kernel."""
+        key = (op, operands, datum)
+        found = self._index.get(key)
+        if found is not None:
+            return found
+        word = datum
+        if op == CALL:
+            word = _text_hash(self.functions[datum].name)
+        elif op == SADDLE:
+            word = self.kernels[datum].n
+        fingerprint = hash((op, word, *[self.hashes[k] for k in operands]))
+        with self._lock:
+            self.operand_tuples.append(operands)
+            return self._append(key, op, len(self.operand_tuples) - 1, datum, fingerprint)
+
+    def constant(self, value: Constant) -> int:
+        """Return the node of a number; negative ones are NEG of the positive.
+
+        Raises
+        ------
+        ExpressionError
+            For bool, complex, NaN, infinity, or anything that is not a number.
+        """
+        kind, number = _checked(value)
+        if number < 0 or (kind == FLOAT and math.copysign(1.0, number) < 0):
+            return self.node(NEG, self.constant(-number))
+        key: object
+        if kind == FLOAT:
+            key = (FLOAT, bits := struct.unpack("<q", struct.pack("<d", number))[0])
+            fingerprint = hash((FLOAT, bits))
+        else:
+            exact = Fraction(number)
+            key = (RATIONAL, exact.numerator, exact.denominator)
+            fingerprint = hash(key)
+        found = self._index.get(key)
+        if found is not None:
+            return found
+        with self._lock:
+            self.constants.append(number)
+            return self._append(key, kind, len(self.constants) - 1, 0, fingerprint)
+
+    def symbol(self, symbol: Symbol) -> int:
+        """Return the node of a symbol."""
+        found = self._symbol_index.get(symbol)
+        if found is not None:
+            return found
+        with self._lock:
+            self.symbols.append(symbol)
+            word = _text_hash(f"{symbol.kind.value}/{symbol.order}/{symbol.name}")
+            node = self._append(symbol, SYMBOL, len(self.symbols) - 1, 0, hash((SYMBOL, word)))
+            self._symbol_index[symbol] = node
+            return node
+
+    def pi(self) -> int:
+        """Return the node of the circle constant, which stays a symbol until numbers are needed."""
+        found = self._index.get(PI)
+        return self._append(PI, PI, 0, 0, hash((PI, 0))) if found is None else found
+
+    def function(self, function: UserFunction) -> int:
+        """Return the place of a user function, for `many(CALL, operands, place)`."""
+        with self._lock:
+            if function not in self.functions:
+                self.functions.append(function)
+            return self.functions.index(function)
+
+    def kernel(self, kernel: Kernel) -> int:
+        """Return the place of a kernel, for `many(SADDLE, operands, place)`."""
+        with self._lock:
+            if kernel not in self.kernels:
+                self.kernels.append(kernel)
+            return self.kernels.index(kernel)
+
+    def operands(self, node: int) -> tuple[int, ...]:
+        """Return the nodes that `node` is computed from."""
+        arity = ARITY[self.ops[node]]
+        if arity == 2:
+            return (self.left[node], self.right[node])
+        if arity == 1:
+            return (self.left[node],)
+        return () if arity == 0 else self.operand_tuples[self.left[node]]
+
+    def number(self, node: int) -> Constant | None:
+        """Return the value of a constant node, or None."""
+        op = self.ops[node]
+        if op <= FLOAT:
+            return self.constants[self.left[node]]
+        if op == NEG and self.ops[self.left[node]] <= FLOAT:
+            return -self.constants[self.left[self.left[node]]]
+        return None
+
+    def reachable(self, roots: Iterable[int]) -> list[int]:
+        """Return all nodes the `roots` are computed from, ascending."""
+        seen: set[int] = set()
+        stack = list(roots)
+        while stack:
+            node = stack.pop()
+            if node not in seen:
+                seen.add(node)
+                stack.extend(self.operands(node))
+        return sorted(seen)
+
+    def datum(self, node: int) -> int:
+        """Return what beside the operands defines `node`: entry of a PICK, place of a function or kernel."""
+        return self.right[node] if self.ops[node] in (PICK, CALL, SADDLE) else 0
+
+    def copies_of(self, other: Graph) -> dict[int, int]:
+        """Return what was copied from another living graph: its nodes to nodes of this one."""
+        with self._lock:
+            return self._copies.setdefault(other, {})
+
+    def _append(self, key: object, op: int, a: int, b: int, fingerprint: int) -> int:
+        with self._lock:
+            found = self._index.get(key)
+            if found is not None:
+                return found
+            node = len(self.ops)
+            self.hashes.append(fingerprint)
+            self.left.append(a)
+            self.right.append(b)
+            self.ops.append(op)
+            self._index[key] = node
+            return node
+
+
+def copy_nodes(source: Graph, target: Graph, roots: Iterable[int], memo: dict[int, int]) -> list[int]:
+    """Copy the `roots` of one graph into another; `memo` (source node to target node) is extended."""
+    wanted = list(roots)
+    for node in source.reachable(wanted):
+        if node not in memo:
+            memo[node] = _copy_node(source, target, node, memo)
+    return [memo[root] for root in wanted]
+
+
+def _copy_node(source: Graph, target: Graph, node: int, memo: dict[int, int]) -> int:
+    op = source.ops[node]
+    arity = ARITY[op]
+    if arity == 2:
+        return target.node(op, memo[source.left[node]], memo[source.right[node]])
+    if arity == 1:
+        return target.node(op, memo[source.left[node]], source.right[node])
+    if op <= FLOAT:
+        return target.constant(source.constants[source.left[node]])
+    if op == SYMBOL:
+        return target.symbol(source.symbols[source.left[node]])
+    if op == PI:
+        return target.pi()
+    datum = source.right[node]
+    if op == CALL:
+        datum = target.function(source.functions[datum])
+    elif op == SADDLE:
+        datum = target.kernel(source.kernels[datum])
+    return target.many(op, tuple(memo[k] for k in source.operands(node)), datum)
+
+
+def _text_hash(text: str) -> int:
+    return int.from_bytes(blake2b(text.encode("utf-8", "surrogatepass"), digest_size=7).digest(), "little")
+
+
+def _checked(value: Constant) -> tuple[int, Constant]:
+    if isinstance(value, Integral) and not isinstance(value, bool):
+        return RATIONAL, int(value)
+    if isinstance(value, Fraction):
+        return RATIONAL, value.numerator if value.denominator == 1 else value
+    if isinstance(value, float) and math.isfinite(value):
+        return FLOAT, float(value)
+    raise ExpressionError(
+        Problem(
+            "expression.not_a_number",
+            "",
+            f"{value!r} of type {type(value).__name__} cannot stand in an expression",
+            "only finite real numbers can: no bool, complex, NaN, infinity or text",
+            "give an int, a Fraction or a finite float; text goes through symbody's parser",
+        )
+    )

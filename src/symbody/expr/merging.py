@@ -1,0 +1,155 @@
+"""Merging of equal values before use: one fingerprint, one node, the cheaper definition wins.
+
+Each output is merged by itself, so that its value has the same bits whether it is asked for alone
+or together with others. A definition that can fail (division, root, logarithm) never replaces one that
+cannot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from symbody.expr.canonical import ONE, ZERO, make, neg
+from symbody.expr.fingerprint import fingerprints, unsigned
+from symbody.expr.graph import Graph, copy_nodes
+from symbody.expr.opcodes import (
+    ACOS,
+    ADD,
+    ARITY,
+    ASIN,
+    CALL,
+    DIV,
+    FMA,
+    LOG,
+    MUL,
+    POW,
+    SADDLE,
+    SQRT,
+    SUB,
+    TAN,
+)  # fmt: skip
+from symbody.expr.rewrite import node_cost
+
+_RISKY = frozenset({ACOS, ASIN, CALL, DIV, LOG, SADDLE, SQRT, TAN})
+
+
+def merge_equal(source: Graph, roots: Sequence[int], target: Graph) -> list[int]:
+    """Return the `roots` rebuilt in `target` with equal or opposite values computed once."""
+    nodes = source.reachable([ZERO, ONE, *roots])
+    values = fingerprints(source, nodes)
+    rank = _ranks(source, nodes)
+    chosen: dict[tuple[int, int], int] = {}
+    for node in nodes:
+        key, _ = unsigned(values[node])
+        if key not in chosen or rank[node] < rank[chosen[key]]:
+            chosen[key] = node
+    kept = _needed(source, roots, {node: chosen[unsigned(values[node])[0]] for node in nodes})
+    built: dict[int, int] = {}
+
+    def in_target(node: int) -> int:
+        key, flipped = unsigned(values[node])
+        best = chosen[key]
+        return neg(target, built[best]) if flipped != unsigned(values[best])[1] else built[best]
+
+    # A representative ranks no higher than what it replaces, so this order puts operands first.
+    for node in sorted(kept, key=rank.__getitem__):
+        built[node] = _rebuilt(source, node, target, [in_target(k) for k in source.operands(node)])
+    return [in_target(root) for root in roots]
+
+
+def contract_products(graph: Graph, roots: Sequence[int]) -> list[int]:
+    """Return the `roots` with ``a*b + c`` as one rounding where the product has no other use."""
+    nodes = graph.reachable(roots)
+    uses = dict.fromkeys(nodes, 0)
+    for node in nodes:
+        for operand in graph.operands(node):
+            uses[operand] += 1
+    for root in roots:
+        uses[root] += 1
+    memo: dict[int, int] = {}
+    for node in nodes:
+        old = graph.operands(node)
+        new = tuple([memo[k] for k in old])
+        fused = _fused(graph, node, uses, memo) if graph.ops[node] in (ADD, SUB) else None
+        memo[node] = fused if fused is not None else _remade(graph, node, old, new)
+    return [memo[root] for root in roots]
+
+
+def _fused(graph: Graph, node: int, uses: dict[int, int], memo: dict[int, int]) -> int | None:
+    a, b = graph.operands(node)
+    minus = graph.ops[node] == SUB
+    for product, rest, product_sign, rest_sign in (
+        (a, b, 1, -1 if minus else 1),
+        (b, a, -1 if minus else 1, 1),
+    ):
+        factors = _factors(graph, product) if uses[product] == 1 else None
+        if factors is not None:
+            x, y, z = memo[factors[0]], memo[factors[1]], memo[rest]
+            x = neg(graph, x) if product_sign < 0 else x
+            z = neg(graph, z) if rest_sign < 0 else z
+            return graph.many(FMA, (x, y, z))
+    return None
+
+
+def _factors(graph: Graph, node: int) -> tuple[int, int] | None:
+    if graph.ops[node] == MUL:
+        return graph.left[node], graph.right[node]
+    if graph.ops[node] == POW and graph.number(graph.right[node]) == 2:
+        return graph.left[node], graph.left[node]
+    return None
+
+
+def _remade(graph: Graph, node: int, old: tuple[int, ...], new: tuple[int, ...]) -> int:
+    """Return `node` with new operands, without folding: contraction must not move signs or terms."""
+    if new == old:
+        return node
+    op = graph.ops[node]
+    if ARITY[op] == 2:
+        return graph.node(op, *new)
+    return (
+        graph.node(op, new[0], graph.right[node])
+        if ARITY[op] == 1
+        else graph.many(op, new, graph.right[node])
+    )
+
+
+def _ranks(graph: Graph, nodes: Sequence[int]) -> dict[int, tuple[bool, float, int, int]]:
+    """Return (can fail, size written out, depth, hash) of each node: a strict order, operands first.
+
+    Nothing in it depends on when a node was made, nor on what else was asked for. Sizes saturate.
+    """
+    ranks: dict[int, tuple[bool, float, int, int]] = {}
+    for node in nodes:
+        below = [ranks[k] for k in graph.operands(node)]
+        op = graph.ops[node]
+        risky = op in _RISKY or (op == POW and not isinstance(graph.number(graph.right[node]), int))
+        ranks[node] = (
+            risky or any(rank[0] for rank in below),
+            float(node_cost(graph, node)) + sum(rank[1] for rank in below),
+            1 + max((rank[2] for rank in below), default=0),
+            graph.hashes[node],
+        )
+    return ranks
+
+
+def _needed(graph: Graph, roots: Sequence[int], best: dict[int, int]) -> set[int]:
+    needed: set[int] = set()
+    stack = [best[root] for root in roots]
+    while stack:
+        node = stack.pop()
+        if node not in needed:
+            needed.add(node)
+            stack.extend(best[k] for k in graph.operands(node))
+    return needed
+
+
+def _rebuilt(source: Graph, node: int, target: Graph, operands: list[int]) -> int:
+    op = source.ops[node]
+    if not operands:
+        return copy_nodes(source, target, [node], {})[0]
+    datum = source.datum(node)
+    if op == CALL:
+        datum = target.function(source.functions[datum])
+    elif op == SADDLE:
+        datum = target.kernel(source.kernels[datum])
+    return make(target, op, tuple(operands), datum)

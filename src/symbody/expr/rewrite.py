@@ -1,0 +1,74 @@
+"""Substitution: rebuild what depends on replaced nodes, keep everything else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from symbody.expr.canonical import make
+from symbody.expr.graph import Graph, Kind
+from symbody.expr.opcodes import COST, POW, SYMBOL
+
+
+def substitute(graph: Graph, roots: Sequence[int], replacements: Mapping[int, int]) -> list[int]:
+    """Return the `roots` with nodes replaced, all at once; replacements are not searched again."""
+    memo = dict(replacements)
+    ops, operands = graph.ops, graph.operands
+    for node in graph.reachable(roots):
+        if node in memo:
+            continue
+        old = operands(node)
+        new = tuple([memo.get(k, k) for k in old])
+        if new != old:
+            memo[node] = make(graph, ops[node], new, graph.datum(node))
+    return [memo.get(root, root) for root in roots]
+
+
+def symbols_of(graph: Graph, roots: Iterable[int]) -> list[int]:
+    """Return the symbol nodes the `roots` depend on, in order of creation."""
+    return [node for node in graph.reachable(roots) if graph.ops[node] == SYMBOL]
+
+
+def operation_count(graph: Graph, roots: Iterable[int]) -> int:
+    """Return the operations of a shared evaluation: + - * / and functions 1 each, negation 0, fma 2.
+
+    A whole power counts its multiplications by squaring.
+    """
+    total = 0
+    for node in graph.reachable(roots):
+        total += node_cost(graph, node)
+    return total
+
+
+def node_cost(graph: Graph, node: int) -> int:
+    """Return the operations of one node, its operands given."""
+    op = graph.ops[node]
+    if op == POW:
+        exponent = graph.number(graph.right[node])
+        if isinstance(exponent, int):
+            return multiplications(exponent)
+    return COST[op]
+
+
+def multiplications(exponent: int) -> int:
+    """Return the multiplications of square-and-multiply for a whole exponent >= 1."""
+    return exponent.bit_length() - 1 + exponent.bit_count() - 1
+
+
+def tree_size(graph: Graph, root: int) -> int:
+    """Return the operations of `root` written out as one formula; exact, however large."""
+    size: dict[int, int] = {}
+    for node in graph.reachable([root]):
+        size[node] = node_cost(graph, node) + sum(size[k] for k in graph.operands(node))
+    return size[root]
+
+
+def dependence(graph: Graph, roots: Iterable[int]) -> dict[int, frozenset[Kind]]:
+    """Return for every reachable node the kinds of symbols it depends on."""
+    found: dict[int, frozenset[Kind]] = {}
+    nothing: frozenset[Kind] = frozenset()
+    for node in graph.reachable(roots):
+        if graph.ops[node] == SYMBOL:
+            found[node] = frozenset({graph.symbols[graph.left[node]].kind})
+        else:
+            found[node] = nothing.union(*[found[k] for k in graph.operands(node)])
+    return found

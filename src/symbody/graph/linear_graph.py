@@ -1,0 +1,46 @@
+"""The linear graph of a mechanism: nodes and edges, without any mechanics.
+
+Words after Koenig, Tokad & Kesavan (1967) and McPhee (1998).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import networkx as nx
+
+
+@dataclass(frozen=True, slots=True)
+class Edge:
+    """A directed edge; several may join the same two nodes."""
+
+    name: str
+    start: str
+    end: str
+
+
+@dataclass(frozen=True, slots=True)
+class LinearGraph:
+    """Nodes and edges; the first node is the root."""
+
+    nodes: tuple[str, ...]
+    edges: tuple[Edge, ...]
+
+    @property
+    def root(self) -> str:
+        """The node that everything is reached from."""
+        return self.nodes[0]
+
+    def edge(self, name: str) -> Edge:
+        """Return the edge called `name`."""
+        return next(edge for edge in self.edges if edge.name == name)
+
+    def unreached(self, names: Iterable[str] | None = None) -> tuple[str, ...]:
+        """Return the nodes that the edges `names` (all by default) do not join to the root."""
+        chosen = {edge.name for edge in self.edges} if names is None else set(names)
+        net = nx.MultiGraph()
+        net.add_nodes_from(self.nodes)
+        net.add_edges_from((edge.start, edge.end) for edge in self.edges if edge.name in chosen)
+        reached = nx.node_connected_component(net, self.root)
+        return tuple(node for node in self.nodes if node not in reached)

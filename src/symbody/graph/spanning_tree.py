@@ -1,0 +1,59 @@
+"""Spanning trees of a linear graph: branches in order outward from the root, chords left over."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import networkx as nx
+
+from symbody.graph.linear_graph import Edge, LinearGraph
+
+
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """A tree edge, walked from the side of the root.
+
+    Attributes
+    ----------
+    forward : bool
+        True if the edge points away from the root.
+    """
+
+    edge: Edge
+    parent: str
+    child: str
+    forward: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SpanningTree:
+    """Branches ordered so that every parent comes before its children, and the chords."""
+
+    branches: tuple[Branch, ...]
+    chords: tuple[Edge, ...]
+
+
+def spanning_tree(graph: LinearGraph, weights: Mapping[str, float]) -> SpanningTree:
+    """Return the spanning tree of least total weight, ties broken by the order of the edges.
+
+    Parameters
+    ----------
+    weights : mapping of edge name to float
+        Reluctance to have the edge in the tree; edges not named weigh 0.
+    """
+    net = nx.MultiGraph()
+    net.add_nodes_from(graph.nodes)
+    for place, edge in enumerate(graph.edges):
+        net.add_edge(edge.start, edge.end, key=edge.name, weight=(weights.get(edge.name, 0.0), place))
+    chosen = {key for _, _, key in nx.minimum_spanning_edges(net, keys=True, data=False)}
+    tree = nx.Graph()
+    tree.add_nodes_from(graph.nodes)
+    for edge in graph.edges:
+        if edge.name in chosen:
+            tree.add_edge(edge.start, edge.end, edge=edge)
+    branches = tuple(
+        Branch(edge := tree.edges[parent, child]["edge"], parent, child, edge.start == parent)
+        for parent, child in nx.bfs_edges(tree, graph.root)
+    )
+    return SpanningTree(branches, tuple(edge for edge in graph.edges if edge.name not in chosen))

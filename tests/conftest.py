@@ -1,0 +1,22 @@
+"""Settings for every test: deterministic, without a screen, without a folder left behind."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+from hypothesis import settings
+
+# Before anything imports matplotlib: the tests run where there is no display.
+os.environ["MPLBACKEND"] = "Agg"
+
+# The same examples on every machine; a failure prints what reproduces it, nothing is stored.
+settings.register_profile("fast", max_examples=50, deadline=None, derandomize=True, database=None)
+settings.register_profile("exhaustive", parent=settings.get_profile("fast"), max_examples=2000)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    # addopts begin with -m "not exhaustive"; any other expression that names the tier asks for it
+    chosen = config.option.markexpr
+    wants_all = "exhaustive" in chosen and "not exhaustive" not in chosen
+    settings.load_profile("exhaustive" if wants_all else "fast")

@@ -1,0 +1,207 @@
+"""The shape of the source: every rule that a script can check, each shown to catch its offence."""
+
+from __future__ import annotations
+
+import ast
+import io
+import statistics
+import tokenize
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).parents[1] / "src" / "symbody"
+FILES = sorted([*SOURCE.rglob("*.py"), *SOURCE.rglob("*.pyi")])
+
+MAX_FILE, MAX_MEDIAN, MAX_FUNCTION = 400, 130, 60
+DRAWERS = {"base", "common", "helpers", "misc", "utils"}
+# Text never becomes code: these turn strings into it.
+TEXT_TO_CODE = {"eval", "exec", "lambdify", "parse_expr", "sympify"}
+# Packages of pyproject's extras: the only ones that may be imported where they are used.
+EXTRAS = {"pandas"}
+# "file: class" of dataclasses that have to change after they are made; say why beside each.
+MUTABLE_DATACLASSES: frozenset[str] = frozenset()
+# Folders that must not ask which joint they have in hand.
+JOINT_BLIND = ("analysis", "equations", "simulation")
+
+Rule = Callable[[str, str], Iterator[str]]
+
+
+def functions(text: str) -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef]:
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            yield node
+
+
+def last_name(node: ast.expr) -> str:
+    """The name that is called or decorated with: ``c`` of ``a.b.c(...)``."""
+    if isinstance(node, ast.Call):
+        return last_name(node.func)
+    return node.attr if isinstance(node, ast.Attribute) else node.id if isinstance(node, ast.Name) else ""
+
+
+def calls(text: str) -> Iterator[ast.Call]:
+    return (node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call))
+
+
+def long_file(path: str, text: str) -> Iterator[str]:
+    lines = text.count("\n")
+    if lines > MAX_FILE:
+        yield f"{lines} lines, at most {MAX_FILE}"
+
+
+def long_function(path: str, text: str) -> Iterator[str]:
+    for node in functions(text):
+        lines = (node.end_lineno or node.lineno) - node.lineno + 1
+        if lines > MAX_FUNCTION:
+            yield f"{node.name} has {lines} lines, at most {MAX_FUNCTION}"
+
+
+def import_inside_function(path: str, text: str) -> Iterator[str]:
+    for function in functions(text):
+        for node in ast.walk(function):
+            if isinstance(node, ast.Import):
+                modules = [alias.name for alias in node.names]
+            elif isinstance(node, ast.ImportFrom):
+                modules = ["." * node.level + (node.module or "")]
+            else:
+                continue
+            for module in modules:
+                if module.partition(".")[0] not in EXTRAS:
+                    yield f"{function.name} imports {module}: imports stand at the top"
+
+
+def drawer(path: str, text: str) -> Iterator[str]:
+    for part in Path(path).with_suffix("").parts:
+        if part in DRAWERS:
+            yield f"{part!r} is a drawer, not a thing: name the file after what it defines"
+
+
+def guessing(path: str, text: str) -> Iterator[str]:
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Global):
+            yield f"line {node.lineno}: global"
+        elif isinstance(node, ast.Call) and last_name(node) == "hasattr":
+            yield f"line {node.lineno}: hasattr"
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT and "type: ignore" in token.string:
+            yield f"line {token.start[0]}: type: ignore"
+
+
+def mutable_dataclass(path: str, text: str) -> Iterator[str]:
+    for node in ast.walk(ast.parse(text)):
+        if not isinstance(node, ast.ClassDef) or f"{path}: {node.name}" in MUTABLE_DATACLASSES:
+            continue
+        for decorator in node.decorator_list:
+            if last_name(decorator) == "dataclass" and not _says_frozen(decorator):
+                yield f"line {node.lineno}: {node.name} is not frozen"
+
+
+def _says_frozen(decorator: ast.expr) -> bool:
+    keywords = decorator.keywords if isinstance(decorator, ast.Call) else []
+    return any(
+        keyword.arg == "frozen" and isinstance(keyword.value, ast.Constant) and keyword.value.value is True
+        for keyword in keywords
+    )
+
+
+def text_to_code(path: str, text: str) -> Iterator[str]:
+    for node in calls(text):
+        if last_name(node) in TEXT_TO_CODE:
+            yield f"line {node.lineno}: {last_name(node)} turns text into code"
+
+
+def asks_which_joint(path: str, text: str) -> Iterator[str]:
+    if not path.startswith(JOINT_BLIND):
+        return
+    for node in calls(text):
+        if last_name(node) == "isinstance" and "Joint" in ast.unparse(node.args[1]):
+            yield f"line {node.lineno}: asks which joint it has; a joint answers for itself"
+
+
+# Each rule, and a file (path, text) that breaks it.
+RULES: dict[str, tuple[Rule, str, str]] = {
+    "long file": (long_file, "model/body.py", "x = 1\n" * (MAX_FILE + 1)),
+    "long function": (long_function, "model/body.py", "def f():\n" + "    x = 1\n" * MAX_FUNCTION),
+    "own import inside function": (
+        import_inside_function,
+        "model/body.py",
+        "def f():\n    from symbody.model import joint\n",
+    ),
+    "relative import inside function": (
+        import_inside_function,
+        "model/body.py",
+        "def f():\n    from . import joint\n",
+    ),
+    "package import inside function": (
+        import_inside_function,
+        "model/body.py",
+        "class A:\n    def f(self):\n        import numpy\n",
+    ),
+    "drawer": (drawer, "model/utils.py", ""),
+    "drawer folder": (drawer, "common/body.py", ""),
+    "global": (guessing, "model/body.py", "def f():\n    global x\n    x = 1\n"),
+    "hasattr": (guessing, "model/body.py", "y = hasattr(1, 'real')\n"),
+    "type: ignore": (guessing, "model/body.py", "y = 1  # type: ignore[assignment]\n"),
+    "bare dataclass": (mutable_dataclass, "model/body.py", "@dataclass\nclass A:\n    x: int\n"),
+    "slotted dataclass": (
+        mutable_dataclass,
+        "model/body.py",
+        "@dataclass(slots=True)\nclass A:\n    x: int\n",
+    ),
+    "dataclass(frozen=False)": (
+        mutable_dataclass,
+        "model/body.py",
+        "@dataclasses.dataclass(frozen=False)\nclass A:\n    x: int\n",
+    ),
+    "eval": (text_to_code, "model/body.py", "y = eval('1')\n"),
+    "sympify": (text_to_code, "model/body.py", "y = sympy.sympify('x')\n"),
+    "isinstance of a joint": (
+        asks_which_joint,
+        "equations/form.py",
+        "y = isinstance(a, (Body, RevoluteJoint))\n",
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    "rule", {rule: None for rule, _, _ in RULES.values()}, ids=lambda rule: rule.__name__
+)
+def test_source_obeys(rule: Rule) -> None:
+    offences = [
+        f"{name}: {offence}"
+        for path in FILES
+        for name in [path.relative_to(SOURCE).as_posix()]
+        for offence in rule(name, path.read_text(encoding="utf-8"))
+    ]
+    assert not offences, "\n" + "\n".join(offences)
+
+
+@pytest.mark.parametrize("offence", RULES)
+def test_rule_catches(offence: str) -> None:
+    rule, path, text = RULES[offence]
+    assert list(rule(path, text))
+
+
+@pytest.mark.parametrize(
+    "rule", {rule: None for rule, _, _ in RULES.values()}, ids=lambda rule: rule.__name__
+)
+def test_rule_lets_good_code_pass(rule: Rule) -> None:
+    good = (
+        '"""A body."""\nimport re\n@dataclass(frozen=True, slots=True)\nclass Body:\n    mass: str\n'
+        "def table():\n    import pandas\n    return pandas\npattern = re.compile('eval(')\n"
+        "heavy = isinstance(Body('1'), Body)\n"
+    )
+    assert not list(rule("equations/body.py", good))
+
+
+def test_files_are_small_on_the_whole() -> None:
+    sizes = [path.read_text(encoding="utf-8").count("\n") for path in FILES if path.suffix == ".py"]
+    assert statistics.median(sizes) <= MAX_MEDIAN
+
+
+def test_every_package_is_typed_and_lazy() -> None:
+    assert (SOURCE / "py.typed").exists()
+    for init in SOURCE.rglob("__init__.pyi"):
+        assert "attach_stub" in init.with_suffix(".py").read_text(encoding="utf-8"), f"{init} is never read"
