@@ -6,6 +6,7 @@ import math
 import random
 from collections.abc import Sequence as Items
 from fractions import Fraction
+from typing import Any
 
 from symbody.expr import opcodes as op
 from symbody.expr.evaluate import FLOATS, whole_power
@@ -35,20 +36,18 @@ class Maker:
         self.inputs: Inputs = {
             group: [self.random.uniform(-2.0, 2.0) for _ in range(size)] for group, size in GROUPS.items()
         }
-        self.sources = [
-            Input(f"{group}{k}", group, k) for group, size in GROUPS.items() for k in range(size)
-        ]
+        self.sources = [Input(f"{group}{k}", group, k) for group, size in GROUPS.items() for k in range(size)]
         self.constants: list[Constant] = []
         self.kernels: list[Kernel] = []
         self.operations: list[Operation] = []
-        self.values: list[object] = []
+        self.values: list[Any] = []  # numbers, truth values, results of kernels
         self.reals: list[int] = []
         self.conditions: list[int] = []
         for k, source in enumerate(self.sources):
             self.add(Operation(op.SYMBOL, (), k), self.inputs[source.group][source.position])
         self.add(Operation(op.PI, ()), math.pi)
 
-    def add(self, operation: Operation, value: object) -> int:
+    def add(self, operation: Operation, value: Any) -> int:
         self.operations.append(operation)
         self.values.append(value)
         number = len(self.operations) - 1
@@ -72,7 +71,11 @@ class Maker:
     def some_constant(self) -> int:
         sign = self.random.choice((1, -1))
         whole = self.random.randint(1, 9)
-        choices = (sign * whole, sign * Fraction(whole, self.random.randint(2, 30)), sign * self.random.random())
+        choices = (
+            sign * whole,
+            sign * Fraction(whole, self.random.randint(2, 30)),
+            sign * self.random.random(),
+        )
         return self.constant(self.random.choice(choices))
 
     def grow(self, code: int) -> None:
@@ -99,7 +102,7 @@ class Maker:
             value = whole_power(self.values[base], exponent)
             number = self.constant(exponent)
         else:
-            number = self.real()
+            number = self.constant(self.random.uniform(-3.0, 3.0))
             value = FLOATS.functions[op.POW](self.values[base], self.values[number])
         if 1e-3 < abs(value) < 1e3:
             self.add(Operation(op.POW, (base, number)), value)
@@ -112,10 +115,14 @@ class Maker:
             condition = self.condition(code, condition, self.random.choice(self.conditions))
             condition = self.condition(op.NOT, condition)
         operands = (condition, self.real(), self.real())
-        self.add(Operation(op.SELECT, operands), FLOATS.functions[op.SELECT](*(self.values[k] for k in operands)))
+        self.add(
+            Operation(op.SELECT, operands), FLOATS.functions[op.SELECT](*(self.values[k] for k in operands))
+        )
 
     def condition(self, code: int, *operands: int) -> int:
-        return self.add(Operation(code, operands), FLOATS.functions[code](*(self.values[k] for k in operands)))
+        return self.add(
+            Operation(code, operands), FLOATS.functions[code](*(self.values[k] for k in operands))
+        )
 
     def kernel(self, n: int, m: int) -> None:
         """Add a solvable system: M = diag(1 + x**2) and random rows."""
@@ -123,8 +130,8 @@ class Maker:
         mass = [zero] * (n * n)
         for k in range(n):
             x = self.real()
-            square = self.add(Operation(op.MUL, (x, x)), self.values[x] * self.values[x])  # type: ignore[operator]
-            mass[k * n + k] = self.add(Operation(op.ADD, (one, square)), 1.0 + self.values[square])  # type: ignore[operator]
+            square = self.add(Operation(op.MUL, (x, x)), self.values[x] * self.values[x])
+            mass[k * n + k] = self.add(Operation(op.ADD, (one, square)), 1.0 + self.values[square])
         rest = [self.real() for _ in range(m * n + n + m)]
         operands = [*mass, *rest]
         numbers = [self.values[k] for k in operands]
@@ -140,11 +147,13 @@ class Maker:
                 self.add(Operation(op.PICK, (node,), k), value)
 
     def finish(self) -> Sequence:
-        outputs = self.random.sample(self.reals, min(12, len(self.reals)))
-        outputs += self.reals[-6:]
+        """Return the sequence: its outputs are all values nothing else reads, and three others."""
+        read = {k for operation in self.operations for k in operation.operands}
+        ends = [k for k in self.reals if k not in read]
+        some = self.random.choices(self.reals, k=6)
         return Sequence(
             tuple(self.sources), tuple(self.constants), tuple(self.kernels), (), tuple(self.operations),
-            (Output("first", (3, 4), tuple(outputs[:12])), Output("last", (6,), tuple(outputs[12:]))),
+            (Output("some", (2, 3), tuple(some)), Output("ends", (len(ends),), tuple(ends))),
         )  # fmt: skip
 
 
@@ -156,3 +165,22 @@ def random_sequence(seed: int, count: int, codes: Items[int], window: int = 60) 
             maker.some_constant()
         maker.grow(maker.random.choice(codes))
     return maker.finish(), maker.inputs
+
+
+def single(code: int, count: int, *constants: Constant) -> Sequence:
+    """Return the sequence of one operation whose operands are q[0], q[1], ... and then `constants`."""
+    operations = [Operation(op.SYMBOL, (), k) for k in range(count)]
+    for k, value in enumerate(constants):
+        operations.append(Operation(op.FLOAT if isinstance(value, float) else op.RATIONAL, (), k))
+    operations.append(Operation(code, tuple(range(len(operations)))))
+    inputs = tuple(Input(f"x{k}", "q", k) for k in range(count))
+    output = Output("y", (), (len(operations) - 1,))
+    return Sequence(inputs, constants, (), (), tuple(operations), (output,))
+
+
+def same_bits(ours: Items[float], theirs: Items[float]) -> bool:
+    """Tell whether all numbers are the same, nan being nan of any kind."""
+    return len(ours) == len(theirs) and all(
+        (a != a and b != b) or (a == b and math.copysign(1.0, a) == math.copysign(1.0, b))
+        for a, b in zip(ours, theirs, strict=True)
+    )

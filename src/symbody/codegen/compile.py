@@ -11,6 +11,7 @@ from collections.abc import Sequence as Items
 from symbody.codegen.function import CompiledFunction, Signature, source_text
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import CompileError, Problem, nearest
+from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.formula import Formula
 from symbody.expr.graph import TIME
 from symbody.expr.rewrite import substitute
@@ -101,7 +102,7 @@ def _places(eqs: EquationSet, signature: Signature) -> dict[int, Input]:
     places = {graph.symbol(TIME): Input("t", "t", 0)}
     for group in ("q", "u", "r", "p"):
         for k, name in enumerate(signature.names(group)):
-            places[names.node(name)] = Input(name, group, k)
+            places[names.symbol(name).index] = Input(name, group, k)
     return places
 
 
@@ -109,7 +110,7 @@ def _parameter_nodes(eqs: EquationSet, given: Mapping[str, Value], free: Items[s
     """Return the nodes that take the place of parameters, computed in the order of their dependence."""
     model, names, graph = eqs.model, eqs.formed.names, eqs.formed.graph
     _check_names(eqs, given, free)
-    nodes: dict[str, int] = {name: names.node(name) for name in free}
+    nodes: dict[str, int] = {name: names.symbol(name).index for name in free}
     missing = []
     for name in model.parameter_order():
         if name in nodes:
@@ -118,12 +119,11 @@ def _parameter_nodes(eqs: EquationSet, given: Mapping[str, Value], free: Items[s
         if formula is None:
             missing.append(name)
         else:
-            nodes[name] = substitute(
-                graph, [names.expression(formula, f"parameter {name}").index], {names.node(k): v for k, v in nodes.items()}
-            )[0]
+            node = names.expression(formula, f"parameter {name}").index
+            nodes[name] = substitute(graph, [node], {names.symbol(k).index: v for k, v in nodes.items()})[0]
     if missing:
         raise CompileError(_missing(missing))
-    return {names.node(name): node for name, node in nodes.items() if name not in free}
+    return {names.symbol(name).index: node for name, node in nodes.items() if name not in free}
 
 
 def _input_nodes(eqs: EquationSet, given: Mapping[str, Value], known: Mapping[int, int]) -> dict[int, int]:
@@ -134,7 +134,7 @@ def _input_nodes(eqs: EquationSet, given: Mapping[str, Value], known: Mapping[in
     result = {}
     for name, value in given.items():
         node = names.expression(Formula.of(value, where=f"input {name}"), f"input {name}").index
-        result[names.node(name)] = substitute(graph, [node], known)[0]
+        result[names.symbol(name).index] = substitute(graph, [node], known)[0]
     return result
 
 
@@ -155,3 +155,23 @@ def _missing(names: Items[str]) -> Problem:
         "compile.missing_value", "parameters", f"no value is given for {listed}",
         "a number is needed to compute with", f"give parameters={{{names[0]!r}: ...}}, or name them in free=",
     )  # fmt: skip
+
+
+def constant_values(
+    eqs: EquationSet, formulas: Mapping[str, Value], parameters: Mapping[str, Value] | None = None
+) -> dict[str, float]:
+    """Return the values of formulas in parameters.
+
+    Raises
+    ------
+    CompileError
+        If a parameter has no value, or a formula reads something else than parameters.
+    """
+    graph, names = eqs.formed.graph, eqs.formed.names
+    replacements = _parameter_nodes(eqs, parameters or {}, ())
+    values = {}
+    for name, value in formulas.items():
+        node = names.expression(Formula.of(value, where=name), name).index
+        roots = Roots(name, (), tuple(substitute(graph, [node], replacements)))
+        values[name] = float(evaluate_sequence(build_sequence(graph, [roots], {}), {})[0][0])
+    return values

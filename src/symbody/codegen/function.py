@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections import namedtuple
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -12,19 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.codegen import c
-from symbody.codegen.llvm import NativeFunction, compile_sequence
-from symbody.errors import CompileError, Problem, SimulationError
+from symbody.codegen.native_call import GROUPS, NativeCall, SinglePoint
+from symbody.errors import CompileError, Problem
 from symbody.expr.folding import fold_constants
 from symbody.expr.sequence import Sequence
 
 Floats = NDArray[np.float64]
-GROUPS: Final = ("t", "q", "u", "r", "p", "c")
 _WORDS: Final = {"q": "coordinates", "u": "speeds", "r": "inputs", "p": "parameters", "t": "time"}
-_POINTER: Final = ctypes.c_void_p
-_BATCH: Final = ctypes.CFUNCTYPE(
-    ctypes.c_int, ctypes.c_long, *([_POINTER, ctypes.c_long] * len(GROUPS)), _POINTER, ctypes.c_long, _POINTER
-)
-
 
 @dataclass(frozen=True, slots=True)
 class Signature:
@@ -58,9 +51,12 @@ class CompiledFunction:
         self.sequence = sequence
         self.signature = signature
         head, tail = fold_constants(sequence).split("p")
-        self._head = _Native(head) if head.output_size else None
-        self._tail = _Native(tail)
+        self._head = NativeCall(head) if head.output_size else None
+        self._tail = NativeCall(tail)
         self._result = _result_type(sequence)
+        sizes = {group: len(signature.names(group)) for group in "tqurp"}
+        sizes["c"] = 0 if self._head is None else self._head.sequence.output_size
+        self._single = SinglePoint(self._tail, sizes)
 
     def __call__(
         self,
@@ -91,6 +87,8 @@ class CompiledFunction:
         SimulationError
             If the mass matrix is singular on the admissible velocities.
         """
+        if self._head is None and self._filled(t, q, u, r, p):
+            return self._shaped(self._single.run().copy(), (), out)
         given = {group: self._checked(group, x) for group, x in zip("qurp", (q, u, r, p), strict=True)}
         given["t"] = self._checked("t", np.asarray(t)[..., np.newaxis])
         batch = _broadcast(given)
@@ -157,6 +155,19 @@ class CompiledFunction:
     def __reduce__(self) -> tuple[type[CompiledFunction], tuple[Sequence, Signature]]:
         return CompiledFunction, (self.sequence, self.signature)
 
+    def _filled(self, *arguments: ArrayLike) -> bool:
+        """Put single points of floats in place; False if this is anything else."""
+        groups = self._single.groups
+        for group, value in zip("tqurp", arguments, strict=True):
+            place = groups[group]
+            array = np.asarray(value)
+            if group == "t":
+                array = array.reshape(-1) if array.ndim == 0 else array[np.newaxis]
+            if array.shape != place.shape or (array.size and array.dtype.char != "d"):
+                return False
+            place[:] = array
+        return True
+
     def _checked(self, group: str, value: ArrayLike) -> Floats:
         given = np.asarray(value)
         names = self.signature.names(group)
@@ -183,33 +194,6 @@ class CompiledFunction:
         return out
 
 
-class _Native:
-    """Native code of one sequence, called over a batch."""
-
-    def __init__(self, sequence: Sequence) -> None:
-        self.sequence = sequence
-        self.native: NativeFunction = compile_sequence(sequence)
-        self._call = _BATCH(self.native.batch_address)
-
-    def __call__(self, given: Mapping[str, Floats], batch: tuple[int, ...]) -> Floats:
-        count = int(np.prod(batch, dtype=np.int64))
-        size = self.sequence.output_size
-        out = np.empty((count, size))
-        work = np.empty(self.native.work_size)
-        held, arguments = [], []
-        for group in GROUPS:
-            rows, stride = _rows(given.get(group), batch, count)
-            held.append(rows)
-            arguments += [rows.ctypes.data, stride]
-        status = self._call(count, *arguments, out.ctypes.data, size, work.ctypes.data)
-        if status:
-            raise SimulationError(
-                Problem("numerics.singular_mass", "", "the mass matrix is singular on the admissible velocities",
-                        "a body without mass or inertia can move freely", "give it mass or inertia")
-            )  # fmt: skip
-        return out.reshape((*batch, size))
-
-
 def source_text(sequence: Sequence, language: str) -> str:
     """Return a sequence as source text.
 
@@ -224,16 +208,6 @@ def source_text(sequence: Sequence, language: str) -> str:
                     "known languages: 'c'.")
         )  # fmt: skip
     return c.generate(sequence)
-
-
-def _rows(values: Floats | None, batch: tuple[int, ...], count: int) -> tuple[Floats, int]:
-    """Return a contiguous array of rows and the distance of two rows; 0 repeats the one row."""
-    if values is None or values.shape[-1] == 0:
-        return np.zeros(1), 0
-    if values.ndim == 1 or values.shape[:-1] == (1,) * (values.ndim - 1):
-        return np.ascontiguousarray(values).reshape(-1), 0
-    size = values.shape[-1]
-    return np.ascontiguousarray(np.broadcast_to(values, (*batch, size))).reshape(count, size), size
 
 
 def _broadcast(given: Mapping[str, Floats]) -> tuple[int, ...]:

@@ -20,7 +20,9 @@ GROUPS: Final = ("t", "q", "u", "r", "p", "c")
 SADDLE_NAME: Final = "symbody_solve_saddle"
 
 # Groups may overlap each other, and `out` or `work` nothing.
-_PARAMETERS: Final = ", ".join([f"ptr readonly %{g}" for g in GROUPS] + ["ptr noalias %out", "ptr noalias %work"])
+_PARAMETERS: Final = ", ".join(
+    [f"ptr readonly %{g}" for g in GROUPS] + ["ptr noalias %out", "ptr noalias %work"]
+)
 _ARGUMENTS: Final = ", ".join(f"ptr %{name}" for name in (*GROUPS, "out", "work"))
 _ABI: Final = "i32 (" + ", ".join(["ptr"] * 8) + ")"
 
@@ -125,8 +127,8 @@ def batch_function(name: str, function: str) -> str:
         lines.append(f"%{a}.offset = mul i64 %k, %{a}.stride")
         lines.append(f"%{a}.k = getelementptr double, ptr %{a}, i64 %{a}.offset")
     arguments = ", ".join([f"ptr %{a}.k" for a in arrays] + ["ptr %work"])
-    lines.append(f"%r = call i32 @{function}({arguments})")
-    lines.extend(_first_status("%before", "%r", "%status"))
+    lines.append(f"%code = call i32 @{function}({arguments})")
+    lines.extend(_first_status("%before", "%code", "%status"))
     lines += [
         "%k.next = add i64 %k, 1",
         "%more = icmp slt i64 %k.next, %count",
@@ -173,7 +175,7 @@ class _PieceWriter:
 
     def lines(self) -> list[str]:
         piece = self._piece
-        for k in range(piece.start, piece.stop):
+        for k in (k for k in range(piece.start, piece.stop) if self._plan.needed[k]):
             operation = self._sequence.operations[k]
             if operation.op not in op.LEAVES and operation.op != op.PICK:
                 self._operation(k, operation)

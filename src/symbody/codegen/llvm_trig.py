@@ -76,7 +76,9 @@ def define_sincos(module: ir.Module) -> ir.Function:
     x = function.args[0]
     builder, outside = _guarded(function)
     _return_pair(builder, *sine_cosine(builder, x))
-    _return_pair(outside, *(outside.call(_library(module, name), (x,)) for name in ("sin", "cos")))
+    _return_pair(
+        outside, *(outside.call(_function(module, name, x.type, 1), (x,)) for name in ("sin", "cos"))
+    )
     return function
 
 
@@ -95,8 +97,8 @@ def sine_cosine(builder: ir.IRBuilder, x: ir.Value) -> tuple[ir.Value, ir.Value]
 
 def fma(builder: ir.IRBuilder, a: ir.Value, b: ir.Value, c: ir.Value) -> ir.Value:
     """Emit a * b + c rounded once; a library call where the processor has no such instruction."""
-    signature = ir.FunctionType(a.type, (a.type,) * 3)
-    return builder.call(builder.module.declare_intrinsic("llvm.fma", (a.type,), signature), (a, b, c))
+    lanes = f"v{a.type.count}" if isinstance(a.type, ir.VectorType) else ""
+    return builder.call(_function(builder.module, f"llvm.fma.{lanes}f64", a.type, 3), (a, b, c))
 
 
 def constant(kind: ir.Type, value: float) -> ir.Constant:
@@ -123,11 +125,10 @@ def _guarded(function: ir.Function) -> tuple[ir.IRBuilder, ir.IRBuilder]:
     return ir.IRBuilder(inside), ir.IRBuilder(outside)
 
 
-def _library(module: ir.Module, name: str) -> ir.Function:
+def _function(module: ir.Module, name: str, kind: ir.Type, count: int) -> ir.Function:
+    """Return the function `name` of `count` arguments of type `kind`, declaring it once."""
     known = module.globals.get(name)
-    if known is not None:
-        return known
-    return ir.Function(module, ir.FunctionType(ir.DoubleType(), (ir.DoubleType(),)), name)
+    return known or ir.Function(module, ir.FunctionType(kind, (kind,) * count), name)
 
 
 def _return_pair(builder: ir.IRBuilder, first: ir.Value, second: ir.Value) -> None:

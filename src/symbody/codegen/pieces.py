@@ -20,7 +20,9 @@ from symbody.codegen.saddle_c import saddle_work_size
 from symbody.expr.opcodes import LEAVES, PICK, SADDLE
 from symbody.expr.sequence import Kernel, Sequence
 
-PIECE_SIZE: Final = 2000  # LLVM, 50,000 operations: 1,000 to 4,000 compile equally fast, one piece 5 times slower
+PIECE_SIZE: Final = (
+    2000  # LLVM, 50,000 operations: 1,000 to 4,000 compile equally fast, one piece 5 times slower
+)
 
 # Read where they are needed, again in every piece: they take no slot.
 _REREAD: Final = LEAVES | {PICK, SADDLE}
@@ -42,6 +44,8 @@ class Plan:
 
     Attributes
     ----------
+    needed : sequence of bool
+        For each value whether an output depends on it.
     constants : mapping of value number to double
     outputs : mapping of value number to places in `out`
     results : mapping of value number to place in the work array
@@ -53,6 +57,7 @@ class Plan:
     """
 
     pieces: tuple[Piece, ...]
+    needed: Items[bool]
     constants: Mapping[int, float]
     outputs: Mapping[int, Items[int]]
     results: Mapping[int, int]
@@ -79,14 +84,15 @@ def plan_pieces(sequence: Sequence, size: int = PIECE_SIZE) -> Plan:
         If the sequence calls functions the user supplied, or a constant is beyond the doubles.
     """
     refuse_user_functions(sequence)
-    last_use = _last_uses(sequence)
+    needed = _needed(sequence)
+    last_use = _last_uses(sequence, needed)
     bounds = _bounds(sequence, last_use, size)
     crossing = _crossing(sequence, last_use, bounds)
     slots, taken = _assign_slots(crossing, last_use, bounds)
-    pieces = _pieces(sequence, bounds, slots)
+    pieces = _pieces(sequence, needed, bounds, slots)
     results: dict[int, int] = {}
     for value, operation in enumerate(sequence.operations):
-        if operation.op == SADDLE:
+        if operation.op == SADDLE and needed[value]:
             kernel = sequence.kernels[operation.datum]
             results[value] = taken
             taken += kernel.n + kernel.m + 1
@@ -94,7 +100,7 @@ def plan_pieces(sequence: Sequence, size: int = PIECE_SIZE) -> Plan:
     scratch = taken + max((argument_places(k, 0)[3] + k.m for k in used), default=0)
     work_size = scratch + max((saddle_work_size(k.n, k.m) for k in used), default=0)
     constants, outputs = constant_values(sequence), _output_places(sequence)
-    return Plan(tuple(pieces), constants, outputs, results, taken, scratch, work_size)
+    return Plan(tuple(pieces), needed, constants, outputs, results, taken, scratch, work_size)
 
 
 def _output_places(sequence: Sequence) -> dict[int, list[int]]:
@@ -104,12 +110,25 @@ def _output_places(sequence: Sequence) -> dict[int, list[int]]:
     return places
 
 
-def _last_uses(sequence: Sequence) -> list[int]:
-    """Return the last operation that reads each value, itself if none does."""
+def _needed(sequence: Sequence) -> list[bool]:
+    needed = [False] * len(sequence.operations)
+    for output in sequence.outputs:
+        for value in output.values:
+            needed[value] = True
+    for k in range(len(needed) - 1, -1, -1):
+        if needed[k]:
+            for operand in sequence.operations[k].operands:
+                needed[operand] = True
+    return needed
+
+
+def _last_uses(sequence: Sequence, needed: Items[bool]) -> list[int]:
+    """Return the last needed operation that reads each value, itself if none does."""
     last = list(range(len(sequence.operations)))
     for k, operation in enumerate(sequence.operations):
-        for operand in operation.operands:
-            last[operand] = k
+        if needed[k]:
+            for operand in operation.operands:
+                last[operand] = k
     return last
 
 
@@ -122,7 +141,9 @@ def _bounds(sequence: Sequence, last_use: Items[int], size: int) -> list[int]:
             change[k + 1] += 1
             change[last_use[k] + 1] -= 1
     alive = list(accumulate(change))  # alive[k]: values that a cut before operation k would carry
-    weight = list(accumulate((_weight(operation.op, operation.operands) for operation in operations), initial=0))
+    weight = list(
+        accumulate((_weight(operation.op, operation.operands) for operation in operations), initial=0)
+    )
     bounds, best = [0], 0
     total = weight[-1]
     for k in range(1, len(operations)):
@@ -179,12 +200,14 @@ def _assign_slots(
     return slots, count
 
 
-def _pieces(sequence: Sequence, bounds: Items[int], slots: Mapping[int, int]) -> list[Piece]:
+def _pieces(
+    sequence: Sequence, needed: Items[bool], bounds: Items[int], slots: Mapping[int, int]
+) -> list[Piece]:
     pieces: list[Piece] = []
     for start, stop in zip(bounds, bounds[1:], strict=False):
         loads: dict[int, int] = {}
         stores: dict[int, int] = {}
-        for k in range(start, stop):
+        for k in (k for k in range(start, stop) if needed[k]):
             if k in slots:
                 stores[k] = slots[k]
             for operand in sequence.operations[k].operands:

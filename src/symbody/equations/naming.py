@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from symbody.errors import FormulationError, Problem, nearest
+from symbody.errors import ExpressionError, nearest
 from symbody.expr.expression import Expr
 from symbody.expr.formula import Formula, build
 from symbody.expr.graph import TIME, Graph, Kind, Symbol
@@ -18,31 +18,37 @@ class Names:
     graph: Graph
     symbols: Mapping[str, Symbol]
 
-    def node(self, name: str, where: str = "") -> int:
-        """Return the node of a name.
-
-        Raises
-        ------
-        FormulationError
-            If no symbol has this name.
-        """
+    def node(self, name: str) -> int | None:
+        """Return the node of a name, or None if no symbol has this name."""
         if name == "pi":
             return self.graph.pi()
         symbol = self.symbols.get(name)
-        if symbol is None:
-            raise FormulationError(
-                Problem("equations.unknown_name", where, f"there is no symbol {name!r}", "",
-                        nearest(name, [*self.symbols, "pi"]))
-            )  # fmt: skip
-        return self.graph.symbol(symbol)
+        return None if symbol is None else self.graph.symbol(symbol)
 
     def symbol(self, name: str) -> Expr:
-        """Return the symbol of a name as an expression."""
-        return Expr(self.graph, self.node(name))
+        """Return the symbol of a name that exists."""
+        return Expr(self.graph, self.graph.symbol(self.symbols[name]))
 
     def expression(self, formula: Formula, where: str = "") -> Expr:
-        """Return a formula as an expression of the graph."""
-        return Expr(self.graph, build(formula, self.graph, lambda name, _: self.node(name, where)))
+        """Return a formula as an expression of the graph.
+
+        Raises
+        ------
+        ExpressionError
+            If it names a symbol that does not exist, with the nearest names.
+        """
+
+        def look_up(name: str, column: int) -> int:
+            node = self.node(name)
+            if node is None:
+                cure = nearest(name, [*self.symbols, "pi"])
+                what = f"there is no symbol {name!r}"
+                raise ExpressionError(
+                    formula.problem("equations.unknown_name", column, what, "", cure, where)
+                )
+            return node
+
+        return Expr(self.graph, build(formula, self.graph, look_up, where=where))
 
     def triple(self, formulas: Iterable[Formula], where: str = "") -> tuple[Expr, Expr, Expr]:
         """Return three formulas as expressions."""

@@ -49,7 +49,7 @@ def condition_problem(source: Source, column: int) -> Problem:
         "expression.condition",
         column,
         "a condition stands where a number is needed",
-        "comparisons, and, or, not yield true or false, which is only meaningful as first argument of if(...)",
+        "comparisons, and, or, not are true or false, which means something only to if(...)",
         "write if(condition, 1, 0) for a number that is 1 where the condition holds",
     )
 
@@ -94,9 +94,9 @@ def _operand_problem(source: Source, name: str, column: int, operands: list[Valu
 
 def _exponent_problem(source: Source, exponent: Value) -> Problem | None:
     value = exponent.constant
-    if value is None or value != int(value) or abs(value) <= MAX_EXPONENT:
+    if value is None or value != int(value) or -MAX_EXPONENT <= value <= MAX_EXPONENT:
         return None
-    size = str(int(value)) if abs(value) < 10**12 else f"{float(value):.3e}"
+    size = str(int(value)) if -(10**12) < value < 10**12 else f"{float(value):.3e}"
     return source.problem(
         "expression.exponent",
         exponent.column,

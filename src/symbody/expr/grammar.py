@@ -15,9 +15,13 @@ from symbody.expr.checks import Value, applied, condition_problem
 from symbody.expr.literals import read_number
 from symbody.expr.program import FOLDED, FUNCTIONS, Instruction
 from symbody.expr.syntax import (
-    adjacent_problem, arguments_problem, comma_problem, is_decimal_comma, missing_problem,
+    adjacent_problem,
+    arguments_problem,
+    comma_problem,
+    is_decimal_comma,
+    missing_problem,
     unknown_function_problem,
-)  # fmt: skip
+)
 from symbody.expr.tokens import MAX_PROBLEMS, Token, tokenize
 
 MAX_NESTING: Final = 200
@@ -29,7 +33,8 @@ _BINARY: Final = MappingProxyType(
         "**": ("power", 8),
     }
 )  # fmt: skip
-_PREFIX: Final = MappingProxyType({"not": ("not", 3), "-": ("neg", 7)})
+_PREFIX: Final = MappingProxyType({"not": ("not", 3), "-": ("neg", 7), "+": ("pos", 7)})
+_UNARY: Final = frozenset({"not", "neg", "pos"})
 _LOWEST: Final = 1
 _BRACKET: Final = 0
 
@@ -39,8 +44,9 @@ class _Pending(NamedTuple):
 
     name: str  # operation; function before the bracket; "" for a bare bracket
     precedence: int
-    column: int
-    base: int  # number of values when it was met
+    column: int  # of the operator or function
+    opening: int = 0  # of a bracket: its own column
+    base: int = 0  # of a bracket: number of values before it
 
 
 def read_program(source: Source) -> tuple[Instruction, ...]:
@@ -57,7 +63,17 @@ def read_program(source: Source) -> tuple[Instruction, ...]:
 class _Reader:
     """Reads one text; made for it and dropped."""
 
-    __slots__ = ("_brackets", "_callee", "_foreign", "_pending", "_problems", "_program", "_source", "_tokens", "_values")
+    __slots__ = (
+        "_brackets",
+        "_callee",
+        "_foreign",
+        "_pending",
+        "_problems",
+        "_program",
+        "_source",
+        "_tokens",
+        "_values",
+    )
 
     def __init__(self, source: Source) -> None:
         self._source = source
@@ -80,10 +96,10 @@ class _Reader:
                 wants_operand = self._operand(token, following)
             else:
                 wants_operand = self._operator(tokens[k - 1], token, following)
-        if self._values[-1].is_condition:
-            self._report(condition_problem(self._source, self._values[-1].column))
         if self._problems:
             self._stop()
+        if self._values[-1].is_condition:
+            self._stop(condition_problem(self._source, self._values[-1].column))
         return tuple(self._program)
 
     def _operand(self, token: Token, following: Token) -> bool:
@@ -100,8 +116,6 @@ class _Reader:
             self._push(Instruction("name", token.text, token.start + 1), Value(token.start + 1))
         elif token.text in _PREFIX:
             self._wait(*_PREFIX[token.text], token)
-            return True
-        elif token.text == "+":
             return True
         else:
             self._stop(missing_problem(self._source, token, self._call_before(token)))
@@ -124,6 +138,8 @@ class _Reader:
             self._end()
             return False
         self._report(adjacent_problem(self._source, previous, token, following))
+        if token.kind == "operator" and token.text != "(":
+            self._stop()  # a keyword: what follows it is another language
         self._reduce(_BINARY["*"][1])
         self._wait(*_BINARY["*"], token)
         return self._operand(token, following)
@@ -133,8 +149,11 @@ class _Reader:
         try:
             value = read_number(token.text)
         except OverflowError as fault:
-            fix = "mend the exponent or the digits, or choose other units"
-            self._report(self._source.problem("expression.number", column, str(fault), "numbers are doubles", fix))
+            why, fix = (
+                "a typing slip, or an unfit unit",
+                "mend the digits or the exponent, or choose another unit",
+            )
+            self._report(self._source.problem("expression.number", column, str(fault), why, fix))
             value = 1
         self._push(Instruction("number", value, column), Value(column, False, value))
 
@@ -146,7 +165,7 @@ class _Reader:
                 self._report(unknown_function_problem(self._source, self._callee))
             self._callee = None
         self._brackets.append(len(self._pending))
-        self._pending.append(_Pending(name, _BRACKET, column, len(self._values)))
+        self._pending.append(_Pending(name, _BRACKET, column, token.start + 1, len(self._values)))
         self._check_nesting(len(self._brackets), "brackets", token)
 
     def _close(self, token: Token) -> None:
@@ -155,7 +174,11 @@ class _Reader:
             fix = "delete it, or open a bracket before it"
             self._report(
                 self._source.problem(
-                    "expression.bracket", token.start + 1, "this bracket closes nothing", "a '(' is missing", fix
+                    "expression.bracket",
+                    token.start + 1,
+                    "this bracket closes nothing",
+                    "a '(' is missing",
+                    fix,
                 )
             )
             return
@@ -190,15 +213,19 @@ class _Reader:
     def _end(self) -> None:
         self._reduce(_LOWEST)
         if self._brackets:
-            what = f"{len(self._brackets)} opened here is never closed" if False else "this bracket is never closed"
-            column = self._pending[self._brackets[-1]].column
-            self._stop(self._source.problem("expression.bracket", column, what, "a ')' is missing", "close it with )"))
+            column = self._pending[self._brackets[-1]].opening
+            what = "this bracket is never closed"
+            self._stop(
+                self._source.problem(
+                    "expression.bracket", column, what, "a ')' is missing", "close it with )"
+                )
+            )
 
     def _reduce(self, precedence: int) -> None:
         """Apply the waiting operators that bind at least as strongly as `precedence`."""
         while self._pending and self._pending[-1].precedence >= precedence:
-            name, _, column, base = self._pending.pop()
-            self._apply(name, column, len(self._values) - base + 1 if False else (1 if name in ("neg", "not") else 2))
+            name, _, column, *_ = self._pending.pop()
+            self._apply(name, column, 1 if name in _UNARY else 2)
 
     def _apply(self, name: str, column: int, arity: int) -> None:
         operands = self._values[-arity:]
@@ -206,14 +233,16 @@ class _Reader:
         value, problem = applied(self._source, name, column, operands)
         if problem is not None:
             self._report(problem)
-        self._push(Instruction("apply", name, column, arity), value)
+        self._values.append(value)
+        if name != "pos":
+            self._program.append(Instruction("apply", name, column, arity))
 
     def _push(self, instruction: Instruction, value: Value) -> None:
         self._program.append(instruction)
         self._values.append(value)
 
     def _wait(self, name: str, precedence: int, token: Token) -> None:
-        self._pending.append(_Pending(name, precedence, token.start + 1, len(self._values)))
+        self._pending.append(_Pending(name, precedence, token.start + 1))
         run = len(self._pending) - (self._brackets[-1] + 1 if self._brackets else 0)
         self._check_nesting(run, "signs or powers in a row", token)
 

@@ -9,7 +9,7 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Final
 
-from symbody.expr.constants import fold_product, fold_quotient, fold_sum, whole_power
+from symbody.expr.constants import fold_power, fold_product, fold_quotient, fold_sum
 from symbody.expr.graph import Constant
 
 EXACT_DIGITS: Final = 15
@@ -98,7 +98,7 @@ def _power(x: Constant, y: Constant) -> Constant:
     if x == 0 and y < 0:
         raise ZeroDivisionError
     if isinstance(y, int) and 0 < abs(y) <= MAX_EXPONENT:
-        exact = whole_power(x, abs(y))
+        exact = fold_power(x, abs(y))
         if exact is not None:
             return exact if y > 0 else _quotient(1, exact)
     return math.pow(x, y) if y else 1
@@ -111,9 +111,9 @@ def _sign(x: Constant) -> int:
 _OPERATIONS: Final = MappingProxyType[str, Callable[..., Constant]](
     {
         "add": _sum, "sub": _difference, "mul": _product, "div": _quotient, "power": _power,
-        "neg": operator.neg, "abs": abs, "sign": _sign, "floor": math.floor, "mod": _remainder,
-        "min": min, "max": max, "sin": math.sin, "cos": math.cos, "tan": math.tan, "asin": math.asin,
-        "acos": math.acos, "atan": math.atan, "atan2": math.atan2, "sinh": math.sinh, "cosh": math.cosh,
-        "tanh": math.tanh, "exp": math.exp, "log": math.log, "sqrt": math.sqrt,
+        "neg": operator.neg, "pos": operator.pos, "abs": abs, "sign": _sign, "floor": math.floor,
+        "mod": _remainder, "min": min, "max": max, "sin": math.sin, "cos": math.cos, "tan": math.tan,
+        "asin": math.asin, "acos": math.acos, "atan": math.atan, "atan2": math.atan2, "sinh": math.sinh,
+        "cosh": math.cosh, "tanh": math.tanh, "exp": math.exp, "log": math.log, "sqrt": math.sqrt,
     }
 )  # fmt: skip

@@ -106,7 +106,15 @@ def tokenize(source: Source) -> tuple[list[Token], list[Problem]]:
         if problem is not None:
             problems.append(problem)
     tokens.append(Token("end", "", position, position))
-    return tokens, problems
+    return tokens, _distinct(problems)
+
+
+def _distinct(problems: list[Problem]) -> list[Problem]:
+    """Return the first problem of each kind, and all that name a character."""
+    kinds: dict[str, Problem] = {}
+    for problem in problems:
+        kinds.setdefault(problem.what if problem.code == "expression.character" else problem.code, problem)
+    return list(kinds.values())
 
 
 def _next_token(source: Source, position: int) -> tuple[Token, Problem | None]:

@@ -44,8 +44,9 @@ def spanning_tree(graph: LinearGraph, weights: Mapping[str, float]) -> SpanningT
     """
     net = nx.MultiGraph()
     net.add_nodes_from(graph.nodes)
-    for place, edge in enumerate(graph.edges):
-        net.add_edge(edge.start, edge.end, key=edge.name, weight=(weights.get(edge.name, 0.0), place))
+    # Sorting is stable, so the rank breaks ties by the order of the edges.
+    for rank, edge in enumerate(sorted(graph.edges, key=lambda edge: weights.get(edge.name, 0.0))):
+        net.add_edge(edge.start, edge.end, key=edge.name, weight=rank)
     chosen = {key for _, _, key in nx.minimum_spanning_edges(net, keys=True, data=False)}
     tree = nx.Graph()
     tree.add_nodes_from(graph.nodes)

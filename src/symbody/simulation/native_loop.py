@@ -5,138 +5,45 @@ The right-hand side comes in as the address of a function with the signature of 
     int f(const double *t, const double *q, const double *u, const double *r,
           const double *p, const double *c, double *out, double *work)
 
-so the loop is compiled at its first call only, and later processes read it from numba's cache. Everything
-compiled stands in this one file, and coefficients arrive as arguments: numba renews a cached function only
-when its own file changes. States are ordered x = (u, q); the letters are those of Hairer, Norsett and
-Wanner, Solving Ordinary Differential Equations I, section II.4.
+so the loop is compiled at its first call only, and later processes read it from numba's cache. All loops
+stand in this one file, and coefficients arrive as arguments: numba renews what it keeps only when the file of
+the outermost function changes. States are ordered x = (u, q); sections are those of Hairer, Norsett and
+Wanner, Solving Ordinary Differential Equations I, 2nd ed., and from IV on of Hairer and Wanner, part II.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
-from llvmlite import ir
-from numba import njit, types
-from numba.extending import intrinsic
-from numpy.typing import NDArray
+from numba import njit
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from symbody.simulation.native_arguments import (
+    Floats,
+    Goal,
+    Memory,
+    Method,
+    Record,
+    RightHandSide,
+    call,
+    uncounted,
+)
 
 # What `begin` and `advance` return.
 RUNNING, FULL, FINISHED, COLLAPSED, NOT_FINITE, SINGULAR, TOO_MANY, STIFF = range(8)
 
-# Places in Memory.real, all but the vectors: time, next step, step before, its error norm.
-TIME, STEP, ERROR = range(3)
+# Places in Memory.real: time, next step, error norm of the step before; and how many there are.
+TIME, STEP, ERROR, REALS = range(4)
 # Places in Memory.count.
-ACCEPTED, REJECTED, EVALUATIONS, SAMPLES, STEPS, KERNEL, STATE, AFTER_REJECTION, STIFF_VOTES, OTHER_VOTES = range(10)
+ACCEPTED, REJECTED, EVALUATIONS, SAMPLES, STEPS, KERNEL, STATE = range(7)
+AFTER_REJECTION, STIFF_VOTES, OTHER_VOTES, COUNTS = range(7, 11)
 # Rows of Memory.vectors.
-STATE_OLD, STAGE, STATE_NEW, ERROR_1, ERROR_2 = range(5)
+STATE_OLD, STAGE, STATE_NEW, ERROR_1, ERROR_2, VECTORS = range(6)
 
 EPSILON: Final = 2.220446049250313e-16
 SMALLEST_STEP: Final = 1e-290  # absolute, for motions that fail at t = 0
 SAFETY: Final = 0.9
-
-
-class RightHandSide(NamedTuple):
-    """A compiled function and what stays the same for a whole run.
-
-    Attributes
-    ----------
-    address : int
-        Where the function lies.
-    n_u : int
-        Number of speeds, which come first in the state.
-    inputs, parameters, constants, work : arrays
-        The groups r, p, c and the function's scratch.
-    clock : array of one
-        Scratch for the time.
-    """
-
-    address: int
-    n_u: int
-    inputs: Floats
-    parameters: Floats
-    constants: Floats
-    work: Floats
-    clock: Floats
-
-
-class Method(NamedTuple):
-    """A `runge_kutta.Tableau` as arrays: A (k, k), c (k,), error (2, stages + 1), dense (d, k)."""
-
-    A: Floats
-    c: Floats
-    error: Floats
-    dense: Floats
-    order: int
-    stages: int
-    error_reads_end: bool
-    exponent: float
-    memory: float
-    shrink: float
-    growth: float
-    stiff_bound: float
-
-
-class Goal(NamedTuple):
-    """What a run is to reach, and how carefully."""
-
-    t_end: float
-    direction: float
-    rtol: float
-    atol: Floats
-    max_step: float
-    max_trials: int
-    stop_when_stiff: bool
-
-
-class Memory(NamedTuple):
-    """What a step leaves for the next.
-
-    Attributes
-    ----------
-    vectors : (5, n) array
-        Old state, state of the last stage, new state, two error estimates.
-    K : (k, n) array
-        The derivatives of the stages.
-    F : (4 + d, n) array
-        The dense output of the last step, see `dense_output`.
-    real : array
-        Time, next step, error norm of the step before.
-    count : array of int
-        Counters; the places are named at the top of this file.
-    """
-
-    vectors: Floats
-    K: Floats
-    F: Floats
-    real: Floats
-    count: Integers
-
-
-class Record(NamedTuple):
-    """Where samples and dense outputs go.
-
-    Attributes
-    ----------
-    wanted : array
-        The times to store, in the order of the motion; every step is stored if `every_step`.
-    t, x : arrays (capacity,), (capacity, n)
-        The samples.
-    breaks, pieces : arrays (capacity + 1,), (capacity, 4 + d, n)
-        Ends and dense output of each step, if `keep_dense`.
-    """
-
-    wanted: Floats
-    t: Floats
-    x: Floats
-    breaks: Floats
-    pieces: Floats
-    every_step: bool
-    keep_dense: bool
 
 
 def _compiled(function: Callable[..., object]) -> Callable[..., int]:
@@ -149,6 +56,336 @@ def _compiled(function: Callable[..., object]) -> Callable[..., int]:
     return compiled
 
 
-@intrinsic
-def _call(typingctx, address, n_u, t, x, r, p, c, work, x_row, out, out_row):  # type: ignore
-    raise NotImplementedError
+_inlined = njit(
+    nogil=True, error_model="numpy", forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True
+)
+
+
+@_inlined
+def _evaluate(rhs: RightHandSide, memory: Memory, t: float, source: int, target: int) -> None:
+    """Write the derivative at vectors[source] to K[target], and a fault of the function to its counter."""
+    rhs.clock[0] = t
+    memory.count[EVALUATIONS] += 1
+    n = memory.K.shape[1]
+    code = call(rhs, memory.vectors, source * n, memory.K, target * n)
+    if code != 0:
+        memory.count[KERNEL] = code
+
+
+@_inlined
+def _combine(weights: Floats, row: int, terms: int, K: Floats, out: Floats, target: int) -> None:
+    """Set out[target] to the sum of weights[row, j] K[j] over j < terms."""
+    n = K.shape[1]
+    for i in range(n):
+        out[target, i] = 0.0
+    for j in range(terms):
+        weight = weights[row, j]
+        if weight != 0.0:
+            for i in range(n):
+                out[target, i] += weight * K[j, i]
+
+
+@_inlined
+def _stage(
+    rhs: RightHandSide, method: Method, memory: Memory, t: float, h: float, k: int, target: int
+) -> None:
+    """Set vectors[target] to the state of stage k."""
+    vectors = memory.vectors
+    _combine(method.A, k, k, memory.K, vectors, target)
+    for i in range(vectors.shape[1]):
+        vectors[target, i] = vectors[STATE_OLD, i] + h * vectors[target, i]
+
+
+@_inlined
+def _row_is_finite(array: Floats, row: int) -> bool:
+    for i in range(array.shape[1]):
+        if not np.isfinite(array[row, i]):
+            return False
+    return True
+
+
+@_inlined
+def _scale(goal: Goal, memory: Memory, i: int) -> float:
+    vectors = memory.vectors
+    return goal.atol[i] + goal.rtol * max(abs(vectors[STATE_OLD, i]), abs(vectors[STATE_NEW, i]))
+
+
+@_inlined
+def _error_norm(method: Method, goal: Goal, memory: Memory, h: float) -> float:
+    """Return the local error over its tolerance, (4.11) of section II.4 and (10.17) of II.10."""
+    vectors = memory.vectors
+    terms = method.stages + 1 if method.error_reads_end else method.stages
+    _combine(method.error, 0, terms, memory.K, vectors, ERROR_1)
+    _combine(method.error, 1, terms, memory.K, vectors, ERROR_2)
+    first = 0.0
+    second = 0.0
+    n = vectors.shape[1]
+    for i in range(n):
+        scale = _scale(goal, memory, i)
+        first += (vectors[ERROR_1, i] / scale) ** 2
+        second += (vectors[ERROR_2, i] / scale) ** 2
+    if first == 0.0:
+        return 0.0
+    return abs(h) * first / np.sqrt((first + 0.01 * second) * n)
+
+
+@_inlined
+def _attempt(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, t: float, h: float) -> float:
+    """Compute the stages of one step and the new state; return the error norm, infinite if not finite."""
+    memory.count[KERNEL] = 0
+    end = method.stages
+    for k in range(1, end):
+        _stage(rhs, method, memory, t, h, k, STAGE)
+        _evaluate(rhs, memory, t + method.c[k] * h, STAGE, k)
+    _stage(rhs, method, memory, t, h, end, STATE_NEW)
+    if method.error_reads_end:
+        _evaluate(rhs, memory, t + h, STATE_NEW, end)
+    error = _error_norm(method, goal, memory, h)
+    if error <= 1.0 and not method.error_reads_end:
+        _evaluate(rhs, memory, t + h, STATE_NEW, end)
+    if np.isnan(error) or memory.count[KERNEL] != 0:
+        return np.inf
+    return error if error > 1.0 or _row_is_finite(memory.K, end) else np.inf
+
+
+@_inlined
+def _form_dense_output(rhs: RightHandSide, method: Method, memory: Memory, t: float, h: float) -> bool:
+    """Fill F for the step just tried; return whether all of it is finite."""
+    vectors, K, F = memory.vectors, memory.K, memory.F
+    end = method.stages
+    for k in range(end + 1, K.shape[0]):
+        _stage(rhs, method, memory, t, h, k, ERROR_1)  # STAGE is still needed to judge stiffness
+        _evaluate(rhs, memory, t + method.c[k] * h, ERROR_1, k)
+    for i in range(K.shape[1]):
+        move = vectors[STATE_NEW, i] - vectors[STATE_OLD, i]
+        F[0, i] = vectors[STATE_OLD, i]
+        F[1, i] = move
+        F[2, i] = h * K[0, i] - move
+        F[3, i] = 2.0 * move - h * (K[0, i] + K[end, i])
+    finite = True
+    for row in range(4, F.shape[0]):
+        _combine(method.dense, row - 4, K.shape[0], K, F, row)
+        for i in range(F.shape[1]):
+            F[row, i] *= h
+        finite = finite and _row_is_finite(F, row)
+    return finite
+
+
+@_inlined
+def _interpolate(F: Floats, s: float, x: Floats, target: int) -> None:
+    """Set x[target] to the dense output at the share s of the step; `dense_output` repeats it."""
+    for i in range(F.shape[1]):
+        value = 0.0
+        for row in range(F.shape[0] - 1, 0, -1):
+            value = (value + F[row, i]) * (s if row % 2 == 1 else 1.0 - s)
+        x[target, i] = F[0, i] + value
+
+
+@_inlined
+def _needs_dense_output(goal: Goal, memory: Memory, record: Record, t_new: float) -> bool:
+    if record.keep_dense or record.every_step:
+        return record.keep_dense
+    sample = memory.count[SAMPLES]
+    return sample < record.wanted.size and (record.wanted[sample] - t_new) * goal.direction < 0.0
+
+
+@_inlined
+def _store_sample(memory: Memory, record: Record, t: float, source: int) -> None:
+    sample = memory.count[SAMPLES]
+    record.t[sample] = t
+    for i in range(record.x.shape[1]):
+        record.x[sample, i] = memory.vectors[source, i]
+    memory.count[SAMPLES] = sample + 1
+
+
+@_inlined
+def _store(goal: Goal, memory: Memory, record: Record, t: float, t_new: float) -> None:
+    """Store the samples and the dense output of an accepted step."""
+    count = memory.count
+    if record.keep_dense:
+        for row in range(memory.F.shape[0]):  # an assignment of arrays would take 4 s to compile
+            for i in range(memory.F.shape[1]):
+                record.pieces[count[STEPS], row, i] = memory.F[row, i]
+        record.breaks[count[STEPS] + 1] = t_new
+        count[STEPS] += 1
+    if record.every_step:
+        _store_sample(memory, record, t_new, STATE_NEW)
+        return
+    while count[SAMPLES] < record.wanted.size:
+        time = record.wanted[count[SAMPLES]]
+        if (time - t_new) * goal.direction > 0.0:
+            return
+        if time == t_new:
+            _store_sample(memory, record, time, STATE_NEW)
+        else:
+            _interpolate(memory.F, (time - t) / (t_new - t), record.x, count[SAMPLES])
+            record.t[count[SAMPLES]] = time
+            count[SAMPLES] += 1
+
+
+@_inlined
+def _is_stiff(method: Method, memory: Memory, h: float) -> bool:
+    """Count steps at the stability bound, (2.27) of section IV.2; return whether there are too many."""
+    count, vectors, K = memory.count, memory.vectors, memory.K
+    if count[ACCEPTED] % 1000 != 0 and count[STIFF_VOTES] == 0:
+        return False
+    slope = 0.0
+    distance = 0.0
+    for i in range(K.shape[1]):
+        slope += (K[method.stages, i] - K[method.stages - 1, i]) ** 2
+        distance += (vectors[STATE_NEW, i] - vectors[STAGE, i]) ** 2
+    if h * h * slope > method.stiff_bound**2 * distance and distance > 0.0:
+        count[OTHER_VOTES] = 0
+        count[STIFF_VOTES] += 1
+    else:
+        count[OTHER_VOTES] += 1
+        if count[OTHER_VOTES] == 6:
+            count[STIFF_VOTES] = 0
+            count[OTHER_VOTES] = 0
+    return count[STIFF_VOTES] >= 15
+
+
+@_inlined
+def _accept(method: Method, memory: Memory, goal: Goal, t_new: float, h: float, error: float) -> None:
+    """Make the new state the old one and choose the next step, (2.43c) of section IV.2."""
+    real, count = memory.real, memory.count
+    factor = (
+        SAFETY * error ** (-method.exponent) * real[ERROR] ** method.memory if error > 0.0 else method.growth
+    )
+    factor = min(max(factor, method.shrink), method.growth)
+    if count[AFTER_REJECTION] != 0:
+        factor = min(factor, 1.0)
+    real[TIME] = t_new
+    real[STEP] = goal.direction * min(abs(h) * factor, goal.max_step)
+    real[ERROR] = max(error, 1e-4)
+    count[ACCEPTED] += 1
+    count[AFTER_REJECTION] = 0
+    for i in range(memory.K.shape[1]):
+        memory.vectors[STATE_OLD, i] = memory.vectors[STATE_NEW, i]
+        memory.K[0, i] = memory.K[method.stages, i]
+
+
+@_inlined
+def _failure(method: Method, goal: Goal, memory: Memory) -> int:
+    """Say why the last trial failed, and write which state is to blame to count[STATE]."""
+    if memory.count[KERNEL] != 0:
+        return SINGULAR
+    for row in range(method.stages + 1):
+        for i in range(memory.K.shape[1]):
+            if not np.isfinite(memory.K[row, i]):
+                memory.count[STATE] = i
+                return NOT_FINITE
+    worst = 0.0
+    for i in range(memory.K.shape[1]):
+        error = abs(memory.vectors[ERROR_1, i]) / _scale(goal, memory, i)
+        if error >= worst:
+            worst = error
+            memory.count[STATE] = i
+    return COLLAPSED
+
+
+@_inlined
+def _try_step(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, record: Record) -> int:
+    real, count = memory.real, memory.count
+    t, h = real[TIME], real[STEP]
+    rest = goal.t_end - t
+    # stretched by one percent rather than leave a tiny last step, but never beyond the step that was allowed
+    is_last = abs(rest) <= 1.01 * abs(h) and abs(rest) <= goal.max_step * (1.0 + 1e-9)
+    if is_last:
+        h = rest
+    elif abs(h) <= max(10.0 * EPSILON * abs(t), SMALLEST_STEP):
+        return _failure(method, goal, memory)
+    t_new = goal.t_end if is_last else t + h
+    error = _attempt(rhs, method, goal, memory, t, h)
+    if error <= 1.0 and _needs_dense_output(goal, memory, record, t_new):
+        if not _form_dense_output(rhs, method, memory, t, h):
+            error = np.inf
+    if error <= 1.0:
+        _store(goal, memory, record, t, t_new)
+        stiff = _is_stiff(method, memory, h)
+        _accept(method, memory, goal, t_new, h, error)
+        return STIFF if stiff and goal.stop_when_stiff and t_new != goal.t_end else RUNNING
+    real[STEP] = h * max(method.shrink, SAFETY * error ** (-method.exponent))
+    count[REJECTED] += 1
+    count[AFTER_REJECTION] = 1
+    return RUNNING
+
+
+@_compiled
+def advance(
+    rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, record: Record, budget: int
+) -> int:
+    """Try up to `budget` steps; return one of the codes at the top of this file.
+
+    FULL asks for more room in `record`, RUNNING for another call.
+    """
+    rhs, method, goal = uncounted(rhs), uncounted(method), uncounted(goal)
+    memory, record = uncounted(memory), uncounted(record)
+    count = memory.count
+    for _ in range(budget):
+        if memory.real[TIME] == goal.t_end:
+            return FINISHED
+        if record.every_step and count[SAMPLES] == record.t.size:
+            return FULL
+        if record.keep_dense and count[STEPS] == record.pieces.shape[0]:
+            return FULL
+        if count[ACCEPTED] + count[REJECTED] >= goal.max_trials:
+            return TOO_MANY
+        code = _try_step(rhs, method, goal, memory, record)
+        if code != RUNNING:
+            return code
+    return RUNNING
+
+
+@_inlined
+def _norm(goal: Goal, memory: Memory, array: Floats, row: int, minus: int) -> float:
+    """Return the scaled root mean square of a row, less another row if `minus` is not negative."""
+    n = array.shape[1]
+    total = 0.0
+    for i in range(n):
+        other = array[minus, i] if minus >= 0 else 0.0
+        total += ((array[row, i] - other) / _scale(goal, memory, i)) ** 2
+    return np.sqrt(total / n) if n > 0 else 0.0
+
+
+@_inlined
+def _first_step(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory) -> float:
+    """Guess a step from the size of the first two derivatives: section II.4, Starting Step Size."""
+    t = memory.real[TIME]
+    bound = min(abs(goal.t_end - t), goal.max_step)
+    vectors, K = memory.vectors, memory.K
+    size = _norm(goal, memory, vectors, STATE_OLD, -1)
+    slope = _norm(goal, memory, K, 0, -1)
+    h = min(1e-6 if size < 1e-5 or slope < 1e-5 else 0.01 * size / slope, bound)
+    for i in range(K.shape[1]):
+        vectors[STAGE, i] = vectors[STATE_OLD, i] + goal.direction * h * K[0, i]
+    _evaluate(rhs, memory, t + goal.direction * h, STAGE, 1)
+    steepest = max(slope, _norm(goal, memory, K, 1, 0) / h)
+    if not np.isfinite(steepest):
+        return h
+    longer = max(1e-6, 1e-3 * h) if steepest <= 1e-15 else (0.01 / steepest) ** (1.0 / method.order)
+    return min(100.0 * h, longer, bound)
+
+
+@_compiled
+def begin(
+    rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, record: Record, first_step: float
+) -> int:
+    """Evaluate the first derivative, choose the first step unless it is given, store the first sample."""
+    vectors = memory.vectors
+    for i in range(vectors.shape[1]):
+        vectors[STATE_NEW, i] = vectors[STATE_OLD, i]
+    t = memory.real[TIME]
+    if record.every_step or (record.wanted.size > 0 and record.wanted[0] == t):
+        _store_sample(memory, record, t, STATE_OLD)
+    if record.keep_dense:
+        record.breaks[0] = t
+    if t == goal.t_end:
+        return FINISHED
+    memory.real[ERROR] = 1e-4
+    _evaluate(rhs, memory, t, STATE_OLD, 0)
+    if memory.count[KERNEL] != 0 or not _row_is_finite(memory.K, 0):
+        return _failure(method, goal, memory)
+    step = first_step if first_step > 0.0 else _first_step(rhs, method, goal, memory)
+    memory.real[STEP] = goal.direction * min(step, goal.max_step)
+    return RUNNING

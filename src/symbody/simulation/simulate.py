@@ -8,11 +8,113 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.compile import Value, constant_values, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, nearest
-from symbody.simulation.explicit import Explicit, integrate
+from symbody.simulation.explicit import Explicit, Progress, RawRun, integrate
 from symbody.simulation.trajectory import Trajectory
 
 Floats = NDArray[np.float64]
+
+
+def simulate(
+    eqs: EquationSet,
+    t_end: float | tuple[float, float],
+    initial: Mapping[str, Value] | None = None,
+    parameters: Mapping[str, Value] | None = None,
+    inputs: Mapping[str, Value] | None = None,
+    times: ArrayLike | None = None,
+    integrator: Explicit | None = None,
+    *,
+    rtol: float = 1e-8,
+    atol: float = 1e-10,
+    max_steps: int = 1_000_000,
+    progress: Progress | None = None,
+) -> Trajectory:
+    """Return the motion of a mechanism from its initial values.
+
+    Parameters
+    ----------
+    eqs : EquationSet
+        The equations.
+    t_end : float or (t0, t_end)
+        End time [s], or both ends; initial values hold at the first.
+    initial : mapping of name to number or formula in parameters
+        Coordinates and their ``_dot`` names; they override the model's. Those given nowhere are 0.
+    parameters : mapping of name to number or formula
+        Overrides values of the model.
+    inputs : mapping of name to expression
+        In t, states and parameters, for instance ``{"F": "sin(omega*t)"}``; inputs not named are 0.
+    times : array, optional
+        Exactly the samples to store; by default every step.
+    integrator : Explicit, optional
+        ``Explicit(order=8)`` by default.
+    rtol, atol : float
+        Relative and absolute tolerance of the local error.
+
+    Raises
+    ------
+    CompileError
+        If a parameter has no value, or a name is unknown.
+    SimulationError
+        If initial values or times make no sense. Failures on the way do not raise: `status` tells.
+    """
+    given = dict(inputs or {})
+    silent = [name for name in eqs.input_names if name not in given]
+    given |= dict.fromkeys(silent, 0)
+    start, end = t_end if isinstance(t_end, tuple) else (0.0, t_end)
+    function = CompiledFunction(*form_sequence(eqs, "xdot", parameters, (), given))
+    raw = integrate(
+        function.address,
+        function.work_size,
+        len(eqs.speed_names),
+        len(eqs.coordinate_names),
+        _initial_state(eqs, initial or {}, parameters or {}),
+        (float(start), float(end)),
+        inputs=(),
+        parameters=(),
+        constants=function.constants(),
+        method=Explicit() if integrator is None else integrator,
+        times=times,
+        rtol=rtol,
+        atol=atol,
+        max_steps=max_steps,
+        progress=progress,
+    )
+    notes = tuple(f"input {name} has no value and is 0" for name in silent)
+    return _trajectory(eqs, raw, _Evaluator(eqs, dict(parameters or {}), given), notes)
+
+
+@dataclass(frozen=True, slots=True)
+class _Evaluator:
+    """Compiles an output when it is first asked for, and evaluates it at stored states."""
+
+    eqs: EquationSet
+    parameters: Mapping[str, Value]
+    inputs: Mapping[str, Value]
+
+    def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
+        """Return the output with time last; q is (n_q, N), u is (n_u, N)."""
+        function = CompiledFunction(*form_sequence(self.eqs, name, self.parameters, (), self.inputs))
+        values: Floats = function(t, q.T, u.T)
+        return np.moveaxis(values, 0, -1)
+
+
+def _initial_state(
+    eqs: EquationSet, initial: Mapping[str, Value], parameters: Mapping[str, Value]
+) -> Floats:
+    """Return the first state (speeds, then coordinates)."""
+    names = eqs.state_names
+    unknown = [name for name in initial if name not in names]
+    if unknown:
+        raise SimulationError(*(_unknown_state(name, names) for name in unknown))
+    chosen = {**eqs.model.initial, **initial}
+    values = constant_values(eqs, {name: chosen[name] for name in names if name in chosen}, parameters)
+    return np.array([values.get(name, 0.0) for name in names])
+
+
+def _unknown_state(name: str, names: tuple[str, ...]) -> Problem:
+    return Problem(
+        "simulation.unknown_initial", name, f"there is no coordinate or speed {name!r}", "", nearest(name, names)
+    )

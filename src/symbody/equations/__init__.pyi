@@ -1,0 +1,3 @@
+from .equation_set import EquationSet as EquationSet
+from .form import form_equations as form_equations
+from .virtual_work import VirtualWork as VirtualWork

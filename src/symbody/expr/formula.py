@@ -1,0 +1,197 @@
+"""`Formula`: an expression parsed and kept outside any graph, as the Model holds it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from numbers import Rational, Real
+from typing import TypeAlias
+
+from symbody.errors import ExpressionError, Problem
+from symbody.expr.canonical import constant
+from symbody.expr.caret import Source, shown
+from symbody.expr.grammar import read_program
+from symbody.expr.graph import Constant, Graph
+from symbody.expr.literals import MAX_DIGITS, fold
+from symbody.expr.lowering import applied_node
+from symbody.expr.program import Instruction
+from symbody.expr.tokens import is_name, normalize
+
+
+@dataclass(frozen=True, slots=True)
+class Formula:
+    """An expression as text and as postfix program; hashable, and free of any graph.
+
+    Made by `parse` or `Formula.of`, not by hand: the program is what the text says.
+
+    Attributes
+    ----------
+    text : str
+        As written, up to `symbody.expr.tokens.normalize`.
+    program : tuple of Instruction
+        Steps of a stack machine that leave one number.
+    """
+
+    text: str
+    program: tuple[Instruction, ...]
+
+    @classmethod
+    def of(cls, value: FormulaLike, *, where: str = "") -> Formula:
+        """Return `value` as a formula: text is parsed, a number becomes its decimal text.
+
+        A float is what its shortest text says: up to 15 digits it is that exact decimal, as if it
+        stood in a file; with 16 or 17 it stays a float.
+
+        Raises
+        ------
+        ExpressionError
+            For text that is no expression, for bool, complex, NaN, infinity and other objects.
+        """
+        if isinstance(value, Formula):
+            return value
+        text = normalize(value if isinstance(value, str) else _numeral(value, where))
+        return cls(text, read_program(Source(text, where)))
+
+    def __str__(self) -> str:
+        return self.text
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Distinct names, in the order of their first appearance."""
+        return tuple(dict.fromkeys(str(step.payload) for step in self.program if step.kind == "name"))
+
+    @property
+    def is_number(self) -> bool:
+        """Whether this is a plain number, a sign or a quotient of two included."""
+        return self.constant() is not None
+
+    def constant(self) -> Constant | None:
+        """Return the value of a plain number (a sign or a quotient included), else None."""
+        values: list[Constant] = []
+        for step in self.program:
+            if step.kind == "name" or (step.kind == "apply" and step.payload not in ("neg", "div")):
+                return None
+            if isinstance(step.payload, str):
+                operands = values[-step.arity :]
+                del values[-step.arity :]
+                result = fold(step.payload, *operands)
+                if result is None:
+                    return None
+                values.append(result)
+            else:
+                values.append(step.payload)
+        return values[0]
+
+    def renamed(self, mapping: Mapping[str, str]) -> Formula:
+        """Return this with names replaced, all at once, in text and program.
+
+        Raises
+        ------
+        ExpressionError
+            If a new name cannot be written in an expression.
+        """
+        pieces: list[str] = []
+        end = 0
+        for step in self.program:
+            old = str(step.payload)
+            start = step.column - 1
+            # The pi of an angle such as "30 deg" is not written as a name, and stays.
+            if step.kind == "name" and old in mapping and self.text.startswith(old, start):
+                pieces += (self.text[end:start], _name(mapping[old]))
+                end = start + len(old)
+        return type(self).of("".join((*pieces, self.text[end:]))) if pieces else self
+
+    def problem(
+        self, code: str, column: int, what: str, why: str = "", fix: str = "", where: str = ""
+    ) -> Problem:
+        """Return a problem with the text and a caret at `column`; for look-ups that find nothing."""
+        return Source(self.text, where).problem(code, column, what, why, fix)
+
+
+FormulaLike: TypeAlias = Formula | str | int | Fraction | float | Decimal
+
+
+def build(formula: Formula, graph: Graph, lookup: Callable[[str, int], int], *, where: str = "") -> int:
+    """Return the node of a formula in `graph`.
+
+    Parameters
+    ----------
+    lookup : callable
+        Takes a name and the column of its first appearance, returns a node of `graph`; called once
+        for each name. It knows what ``pi`` and ``t`` are, and raises for unknown names.
+    where : str
+        Object path for faults that only show once the names have values.
+
+    Raises
+    ------
+    ExpressionError
+        At a division by something that turns out to be zero.
+    """
+    nodes: dict[str, int] = {}
+    stack: list[int] = []
+    for step in formula.program:
+        if not isinstance(step.payload, str):
+            stack.append(constant(graph, step.payload))
+        elif step.kind == "name":
+            if step.payload not in nodes:
+                nodes[step.payload] = lookup(step.payload, step.column)
+            stack.append(nodes[step.payload])
+        else:
+            operands = stack[-step.arity :]
+            del stack[-step.arity :]
+            stack.append(_applied(formula, graph, step, operands, where))
+    return stack[0]
+
+
+def _applied(formula: Formula, graph: Graph, step: Instruction, operands: list[int], where: str) -> int:
+    try:
+        return applied_node(graph, str(step.payload), operands)
+    except ExpressionError as error:  # the graph knows the fault but not the text
+        problems = [
+            formula.problem(p.code, step.column, p.what, p.why, p.fix, where=where) for p in error.problems
+        ]
+        raise ExpressionError(*problems) from error
+
+
+def _numeral(value: object, where: str) -> str:
+    """Return the decimal text of a number, or raise."""
+    why, fix = (
+        "only finite real numbers and text can be expressions",
+        "give a number, or the expression as text",
+    )
+    # NumPy and others register their numbers with the abstract classes; bool is an int by accident.
+    if isinstance(value, Rational) and not isinstance(value, bool):
+        exact = Fraction(int(value.numerator), int(value.denominator))
+        if max(exact.numerator.bit_length(), exact.denominator.bit_length()) <= 4 * MAX_DIGITS:
+            return str(exact)
+        what = f"the number has more than {MAX_DIGITS} digits"
+        raise ExpressionError(
+            Problem("expression.number", where, what, "it is beyond what computers calculate with", fix)
+        )
+    if isinstance(value, Real) and not isinstance(value, bool):
+        value = float(value)
+    if isinstance(value, float | Decimal):
+        if Decimal(value).is_finite():
+            return str(value)
+        raise ExpressionError(
+            Problem("expression.not_finite", where, f"{value} is not a finite number", why, fix)
+        )
+    what = f"{shown(repr(value))} of type {type(value).__name__} is not an expression"
+    raise ExpressionError(Problem("expression.type", where, what, why, fix))
+
+
+def _name(text: str) -> str:
+    name = normalize(text)
+    if is_name(name):
+        return name
+    raise ExpressionError(
+        Problem(
+            "expression.name",
+            "",
+            f"'{shown(text)}' cannot be written as a name in an expression",
+            "names have letters, digits and _, begin with no digit, and are not if, and, or, not",
+            "choose another name",
+        )
+    )

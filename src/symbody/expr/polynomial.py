@@ -1,0 +1,155 @@
+"""Sparse polynomials with exact coefficients, for writing formulas in another way.
+
+A variable is an integer, a monomial a tuple of (variable, exponent) in ascending order, a polynomial a
+mapping of monomial to coefficient without zeros. They are dictionaries and not a class because nothing
+holds them longer than one rewriting, and their insertion order is part of what makes it deterministic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from fractions import Fraction
+from typing import Final
+
+from symbody.expr.graph import Exact
+from symbody.expr.rewrite import multiplications
+
+Monomial = tuple[tuple[int, int], ...]
+Polynomial = dict[Monomial, Exact]
+Weights = Callable[[int], int]  # operations of each variable
+
+UNIT: Final[Monomial] = ()
+
+
+def variable(name: int) -> Polynomial:
+    """Return the polynomial that is one variable."""
+    return {((name, 1),): 1}
+
+
+def plus(p: Polynomial, q: Mapping[Monomial, Exact], factor: Exact = 1) -> Polynomial:
+    """Return ``p + factor q``."""
+    result = dict(p)
+    for monomial, coefficient in q.items():
+        total = result.get(monomial, 0) + factor * coefficient
+        if total:
+            result[monomial] = total
+        else:
+            del result[monomial]
+    return result
+
+
+def times(p: Polynomial, q: Polynomial) -> Polynomial:
+    """Return ``p q``."""
+    result: Polynomial = {}
+    for a, x in p.items():
+        for b, y in q.items():
+            monomial = product(a, b)
+            result[monomial] = result.get(monomial, 0) + x * y
+    return {monomial: coefficient for monomial, coefficient in result.items() if coefficient}
+
+
+def power(p: Polynomial, exponent: int) -> Polynomial:
+    """Return ``p ** exponent`` for a small whole exponent."""
+    result: Polynomial = {UNIT: 1}
+    for _ in range(exponent):
+        result = times(result, p)
+    return result
+
+
+def product(a: Monomial, b: Monomial) -> Monomial:
+    """Return the product of two monomials."""
+    if not a or not b:
+        return a or b
+    exponents = dict(a)
+    for name, exponent in b:
+        exponents[name] = exponents.get(name, 0) + exponent
+    return tuple(sorted(exponents.items()))
+
+
+def quotient(a: Monomial, b: Monomial) -> Monomial:
+    """Return ``a / b`` of monomials where `b` divides `a`."""
+    exponents = dict(a)
+    for name, exponent in b:
+        exponents[name] -= exponent
+    return tuple([(name, exponent) for name, exponent in exponents.items() if exponent])
+
+
+def multiplicity(a: Monomial, b: Monomial) -> int:
+    """Return how often the monomial `b`, which is not 1, divides `a`."""
+    exponents = dict(a)
+    return min(exponents.get(name, 0) // exponent for name, exponent in b)
+
+
+def content(monomials: Iterable[Monomial]) -> Monomial:
+    """Return the largest monomial that divides all."""
+    common: dict[int, int] | None = None
+    for monomial in monomials:
+        exponents = dict(monomial)
+        if common is None:
+            common = exponents
+        else:
+            common = {k: min(e, exponents[k]) for k, e in common.items() if k in exponents}
+    return tuple((common or {}).items())
+
+
+def parts(p: Polynomial, chosen: Callable[[int], bool]) -> dict[Monomial, Polynomial]:
+    """Write `p` as a polynomial in the other variables whose coefficients are in the `chosen` ones."""
+    result: dict[Monomial, Polynomial] = {}
+    for monomial, coefficient in p.items():
+        inner = tuple([factor for factor in monomial if chosen(factor[0])])
+        outer = tuple([factor for factor in monomial if not chosen(factor[0])])
+        result.setdefault(outer, {})[inner] = coefficient
+    return result
+
+
+def replaced(p: Polynomial, kernel: Polynomial, name: int) -> Polynomial | None:
+    """Write `p` with the variable `name` for the sum `kernel`, or None if `p` holds no multiple of it.
+
+    Multiples are taken out only where all their terms are there, so no term is added to be subtracted.
+    """
+    result: Polynomial = {}
+    factor: Monomial = UNIT
+    rest, multiple = _divided(p, kernel)
+    while multiple:  # a multiple may hold the kernel again
+        result = plus(result, times(rest, {factor: 1}))
+        factor = product(factor, ((name, 1),))
+        rest, multiple = _divided(multiple, kernel)
+    return plus(result, times(rest, {factor: 1})) if factor else None
+
+
+def _divided(p: Polynomial, kernel: Polynomial) -> tuple[Polynomial, Polynomial]:
+    """Return a rest and a multiplier of `kernel`; their terms have the signs that they have in `p`."""
+    lead = max(kernel, key=_order)
+    rest = dict(p)
+    multiplier: Polynomial = {}
+    for monomial in sorted(p, key=_order, reverse=True):
+        if monomial in rest and multiplicity(monomial, lead):
+            cofactor = quotient(monomial, lead)
+            share = Fraction(rest[monomial]) / kernel[lead]
+            part: Polynomial = {product(cofactor, term): share * c for term, c in kernel.items()}
+            if _contains(rest, part):
+                rest = plus(rest, part, -1)
+                multiplier[cofactor] = share
+    return rest, multiplier
+
+
+def _contains(p: Polynomial, part: Polynomial) -> bool:
+    """Tell whether `p` has all terms of `part`, with the same signs and at least as large."""
+    return all(term in p and 0 < Fraction(c) / p[term] <= 1 for term, c in part.items())
+
+
+def _order(monomial: Monomial) -> tuple[int, Monomial]:
+    return sum(exponent for _, exponent in monomial), monomial
+
+
+def term_cost(monomial: Monomial, coefficient: Exact, weights: Weights) -> int:
+    """Return the operations of one term; a sign is free."""
+    if not monomial:
+        return 0
+    total = sum(weights(name) + multiplications(exponent) for name, exponent in monomial)
+    return total + len(monomial) - 1 + (abs(coefficient) != 1)
+
+
+def cost(p: Polynomial, weights: Weights) -> int:
+    """Return the operations of the sum of all terms."""
+    return sum(term_cost(monomial, c, weights) for monomial, c in p.items()) + max(len(p) - 1, 0)

@@ -1,0 +1,192 @@
+"""The trigonometric normal form: formulas as a textbook prints them, without a simplifier.
+
+A root is written as a polynomial in the sines and cosines of independent angles and in everything else
+that is no sum, product or whole power (symbols, quotients, roots, other functions). With sin**2 + cos**2 = 1
+equal polynomials become the same. The coefficient of each product of the others is then written in
+the shortest of the forms of `harmonics`, and the sum collected by `collecting`. Arguments of functions,
+numerators and denominators are treated in the same way, each by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Final
+
+from symbody.expr.angles import Angle, Angles
+from symbody.expr.canonical import apply, make
+from symbody.expr.collecting import collected
+from symbody.expr.graph import Graph
+from symbody.expr.harmonics import Harmonics, reduced, sine
+from symbody.expr.opcodes import ADD, COS, DIV, FLOAT, MUL, NEG, POW, RATIONAL, SIN, SUB
+from symbody.expr.polynomial import UNIT, Polynomial, parts, plus, product, times, variable
+from symbody.expr.rewrite import operation_count, tree_size
+
+_MAX_OPERATIONS: Final = 2000
+_MAX_TERMS: Final = 2000
+_MAX_EFFORT: Final = 100_000  # products of two terms for one root: about a second
+_MAX_EXPONENT: Final = 16  # of what is multiplied out
+_MAX_KERNEL: Final = 6  # terms of a sum that is tried as a variable
+
+_EXPANDED: Final = frozenset({RATIONAL, NEG, ADD, SUB, MUL})
+
+
+def trigonometric_form(graph: Graph, roots: Sequence[int]) -> list[int]:
+    """Return the `roots` written as in a textbook, each by itself, where that takes fewer operations.
+
+    Roots of 2,000 operations or more, with rounded constants, or with too many terms stay as they are.
+    """
+    return [_form(graph, root) for root in roots]
+
+
+def _form(graph: Graph, root: int) -> int:
+    nodes = graph.reachable([root])
+    if operation_count(graph, [root]) >= _MAX_OPERATIONS or any(graph.ops[k] == FLOAT for k in nodes):
+        return root
+    form = _Writer(graph, _by_structure(graph, nodes), root).form
+    return form if tree_size(graph, form) < tree_size(graph, root) else root
+
+
+def _by_structure(graph: Graph, nodes: Sequence[int]) -> list[int]:
+    """Return the nodes, operands first, in an order that does not depend on when they were made."""
+    depth: dict[int, int] = {}
+    for node in nodes:
+        depth[node] = 1 + max([depth[k] for k in graph.operands(node)], default=0)
+    return sorted(nodes, key=lambda node: (depth[node], graph.hashes[node]))
+
+
+class _Writer:
+    """One pass over the nodes of a root, operands first."""
+
+    def __init__(self, graph: Graph, nodes: Sequence[int], root: int) -> None:
+        self._graph = graph
+        self._angles = Angles(graph, nodes)
+        self._harmonics = Harmonics(self._angles.size, self._angles.cost)
+        self._atoms: list[int] = []  # node of each variable
+        self._variables: dict[int, int] = {}  # the inverse
+        self._new: dict[int, int] = {}  # what each node has become
+        self._polynomials: dict[int, Polynomial | None] = {}  # None: too many terms
+        self._kernels: list[Polynomial] = []
+        self._effort = 0
+        written = self._written_by_themselves(nodes) | {root}
+        for node in nodes:
+            plain = self._plain(node)
+            p = self._polynomials[node] = self._polynomial(node, plain)
+            if p is not None and graph.ops[node] in (ADD, SUB) and 1 < len(p) <= _MAX_KERNEL:
+                self._kernels.append(self._shortened(p))
+            self._new[node] = plain if p is None or node not in written else self._written(p, plain)
+        self.form = self._new[root]
+
+    def _written_by_themselves(self, nodes: Sequence[int]) -> set[int]:
+        """Return the operands of what is not expanded, and what angles are linear in."""
+        result = set(self._angles.axes)
+        for node in nodes:
+            if not self._is_expanded(node):
+                result.update(self._graph.operands(node))
+        return result
+
+    def _is_expanded(self, node: int) -> bool:
+        return self._graph.ops[node] in _EXPANDED or self._whole_exponent(node) > 0
+
+    def _whole_exponent(self, node: int) -> int:
+        """Return the exponent of a power that may be multiplied out, else 0."""
+        exponent = self._graph.number(self._graph.right[node]) if self._graph.ops[node] == POW else None
+        return exponent if isinstance(exponent, int) and exponent <= _MAX_EXPONENT else 0
+
+    def _plain(self, node: int) -> int:
+        """Return `node` over what its operands have become."""
+        graph = self._graph
+        old = graph.operands(node)
+        new = tuple([self._new[k] for k in old])
+        if new == old or (graph.ops[node] == DIV and graph.number(new[1]) == 0):
+            return node
+        return make(graph, graph.ops[node], new, graph.datum(node))
+
+    def _polynomial(self, node: int, plain: int) -> Polynomial | None:
+        graph = self._graph
+        if graph.ops[node] in (SIN, COS) and (angle := self._angles.of(graph.left[node])) is not None:
+            return self._circular(graph.ops[node], angle)
+        if not self._is_expanded(node):
+            return self._atom(plain)
+        if graph.ops[node] == RATIONAL:
+            value = graph.constants[graph.left[node]]
+            return {UNIT: Fraction(value)} if value else {}
+        operands = [self._polynomials[k] for k in graph.operands(node)]
+        known = [p for p in operands if p is not None]
+        p = self._combined(node, known) if len(known) == len(operands) else None
+        return p if p is not None and len(p) <= _MAX_TERMS else None
+
+    def _combined(self, node: int, operands: list[Polynomial]) -> Polynomial | None:
+        op = self._graph.ops[node]
+        if op == POW:
+            return self._power(operands[0], self._whole_exponent(node))
+        if op == MUL:
+            return self._product(*operands)
+        if op == NEG:
+            return plus({}, operands[0], -1)
+        return plus(operands[0], operands[1], -1 if op == SUB else 1)
+
+    def _power(self, p: Polynomial, exponent: int) -> Polynomial | None:
+        result: Polynomial | None = p
+        for _ in range(exponent - 1):
+            result = None if result is None else self._product(result, p)
+        return result
+
+    def _product(self, p: Polynomial, q: Polynomial) -> Polynomial | None:
+        self._effort += len(p) * len(q)
+        if self._effort > _MAX_EFFORT:
+            return None
+        result = reduced(times(p, q))
+        return result if len(result) <= _MAX_TERMS else None
+
+    def _circular(self, op: int, angle: Angle) -> Polynomial:
+        """Return a sine or cosine by the addition formulas."""
+        cosine: Polynomial = {UNIT: 1}
+        sine_of: Polynomial = {}
+        for i, count in enumerate(angle.components):
+            s, c = variable(sine(i)), variable(sine(i) - 1)
+            s = s if count > 0 else plus({}, s, -1)
+            for _ in range(abs(count)):
+                cosine, sine_of = (
+                    reduced(plus(times(cosine, c), times(sine_of, s), -1)),
+                    reduced(plus(times(sine_of, c), times(cosine, s))),
+                )
+        for _ in range(angle.quarter_turns % 4):
+            cosine, sine_of = plus({}, sine_of, -1), cosine
+        return cosine if op == COS else sine_of
+
+    def _atom(self, node: int) -> Polynomial:
+        graph = self._graph
+        sign = 1
+        if graph.ops[node] == NEG:
+            node, sign = graph.left[node], -1
+        if graph.ops[node] == RATIONAL:
+            value = graph.constants[graph.left[node]]
+            return {UNIT: sign * Fraction(value)} if value else {}
+        if node not in self._variables:
+            self._variables[node] = len(self._atoms)
+            self._atoms.append(node)
+        return plus({}, variable(self._variables[node]), sign)
+
+    def _shortened(self, p: Polynomial) -> Polynomial:
+        """Return `p` with the trigonometric part of each coefficient written in its shortest form."""
+        result: Polynomial = {}
+        for outer, inner in parts(p, lambda name: name < 0).items():
+            for monomial, coefficient in self._harmonics.shortest(inner).items():
+                result[product(monomial, outer)] = coefficient
+        return result
+
+    def _written(self, p: Polynomial, plain: int) -> int:
+        graph = self._graph
+        short = self._shortened(p)
+        names = {name for q in (short, *self._kernels) for monomial in q for name, _ in monomial}
+        nodes = {name: self._node(name) for name in names}
+        weights = {name: tree_size(graph, node) for name, node in nodes.items()}
+        result = collected(graph, short, nodes, weights, self._kernels)
+        return result if tree_size(graph, result) < tree_size(graph, plain) else plain
+
+    def _node(self, name: int) -> int:
+        if name >= 0:
+            return self._atoms[name]
+        op, vector = self._harmonics.harmonic(name)
+        return apply(self._graph, op, self._angles.node(vector, self._new.__getitem__))

@@ -1,0 +1,166 @@
+"""The door of the model: what users write becomes formulas and checked names, once, with all faults told.
+
+A constructor opens a `Door`, lets every argument through it, and closes it; `close` raises once with
+everything that was wrong.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from decimal import Decimal
+from fractions import Fraction
+from numbers import Integral, Rational
+from typing import SupportsFloat, TypeVar
+
+from symbody.errors import ExpressionError, ModelError, Problem, SymbodyError
+from symbody.expr.formula import Formula
+from symbody.expr.tokens import normalize
+from symbody.model.naming import element_problem, symbol_problem
+from symbody.model.table import Table
+from symbody.model.uses import Triple
+
+Value = Formula | str | SupportsFloat
+T = TypeVar("T")
+
+ZERO = Formula.of(0)
+
+
+class Door:
+    """Collects the faults of one element.
+
+    Parameters
+    ----------
+    label : str
+        The element in words, for instance ``"joint slider"``; the first part of every `where`.
+    """
+
+    __slots__ = ("label", "problems")
+
+    def __init__(self, label: str) -> None:
+        self.label = label
+        self.problems: list[Problem] = []
+
+    def where(self, path: str) -> str:
+        """Return the place of an argument in words."""
+        return f"{self.label}, {path}" if path else self.label
+
+    def refuse(self, code: str, path: str, what: str, why: str = "", fix: str = "") -> None:
+        """Note a fault."""
+        self.problems.append(Problem(code, self.where(path), what, why, fix))
+
+    def element_name(self, name: object, path: str = "name") -> str:
+        """Return the name of an element, in composed letters."""
+        return self._name(element_problem(name, self.where(path)), name)
+
+    def symbol_name(self, name: object, path: str) -> str:
+        """Return the name of a symbol as the expression parser will see it."""
+        return self._name(symbol_problem(name, self.where(path)), name)
+
+    def formula(self, value: object, path: str) -> Formula:
+        """Return a formula from text, a real number or a formula."""
+        if isinstance(value, Formula):
+            return value
+        number = value if isinstance(value, str) else self._number(value, path)
+        if number is None:
+            return ZERO
+        try:
+            return Formula.of(number, where=self.where(path))
+        except ExpressionError as error:
+            self.problems.extend(error.problems)
+            return ZERO
+
+    def optional(self, value: object, path: str) -> Formula | None:
+        """Return a formula, or None for None."""
+        return None if value is None else self.formula(value, path)
+
+    def triple(self, values: object, path: str) -> Triple:
+        """Return three formulas."""
+        items = self.items(values, path)
+        if len(items) != 3:
+            self.refuse("model.not_three", path, f"{len(items)} entries instead of three", "",
+                        "give the components along x, y and z")  # fmt: skip
+            return (ZERO, ZERO, ZERO)
+        x, y, z = (self.formula(item, f"{path}[{k}]") for k, item in enumerate(items))
+        return (x, y, z)
+
+    def items(self, values: object, path: str) -> list[object]:
+        """Return the entries of a list; anything that can be iterated but text and mappings counts as one."""
+        if isinstance(values, Iterable) and not isinstance(values, str | bytes | Mapping):
+            return list(values)
+        self.refuse("model.not_a_list", path, f"{values!r} is not a list", "", "write [.., .., ..]")
+        return []
+
+    def table(self, values: object, path: str, read: Callable[[object, str], T]) -> Table[T]:
+        """Return a table of what `read` makes of each value."""
+        if not isinstance(values, Mapping):
+            self.refuse("model.not_a_table", path, f"{values!r} is not a mapping of names", "",
+                        "write {name: value}")  # fmt: skip
+            return Table()
+        entries: dict[str, T] = {}
+        for name, value in values.items():
+            key = normalize(name) if isinstance(name, str) else str(name)
+            if key in entries:
+                self.refuse("names.duplicate", f"{path}.{key}" if path else key,
+                            f"the name {key!r} appears twice once characters are composed")  # fmt: skip
+            entries[key] = read(value, f"{path}.{key}" if path else key)
+        return Table(entries)
+
+    def attempt(self, make: Callable[[], T]) -> T | None:
+        """Return what `make` returns; None if it raises, its faults taken over."""
+        try:
+            return make()
+        except SymbodyError as error:
+            self.problems.extend(error.problems)
+            return None
+
+    def close(self) -> None:
+        """Raise what was collected.
+
+        Raises
+        ------
+        ModelError
+            If there is any fault.
+        """
+        if self.problems:
+            raise ModelError(*self.problems)
+
+    def _name(self, problem: Problem | None, name: object) -> str:
+        if problem is not None:
+            self.problems.append(problem)
+        return normalize(name) if isinstance(name, str) else "?"
+
+    def _number(self, value: object, path: str) -> int | float | Fraction | str | None:
+        number = real_number(value)
+        if number is None:
+            self.refuse("model.not_a_number", path, f"{value!r} of type {type(value).__name__} is neither a real "
+                        "number nor a formula", "a bool, a complex number, a list or nothing was given",
+                        "give a number, or a formula as text")  # fmt: skip
+        elif isinstance(number, float) and not math.isfinite(number):
+            self.refuse("model.not_finite", path, f"the value is {number}", "",
+                        "give a finite number; leave the entry out where there is no value")  # fmt: skip
+            return None
+        return number
+
+
+def real_number(value: object) -> int | float | Fraction | str | None:
+    """Return a real number in a plain type, or None if it is something else.
+
+    Whole numbers and fractions stay exact. A decimal of up to 15 digits comes back as text, since it is
+    exact as written; the digits of a float are those it prints with, so 9.81 is 981/100 and 0.1 + 0.2
+    stays the float it is.
+    """
+    if isinstance(value, bool | complex | str | bytes) or not isinstance(value, SupportsFloat):
+        return None
+    if isinstance(value, Integral):
+        return int(value)
+    if isinstance(value, Rational):
+        return Fraction(value.numerator, value.denominator)
+    if isinstance(value, Decimal):
+        return str(value) if value.is_finite() else float(value)
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):  # an array of several entries, a symbol
+        return None
+    digits = Decimal(repr(number)) if math.isfinite(number) else None
+    return repr(number) if digits is not None and len(digits.as_tuple().digits) <= 15 else number

@@ -1,0 +1,65 @@
+"""`Element`: anything in a model that has a name; and `Address`: how it refers to frames."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from symbody.model.naming import CENTRE, GROUND
+from symbody.model.uses import Use
+
+
+class Element(ABC):
+    """A named part of a mechanism; frozen data.
+
+    Attributes
+    ----------
+    kind : str
+        The word for it in messages and model files: ``"joint"``.
+    name : str
+        Unique among the elements of a model.
+    """
+
+    __slots__ = ()
+
+    kind: ClassVar[str]
+    name: str
+
+    @abstractmethod
+    def uses(self) -> Iterator[Use]:
+        """Return where its formulas stand."""
+
+
+@dataclass(frozen=True, slots=True)
+class Address:
+    """A frame of a body, or of the ground.
+
+    Attributes
+    ----------
+    body : str
+        Name of the body, or ``"ground"``.
+    point : str
+        Name of the frame on it; ``""`` is the centre of mass, or the ground's origin.
+    carried : Element or None
+        The body itself, where a script gave the object; the model takes it over and clears this.
+    """
+
+    body: str
+    point: str = ""
+    carried: Element | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def frame(self) -> str:
+        """The address as text: ``"Body"`` or ``"Body.Frame"``."""
+        return f"{self.body}.{self.point}" if self.point else self.body
+
+    def __str__(self) -> str:
+        return self.frame
+
+
+def address_of(body: str, point: str = "", carried: Element | None = None) -> Address:
+    """Return an address in its one spelling: ground in lower case, the centre of mass left out."""
+    is_ground = body.lower() == GROUND
+    return Address(GROUND if is_ground else body, "" if point == CENTRE else point, carried)

@@ -1,0 +1,73 @@
+"""Values of formulas: exact where the graph folds them, in floats otherwise."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from fractions import Fraction
+
+from symbody.errors import ExpressionError
+from symbody.expr.evaluate import evaluate_sequence
+from symbody.expr.formula import Formula, build
+from symbody.expr.graph import Constant, Graph
+from symbody.expr.sequence import Roots, build_sequence
+
+
+class _Unknown(Exception):
+    """A name without value."""
+
+
+def value_of(formula: Formula, values: Mapping[str, Constant] | None = None) -> Constant | None:
+    """Return the value of a formula, or None if it contains a name that has none.
+
+    Parameters
+    ----------
+    values : mapping of name to number
+        Values of the parameters; ``pi`` needs none.
+
+    Raises
+    ------
+    ExpressionError
+        If the formula divides by zero.
+    """
+    graph = Graph()
+    known = values or {}
+
+    def node(name: str, _: object) -> int:
+        if name == "pi":
+            return graph.pi()
+        if name not in known:
+            raise _Unknown
+        return graph.constant(known[name])
+
+    try:
+        root = build(formula, graph, node)
+    except _Unknown:
+        return None
+    exact = graph.number(root)
+    return _rounded(graph, root) if exact is None else exact
+
+
+def square_root(square: Constant) -> Constant | None:
+    """Return the root of a number if it is exact, or rounded as the number itself is; else None."""
+    if isinstance(square, float):
+        return math.sqrt(square)
+    exact = Fraction(square)
+    top, bottom = math.isqrt(exact.numerator), math.isqrt(exact.denominator)
+    return Fraction(top, bottom) if Fraction(top * top, bottom * bottom) == exact else None
+
+
+def _rounded(graph: Graph, root: int) -> float:
+    sequence = build_sequence(graph, [Roots("value", (), (root,))], {})
+    return float(evaluate_sequence(sequence, {})[0][0])
+
+
+def as_float(value: Constant) -> float:
+    """Return a number as float, infinite where it is too large."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.copysign(math.inf, value)
+
+
+__all__ = ["ExpressionError", "as_float", "square_root", "value_of"]

@@ -1,0 +1,38 @@
+"""Where formulas stand in a model, and which names each place allows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from enum import StrEnum
+from typing import NamedTuple
+
+from symbody.expr.formula import Formula
+
+Triple = tuple[Formula, Formula, Formula]
+
+
+class Scope(StrEnum):
+    """The names a formula may contain; the value says it in words."""
+
+    CONSTANT = "parameters"
+    PRESCRIBED = "parameters and t"
+    LOAD = "parameters, inputs, t, coordinates and their rates"
+
+
+class Use(NamedTuple):
+    """One formula of an element.
+
+    Attributes
+    ----------
+    path : str
+        Where in the element, in the words of the model file: ``"frames.tip.at[1]"``.
+    """
+
+    path: str
+    formula: Formula
+    scope: Scope
+
+
+def triple_uses(path: str, formulas: Iterable[Formula], scope: Scope) -> Iterator[Use]:
+    """Return the uses of the formulas of a list."""
+    return (Use(f"{path}[{k}]", formula, scope) for k, formula in enumerate(formulas))

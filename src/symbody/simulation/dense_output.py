@@ -1,0 +1,65 @@
+"""A motion between its stored samples: one polynomial per step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from symbody.errors import Problem, UsageError
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DenseOutput:
+    """Piecewise polynomial in time, in the nested form of Hairer, Norsett and Wanner, section II.6.
+
+    With s the share of the step that has passed and F its rows, the state is
+    ``F0 + s (F1 + (1 - s) (F2 + s (F3 + (1 - s) (F4 + ...))))``; four rows alone are the cubic of Hermite.
+
+    Attributes
+    ----------
+    breaks : (steps + 1,) array
+        Ends of the steps, rising or falling [s].
+    pieces : (steps, rows, n) array
+        F of each step.
+    """
+
+    breaks: Floats
+    pieces: Floats
+
+    def __call__(self, t: ArrayLike) -> Floats:
+        """Return the states at times of any shape: (n, *shape).
+
+        Raises
+        ------
+        UsageError
+            Times outside the motion.
+        """
+        times = np.asarray(t, dtype=np.float64)
+        self._check_range(times)
+        direction = 1.0 if self.breaks[-1] >= self.breaks[0] else -1.0
+        step = np.searchsorted(direction * self.breaks, direction * times, side="right") - 1
+        step = np.clip(step, 0, self.pieces.shape[0] - 1)
+        length = self.breaks[step + 1] - self.breaks[step]
+        passed = times - self.breaks[step]
+        share = np.divide(passed, length, out=np.zeros_like(passed), where=length != 0.0)[..., np.newaxis]
+        value: Floats = np.zeros((*times.shape, self.pieces.shape[2]))
+        for row in range(self.pieces.shape[1] - 1, 0, -1):
+            value = (value + self.pieces[step, row]) * (share if row % 2 == 1 else 1.0 - share)
+        return np.moveaxis(self.pieces[step, 0] + value, -1, 0)
+
+    def _check_range(self, times: Floats) -> None:
+        first, last = sorted((float(self.breaks[0]), float(self.breaks[-1])))
+        outside = times[~((times >= first) & (times <= last))]
+        if outside.size:
+            raise UsageError(
+                Problem(
+                    "simulation.time_outside",
+                    "at",
+                    f"t = {outside.flat[0]:g} lies outside the motion, which runs from {first:g} to {last:g}",
+                    fix="ask for times in that range, or simulate for longer",
+                )
+            )

@@ -1,0 +1,266 @@
+"""One run of the compiled loop: the arrays it works on, their growth, and the slices between which Python acts."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from symbody.errors import Problem, SimulationError
+from symbody.simulation import native_loop as native
+from symbody.simulation.dense_output import DenseOutput
+from symbody.simulation.native_arguments import Floats, Goal, Memory, Method, Record, RightHandSide
+from symbody.simulation.runge_kutta import Row, Tableau
+from symbody.simulation.status import Status
+
+Progress = Callable[[float], bool | None]
+
+# Steps of the first slice, and what a slice should last [s]: between slices Python sees Ctrl-C.
+FIRST_SLICE: Final = 64
+SLICE_SECONDS: Final = 0.05
+FIRST_CAPACITY: Final = 256
+# Where the system does not tell its memory [bytes].
+ASSUMED_MEMORY: Final = 8 * 2**30
+
+VERDICTS: Final[Mapping[int, Status]] = {
+    native.FINISHED: Status.SUCCESS,
+    native.COLLAPSED: Status.STEP_COLLAPSE,
+    native.NOT_FINITE: Status.NOT_FINITE,
+    native.SINGULAR: Status.SINGULAR,
+    native.TOO_MANY: Status.TOO_MANY_STEPS,
+    native.STIFF: Status.STIFF,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """What a run cost.
+
+    Attributes
+    ----------
+    accepted, rejected : int
+        Steps.
+    evaluations : int
+        Calls of the right-hand side.
+    loop_seconds : float
+        Time inside the compiled loop [s].
+    """
+
+    accepted: int
+    rejected: int
+    evaluations: int
+    loop_seconds: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RawRun:
+    """What `integrate` returns: arrays and a verdict, without names.
+
+    Attributes
+    ----------
+    t : (N,) array
+        Times of the samples [s].
+    x : (n, N) array
+        States x = (u, q).
+    reached : float
+        Time up to which the motion is known [s].
+    state : int or None
+        After a collapse or a derivative that is not finite: which state is to blame.
+    kernel : int or None
+        After `Status.SINGULAR`: which kernel of the right-hand side failed, from 0.
+    dense_output : DenseOutput or None
+        The motion between the samples.
+    """
+
+    t: Floats
+    x: Floats
+    status: Status
+    statistics: Statistics
+    reached: float
+    state: int | None
+    kernel: int | None
+    dense_output: DenseOutput | None
+
+
+class NativeRun(NamedTuple):
+    """All arguments of the compiled loop but the record, which grows."""
+
+    rhs: RightHandSide
+    method: Method
+    goal: Goal
+    memory: Memory
+
+
+def method_arrays(tableau: Tableau) -> Method:
+    """Return a tableau as arrays."""
+    size = len(tableau.A)
+    return Method(
+        _rectangle(tableau.A, size),
+        np.array(tableau.c, dtype=np.float64),
+        _rectangle(tableau.error, tableau.stages + 1),
+        _rectangle(tableau.dense, size),
+        tableau.order,
+        tableau.stages,
+        tableau.error_reads_end,
+        tableau.exponent,
+        tableau.memory,
+        tableau.shrink,
+        tableau.growth,
+        tableau.stiff_bound,
+    )
+
+
+def _rectangle(rows: tuple[Row, ...], width: int) -> Floats:
+    array = np.zeros((len(rows), width))
+    for row, values in zip(array, rows, strict=True):
+        row[: len(values)] = values
+    return array
+
+
+def fresh_memory(tableau: Tableau, x: Floats, t: float) -> Memory:
+    """Return the loop's memory at its first time and state."""
+    memory = Memory(
+        np.zeros((native.VECTORS, x.size)),
+        np.zeros((len(tableau.A), x.size)),
+        np.zeros((4 + len(tableau.dense), x.size)),
+        np.zeros(native.REALS),
+        np.zeros(native.COUNTS, dtype=np.int64),
+    )
+    memory.vectors[native.STATE_OLD] = x
+    memory.real[native.TIME] = t
+    return memory
+
+
+def fresh_record(run: NativeRun, times: Floats | None, dense: bool) -> Record:
+    """Return empty storage for the samples at `times`, or for every step.
+
+    Raises
+    ------
+    SimulationError
+        More samples than the memory holds.
+    """
+    rows, n = run.memory.F.shape
+    if times is not None and 8 * times.size * (n + 1) > memory_limit():
+        size = 8e-9 * times.size * (n + 1)
+        what = (
+            f"{times.size} samples of {n} states take {size:.3g} GB, more than half of this computer's memory"
+        )
+        fix = f"ask for at most {memory_limit() // (8 * (n + 1))} times, or run in parts"
+        raise SimulationError(Problem("simulation.memory", "times", what, fix=fix))
+    capacity = FIRST_CAPACITY if times is None else times.size
+    pieces = FIRST_CAPACITY if dense else 0
+    return Record(
+        np.zeros(0) if times is None else times,
+        np.empty(capacity),
+        np.empty((capacity, n)),
+        np.empty(pieces + 1),
+        np.empty((pieces, rows, n)),
+        times is None,
+        dense,
+    )
+
+
+def memory_limit() -> int:
+    """Return how many bytes the samples of a run may take: half of the computer's memory."""
+    try:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 2
+    except (AttributeError, OSError, ValueError):  # no such question on this system
+        return ASSUMED_MEMORY // 2
+
+
+def drive(run: NativeRun, record: Record, first_step: float, progress: Progress | None) -> RawRun:
+    """Run the loop to its end, in slices; Ctrl-C ends it between two of them and keeps what there is."""
+    status: Status | None = None
+    seconds = 0.0
+    budget = FIRST_SLICE
+    start = float(run.memory.real[native.TIME])
+    try:
+        code = native.begin(*run, record, first_step)
+        native.advance(*run, record, 0)  # compiles, or reads the cache, before the clock is read
+        while code in (native.RUNNING, native.FULL):
+            if code == native.FULL:
+                record = _grown(record, run.memory)
+            began = time.perf_counter()
+            code = native.advance(*run, record, budget)
+            spent = time.perf_counter() - began
+            seconds += spent
+            budget = _next_budget(budget, spent)
+            if code == native.RUNNING and not _goes_on(run, start, progress):
+                status = Status.INTERRUPTED
+                break
+        status = VERDICTS[code] if status is None else status
+    except KeyboardInterrupt:
+        status = Status.INTERRUPTED
+    except MemoryError:
+        status = Status.OUT_OF_MEMORY
+    return _raw_run(run, record, status, seconds)
+
+
+def _next_budget(budget: int, spent: float) -> int:
+    """Return how many steps the next slice may try so that it lasts about `SLICE_SECONDS`."""
+    if spent > 2.0 * SLICE_SECONDS:
+        return max(1, budget // 2)
+    return 4 * budget if spent < 0.25 * SLICE_SECONDS else budget
+
+
+def _goes_on(run: NativeRun, start: float, progress: Progress | None) -> bool:
+    share = (float(run.memory.real[native.TIME]) - start) / (run.goal.t_end - start)
+    return progress is None or progress(share) is not False
+
+
+def _grown(record: Record, memory: Memory) -> Record:
+    """Return a record with room for twice as many samples and steps.
+
+    Raises
+    ------
+    MemoryError
+        No room is left.
+    """
+    samples, steps = int(memory.count[native.SAMPLES]), int(memory.count[native.STEPS])
+    if 2 * (record.x.nbytes + record.pieces.nbytes) > memory_limit():
+        raise MemoryError
+    if record.every_step and samples == record.t.size:
+        record = record._replace(t=_doubled(record.t), x=_doubled(record.x))
+    if record.keep_dense and steps == record.pieces.shape[0]:
+        record = record._replace(breaks=_doubled(record.breaks), pieces=_doubled(record.pieces))
+    return record
+
+
+def _doubled(array: Floats) -> Floats:
+    size = array.shape[0]
+    larger = np.empty((2 * size, *array.shape[1:]))
+    larger[:size] = array
+    return larger
+
+
+def _raw_run(run: NativeRun, record: Record, status: Status, seconds: float) -> RawRun:
+    """Cut the record to what was written, and turn it so that time comes last."""
+    count = run.memory.count
+    samples, steps = int(count[native.SAMPLES]), int(count[native.STEPS])
+    statistics = Statistics(
+        int(count[native.ACCEPTED]), int(count[native.REJECTED]), int(count[native.EVALUATIONS]), seconds
+    )
+    blamed = status in (Status.STEP_COLLAPSE, Status.NOT_FINITE)
+    return RawRun(
+        record.t[:samples].copy(),
+        np.ascontiguousarray(record.x[:samples].T),
+        status,
+        statistics,
+        float(run.memory.real[native.TIME]),
+        int(count[native.STATE]) if blamed else None,
+        int(count[native.KERNEL]) - 1 if status is Status.SINGULAR else None,
+        _dense_output(run, record, steps) if record.keep_dense else None,
+    )
+
+
+def _dense_output(run: NativeRun, record: Record, steps: int) -> DenseOutput:
+    if steps:
+        return DenseOutput(record.breaks[: steps + 1].copy(), record.pieces[:steps].copy())
+    piece = np.zeros((1, *record.pieces.shape[1:]))  # no step: the state stays what it was at this one time
+    piece[0, 0] = run.memory.vectors[native.STATE_OLD]
+    return DenseOutput(np.full(2, run.memory.real[native.TIME]), piece)

@@ -1,0 +1,39 @@
+"""How a motion ended."""
+
+from __future__ import annotations
+
+from enum import Enum, unique
+
+
+@unique
+class Status(Enum):
+    """The verdict on a run; the value says what happened and what to try."""
+
+    SUCCESS = "the motion was computed to its end"
+    STOPPED = "a stopping event ended the motion"
+    STEP_COLLAPSE = (
+        "no step is small enough here: the motion runs to infinity or jumps; end the run earlier, smooth the "
+        "law that jumps, or loosen rtol and atol if they are close to rounding"
+    )
+    NOT_FINITE = (
+        "the accelerations are not finite: look for a division by zero, a root or logarithm of a negative "
+        "number, or an overflow near the last stored state"
+    )
+    SINGULAR = (
+        "the accelerations are not determined: the mass matrix is not positive definite in some direction "
+        "that the constraints leave free; look for a body without mass or inertia, or a parameter that is zero"
+    )
+    TOO_MANY_STEPS = (
+        "max_steps ran out: raise it, loosen rtol and atol, or use sb.Stiff() if fast damped motions force "
+        "small steps"
+    )
+    STIFF = "fast damped motions, not accuracy, keep the steps small: use sb.Stiff()"
+    INTERRUPTED = "the run was interrupted: what had been computed by then is kept"
+    OUT_OF_MEMORY = (
+        "the samples outgrew the memory of this computer: pass times= to store fewer, or shorten the run"
+    )
+
+    @property
+    def success(self) -> bool:
+        """Whether the motion was computed as far as was asked."""
+        return self in (Status.SUCCESS, Status.STOPPED)
