@@ -47,13 +47,14 @@ class Maker:
             self.add(Operation(op.SYMBOL, (), k), self.inputs[source.group][source.position])
         self.add(Operation(op.PI, ()), math.pi)
 
-    def add(self, operation: Operation, value: Any) -> int:
+    def add(self, operation: Operation, value: Any, *, hidden: bool = False) -> int:
+        """Append an operation; a hidden value becomes no operand of others."""
         self.operations.append(operation)
         self.values.append(value)
         number = len(self.operations) - 1
         if operation.op in op.CONDITIONS:
             self.conditions.append(number)
-        elif operation.op != op.SADDLE:
+        elif operation.op != op.SADDLE and not hidden:
             self.reals.append(number)
         return number
 
@@ -130,8 +131,10 @@ class Maker:
         mass = [zero] * (n * n)
         for k in range(n):
             x = self.real()
-            square = self.add(Operation(op.MUL, (x, x)), self.values[x] * self.values[x])
-            mass[k * n + k] = self.add(Operation(op.ADD, (one, square)), 1.0 + self.values[square])
+            square = self.add(Operation(op.MUL, (x, x)), self.values[x] * self.values[x], hidden=True)
+            mass[k * n + k] = self.add(
+                Operation(op.ADD, (one, square)), 1.0 + self.values[square], hidden=True
+            )
         rest = [self.real() for _ in range(m * n + n + m)]
         operands = [*mass, *rest]
         numbers = [self.values[k] for k in operands]

@@ -8,7 +8,7 @@ import time
 from fractions import Fraction
 
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from symbody.errors import ExpressionError, Problem
@@ -262,6 +262,7 @@ FAULTS = [
     ("x/(1-1)", "division_by_zero", 2, "divided by 0", "divisor"),
     ("mod(x, 0)", "division_by_zero", 1, "divided by 0", "divisor"),
     ("0**-1", "division_by_zero", 2, "divided by 0", "divisor"),
+    ("0**-0.5", "division_by_zero", 2, "divided by 0", "divisor"),
     ("sqrt(-1)", "undefined", 1, "no real value", "sign"),
     ("(-8)**(1/3)", "undefined", 5, "no real value", "sign"),
     ("log(0)", "undefined", 1, "no real value", "number"),
@@ -291,6 +292,8 @@ FAULTS = [
     ("2*1,5e-3", "comma_decimal", 4, "comma", "write 1.5e-3"),
     ("sin(0,5)", "comma_decimal", 6, "comma", "write 0.5"),
     ("(0,5)", "comma_decimal", 3, "comma", "write 0.5"),
+    ("1, 5", "comma", 2, "separates no arguments", "one expression"),
+    ("1 ,5", "comma", 3, "separates no arguments", "one expression"),
     ("x, y", "comma", 2, "separates no arguments", "one expression"),
     ("x – 1", "character", 3, "en dash", "write -"),
     ("a×b", "character", 2, "multiplication sign", "write *"),
@@ -322,6 +325,7 @@ FAULTS = [
     ("sin(a, b)", "arguments", 1, "given 2 arguments, not 1", "sin(x)"),
     ("if(a < b, 1)", "arguments", 1, "not 3", "if(condition, a, b)"),
     ("max(a)", "arguments", 1, "not 2 or more", "max(a, b, ...)"),
+    ("interp1(x, 0, 1)", "arguments", 1, "given 3 arguments, not 5 or more", "interp1(x, x1, y1"),
     ("interp1(x, 0, 0, 1)", "arguments", 1, "given 4", "interp1(x, x1, y1"),
     ("interp1(x, 0, 0, 1, 2, 1, 3)", "knots", 24, "do not increase", "increasing order"),
     ("smoothstep(x, 2, 2)", "knots", 18, "do not increase", "increasing order"),
@@ -496,6 +500,7 @@ def numbers_and_conditions(depth: int = 3) -> tuple[st.SearchStrategy[str], st.S
     return numbers, conditions
 
 
+@settings(max_examples=500)  # under a second
 @given(numbers_and_conditions()[0])
 def test_precedence_is_pythons(text: str) -> None:
     expected = postfix(ast.parse(text, mode="eval").body)
@@ -537,16 +542,19 @@ def check_only_expression_errors(text: str) -> None:
         assert read(formula.text) == formula
 
 
+@settings(max_examples=500)  # under a second
 @given(st.text(max_size=60))
 def test_random_texts(text: str) -> None:
     check_only_expression_errors(text)
 
 
+@settings(max_examples=500)  # under a second
 @given(st.lists(st.sampled_from(PIECES), max_size=25))
 def test_random_pieces(pieces: list[str]) -> None:
     check_only_expression_errors("".join(pieces))
 
 
+@settings(max_examples=500)  # under a second
 @given(st.sampled_from(VALID), st.integers(0, 60), st.integers(0, 3), st.sampled_from(PIECES))
 def test_mutated_expressions(text: str, place: int, removed: int, inserted: str) -> None:
     check_only_expression_errors(text[:place] + inserted + text[place + removed :])

@@ -64,13 +64,16 @@ def assign_identifiers(names: Iterable[str], is_reserved: Callable[[str], bool])
 def quoted(name: str) -> str:
     r"""Return `name` in ASCII between double quotes, harmless in comments and strings of any language.
 
-    It is a JSON string in which slashes and question marks are escaped too: neither ``*/`` nor a
-    trigraph, a line end or a character that changes the direction of writing can appear.
+    It is a JSON string in which slashes and question marks are escaped too: no bracket of a comment, no
+    trigraph, no line end and no character that changes the direction of writing can appear.
 
     >>> print(quoted("θ */ \n"))
-    "\u03b8 *\/ \n"
+    "\u03b8 *\u002f \n"
     """
-    return json.dumps(name).replace("/", "\\/").replace("?", "\\u003f").replace("\x7f", "\\u007f")
+    text = json.dumps(name)
+    for character in "/?\x7f":
+        text = text.replace(character, f"\\u{ord(character):04x}")
+    return text
 
 
 def _stem(name: str) -> str:

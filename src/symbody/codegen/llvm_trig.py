@@ -2,7 +2,7 @@
 
 ``llvm.sin`` of a vector becomes one library call per lane, and results then depend on the library.
 Here: reduction by pi/2 held in three parts, two polynomials, a swap and a sign. Errors stay below
-1.5 ulp (measured: 0.75) for |x| <= 1e5, the doubles next to multiples of pi/2 included. Beyond that,
+1.5 ulp (largest seen: 0.78) for |x| <= 1e5, the doubles next to multiples of pi/2 included. Beyond that,
 and for inf and nan, the scalar function calls the C library.
 """
 

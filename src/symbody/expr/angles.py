@@ -8,7 +8,7 @@ the formula have few components: for ``a, a+b, a+b+c`` these three and not ``a, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import floor, gcd
@@ -83,18 +83,17 @@ class Angles:
         ]
         return sum(terms) + max(len(terms) - 1, 0)
 
-    def node(self, vector: Vector, new: Callable[[int], int]) -> int:
+    def node(self, vector: Vector, new: Mapping[int, int]) -> int:
         """Return the node of an angle; `new` gives what each argument and axis has become."""
         opposite = tuple([-k for k in vector])
         if vector in self._named:
-            return new(self._named[vector])
+            return new[self._named[vector]]
         if opposite in self._named:
-            return neg(self._graph, new(self._named[opposite]))
+            return neg(self._graph, new[self._named[opposite]])
         total = ZERO
         for k, (axis, unit) in zip(self._in_axes(vector), self._units.items(), strict=True):
-            total = add(
-                self._graph, total, mul(self._graph, self._graph.constant(Fraction(k * unit)), new(axis))
-            )
+            term = mul(self._graph, self._graph.constant(k * unit), new.get(axis, axis))
+            total = add(self._graph, total, term)
         return total
 
     def _in_axes(self, vector: Vector) -> list[int]:

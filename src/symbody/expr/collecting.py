@@ -154,5 +154,6 @@ class _Collector:
 def _shared(p: Polynomial, members: list[Monomial]) -> tuple[Monomial, Exact]:
     """Return what all `members` hold to the same power, and their coefficient if it is one up to sign."""
     factors = set(members[0]).intersection(*members[1:])
-    sizes = {abs(p[monomial]) for monomial in members}
-    return tuple(sorted(factors)), sizes.pop() if len(sizes) == 1 else 1
+    size = abs(Fraction(p[members[0]]))
+    same = all(abs(p[monomial]) == size for monomial in members)
+    return tuple(sorted(factors)), size if same else 1

@@ -18,14 +18,14 @@ from typing import Final, NamedTuple
 
 from symbody.expr.graph import Exact
 from symbody.expr.opcodes import COS, SIN
-from symbody.expr.polynomial import UNIT, Monomial, Polynomial, cost, plus, product, term_cost, times
+from symbody.expr.polynomial import UNIT, Monomial, Polynomial, accumulate, cost, product, term_cost, times
 
 Vector = tuple[int, ...]
 
 # Ways to write the functions of one angle; groups of angles written as sums are numbered from 0.
 _BY_COSINE: Final = -1
 _BY_SINE: Final = -2
-_MAX_STEPS: Final = 200  # ways tried for one polynomial
+_MAX_EFFORT: Final = 20_000  # terms made while searching, for all polynomials of one root: about a second
 _MAX_DEGREE: Final = 12  # of monomials turned into sums: each degree doubles the terms
 
 
@@ -56,6 +56,7 @@ class Harmonics:
         self._series: dict[Monomial, Series] = {}
         self._shortest: dict[frozenset[tuple[Monomial, Exact]], Polynomial] = {}
         self._size = size
+        self._effort = 0
         for i in range(size):
             for op in (SIN, COS):
                 self.variable(Harmonic(op, self.unit(i)))
@@ -86,7 +87,7 @@ class Harmonics:
         if key not in self._shortest:
             total: Polynomial = {}
             for part in _classes(p):
-                total = plus(total, self._shortest_of_class(part))
+                accumulate(total, self._shortest_of_class(part))
             self._shortest[key] = total
         return self._shortest[key]
 
@@ -99,17 +100,18 @@ class Harmonics:
         if len(p) == 1 and all(factors == 1 for factors in _degrees(p).values()):
             return p
         best = p
-        for start in (_BY_COSINE, _BY_SINE, 0):
+        for start in (_BY_COSINE, _BY_SINE, 0) if self._effort <= _MAX_EFFORT else ():
             best = min(best, self._descended(p, dict.fromkeys(angles, start)), key=self.length)
         return best
 
     def _descended(self, p: Polynomial, ways: dict[int, int]) -> Polynomial:
         """Change the way of one angle at a time as long as that makes the sum shorter."""
-        best, tried, improved = self._written(p, ways), 0, True
-        while improved and tried < _MAX_STEPS:
+        best, improved = self._written(p, ways), True
+        while improved:
             improved = False
             for change in list(_changes(ways)):
-                tried += 1
+                if self._effort > _MAX_EFFORT:
+                    return best
                 candidate = self._written(p, change)
                 if self.length(candidate) < self.length(best):
                     best, ways, improved = candidate, change, True
@@ -119,6 +121,7 @@ class Harmonics:
         for angle, way in ways.items():
             if way == _BY_SINE:
                 p = by_sine(p, angle)
+                self._effort += len(p)
         for group in sorted({way for way in ways.values() if way >= 0}):
             p = self._as_sums(p, {angle for angle, way in ways.items() if way == group})
         of_one_function = all(len(monomial) < 2 and monomial[0][1] == 1 for monomial in p if monomial)
@@ -136,7 +139,8 @@ class Harmonics:
                 product(outer, self._monomial(harmonic)): coefficient * factor
                 for harmonic, factor in self._series_of(inner).items()
             }
-            result = plus(result, terms)
+            accumulate(result, terms)
+            self._effort += len(terms)
         return result
 
     def _inside(self, name: int, angles: set[int]) -> bool:
@@ -169,7 +173,7 @@ class Harmonics:
                     del left[second]
                     first, coefficient = term
                     break
-            done = plus(done, {first: coefficient})
+            accumulate(done, {first: coefficient})
         return done
 
     def _as_product(self, a: Monomial, b: Monomial, x: Exact, y: Exact) -> tuple[Monomial, Exact] | None:
@@ -224,7 +228,7 @@ def reduced(p: Polynomial) -> Polynomial:
                 term = times(term, {((name, exponent - 2 * count),): 1})
             if count:
                 term = times(term, _one_minus_square(name - 1, count))
-        result = plus(result, term)
+        accumulate(result, term)
     return result
 
 
@@ -239,7 +243,7 @@ def by_sine(p: Polynomial, angle: int) -> Polynomial:
         odd = exponent % 2
         cosine: Polynomial = {((name, kept + odd),): coefficient} if kept + odd else {UNIT: coefficient}
         sines = _one_minus_square(name + 1, (exponent - kept) // 2)
-        result = plus(result, times(times({rest: 1}, cosine), sines))
+        accumulate(result, times(times({rest: 1}, cosine), sines))
     return result
 
 

@@ -101,7 +101,7 @@ def _power(x: Constant, y: Constant) -> Constant:
         exact = fold_power(x, abs(y))
         if exact is not None:
             return exact if y > 0 else _quotient(1, exact)
-    return math.pow(x, y) if y else 1
+    return math.pow(x, y)
 
 
 def _sign(x: Constant) -> int:

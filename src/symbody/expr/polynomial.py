@@ -29,13 +29,18 @@ def variable(name: int) -> Polynomial:
 def plus(p: Polynomial, q: Mapping[Monomial, Exact], factor: Exact = 1) -> Polynomial:
     """Return ``p + factor q``."""
     result = dict(p)
-    for monomial, coefficient in q.items():
-        total = result.get(monomial, 0) + factor * coefficient
-        if total:
-            result[monomial] = total
-        else:
-            del result[monomial]
+    accumulate(result, q, factor)
     return result
+
+
+def accumulate(p: Polynomial, q: Mapping[Monomial, Exact], factor: Exact = 1) -> None:
+    """Add ``factor q`` to `p` in place."""
+    for monomial, coefficient in q.items():
+        total = p.get(monomial, 0) + factor * coefficient
+        if total:
+            p[monomial] = total
+        else:
+            del p[monomial]
 
 
 def times(p: Polynomial, q: Polynomial) -> Polynomial:

@@ -109,8 +109,7 @@ class _Writer:
         if not self._is_expanded(node):
             return self._atom(plain)
         if graph.ops[node] == RATIONAL:
-            value = graph.constants[graph.left[node]]
-            return {UNIT: Fraction(value)} if value else {}
+            return self._constant(node, 1)
         operands = [self._polynomials[k] for k in graph.operands(node)]
         known = [p for p in operands if p is not None]
         p = self._combined(node, known) if len(known) == len(operands) else None
@@ -161,12 +160,16 @@ class _Writer:
         if graph.ops[node] == NEG:
             node, sign = graph.left[node], -1
         if graph.ops[node] == RATIONAL:
-            value = graph.constants[graph.left[node]]
-            return {UNIT: sign * Fraction(value)} if value else {}
+            return self._constant(node, sign)
         if node not in self._variables:
             self._variables[node] = len(self._atoms)
             self._atoms.append(node)
         return plus({}, variable(self._variables[node]), sign)
+
+    def _constant(self, node: int, sign: int) -> Polynomial:
+        value = Fraction(self._graph.constants[self._graph.left[node]]) * sign
+        exact = value.numerator if value.denominator == 1 else value  # whole numbers are much faster
+        return {UNIT: exact} if exact else {}
 
     def _shortened(self, p: Polynomial) -> Polynomial:
         """Return `p` with the trigonometric part of each coefficient written in its shortest form."""
@@ -189,4 +192,4 @@ class _Writer:
         if name >= 0:
             return self._atoms[name]
         op, vector = self._harmonics.harmonic(name)
-        return apply(self._graph, op, self._angles.node(vector, self._new.__getitem__))
+        return apply(self._graph, op, self._angles.node(vector, self._new))

@@ -6,24 +6,23 @@ everything that was wrong.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
-from fractions import Fraction
-from numbers import Integral, Rational
-from typing import SupportsFloat, TypeVar
+from numbers import Real
+from typing import Final, SupportsFloat, TypeVar, cast
 
 from symbody.errors import ExpressionError, ModelError, Problem, SymbodyError
-from symbody.expr.formula import Formula
+from symbody.expr.formula import Formula, FormulaLike
+from symbody.expr.parser import parse_angle
 from symbody.expr.tokens import normalize
 from symbody.model.naming import element_problem, symbol_problem
 from symbody.model.table import Table
 from symbody.model.uses import Triple
 
-Value = Formula | str | SupportsFloat
+Value = FormulaLike | SupportsFloat
 T = TypeVar("T")
 
-ZERO = Formula.of(0)
+ZERO: Final = Formula.of(0)
 
 
 class Door:
@@ -59,16 +58,11 @@ class Door:
 
     def formula(self, value: object, path: str) -> Formula:
         """Return a formula from text, a real number or a formula."""
-        if isinstance(value, Formula):
-            return value
-        number = value if isinstance(value, str) else self._number(value, path)
-        if number is None:
-            return ZERO
-        try:
-            return Formula.of(number, where=self.where(path))
-        except ExpressionError as error:
-            self.problems.extend(error.problems)
-            return ZERO
+        return self._parsed(lambda where: Formula.of(_plain(value), where=where), path)
+
+    def angle(self, value: object, path: str) -> Formula:
+        """Return a formula [rad]; a text such as ``"30 deg"`` is understood too."""
+        return self._parsed(lambda where: parse_angle(_plain(value), where=where), path)
 
     def optional(self, value: object, path: str) -> Formula | None:
         """Return a formula, or None for None."""
@@ -130,37 +124,19 @@ class Door:
             self.problems.append(problem)
         return normalize(name) if isinstance(name, str) else "?"
 
-    def _number(self, value: object, path: str) -> int | float | Fraction | str | None:
-        number = real_number(value)
-        if number is None:
-            self.refuse("model.not_a_number", path, f"{value!r} of type {type(value).__name__} is neither a real "
-                        "number nor a formula", "a bool, a complex number, a list or nothing was given",
-                        "give a number, or a formula as text")  # fmt: skip
-        elif isinstance(number, float) and not math.isfinite(number):
-            self.refuse("model.not_finite", path, f"the value is {number}", "",
-                        "give a finite number; leave the entry out where there is no value")  # fmt: skip
-            return None
-        return number
+    def _parsed(self, parse: Callable[[str], Formula], path: str) -> Formula:
+        try:
+            return parse(self.where(path))
+        except ExpressionError as error:
+            self.problems.extend(error.problems)
+            return ZERO
 
 
-def real_number(value: object) -> int | float | Fraction | str | None:
-    """Return a real number in a plain type, or None if it is something else.
-
-    Whole numbers and fractions stay exact. A decimal of up to 15 digits comes back as text, since it is
-    exact as written; the digits of a float are those it prints with, so 9.81 is 981/100 and 0.1 + 0.2
-    stays the float it is.
-    """
-    if isinstance(value, bool | complex | str | bytes) or not isinstance(value, SupportsFloat):
-        return None
-    if isinstance(value, Integral):
-        return int(value)
-    if isinstance(value, Rational):
-        return Fraction(value.numerator, value.denominator)
-    if isinstance(value, Decimal):
-        return str(value) if value.is_finite() else float(value)
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):  # an array of several entries, a symbol
-        return None
-    digits = Decimal(repr(number)) if math.isfinite(number) else None
-    return repr(number) if digits is not None and len(digits.as_tuple().digits) <= 15 else number
+def _plain(value: object) -> FormulaLike:
+    """Return a scalar of another library as float; anything else as it is, to be told what is wrong."""
+    if isinstance(value, SupportsFloat) and not isinstance(value, Real | Decimal | complex):
+        try:
+            return float(value)
+        except (TypeError, ValueError):  # an array of several entries, a symbol
+            pass
+    return cast(FormulaLike, value)

@@ -85,7 +85,7 @@ def _turn(door: Door, turn: object, path: str) -> tuple[Axis, Formula]:
         door.refuse("model.not_a_turn", path, "a turn is an axis and an angle", "",
                     'write for instance ["z", "pi/2"]; several turns form a list of such pairs')  # fmt: skip
         return "x", ZERO
-    return axis_from(door, pair[0], f"{path}[0]"), door.formula(pair[1], f"{path}[1]")
+    return axis_from(door, pair[0], f"{path}[0]"), door.angle(pair[1], f"{path}[1]")
 
 
 def _matrix(door: Door, rows: object) -> Matrix | None:

@@ -10,17 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.errors import Problem, UsageError
-from symbody.simulation.native_arguments import Goal, RightHandSide
+from symbody.simulation.native_interface import Goal, RightHandSide
 from symbody.simulation.native_loop import EPSILON
-from symbody.simulation.native_run import (
-    NativeRun,
-    Progress,
-    RawRun,
-    drive,
-    fresh_memory,
-    fresh_record,
-    method_arrays,
-)
+from symbody.simulation.native_run import NativeRun, drive, fresh_memory, fresh_record, method_arrays
+from symbody.simulation.native_run import Progress as Progress
+from symbody.simulation.native_run import RawRun as RawRun
 from symbody.simulation.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8
 
 Floats = NDArray[np.float64]
@@ -116,8 +110,8 @@ def integrate(
     goal = _goal(start, end, method, _checked_rtol(rtol), _checked_atol(atol, x.size))
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
     tableau = DORMAND_PRINCE_8 if method.order == 8 else DORMAND_PRINCE_5
-    groups = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
-    rhs = RightHandSide(int(address), int(n_u), *groups, np.zeros(work_size), np.zeros(1))
+    r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
+    rhs = RightHandSide(int(address), int(n_u), r, p, c, np.zeros(work_size), np.zeros(1))
     run = NativeRun(rhs, method_arrays(tableau), goal, fresh_memory(tableau, x, start))
     record = fresh_record(run, _checked_times(times, start, end), dense)
     return drive(run, record, 0.0 if method.first_step is None else float(method.first_step), progress)

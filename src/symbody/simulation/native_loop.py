@@ -13,13 +13,11 @@ Wanner, Solving Ordinary Differential Equations I, 2nd ed., and from IV on of Ha
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Final
 
 import numpy as np
-from numba import njit
 
-from symbody.simulation.native_arguments import (
+from symbody.simulation.native_interface import (
     Floats,
     Goal,
     Memory,
@@ -27,6 +25,8 @@ from symbody.simulation.native_arguments import (
     Record,
     RightHandSide,
     call,
+    compiled,
+    inlined,
     uncounted,
 )
 
@@ -35,7 +35,7 @@ RUNNING, FULL, FINISHED, COLLAPSED, NOT_FINITE, SINGULAR, TOO_MANY, STIFF = rang
 
 # Places in Memory.real: time, next step, error norm of the step before; and how many there are.
 TIME, STEP, ERROR, REALS = range(4)
-# Places in Memory.count.
+# Places in Memory.counts.
 ACCEPTED, REJECTED, EVALUATIONS, SAMPLES, STEPS, KERNEL, STATE = range(7)
 AFTER_REJECTION, STIFF_VOTES, OTHER_VOTES, COUNTS = range(7, 11)
 # Rows of Memory.vectors.
@@ -46,33 +46,18 @@ SMALLEST_STEP: Final = 1e-290  # absolute, for motions that fail at t = 0
 SAFETY: Final = 0.9
 
 
-def _compiled(function: Callable[..., object]) -> Callable[..., int]:
-    """Compile at the first call, without the lock of the interpreter, and keep the result on disk."""
-    compiled: Callable[..., int]
-    try:
-        compiled = njit(cache=True, nogil=True, error_model="numpy")(function)
-    except RuntimeError:  # no folder to keep it in: a read-only installation without a home
-        compiled = njit(nogil=True, error_model="numpy")(function)
-    return compiled
-
-
-_inlined = njit(
-    nogil=True, error_model="numpy", forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True
-)
-
-
-@_inlined
+@inlined
 def _evaluate(rhs: RightHandSide, memory: Memory, t: float, source: int, target: int) -> None:
     """Write the derivative at vectors[source] to K[target], and a fault of the function to its counter."""
     rhs.clock[0] = t
-    memory.count[EVALUATIONS] += 1
+    memory.counts[EVALUATIONS] += 1
     n = memory.K.shape[1]
     code = call(rhs, memory.vectors, source * n, memory.K, target * n)
     if code != 0:
-        memory.count[KERNEL] = code
+        memory.counts[KERNEL] = code
 
 
-@_inlined
+@inlined
 def _combine(weights: Floats, row: int, terms: int, K: Floats, out: Floats, target: int) -> None:
     """Set out[target] to the sum of weights[row, j] K[j] over j < terms."""
     n = K.shape[1]
@@ -85,7 +70,7 @@ def _combine(weights: Floats, row: int, terms: int, K: Floats, out: Floats, targ
                 out[target, i] += weight * K[j, i]
 
 
-@_inlined
+@inlined
 def _stage(
     rhs: RightHandSide, method: Method, memory: Memory, t: float, h: float, k: int, target: int
 ) -> None:
@@ -96,7 +81,7 @@ def _stage(
         vectors[target, i] = vectors[STATE_OLD, i] + h * vectors[target, i]
 
 
-@_inlined
+@inlined
 def _row_is_finite(array: Floats, row: int) -> bool:
     for i in range(array.shape[1]):
         if not np.isfinite(array[row, i]):
@@ -104,15 +89,17 @@ def _row_is_finite(array: Floats, row: int) -> bool:
     return True
 
 
-@_inlined
+@inlined
 def _scale(goal: Goal, memory: Memory, i: int) -> float:
+    """Return how large a local error of state i may be."""
     vectors = memory.vectors
-    return goal.atol[i] + goal.rtol * max(abs(vectors[STATE_OLD, i]), abs(vectors[STATE_NEW, i]))
+    scale: float = goal.atol[i] + goal.rtol * max(abs(vectors[STATE_OLD, i]), abs(vectors[STATE_NEW, i]))
+    return scale
 
 
-@_inlined
+@inlined
 def _error_norm(method: Method, goal: Goal, memory: Memory, h: float) -> float:
-    """Return the local error over its tolerance, (4.11) of section II.4 and (10.17) of II.10."""
+    """Return the local error over its tolerance: sections II.4 and II.10."""
     vectors = memory.vectors
     terms = method.stages + 1 if method.error_reads_end else method.stages
     _combine(method.error, 0, terms, memory.K, vectors, ERROR_1)
@@ -126,13 +113,14 @@ def _error_norm(method: Method, goal: Goal, memory: Memory, h: float) -> float:
         second += (vectors[ERROR_2, i] / scale) ** 2
     if first == 0.0:
         return 0.0
-    return abs(h) * first / np.sqrt((first + 0.01 * second) * n)
+    error: float = abs(h) * first / np.sqrt((first + 0.01 * second) * n)
+    return error
 
 
-@_inlined
+@inlined
 def _attempt(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, t: float, h: float) -> float:
     """Compute the stages of one step and the new state; return the error norm, infinite if not finite."""
-    memory.count[KERNEL] = 0
+    memory.counts[KERNEL] = 0
     end = method.stages
     for k in range(1, end):
         _stage(rhs, method, memory, t, h, k, STAGE)
@@ -143,12 +131,12 @@ def _attempt(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, t: 
     error = _error_norm(method, goal, memory, h)
     if error <= 1.0 and not method.error_reads_end:
         _evaluate(rhs, memory, t + h, STATE_NEW, end)
-    if np.isnan(error) or memory.count[KERNEL] != 0:
+    if np.isnan(error) or memory.counts[KERNEL] != 0:
         return np.inf
     return error if error > 1.0 or _row_is_finite(memory.K, end) else np.inf
 
 
-@_inlined
+@inlined
 def _form_dense_output(rhs: RightHandSide, method: Method, memory: Memory, t: float, h: float) -> bool:
     """Fill F for the step just tried; return whether all of it is finite."""
     vectors, K, F = memory.vectors, memory.K, memory.F
@@ -171,7 +159,7 @@ def _form_dense_output(rhs: RightHandSide, method: Method, memory: Memory, t: fl
     return finite
 
 
-@_inlined
+@inlined
 def _interpolate(F: Floats, s: float, x: Floats, target: int) -> None:
     """Set x[target] to the dense output at the share s of the step; `dense_output` repeats it."""
     for i in range(F.shape[1]):
@@ -181,53 +169,56 @@ def _interpolate(F: Floats, s: float, x: Floats, target: int) -> None:
         x[target, i] = F[0, i] + value
 
 
-@_inlined
+@inlined
 def _needs_dense_output(goal: Goal, memory: Memory, record: Record, t_new: float) -> bool:
     if record.keep_dense or record.every_step:
         return record.keep_dense
-    sample = memory.count[SAMPLES]
-    return sample < record.wanted.size and (record.wanted[sample] - t_new) * goal.direction < 0.0
+    sample = memory.counts[SAMPLES]
+    if sample == record.wanted.size:
+        return False
+    inside: bool = (record.wanted[sample] - t_new) * goal.direction < 0.0
+    return inside
 
 
-@_inlined
+@inlined
 def _store_sample(memory: Memory, record: Record, t: float, source: int) -> None:
-    sample = memory.count[SAMPLES]
+    sample = memory.counts[SAMPLES]
     record.t[sample] = t
     for i in range(record.x.shape[1]):
         record.x[sample, i] = memory.vectors[source, i]
-    memory.count[SAMPLES] = sample + 1
+    memory.counts[SAMPLES] = sample + 1
 
 
-@_inlined
+@inlined
 def _store(goal: Goal, memory: Memory, record: Record, t: float, t_new: float) -> None:
     """Store the samples and the dense output of an accepted step."""
-    count = memory.count
+    counts = memory.counts
     if record.keep_dense:
         for row in range(memory.F.shape[0]):  # an assignment of arrays would take 4 s to compile
             for i in range(memory.F.shape[1]):
-                record.pieces[count[STEPS], row, i] = memory.F[row, i]
-        record.breaks[count[STEPS] + 1] = t_new
-        count[STEPS] += 1
+                record.pieces[counts[STEPS], row, i] = memory.F[row, i]
+        record.breaks[counts[STEPS] + 1] = t_new
+        counts[STEPS] += 1
     if record.every_step:
         _store_sample(memory, record, t_new, STATE_NEW)
         return
-    while count[SAMPLES] < record.wanted.size:
-        time = record.wanted[count[SAMPLES]]
+    while counts[SAMPLES] < record.wanted.size:
+        time = record.wanted[counts[SAMPLES]]
         if (time - t_new) * goal.direction > 0.0:
             return
         if time == t_new:
             _store_sample(memory, record, time, STATE_NEW)
         else:
-            _interpolate(memory.F, (time - t) / (t_new - t), record.x, count[SAMPLES])
-            record.t[count[SAMPLES]] = time
-            count[SAMPLES] += 1
+            _interpolate(memory.F, (time - t) / (t_new - t), record.x, counts[SAMPLES])
+            record.t[counts[SAMPLES]] = time
+            counts[SAMPLES] += 1
 
 
-@_inlined
+@inlined
 def _is_stiff(method: Method, memory: Memory, h: float) -> bool:
-    """Count steps at the stability bound, (2.27) of section IV.2; return whether there are too many."""
-    count, vectors, K = memory.count, memory.vectors, memory.K
-    if count[ACCEPTED] % 1000 != 0 and count[STIFF_VOTES] == 0:
+    """Count steps at the stability bound as section IV.2 does; return whether there are too many."""
+    counts, vectors, K = memory.counts, memory.vectors, memory.K
+    if (counts[ACCEPTED] + 1) % 1000 != 0 and counts[STIFF_VOTES] == 0:
         return False
     slope = 0.0
     distance = 0.0
@@ -235,58 +226,59 @@ def _is_stiff(method: Method, memory: Memory, h: float) -> bool:
         slope += (K[method.stages, i] - K[method.stages - 1, i]) ** 2
         distance += (vectors[STATE_NEW, i] - vectors[STAGE, i]) ** 2
     if h * h * slope > method.stiff_bound**2 * distance and distance > 0.0:
-        count[OTHER_VOTES] = 0
-        count[STIFF_VOTES] += 1
+        counts[OTHER_VOTES] = 0
+        counts[STIFF_VOTES] += 1
     else:
-        count[OTHER_VOTES] += 1
-        if count[OTHER_VOTES] == 6:
-            count[STIFF_VOTES] = 0
-            count[OTHER_VOTES] = 0
-    return count[STIFF_VOTES] >= 15
+        counts[OTHER_VOTES] += 1
+        if counts[OTHER_VOTES] == 6:
+            counts[STIFF_VOTES] = 0
+            counts[OTHER_VOTES] = 0
+    is_stiff: bool = counts[STIFF_VOTES] >= 15
+    return is_stiff
 
 
-@_inlined
+@inlined
 def _accept(method: Method, memory: Memory, goal: Goal, t_new: float, h: float, error: float) -> None:
-    """Make the new state the old one and choose the next step, (2.43c) of section IV.2."""
-    real, count = memory.real, memory.count
+    """Make the new state the old one and choose the next step: sections II.4 and IV.2."""
+    real, counts = memory.real, memory.counts
     factor = (
         SAFETY * error ** (-method.exponent) * real[ERROR] ** method.memory if error > 0.0 else method.growth
     )
     factor = min(max(factor, method.shrink), method.growth)
-    if count[AFTER_REJECTION] != 0:
+    if counts[AFTER_REJECTION] != 0:
         factor = min(factor, 1.0)
     real[TIME] = t_new
     real[STEP] = goal.direction * min(abs(h) * factor, goal.max_step)
     real[ERROR] = max(error, 1e-4)
-    count[ACCEPTED] += 1
-    count[AFTER_REJECTION] = 0
+    counts[ACCEPTED] += 1
+    counts[AFTER_REJECTION] = 0
     for i in range(memory.K.shape[1]):
         memory.vectors[STATE_OLD, i] = memory.vectors[STATE_NEW, i]
         memory.K[0, i] = memory.K[method.stages, i]
 
 
-@_inlined
+@inlined
 def _failure(method: Method, goal: Goal, memory: Memory) -> int:
-    """Say why the last trial failed, and write which state is to blame to count[STATE]."""
-    if memory.count[KERNEL] != 0:
+    """Say why the last trial failed, and write which state is to blame to counts[STATE]."""
+    if memory.counts[KERNEL] != 0:
         return SINGULAR
     for row in range(method.stages + 1):
         for i in range(memory.K.shape[1]):
             if not np.isfinite(memory.K[row, i]):
-                memory.count[STATE] = i
+                memory.counts[STATE] = i
                 return NOT_FINITE
     worst = 0.0
     for i in range(memory.K.shape[1]):
         error = abs(memory.vectors[ERROR_1, i]) / _scale(goal, memory, i)
         if error >= worst:
             worst = error
-            memory.count[STATE] = i
+            memory.counts[STATE] = i
     return COLLAPSED
 
 
-@_inlined
+@inlined
 def _try_step(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, record: Record) -> int:
-    real, count = memory.real, memory.count
+    real, counts = memory.real, memory.counts
     t, h = real[TIME], real[STEP]
     rest = goal.t_end - t
     # stretched by one percent rather than leave a tiny last step, but never beyond the step that was allowed
@@ -306,12 +298,12 @@ def _try_step(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, re
         _accept(method, memory, goal, t_new, h, error)
         return STIFF if stiff and goal.stop_when_stiff and t_new != goal.t_end else RUNNING
     real[STEP] = h * max(method.shrink, SAFETY * error ** (-method.exponent))
-    count[REJECTED] += 1
-    count[AFTER_REJECTION] = 1
+    counts[REJECTED] += 1
+    counts[AFTER_REJECTION] = 1
     return RUNNING
 
 
-@_compiled
+@compiled
 def advance(
     rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, record: Record, budget: int
 ) -> int:
@@ -321,15 +313,15 @@ def advance(
     """
     rhs, method, goal = uncounted(rhs), uncounted(method), uncounted(goal)
     memory, record = uncounted(memory), uncounted(record)
-    count = memory.count
+    counts = memory.counts
     for _ in range(budget):
         if memory.real[TIME] == goal.t_end:
             return FINISHED
-        if record.every_step and count[SAMPLES] == record.t.size:
+        if record.every_step and counts[SAMPLES] == record.t.size:
             return FULL
-        if record.keep_dense and count[STEPS] == record.pieces.shape[0]:
+        if record.keep_dense and counts[STEPS] == record.pieces.shape[0]:
             return FULL
-        if count[ACCEPTED] + count[REJECTED] >= goal.max_trials:
+        if counts[ACCEPTED] + counts[REJECTED] >= goal.max_trials:
             return TOO_MANY
         code = _try_step(rhs, method, goal, memory, record)
         if code != RUNNING:
@@ -337,7 +329,7 @@ def advance(
     return RUNNING
 
 
-@_inlined
+@inlined
 def _norm(goal: Goal, memory: Memory, array: Floats, row: int, minus: int) -> float:
     """Return the scaled root mean square of a row, less another row if `minus` is not negative."""
     n = array.shape[1]
@@ -345,29 +337,30 @@ def _norm(goal: Goal, memory: Memory, array: Floats, row: int, minus: int) -> fl
     for i in range(n):
         other = array[minus, i] if minus >= 0 else 0.0
         total += ((array[row, i] - other) / _scale(goal, memory, i)) ** 2
-    return np.sqrt(total / n) if n > 0 else 0.0
+    norm: float = np.sqrt(total / n) if n > 0 else 0.0
+    return norm
 
 
-@_inlined
+@inlined
 def _first_step(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory) -> float:
     """Guess a step from the size of the first two derivatives: section II.4, Starting Step Size."""
     t = memory.real[TIME]
-    bound = min(abs(goal.t_end - t), goal.max_step)
+    bound: float = min(abs(goal.t_end - t), goal.max_step)
     vectors, K = memory.vectors, memory.K
     size = _norm(goal, memory, vectors, STATE_OLD, -1)
     slope = _norm(goal, memory, K, 0, -1)
-    h = min(1e-6 if size < 1e-5 or slope < 1e-5 else 0.01 * size / slope, bound)
+    h: float = min(1e-6 if size < 1e-5 or slope < 1e-5 else 0.01 * size / slope, bound)
     for i in range(K.shape[1]):
         vectors[STAGE, i] = vectors[STATE_OLD, i] + goal.direction * h * K[0, i]
     _evaluate(rhs, memory, t + goal.direction * h, STAGE, 1)
     steepest = max(slope, _norm(goal, memory, K, 1, 0) / h)
     if not np.isfinite(steepest):
         return h
-    longer = max(1e-6, 1e-3 * h) if steepest <= 1e-15 else (0.01 / steepest) ** (1.0 / method.order)
+    longer: float = max(1e-6, 1e-3 * h) if steepest <= 1e-15 else (0.01 / steepest) ** (1.0 / method.order)
     return min(100.0 * h, longer, bound)
 
 
-@_compiled
+@compiled
 def begin(
     rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, record: Record, first_step: float
 ) -> int:
@@ -384,7 +377,7 @@ def begin(
         return FINISHED
     memory.real[ERROR] = 1e-4
     _evaluate(rhs, memory, t, STATE_OLD, 0)
-    if memory.count[KERNEL] != 0 or not _row_is_finite(memory.K, 0):
+    if memory.counts[KERNEL] != 0 or not _row_is_finite(memory.K, 0):
         return _failure(method, goal, memory)
     step = first_step if first_step > 0.0 else _first_step(rhs, method, goal, memory)
     memory.real[STEP] = goal.direction * min(step, goal.max_step)

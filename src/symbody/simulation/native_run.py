@@ -1,8 +1,7 @@
-"""One run of the compiled loop: the arrays it works on, their growth, and the slices between which Python acts."""
+"""One run of the compiled loop: its arrays, their growth, and the slices between which Python acts."""
 
 from __future__ import annotations
 
-import math
 import os
 import time
 from collections.abc import Callable, Mapping
@@ -14,7 +13,7 @@ import numpy as np
 from symbody.errors import Problem, SimulationError
 from symbody.simulation import native_loop as native
 from symbody.simulation.dense_output import DenseOutput
-from symbody.simulation.native_arguments import Floats, Goal, Memory, Method, Record, RightHandSide
+from symbody.simulation.native_interface import Floats, Goal, Memory, Method, Record, RightHandSide
 from symbody.simulation.runge_kutta import Row, Tableau
 from symbody.simulation.status import Status
 
@@ -221,7 +220,7 @@ def _grown(record: Record, memory: Memory) -> Record:
     MemoryError
         No room is left.
     """
-    samples, steps = int(memory.count[native.SAMPLES]), int(memory.count[native.STEPS])
+    samples, steps = int(memory.counts[native.SAMPLES]), int(memory.counts[native.STEPS])
     if 2 * (record.x.nbytes + record.pieces.nbytes) > memory_limit():
         raise MemoryError
     if record.every_step and samples == record.t.size:
@@ -240,10 +239,10 @@ def _doubled(array: Floats) -> Floats:
 
 def _raw_run(run: NativeRun, record: Record, status: Status, seconds: float) -> RawRun:
     """Cut the record to what was written, and turn it so that time comes last."""
-    count = run.memory.count
-    samples, steps = int(count[native.SAMPLES]), int(count[native.STEPS])
+    counts = run.memory.counts
+    samples, steps = int(counts[native.SAMPLES]), int(counts[native.STEPS])
     statistics = Statistics(
-        int(count[native.ACCEPTED]), int(count[native.REJECTED]), int(count[native.EVALUATIONS]), seconds
+        int(counts[native.ACCEPTED]), int(counts[native.REJECTED]), int(counts[native.EVALUATIONS]), seconds
     )
     blamed = status in (Status.STEP_COLLAPSE, Status.NOT_FINITE)
     return RawRun(
@@ -252,8 +251,8 @@ def _raw_run(run: NativeRun, record: Record, status: Status, seconds: float) -> 
         status,
         statistics,
         float(run.memory.real[native.TIME]),
-        int(count[native.STATE]) if blamed else None,
-        int(count[native.KERNEL]) - 1 if status is Status.SINGULAR else None,
+        int(counts[native.STATE]) if blamed else None,
+        int(counts[native.KERNEL]) - 1 if status is Status.SINGULAR else None,
         _dense_output(run, record, steps) if record.keep_dense else None,
     )
 

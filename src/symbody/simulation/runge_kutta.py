@@ -30,7 +30,7 @@ class Tableau:
     stages : int
         How many stages the solution needs.
     error : tuple of rows
-        Two error estimates, combined as in (10.17) of section II.10; the second is empty if there is one.
+        Two error estimates, combined as in section II.10; the second is empty if there is one.
     dense : tuple of rows
         Coefficients of the dense output beyond the cubic of Hermite, see `dense_output`.
     exponent, memory : float

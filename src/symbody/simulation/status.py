@@ -21,7 +21,7 @@ class Status(Enum):
     )
     SINGULAR = (
         "the accelerations are not determined: the mass matrix is not positive definite in some direction "
-        "that the constraints leave free; look for a body without mass or inertia, or a parameter that is zero"
+        "that the constraints leave free; look for a body without mass or inertia or a zero parameter"
     )
     TOO_MANY_STEPS = (
         "max_steps ran out: raise it, loosen rtol and atol, or use sb.Stiff() if fast damped motions force "

@@ -1,20 +1,22 @@
-"""What the compiled loop takes, grouped, and how it calls a function by address.
+"""What the compiled loop takes, how it is compiled, and how it calls a function by address.
 
 The cache of the compiled loop does not see a change of this file: touch `native_loop.py` after one.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from llvmlite import ir
-from numba import types
+from numba import njit, types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Function = TypeVar("Function", bound=Callable[..., object])
 
 
 class RightHandSide(NamedTuple):
@@ -83,7 +85,7 @@ class Memory(NamedTuple):
         The dense output of the last step, see `dense_output`.
     real : array
         Time, next step, error norm of the step before.
-    count : array of int
+    counts : array of int
         Counters; the places are named at the top of this file.
     """
 
@@ -91,7 +93,7 @@ class Memory(NamedTuple):
     K: Floats
     F: Floats
     real: Floats
-    count: Integers
+    counts: Integers
 
 
 class Record(NamedTuple):
@@ -114,6 +116,24 @@ class Record(NamedTuple):
     pieces: Floats
     every_step: bool
     keep_dense: bool
+
+
+def compiled(function: Function) -> Function:
+    """Compile at the first call, without the lock of the interpreter, and keep the result on disk."""
+    result: Function
+    try:
+        result = njit(cache=True, nogil=True, error_model="numpy")(function)
+    except RuntimeError:  # no folder to keep it in: a read-only installation without a home
+        result = njit(nogil=True, error_model="numpy")(function)
+    return result
+
+
+def inlined(function: Function) -> Function:
+    """Compile as part of the functions that call this one."""
+    result: Function = njit(
+        nogil=True, error_model="numpy", forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True
+    )(function)
+    return result
 
 
 @intrinsic
