@@ -235,4 +235,4 @@ def _result_type(sequence: Sequence) -> Callable[..., Any] | None:
     if len(sequence.outputs) == 1:
         return None
     names = [output.name for output in sequence.outputs]
-    return namedtuple("Outputs", names, rename=True)  # type: ignore[misc]
+    return namedtuple("Outputs", names, rename=True)

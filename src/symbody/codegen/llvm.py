@@ -42,7 +42,7 @@ from symbody.expr.sequence import Sequence
 NAME: Final = "symbody_f"
 BATCH_NAME: Final = "symbody_f_batch"
 
-PARALLEL_ABOVE: Final = 50_000  # operations; below, a pool of threads gains less than 0.3 s
+PARALLEL_ABOVE: Final = 50_000  # operations, about a second of compiling
 # The small code model reaches constants relative to the instruction, where the one for code anywhere in
 # memory loads a 64-bit address before each. It wants code and constants within 2 GB of each other, which
 # JITLink grants; LLVM has no finished JITLink for Windows.

@@ -1,8 +1,8 @@
 """LLVM functions that compute a sequence, as text.
 
-Text, because llvmlite's builder takes 30 times as long per instruction, and the parser accepts it
-at 2 million a second. Every operation becomes the one instruction IEEE 754 defines; no fast-math
-flag appears anywhere, so nothing is reassociated or contracted.
+Text, because building and printing through llvmlite's objects takes three times as long. Every
+operation becomes the one instruction IEEE 754 defines; no fast-math flag appears anywhere, so nothing
+is reassociated or contracted.
 """
 
 from __future__ import annotations

@@ -79,6 +79,16 @@ class EquationSet:
         return ()
 
     @property
+    def units(self) -> dict[str, str]:
+        """SI units of coordinates, speeds and energies, as far as the joints tell."""
+        units = {"t": "s", "kinetic_energy": "J", "potential_energy": "J", "energy": "J", "work": "J", "power": "W"}
+        for joint in self.model.joints:
+            for name in joint.coordinates:
+                unit = "rad" if name in joint.rotation_coordinates else "m"
+                units |= {name: unit, f"{name}_dot": f"{unit}/s"}
+        return units
+
+    @property
     def coordinates(self) -> tuple[SympyExpr, ...]:
         """Coordinates q as dynamicsymbols."""
         return self._symbols(self.formed.q)

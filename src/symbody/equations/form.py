@@ -13,6 +13,7 @@ from symbody.equations.virtual_work import Inertia, VirtualWork, kinetic_energy,
 from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.graph.spanning_tree import Branch
 from symbody.graph.topology import Topology, choose_topology
+from symbody.model.element import Address
 from symbody.model.frame import Frame
 from symbody.model.joint import Turn as JointTurn
 from symbody.model.model import Model
@@ -120,21 +121,18 @@ def _branch_steps(topology: Topology, names: Names, branch: Branch) -> list[Step
     else:
         back = (-shift[0], -shift[1], -shift[2])
         across = [Step(mid, near.frame, _reversed(turns), NULL), Step(end, mid, (), vector(mid, back))]
-    return [*across, _body_step(names, topology.model, branch.child, far.frame, end)]
+    return [*across, _body_step(names, topology.model, far, end)]
 
 
-def _body_step(names: Names, model: Model, body: str, frame: str, parent: str) -> Step:
-    """Return the step from a frame that coincides with a body's joint frame to the body itself."""
-    name = frame.partition(".")[2]
-    if not name:
+def _body_step(names: Names, model: Model, address: Address, parent: str) -> Step:
+    """Return the step from a frame that coincides with a body's frame, at `address`, to the body itself."""
+    body = address.body
+    if not address.point:
         return Step(body, parent, (), NULL)
-    place = model.body(body).frames[name]
-    turns = _reversed(_turns(names, place.turns(), frame))
-    at = names.triple(place.at, frame)
-    back = (-at[0], -at[1], -at[2])
-    if not turns:
-        return Step(body, parent, (), vector(parent, back))
-    return Step(body, parent, turns, vector(body, back))
+    place = model.body(body).frames[address.point]
+    turns = _reversed(_turns(names, place.turns(), address.frame))
+    x, y, z = names.triple(place.at, address.frame)
+    return Step(body, parent, turns, vector(body if turns else parent, (-x, -y, -z)))
 
 
 def _turns(names: Names, turns: Iterable[JointTurn], where: str) -> tuple[Turn, ...]:

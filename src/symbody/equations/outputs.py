@@ -97,6 +97,7 @@ _MAKERS: Final[dict[str, Callable[[Formed], Roots]]] = {
     "forcing": _vector("forcing", lambda formed: formed.projection.forcing),
     "kinetic_energy": _scalar("kinetic_energy", lambda formed: formed.kinetic_energy),
     "potential_energy": _scalar("potential_energy", lambda formed: formed.potential_energy),
+    "energy": _scalar("energy", lambda formed: formed.kinetic_energy + formed.potential_energy),
     "power": _scalar("power", lambda formed: formed.power),
     "lambda": _vector("lambda", lambda formed: []),
     "constraints": _vector("constraints", lambda formed: []),

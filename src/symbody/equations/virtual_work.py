@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from symbody.equations.kinematics import Kinematics
 from symbody.expr.calculus import derivative
@@ -15,7 +16,7 @@ from symbody.expr.expression import Expr, number
 from symbody.expr.graph import Graph
 from symbody.expr.rewrite import substitute
 from symbody.vectors.rotation import Triple
-from symbody.vectors.vector import Vector, cross, dot, express, vector
+from symbody.vectors.vector import NULL, Vector, cross, dot, express, vector
 
 Tensor = tuple[Triple, Triple, Triple]
 
@@ -44,10 +45,19 @@ class Inertia:
 
 @dataclass(frozen=True, slots=True)
 class PointForce:
-    """A force on the origin of a frame."""
+    """A force on a body.
+
+    Attributes
+    ----------
+    frame : str
+        A frame of the body.
+    arm : Vector
+        From the frame's origin to the point the force acts in.
+    """
 
     frame: str
     force: Vector
+    arm: Vector = NULL
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +145,9 @@ def _virtual_work(kinematics: Kinematics, speeds: Sequence[int], load: Load) -> 
     if isinstance(load, Effort):
         return [Expr(graph, derivative(graph, [load.rate.index], u)[0]) * load.effort for u in speeds]
     if isinstance(load, PointForce):
-        return [dot(tree, p, load.force) for p in _partials(kinematics.velocities[load.frame], speeds)]
+        w = kinematics.angular_velocities[load.frame]
+        v = kinematics.velocities[load.frame] + cross(tree, w, load.arm)
+        return [dot(tree, p, load.force) for p in _partials(v, speeds)]
     return [dot(tree, p, load.torque) for p in _partials(kinematics.angular_velocities[load.frame], speeds)]
 
 
@@ -148,10 +160,10 @@ def _times(kinematics: Kinematics, body: Inertia, w: Vector) -> Vector:
 
 
 def _partials(a: Vector, speeds: Sequence[int]) -> list[Vector]:
-    return [a.map(lambda x, u=u: _slope(x, u)) for u in speeds]
+    return [a.map(partial(_slope, u)) for u in speeds]
 
 
-def _slope(x: Expr, u: int) -> Expr:
+def _slope(u: int, x: Expr) -> Expr:
     return Expr(x.graph, derivative(x.graph, [x.index], u)[0])
 
 

@@ -80,7 +80,7 @@ def _value(
     arguments = [values[k] for k in operands]
     if code == op.POW:
         exponent = sequence.constant_value(operands[1])
-        if isinstance(exponent, int):
+        if isinstance(exponent, int) and exponent > 0:
             return whole_power(arguments[0], exponent)
     if code == op.PICK:
         return arguments[0][datum]
@@ -149,8 +149,27 @@ def _quiet(function: Callable[..., float]) -> Callable[..., float]:
     return call
 
 
-def _sign(x: Number) -> Number:
-    return x if x != x else (x > 0) - (x < 0) + 0 * x
+def _power(base: float, exponent: float) -> float:
+    odd = exponent % 2 == 1
+    try:
+        return math.pow(base, exponent)
+    except ValueError:
+        if base != 0:
+            return math.nan
+        return math.copysign(math.inf, base) if odd else math.inf
+    except OverflowError:
+        return -math.inf if base < 0 and odd else math.inf
+
+
+def _floor(x: float) -> float:
+    if not math.isfinite(x):
+        return x
+    whole = float(math.floor(x))
+    return whole if whole else math.copysign(0.0, x)
+
+
+def _sign(x: Number) -> int:
+    return int(x > 0) - int(x < 0)
 
 
 _LOGIC: Final[dict[int, Callable[..., Number]]] = {
@@ -159,7 +178,6 @@ _LOGIC: Final[dict[int, Callable[..., Number]]] = {
     op.SUB: lambda a, b: a - b,
     op.MUL: lambda a, b: a * b,
     op.ABS: abs,
-    op.SIGN: _sign,
     op.MIN: lambda a, b: a if a < b else b,
     op.MAX: lambda a, b: a if b < a else b,
     op.LT: lambda a, b: a < b,
@@ -183,10 +201,11 @@ FLOATS: Final = Arithmetic(
     | {code: _quiet(getattr(math, name)) for code, name in _NAMED.items()}
     | {
         op.DIV: _divide,
-        op.POW: _quiet(math.pow),
+        op.POW: _power,
+        op.SIGN: lambda a: a if a != a else float(_sign(a)),
         # Adding zero makes -0 positive: the angle of a point on the negative x axis is pi.
         op.ATAN2: lambda y, x: math.atan2(y + 0.0, x),
-        op.FLOOR: lambda a: float(math.floor(a)) if math.isfinite(a) else a,
+        op.FLOOR: _floor,
         op.FMA: _fma,
     },
     sqrt=math.sqrt,
@@ -202,6 +221,7 @@ MPMATH: Final = Arithmetic(
     | {
         op.DIV: lambda a, b: a / b,
         op.POW: mpmath.power,
+        op.SIGN: lambda a: mpmath.mpf(_sign(a)),
         op.ATAN2: mpmath.atan2,
         op.FLOOR: mpmath.floor,
         op.FMA: lambda a, b, c: a * b + c,

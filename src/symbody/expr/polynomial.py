@@ -97,6 +97,11 @@ def content(monomials: Iterable[Monomial]) -> Monomial:
     return tuple((common or {}).items())
 
 
+def names_of(p: Polynomial) -> set[int]:
+    """Return the variables of a polynomial."""
+    return {name for monomial in p for name, _ in monomial}
+
+
 def parts(p: Polynomial, chosen: Callable[[int], bool]) -> dict[Monomial, Polynomial]:
     """Write `p` as a polynomial in the other variables whose coefficients are in the `chosen` ones."""
     result: dict[Monomial, Polynomial] = {}

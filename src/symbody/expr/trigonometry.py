@@ -19,8 +19,8 @@ from symbody.expr.collecting import collected
 from symbody.expr.graph import Graph
 from symbody.expr.harmonics import Harmonics, reduced, sine
 from symbody.expr.opcodes import ADD, COS, DIV, FLOAT, MUL, NEG, POW, RATIONAL, SIN, SUB
-from symbody.expr.polynomial import UNIT, Polynomial, parts, plus, product, times, variable
-from symbody.expr.rewrite import operation_count, tree_size
+from symbody.expr.polynomial import UNIT, Polynomial, names_of, parts, plus, product, times, variable
+from symbody.expr.rewrite import node_cost, operation_count, tree_size
 
 _MAX_OPERATIONS: Final = 2000
 _MAX_TERMS: Final = 2000
@@ -67,6 +67,7 @@ class _Writer:
         self._new: dict[int, int] = {}  # what each node has become
         self._polynomials: dict[int, Polynomial | None] = {}  # None: too many terms
         self._kernels: list[Polynomial] = []
+        self._sizes: dict[int, int] = {}
         self._effort = 0
         written = self._written_by_themselves(nodes) | {root}
         for node in nodes:
@@ -182,11 +183,24 @@ class _Writer:
     def _written(self, p: Polynomial, plain: int) -> int:
         graph = self._graph
         short = self._shortened(p)
-        names = {name for q in (short, *self._kernels) for monomial in q for name, _ in monomial}
-        nodes = {name: self._node(name) for name in names}
-        weights = {name: tree_size(graph, node) for name, node in nodes.items()}
-        result = collected(graph, short, nodes, weights, self._kernels)
-        return result if tree_size(graph, result) < tree_size(graph, plain) else plain
+        nodes = {name: self._node(name) for name in names_of(short)}
+        weights = {name: self._size(node) for name, node in nodes.items()}
+        kernels = [kernel for kernel in self._kernels if names_of(kernel) <= nodes.keys()]
+        result = collected(graph, short, nodes, weights, kernels)
+        return result if self._size(result) < self._size(plain) else plain
+
+    def _size(self, root: int) -> int:
+        """Return the operations of a node written out, in time proportional to what is new below it."""
+        graph, sizes = self._graph, self._sizes
+        stack = [root]
+        while stack:
+            node = stack[-1]
+            missing = [k for k in graph.operands(node) if k not in sizes]
+            stack.extend(missing)
+            if not missing:
+                sizes[node] = node_cost(graph, node) + sum(sizes[k] for k in graph.operands(node))
+                stack.pop()
+        return sizes[root]
 
     def _node(self, name: int) -> int:
         if name >= 0:

@@ -47,6 +47,7 @@ def choose_topology(model: Model) -> Topology:
     edges = tuple(Edge(joint.name, joint.start.body, joint.end.body) for joint in model.joints)
     graph = LinearGraph(nodes, edges)
     problems = [_free_body(name) for name in graph.unreached()]
+    problems += [_prescribed(joint, name) for joint in model.joints for name in joint.motions]
     if problems:
         raise FormulationError(*problems)
     tree = spanning_tree(graph, {joint.name: float(len(joint.coordinates)) for joint in model.joints})
@@ -66,4 +67,11 @@ def _loop(edge: Edge) -> Problem:
     return Problem(
         "topology.loop", f"joint {edge.name}", f"the joint closes a loop between {edge.start} and {edge.end}",
         "closed loops are not covered by this version", "leave out one joint of the loop",
+    )  # fmt: skip
+
+
+def _prescribed(joint: Joint, coordinate: str) -> Problem:
+    return Problem(
+        "topology.prescribed_motion", f"joint {joint.name}", f"the motion of {coordinate} is prescribed",
+        "prescribed motions are not covered by this version", "leave motion out, or drive the joint by a force",
     )  # fmt: skip

@@ -120,9 +120,9 @@ def address_from(door: Door, place: object, path: str) -> Address:
 
 
 def _parsed(door: Door, text: str, path: str) -> Address:
-    parts = normalize(text).split(".")
-    if len(parts) <= 2 and all(part.strip() for part in parts):
-        return address_of(*(part.strip() for part in parts))
+    body, dot, frame = (part.strip() for part in normalize(text).partition("."))
+    if body and bool(frame) == bool(dot) and "." not in frame:
+        return address_of(body, frame)
     door.refuse("model.bad_address", path, f"{text!r} is not an address", "",
                 "write Body.Frame, or Body for its centre of mass, or ground")  # fmt: skip
     return Address("ground")

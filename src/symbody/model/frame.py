@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from symbody.expr.formula import Formula
-from symbody.model.direction import euler_turns
+from symbody.model.euler_angles import euler_turns
 from symbody.model.door import ZERO, Door, Value
 from symbody.model.turn import Axis, Turn, axis_from, unit_axis
 from symbody.model.uses import Scope, Triple, Use, triple_uses

@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from fractions import Fraction
 
-from symbody.errors import ExpressionError
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.formula import Formula, build
 from symbody.expr.graph import Constant, Graph
@@ -30,6 +29,9 @@ def value_of(formula: Formula, values: Mapping[str, Constant] | None = None) -> 
     ExpressionError
         If the formula divides by zero.
     """
+    plain = formula.constant()
+    if plain is not None:
+        return plain
     graph = Graph()
     known = values or {}
 
@@ -69,5 +71,3 @@ def as_float(value: Constant) -> float:
     except OverflowError:
         return math.copysign(math.inf, value)
 
-
-__all__ = ["ExpressionError", "as_float", "square_root", "value_of"]

@@ -72,5 +72,9 @@ def _divided(axis: Triple, terms: list[Formula], *, squared: bool = False) -> Tr
     """Return the axis divided by the root of the sum of `terms`, or of their squares."""
     exponent = "" if squared else "**2"
     length = " + ".join(f"({term.text}){exponent}" for term in terms)
-    x, y, z = (Formula.of(f"({component.text})/sqrt({length})") for component in axis)
+    x, y, z = (_quotient(component, length) for component in axis)
     return (x, y, z)
+
+
+def _quotient(component: Formula, length: str) -> Formula:
+    return ZERO if component.constant() == 0 else Formula.of(f"({component.text})/sqrt({length})")

@@ -28,10 +28,12 @@ def write_archive(path: Path, arrays: Mapping[str, Floats], about: About) -> Non
     EnvironmentFault
         If the file cannot be written.
     """
-    text = json.dumps({"format": FORMAT, **about})
+    text = np.array(json.dumps({"format": FORMAT, **about}))
     try:
-        with open(path, "wb") as file:  # a file, since NumPy would add a suffix to a name
-            np.savez(file, allow_pickle=False, about=np.array(text), **arrays)
+        with zipfile.ZipFile(path, "w") as archive:  # np.savez would add a suffix to the name
+            for name, array in {"about": text, **arrays}.items():
+                with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
+                    np.lib.format.write_array(file, array, allow_pickle=False)
     except OSError as error:
         raise unwritable(path, error) from error
 
@@ -50,7 +52,7 @@ def read_archive(path: Path) -> tuple[dict[str, Floats], About]:
         with open(path, "rb") as file, np.load(file, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
         about = json.loads(str(arrays.pop("about")))
-    except (ValueError, KeyError, AttributeError, EOFError, zipfile.BadZipFile) as error:
+    except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
         raise not_ours(path) from error
     except OSError as error:
         what = f"the file cannot be read: {error.strerror}"

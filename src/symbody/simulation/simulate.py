@@ -12,6 +12,7 @@ from symbody.codegen.compile import Value, constant_values, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, nearest
+from symbody.simulation.dense_output import DenseOutput
 from symbody.simulation.explicit import Explicit, Progress, RawRun, integrate
 from symbody.simulation.trajectory import Trajectory
 
@@ -63,14 +64,16 @@ def simulate(
     given = dict(inputs or {})
     silent = [name for name in eqs.input_names if name not in given]
     given |= dict.fromkeys(silent, 0)
+    numbers = dict(parameters or {})
     start, end = t_end if isinstance(t_end, tuple) else (0.0, t_end)
-    function = CompiledFunction(*form_sequence(eqs, "xdot", parameters, (), given))
+    # The work is one more state behind the coordinates: the function writes its rate, the power, last.
+    function = CompiledFunction(*form_sequence(eqs, ("xdot", "power"), numbers, (), given))
     raw = integrate(
         function.address,
         function.work_size,
         len(eqs.speed_names),
-        len(eqs.coordinate_names),
-        _initial_state(eqs, initial or {}, parameters or {}),
+        len(eqs.coordinate_names) + 1,
+        np.append(_initial_state(eqs, initial or {}, numbers), 0.0),
         (float(start), float(end)),
         inputs=(),
         parameters=(),
@@ -83,7 +86,27 @@ def simulate(
         progress=progress,
     )
     notes = tuple(f"input {name} has no value and is 0" for name in silent)
-    return _trajectory(eqs, raw, _Evaluator(eqs, dict(parameters or {}), given), notes)
+    return _trajectory(eqs, raw, _Evaluator(eqs, numbers, given), notes)
+
+
+def _trajectory(eqs: EquationSet, raw: RawRun, evaluate: _Evaluator, notes: tuple[str, ...]) -> Trajectory:
+    n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
+    dense = raw.dense_output
+    return Trajectory(
+        t=raw.t,
+        q=raw.x[n_u : n_u + n_q],
+        u=raw.x[:n_u],
+        coordinate_names=eqs.coordinate_names,
+        speed_names=eqs.speed_names,
+        status=raw.status,
+        statistics=raw.statistics,
+        evaluate=evaluate,
+        dense_output=None if dense is None else DenseOutput(dense.breaks, dense.pieces[:, :, : n_u + n_q]),
+        stored={"work": raw.x[-1], "constraint_violation": np.zeros_like(raw.t)},
+        units=eqs.units,
+        notes=notes,
+        name=eqs.model.name,
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -103,18 +103,23 @@ class Trajectory:
         UsageError
             An unknown name.
         """
-        if name == "t":
-            return self.t
-        if name in self.coordinate_names:
-            return self.q[self.coordinate_names.index(name)]
-        if name in self.speed_names:
-            return self.u[self.speed_names.index(name)]
-        if name in self.stored:
-            return self.stored[name]
+        values = self._known(name)
+        if values is not None:
+            return values
         if self.evaluate is None:
             raise self._unknown(name)
-        values = self.evaluate(name, np.atleast_1d(self.t), *map(self._with_time, (self.q, self.u)))
+        values = self.evaluate(name, np.atleast_1d(self.t), self._with_time(self.q), self._with_time(self.u))
         return values if self.t.ndim else values[..., 0]
+
+    def _known(self, name: str) -> Floats | None:
+        """Return what is stored under a name."""
+        if name == "t":
+            return self.t
+        for array, names in ((self.q, self.coordinate_names), (self.u, self.speed_names)):
+            if name in names:
+                row: Floats = array[names.index(name)]
+                return row
+        return self.stored.get(name)
 
     def _with_time(self, array: Floats) -> Floats:
         return array if self.t.ndim else array[..., np.newaxis]

@@ -24,7 +24,7 @@ def euler_turns(matrix: tuple[Triple, Triple, Triple]) -> tuple[Turn, ...]:
     values = [[value_of(entry) for entry in row] for row in matrix]
     numbers = [[float(value) for value in row if value is not None] for row in values]
     if sum(map(len, numbers)) < 9:
-        angles = _formulas(matrix)
+        angles: tuple[Formula, ...] = _formulas(matrix)
     else:
         angles = tuple(_angle(angle) for angle in _numbers(numbers))
     pairs = zip("zyx", angles, strict=True)

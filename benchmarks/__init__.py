@@ -1,0 +1,34 @@
+"""Benchmarks: symbody beside its peers, in one run, on one machine.
+
+    python -m benchmarks                  all
+    python -m benchmarks expressions      one
+    python -m benchmarks --help           sizes, time limit, number of rounds
+
+How to read the tables
+----------------------
+Ratios are the point. In brackets, with a cross, stands the figure divided by symbody's of the same run:
+"(4.1x)" needs 4.1 times as long, or as many operations. Absolute times belong to the machine and to what
+else ran on it; they are shown so that a reader sees whether a ratio is about microseconds or minutes.
+
+Every figure is a median over rounds, and in each round all engines take their turn one after the other, so
+that a slow minute of the machine slows all of them. An engine whose round takes long is asked less often.
+
+Each engine works in a process of its own. What does not finish within the time limit is ended and shown as
+"> 60 s" in the column it was in; later columns stay empty. What fails says so below its table.
+Peers are optional: what is not installed is left out, with a line saying so. `pip install symbody[peers]`
+brings those on the package index.
+
+All engines are given the same problem, written once in `problems.py` for any algebra, and are used as their
+documentation advises for speed: SymPy with common subexpressions and NumPy, SymEngine with its LLVM backend,
+CasADi with matrix products in C++, buffers instead of conversions, and a C compiler where there is one.
+The numbers they return are compared: "difference" is the largest deviation from symbody's, relative to the
+largest result at the same point.
+
+Operations are counted alike for all: + - * / and functions 1, signs 0, whole powers by squaring, a fused
+multiply-add 2.
+
+Adding one
+----------
+A benchmark is one file here with ``tables(settings) -> Iterator[Table]``, and its name in `__main__.py`.
+`table.py` prints, `timing.py` measures in turns, `process.py` runs what may have to be ended.
+"""

@@ -1,0 +1,1 @@
+"""One file for each engine, all with the same interface, `algebra.Algebra`."""

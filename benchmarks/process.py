@@ -1,0 +1,128 @@
+"""A process that answers step by step, and is ended when it takes too long."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from time import monotonic
+from types import TracebackType
+from typing import Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+if sys.platform == "linux":
+    import resource
+
+Floats = NDArray[np.float64]
+
+# Trees as deep as a graph is long are walked recursively by some peers; they shall not fail by that.
+_STACK: Final = 256 * 2**20
+_RECURSION: Final = 50_000
+_MEMORY: Final = 8 * 2**30  # bytes; a peer that wants more fails instead of bringing the machine down
+_START_LIMIT: Final = 60.0  # seconds for imports
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One answer: its name, and what was measured or computed."""
+
+    name: str
+    figure: float = 0.0
+    values: Floats | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Round:
+    """The steps of one round in their order; `stopped` says why there are no more, empty if all came."""
+
+    steps: tuple[Step, ...]
+    stopped: str = ""
+
+
+Task = Callable[[], Iterator[Step]]
+
+
+class Process:
+    """Runs the task that ``make(*arguments)`` returns, once for each call of `ask`.
+
+    Parameters
+    ----------
+    make : callable
+        Defined at the top of a module, like its arguments: another process has to find it. What it takes
+        is not limited, so imports belong there.
+    """
+
+    def __init__(self, make: Callable[..., Task], *arguments: object) -> None:
+        context = get_context("spawn")
+        self._connection, theirs = context.Pipe()
+        self._process = context.Process(target=_serve, args=(theirs, make, arguments), daemon=True)
+        self._process.start()
+        theirs.close()
+        self.stopped = self._receive(monotonic() + _START_LIMIT, _START_LIMIT)[1]
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._end()
+
+    def ask(self, limit: float) -> Round:
+        """Return one round of steps; after `limit` seconds the process is ended and never asked again."""
+        if self.stopped:
+            return Round((), self.stopped)
+        self._connection.send("again")
+        steps, self.stopped = self._receive(monotonic() + limit, limit)
+        return Round(tuple(steps), self.stopped)
+
+    def _receive(self, deadline: float, limit: float) -> tuple[list[Step], str]:
+        steps: list[Step] = []
+        while True:
+            if not self._connection.poll(max(0.0, deadline - monotonic())):
+                self._end()
+                return steps, f"> {limit:g} s"
+            try:
+                message = self._connection.recv()
+            except EOFError:
+                self._end()
+                return steps, f"the process ended with code {self._process.exitcode}"
+            if not isinstance(message, Step):
+                return steps, message
+            steps.append(message)
+
+    def _end(self) -> None:
+        if self._process.is_alive():
+            self._process.kill()
+        self._process.join()
+        self._connection.close()
+
+
+def _serve(connection: Connection, make: Callable[..., Task], arguments: tuple[object, ...]) -> None:
+    sys.setrecursionlimit(_RECURSION)
+    threading.stack_size(_STACK)
+    thread = threading.Thread(target=_answer, args=(connection, make, arguments))
+    thread.start()
+    thread.join()
+
+
+def _answer(connection: Connection, make: Callable[..., Task], arguments: tuple[object, ...]) -> None:
+    """Send steps, and after each round an empty text or what went wrong."""
+    try:
+        task = make(*arguments)
+        if sys.platform == "linux":
+            resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
+        connection.send("")
+        while connection.recv():
+            for step in task():
+                connection.send(step)
+            connection.send("")
+    except EOFError:  # nobody asks any more
+        return
+    except Exception as error:  # whatever a peer raises is a result
+        connection.send(f"{type(error).__name__}: {str(error).partition(chr(10))[0]}"[:120])

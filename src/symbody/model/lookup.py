@@ -1,0 +1,119 @@
+"""Which frame each address of a model means."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields, is_dataclass, replace
+from types import MappingProxyType
+from typing import Final
+
+from symbody.errors import Problem, nearest
+from symbody.model.body import Body
+from symbody.model.element import Address, Element
+from symbody.model.frame import Frame
+from symbody.model.naming import GROUND
+
+
+def addresses(element: Element) -> dict[str, Address]:
+    """Return the addresses an element holds, by field name."""
+    names = [field.name for field in fields(element)] if is_dataclass(element) else []
+    values = ((name, getattr(element, name)) for name in names)
+    return {name: value for name, value in values if isinstance(value, Address)}
+
+
+# Field -> its place in the model file, where the words differ.
+_PATHS: Final = MappingProxyType({"start": "between[0]", "end": "between[1]"})
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """All frames of a model.
+
+    Attributes
+    ----------
+    frames : mapping of body name to names of its frames
+        Ground included.
+    """
+
+    frames: Mapping[str, frozenset[str]]
+
+    def find(self, address: Address) -> Address | tuple[str, str]:
+        """Return the address with its body, or what is wrong with it and the cure."""
+        if address.body in self.frames:
+            known = self.frames[address.body]
+            if not address.point or address.point in known:
+                return Address(address.body, address.point)
+            cure = nearest(address.point, [*known, "CoM"])
+            return f"{address.body} has no frame {address.point!r}", cure
+        if address.point:
+            return f"there is no body {address.body!r}", nearest(address.body, self.frames)
+        return self._bare(address.body)
+
+    def _bare(self, word: str) -> Address | tuple[str, str]:
+        homes = [body for body, names in self.frames.items() if word in names]
+        if len(homes) == 1:
+            return Address(homes[0], word)
+        if homes:
+            choices = " or ".join(f"{body}.{word}" for body in homes[:5])
+            return f"several bodies have a frame {word!r}", f"write {choices}"
+        points = [f"{body}.{name}" for body, names in self.frames.items() for name in sorted(names)]
+        return f"there is no body or frame {word!r}", nearest(word, [*self.frames, *points])
+
+
+def places_of(bodies: Iterable[Body], ground: Mapping[str, Frame]) -> Places:
+    """Return the frames of a model."""
+    found = {GROUND: frozenset(ground)}
+    found.update((body.name, frozenset(body.frames)) for body in bodies)
+    return Places(found)
+
+
+def with_carried(elements: Iterable[Element]) -> list[Element]:
+    """Return the elements, each preceded by the bodies it carries, bodies met again left out."""
+    listed = list(elements)
+    known: dict[str, list[Element]] = {}
+    for element in listed:
+        if isinstance(element, Body):
+            known.setdefault(element.name, []).append(element)
+    result: list[Element] = []
+    for element in listed:
+        for address in addresses(element).values():
+            body = address.carried
+            if body is not None and body not in known.setdefault(body.name, []):
+                known[body.name].append(body)
+                result.append(body)
+        result.append(element)
+    return result
+
+
+def with_places(
+    elements: Iterable[Element], places: Places, labels: Mapping[int, str]
+) -> tuple[list[Element], list[Problem]]:
+    """Return the elements with every address looked up, and the addresses that mean nothing."""
+    result: list[Element] = []
+    problems: list[Problem] = []
+    for k, element in enumerate(elements):
+        found: dict[str, Address] = {}
+        for name, address in addresses(element).items():
+            place = places.find(address)
+            if isinstance(place, Address):
+                found[name] = place
+            else:
+                what, fix = place
+                where = f"{labels[k]}, {_PATHS.get(name, name)}"
+                problems.append(Problem("model.unknown_place", where, what, "", fix))
+        result.append(_replaced(element, found) if found else element)
+    return result, problems
+
+
+def element_labels(elements: Iterable[Element]) -> dict[int, str]:
+    """Return a unique label of each element by its place; equal names are told apart by that place."""
+    plain = [f"{element.kind} {element.name}" for element in elements]
+    count = Counter(plain)
+    return {
+        k: label if count[label] == 1 else f"{label} (element {k + 1})" for k, label in enumerate(plain)
+    }
+
+
+def _replaced(element: Element, changes: Mapping[str, Address]) -> Element:
+    return replace(element, **changes) if is_dataclass(element) else element

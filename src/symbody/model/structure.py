@@ -1,0 +1,67 @@
+"""Facts about how elements hang together, beyond single values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from symbody.errors import Problem
+from symbody.model.body import Body
+from symbody.model.element import Element
+from symbody.model.joint import Joint
+from symbody.model.naming import GROUND
+
+
+def duplicate_elements(elements: Iterable[Element], labels: Mapping[int, str]) -> list[Problem]:
+    """Return a problem for each name that several elements have."""
+    sites: dict[str, list[int]] = {}
+    for k, element in enumerate(elements):
+        sites.setdefault(element.name, []).append(k)
+    return [
+        Problem("names.duplicate", "; ".join(labels[k] for k in places),
+                f"{len(places)} elements are named {name!r}", "bodies, joints and forces share one set of names",
+                "rename all but one")
+        for name, places in sites.items() if len(places) > 1
+    ]  # fmt: skip
+
+
+def joint_problems(joints: Mapping[str, Joint]) -> list[Problem]:
+    """Return the joints, given by label, whose two ends are on one body."""
+    return [
+        Problem("model.self_joint", f"{label}, between", f"both ends are on {joint.start.body}",
+                "a joint connects two bodies, or a body with ground", "name another body at one end")
+        for label, joint in joints.items() if joint.start.body == joint.end.body
+    ]  # fmt: skip
+
+
+def floating_problems(bodies: Iterable[Body], joints: Iterable[Joint]) -> list[Problem]:
+    """Return a problem for each group of bodies joined to each other and not to ground.
+
+    A single body without any joint is free, and no problem.
+    """
+    group = {GROUND: GROUND} | {body.name: body.name for body in bodies}
+    for joint in joints:
+        low, high = _root(group, joint.start.body), _root(group, joint.end.body)
+        group[high if low == GROUND else low] = low if low == GROUND else high
+    members: dict[str, list[str]] = {}
+    for name in group:
+        members.setdefault(_root(group, name), []).append(name)
+    return [
+        Problem("model.no_ground", f"body {names[0]}",
+                f"no chain of joints leads from ground to {', '.join(names[:8])}{' ...' * (len(names) > 8)}",
+                "these bodies are joined only to each other",
+                f'add a joint with between = ["ground", "{names[0]}"]; a free joint if they float')
+        for root, names in members.items() if root != GROUND and len(names) > 1
+    ]  # fmt: skip
+
+
+def free_bodies(bodies: Iterable[Body], joints: Iterable[Joint]) -> list[str]:
+    """Return the names of bodies without any joint."""
+    joined = {address.body for joint in joints for address in (joint.start, joint.end)}
+    return [body.name for body in bodies if body.name not in joined]
+
+
+def _root(group: dict[str, str], name: str) -> str:
+    while group[name] != name:
+        group[name] = group[group[name]]
+        name = group[name]
+    return name

@@ -1,0 +1,102 @@
+"""The names of a model: each unique in its namespace, each formula within the names of its place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from symbody.errors import Problem, nearest
+from symbody.expr.formula import Formula
+from symbody.model.uses import Scope, Use
+
+
+class Meaning(NamedTuple):
+    """What a symbol of the model is.
+
+    Attributes
+    ----------
+    word : str
+        ``"parameter"``, ``"input"``, ``"coordinate"``, ``"rate"`` or ``"acceleration"``.
+    where : str
+        The place that introduces it.
+    """
+
+    word: str
+    where: str
+
+
+@dataclass(frozen=True, slots=True)
+class Symbols:
+    """All symbols of a model but ``t`` and ``pi``."""
+
+    meanings: Mapping[str, Meaning]
+
+    def allowed(self, scope: Scope) -> Iterator[str]:
+        """Return the names a formula may contain."""
+        yield "pi"
+        if scope is not Scope.CONSTANT:
+            yield "t"
+        for name, meaning in self.meanings.items():
+            is_legal = meaning.word != "acceleration" if scope is Scope.LOAD else meaning.word == "parameter"
+            if is_legal:
+                yield name
+
+
+def collect_symbols(entries: Iterable[tuple[str, Meaning]]) -> tuple[Symbols, list[Problem]]:
+    """Return the symbols, and a problem for each name that means two things."""
+    found: dict[str, list[Meaning]] = {}
+    for name, meaning in entries:
+        found.setdefault(name, []).append(meaning)
+    problems = [_duplicate(name, meanings) for name, meanings in found.items() if len(meanings) > 1]
+    return Symbols({name: meanings[0] for name, meanings in found.items()}), problems
+
+
+def coordinate_entries(names: Iterable[str], where: str) -> Iterator[tuple[str, Meaning]]:
+    """Return what a joint adds to the symbols: its coordinates, their rates and accelerations."""
+    for name in names:
+        yield name, Meaning("coordinate", where)
+        yield f"{name}_dot", Meaning("rate", where)
+        yield f"{name}_ddot", Meaning("acceleration", where)
+
+
+def scope_problems(label: str, uses: Iterable[Use], symbols: Symbols) -> list[Problem]:
+    """Return a problem for each name that does not belong where it stands."""
+    allowed = {scope: frozenset(symbols.allowed(scope)) for scope in Scope}
+    problems = []
+    for use in uses:
+        for name in use.formula.names:
+            if name not in allowed[use.scope]:
+                problems.append(_misplaced(f"{label}, {use.path}", use, name, symbols))
+    return problems
+
+
+def _misplaced(where: str, use: Use, name: str, symbols: Symbols) -> Problem:
+    column = _column(use.formula, name)
+    meaning = symbols.meanings.get(name)
+    if meaning is not None or name == "t":
+        word = "time" if meaning is None else f"{_ARTICLES.get(meaning.word, 'a')} {meaning.word}"
+        return use.formula.problem(
+            "names.not_here", column, f"{name!r} is {word}, which cannot stand here",
+            f"this place takes {use.scope.value}, and pi", "write the formula without it", where
+        )  # fmt: skip
+    cure = nearest(name, symbols.allowed(use.scope))
+    return use.formula.problem("names.unknown", column, f"there is no symbol {name!r}",
+                               f"this place takes {use.scope.value}, and pi",
+                               f"{cure} Or define it: [parameters] {name} = ..", where)  # fmt: skip
+
+
+_ARTICLES = {"input": "an", "acceleration": "an"}
+
+
+def _column(formula: Formula, name: str) -> int:
+    return next(step.column for step in formula.program if step.kind == "name" and step.payload == name)
+
+
+def _duplicate(name: str, meanings: list[Meaning]) -> Problem:
+    places = "; ".join(dict.fromkeys(meaning.where for meaning in meanings))
+    listed = ", ".join(f"{meaning.word} of {meaning.where}" for meaning in meanings)
+    derived = any(meaning.word in ("rate", "acceleration") for meaning in meanings)
+    why = "x_dot and x_ddot are made for every coordinate x" if derived else "every symbol has one meaning"
+    return Problem("names.duplicate", places, f"the name {name!r} stands for {len(meanings)} things: {listed}", why,
+                   "rename all but one")  # fmt: skip
