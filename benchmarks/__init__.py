@@ -13,8 +13,8 @@ else ran on it; they are shown so that a reader sees whether a ratio is about mi
 Every figure is a median over rounds, and in each round all engines take their turn one after the other, so
 that a slow minute of the machine slows all of them. An engine whose round takes long is asked less often.
 
-Each engine works in a process of its own. What does not finish within the time limit is ended and shown as
-"> 60 s" in the column it was in; later columns stay empty. What fails says so below its table.
+Each engine works in a process of its own. What does not finish within the time limit is ended: the column
+it was in says "not done", the total "> 60 s", and later columns stay empty. What fails says so below.
 Peers are optional: what is not installed is left out, with a line saying so. `pip install symbody[peers]`
 brings those on the package index.
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import sys
+import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -53,14 +56,16 @@ class Process:
     Parameters
     ----------
     make : callable
-        Defined at the top of a module, like its arguments: another process has to find it. What it takes
-        is not limited, so imports belong there.
+        Defined at the top of a module, like its arguments: another process has to find it. It takes as
+        long as it takes, within a minute, so imports belong there.
     """
 
     def __init__(self, make: Callable[..., Task], *arguments: object) -> None:
         context = get_context("spawn")
         self._connection, theirs = context.Pipe()
-        self._process = context.Process(target=_serve, args=(theirs, make, arguments), daemon=True)
+        self._folder = tempfile.TemporaryDirectory()  # a process that is killed does not tidy up
+        parts = (theirs, self._folder.name, make, arguments)
+        self._process = context.Process(target=_serve, args=parts, daemon=True)
         self._process.start()
         theirs.close()
         self.stopped = self._receive(monotonic() + _START_LIMIT, _START_LIMIT)[1]
@@ -98,12 +103,28 @@ class Process:
 
     def _end(self) -> None:
         if self._process.is_alive():
+            _kill_with_children(self._process.pid or 0)
             self._process.kill()
         self._process.join()
         self._connection.close()
+        self._folder.cleanup()
 
 
-def _serve(connection: Connection, make: Callable[..., Task], arguments: tuple[object, ...]) -> None:
+def _kill_with_children(leader: int) -> None:
+    """Kill the group that `leader` made, for instance with a compiler it has called."""
+    if sys.platform != "win32":
+        try:
+            os.killpg(leader, signal.SIGKILL)
+        except ProcessLookupError:  # ended before it made one
+            return
+
+
+def _serve(
+    connection: Connection, folder: str, make: Callable[..., Task], arguments: tuple[object, ...]
+) -> None:
+    if sys.platform != "win32":
+        os.setpgid(0, 0)
+    tempfile.tempdir = folder
     sys.setrecursionlimit(_RECURSION)
     threading.stack_size(_STACK)
     thread = threading.Thread(target=_answer, args=(connection, make, arguments))

@@ -57,8 +57,8 @@ def ratio_text(value: float, reference: float | None) -> str:
 
 
 def difference_text(value: float) -> str:
-    """Return a relative difference; anything that is not a number is shown as such."""
-    return f"{value:.0e}" if math.isfinite(value) else str(value)
+    """Return a relative difference; what is not a number is shown as such."""
+    return f"{value:.0e}" if value else "0"
 
 
 def _three_digits(value: float) -> str:

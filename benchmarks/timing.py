@@ -5,7 +5,16 @@ from __future__ import annotations
 import gc
 import statistics
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from time import perf_counter
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How long to wait for one round of one engine [s], and how many rounds to make."""
+
+    limit: float = 60.0
+    rounds: int = 5
 
 
 def seconds(task: Callable[[], object]) -> float:

@@ -1,9 +1,16 @@
-"""CasADi's SX: sparse matrices, Function with cse, called through buffers and mapped over points."""
+"""CasADi's SX: sparse matrices, Function with cse, called through buffers and mapped over points.
+
+The function runs in CasADi's interpreter, or as the C that CasADi writes.
+"""
 
 from __future__ import annotations
 
+import shutil
+import subprocess
 from collections.abc import Callable, Sequence
 from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
 from typing import Any, Final
 
 import casadi
@@ -11,15 +18,34 @@ import numpy as np
 
 from benchmarks.engines.algebra import Compiled, Floats, Matrix, Scalar
 
-_FREE: Final = frozenset({casadi.OP_INPUT, casadi.OP_OUTPUT, casadi.OP_CONST, casadi.OP_PARAMETER, casadi.OP_NEG})
+_FREE: Final = frozenset(
+    {casadi.OP_INPUT, casadi.OP_OUTPUT, casadi.OP_CONST, casadi.OP_PARAMETER, casadi.OP_NEG}
+)
 
 Function = Any  # CasADi has no types
 
 
-class Engine:
-    """CasADi, which keeps nothing from run to run."""
+def interpreted() -> Engine:
+    """Return CasADi with its interpreter."""
+    return Engine(lambda function: function)
 
-    def __init__(self) -> None:
+
+def through_c() -> Engine:
+    """Return CasADi with the machine's C compiler."""
+    return Engine(_through_c)
+
+
+class Engine:
+    """CasADi, which keeps nothing from run to run.
+
+    Parameters
+    ----------
+    finish : callable
+        Makes of a Function what is to be called.
+    """
+
+    def __init__(self, finish: Callable[[Function], Function]) -> None:
+        self._finish = finish
         self._inputs: Scalar = None
 
     def inputs(self, count: int) -> list[Scalar]:
@@ -52,32 +78,33 @@ class Engine:
         return casadi.jacobian(casadi.vertcat(*roots), casadi.vertcat(*by))
 
     def compile(self, outputs: Sequence[Scalar]) -> Compiled:
-        """Return CasADi's interpreter of the expressions."""
-        function = self.function(outputs)
-        return compiled(function, function)
-
-    def function(self, outputs: Sequence[Scalar]) -> Function:
         """Return the function from all inputs to `outputs`."""
         column = casadi.densify(casadi.SX(casadi.vertcat(*outputs)))
-        return casadi.Function("f", [self._inputs], [column], {"cse": True})
+        function = casadi.Function("f", [self._inputs], [column], {"cse": True})
+        finished = self._finish(function)
+        one = _buffered(finished, 1)
+
+        @cache
+        def over(count: int) -> Callable[[Floats], Floats]:
+            return _buffered(finished.map(count), count)
+
+        return Compiled(
+            lambda point: one(point)[0], lambda points: over(len(points))(points), lambda: _count(function)
+        )
 
 
-def compiled(function: Function, counted: Function, *kept: object) -> Compiled:
-    """Return `function`, called through buffers; `counted` holds its operations, `kept` has to live as long."""
-
-    @cache
-    def over(count: int) -> Callable[[Floats], Floats]:
-        return _buffered(function.map(count), count)
-
-    def many(points: Floats) -> Floats:
-        return over(len(points))(points)
-
-    one = _buffered(function, 1)
-
-    def alone(point: Floats, _alive: object = kept) -> Floats:
-        return one(point)[0]
-
-    return Compiled(alone, many, lambda: _count(counted))
+def _through_c(function: Function) -> Function:
+    compiler = shutil.which("cc")
+    if compiler is None:
+        raise FileNotFoundError("there is no C compiler named cc")
+    folder = Path(mkdtemp())  # in the folder of this process, which goes with it
+    generator = casadi.CodeGenerator("f.c")
+    generator.add(function)
+    generator.generate(f"{folder}/")
+    source, library = folder / "f.c", folder / "f.so"
+    options = ["-O3", "-march=native", "-shared", "-fPIC"]
+    subprocess.run([compiler, *options, str(source), "-o", str(library), "-lm"], check=True)
+    return casadi.external("f", str(library))
 
 
 def _buffered(function: Function, count: int) -> Callable[[Floats], Floats]:

@@ -74,12 +74,12 @@ def damped(t, q, u, r, p, c, out, work):
 
 @native
 def every_group(t, q, u, r, p, c, out, work):
-    """Two speeds and one coordinate; each argument enters with its own power of ten."""
-    work[0] = 100.0 * p[0]
-    work[1] = 1000.0 * c[0]
-    out[0] = r[0] + 10.0 * r[1] + work[0] + work[1]
-    out[1] = 1e4 * q[0] + 1e5 * t[0]
-    out[2] = 1e6 * u[0] + 1e7 * u[1]
+    """Two speeds and one coordinate; each argument enters in its own way."""
+    work[0] = 3.0 * p[0]
+    work[1] = 5.0 * c[0]
+    out[0] = r[0] + 2.0 * r[1] + work[0] + work[1]
+    out[1] = 7.0 * t[0] - q[0]
+    out[2] = u[0] + 0.1 * u[1]
     return 0
 
 

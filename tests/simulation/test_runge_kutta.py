@@ -62,8 +62,8 @@ def stage_weights(A: Floats, tree: Tree) -> Floats:
 def defects(A: Floats, weights: Floats, order: int, value: float = 1.0, share: float = 1.0) -> list[float]:
     """By how much ``weights . stage_weights = value share^order / density`` fails, for each tree.
 
-    The unit is what rounding explains: a sum of products carries at most as many roundings as operations, each
-    relative to the same sum over absolute values; 8 levels of 16 terms and the coefficients' own make 300.
+    The unit is what rounding explains: a sum of products carries at most as many roundings as operations,
+    each relative to the same sum over absolute values; 8 levels of 16 terms, and the coefficients', make 300.
     """
     result = []
     for tree in trees(order):

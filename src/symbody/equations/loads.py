@@ -64,12 +64,13 @@ def form_loads(model: Model, names: Names, kinematics: Kinematics, bodies: Seque
             key = f"{joint.name} {coordinate}" if several else joint.name
             efforts.update({key: load.effort for load in drive_law.loads if isinstance(load, Effort)})
             laws.append(drive_law)
-    for force in model.forces:
-        laws.append(_force_law(names, kinematics, force))
-    for torque in model.torques:
-        laws.append(_torque_law(names, kinematics, torque))
-    for spring in model.springs:
-        laws.append(_spring_law(names, kinematics, spring))
+    for element in model.elements:
+        if isinstance(element, Force):
+            laws.append(_force_law(names, kinematics, element))
+        elif isinstance(element, Torque):
+            laws.append(_torque_law(names, kinematics, element))
+        elif isinstance(element, SpringDamper):
+            laws.append(_spring_law(names, kinematics, element))
     potential, power = zero, zero
     for law in laws:
         potential, power = potential + law.potential, power + law.power

@@ -15,10 +15,11 @@ from math import floor, gcd
 from typing import Final
 
 from symbody.expr.canonical import ZERO, add, mul, neg
+from symbody.expr.flattening import linear_terms
 from symbody.expr.graph import Graph
 from symbody.expr.harmonics import Vector
-from symbody.expr.opcodes import ADD, COS, MUL, NEG, PI, RATIONAL, SIN, SUB
-from symbody.expr.rewrite import tree_size
+from symbody.expr.opcodes import COS, PI, RATIONAL, SIN
+from symbody.expr.rewrite import node_cost, tree_size
 
 # Functions of an angle of more basis angles are not expanded: each one doubles the terms.
 _MAX_MULTIPLE: Final = 8
@@ -41,7 +42,7 @@ class Angles:
     def __init__(self, graph: Graph, nodes: Sequence[int]) -> None:
         self._graph = graph
         arguments = dict.fromkeys(graph.left[node] for node in nodes if graph.ops[node] in (SIN, COS))
-        forms = {argument: _turned(graph, linear_form(graph, argument)) for argument in arguments}
+        forms = {argument: _turned(graph, argument) for argument in arguments}
         self._units = _units(form for form, _ in forms.values())
         vectors = [
             tuple([int(form.get(axis, 0) / unit) for axis, unit in self._units.items()])
@@ -58,7 +59,11 @@ class Angles:
             for argument, angle in reversed(self._angles.items())
             if not angle.quarter_turns
         }
-        self._sizes = [tree_size(graph, axis) for axis in self._units]
+        sizes: dict[int, int] = {}
+        for node in nodes:
+            sizes[node] = node_cost(graph, node) + sum([sizes[k] for k in graph.operands(node)])
+        # Axes that are constants were made just now.
+        self._sizes = [sizes[axis] if axis in sizes else tree_size(graph, axis) for axis in self._units]
 
     @property
     def size(self) -> int:
@@ -84,16 +89,17 @@ class Angles:
         return sum(terms) + max(len(terms) - 1, 0)
 
     def node(self, vector: Vector, new: Mapping[int, int]) -> int:
-        """Return the node of an angle; `new` gives what each argument and axis has become."""
+        """Return the node of an angle; `new` gives what arguments and axes have become so far."""
         opposite = tuple([-k for k in vector])
-        if vector in self._named:
+        if self._named.get(vector) in new:
             return new[self._named[vector]]
-        if opposite in self._named:
+        if self._named.get(opposite) in new:
             return neg(self._graph, new[self._named[opposite]])
         total = ZERO
         for k, (axis, unit) in zip(self._in_axes(vector), self._units.items(), strict=True):
-            term = mul(self._graph, self._graph.constant(k * unit), new.get(axis, axis))
-            total = add(self._graph, total, term)
+            if k:
+                term = mul(self._graph, self._graph.constant(k * unit), new.get(axis, axis))
+                total = add(self._graph, total, term)
         return total
 
     def _in_axes(self, vector: Vector) -> list[int]:
@@ -101,33 +107,14 @@ class Angles:
         return [sum(k * base[i] for k, base in pairs) for i in range(len(self._basis))]
 
 
-def linear_form(graph: Graph, node: int) -> Form:
-    """Return `node` as a linear form: factors of what is not a sum or a rational multiple."""
-    weights: Form = {node: Fraction(1)}
-    form: Form = {}
-    for k in reversed(graph.reachable([node])):
-        weight = weights.pop(k, None)
-        if not weight:
-            continue
-        op, a, b = graph.ops[k], graph.left[k], graph.right[k]
-        terms = {k: weight}
-        if op in (ADD, SUB):
-            terms = {a: weight, b: weight if op == ADD else -weight}
-        elif op == NEG:
-            terms = {a: -weight}
-        elif op == MUL and graph.ops[a] == RATIONAL:
-            terms = {b: weight * Fraction(graph.constants[graph.left[a]])}
-        into = form if k in terms else weights
-        for operand, factor in terms.items():
-            into[operand] = into.get(operand, Fraction(0)) + factor
-    return form
+def _turned(graph: Graph, argument: int) -> tuple[Form, int]:
+    """Return an angle without its quarter turns, and their number.
 
-
-def _turned(graph: Graph, form: Form) -> tuple[Form, int]:
-    """Split off quarter turns; other constants become axes of their own, so that no unit mixes them."""
+    Other constants become axes of their own, so that no unit mixes them.
+    """
     turns = 0
     result: Form = {}
-    for node, factor in form.items():
+    for node, factor in linear_terms(graph, argument, distribute=True).items():
         if graph.ops[node] == PI:
             turns = floor(2 * factor)
             rest = mul(graph, graph.constant(factor - Fraction(turns, 2)), node)
@@ -136,7 +123,7 @@ def _turned(graph: Graph, form: Form) -> tuple[Form, int]:
             value = factor * Fraction(graph.constants[graph.left[node]])
             result[graph.constant(abs(value))] = Fraction(1 if value > 0 else -1)
         else:
-            result[node] = factor
+            result[node] = Fraction(factor)
     return result, turns
 
 

@@ -14,10 +14,10 @@ from typing import Final
 
 from symbody.expr.canonical import ONE, ZERO, add, mul, power
 from symbody.expr.graph import Exact, Graph
-from symbody.expr.polynomial import Monomial, Polynomial, content, cost, quotient, replaced, term_cost
+from symbody.expr.polynomial import Monomial, Polynomial, content, cost, quotient, replaced, size, term_cost
 
-# Nobody reads sums longer than these, and the search grows with the square of their length.
-_MAX_TERMS_PULLED: Final = 500
+# Nobody reads sums longer than these (in factors, in terms), and the search grows with their square.
+_MAX_SIZE_PULLED: Final = 3000
 _MAX_TERMS_REPLACED: Final = 60
 _MAX_KERNELS: Final = 12
 
@@ -99,7 +99,7 @@ class _Collector:
 
     def _pulled(self, p: Polynomial) -> Polynomial:
         """Pull out factors, the one that saves most first, as long as one saves anything."""
-        if not 1 < len(p) <= _MAX_TERMS_PULLED:
+        if len(p) < 2 or size(p) > _MAX_SIZE_PULLED:
             return p
         whole = (content(p), _shared(p, list(p))[1])
         if self._saving(p, list(p), whole) > 0:

@@ -221,6 +221,9 @@ def reduced(p: Polynomial) -> Polynomial:
     """Return `p` with sin**2 written as 1 - cos**2, which makes equal polynomials equal."""
     result: Polynomial = {}
     for monomial, coefficient in p.items():
+        if all(exponent == 1 or name >= 0 or name % 2 == 0 for name, exponent in monomial):
+            accumulate(result, {monomial: coefficient})
+            continue
         term: Polynomial = {UNIT: coefficient}
         for name, exponent in monomial:
             count = exponent // 2 if name < 0 and name % 2 else 0

@@ -97,6 +97,11 @@ def content(monomials: Iterable[Monomial]) -> Monomial:
     return tuple((common or {}).items())
 
 
+def size(p: Polynomial) -> int:
+    """Return the number of factors of all terms, at least one each."""
+    return sum(map(len, p)) + len(p)
+
+
 def names_of(p: Polynomial) -> set[int]:
     """Return the variables of a polynomial."""
     return {name for monomial in p for name, _ in monomial}

@@ -1,165 +1,147 @@
-"""Formulas for people: sums and products in the order a textbook prints them.
+"""Formulas as text, whatever the notation: from the root inwards, in time linear in the text.
 
-Sums and products are flattened and sorted, which the exact text of `text` must not do. How the parts
-look is a `Style`; plain text and LaTeX are two of them.
+A notation says for one node which pieces it consists of; brackets, names of shared parts and the order
+of writing are dealt with here, without recursion.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from typing import Final, NamedTuple, TypeAlias
 
 from symbody.errors import ExpressionError, Problem
-from symbody.expr import opcodes as op
-from symbody.expr.graph import Constant, Graph, Kind, Symbol
+from symbody.expr.definitions import EXPAND_LIMIT, definitions
+from symbody.expr.graph import Constant, Graph
+from symbody.expr.literals import EXACT_DIGITS
 from symbody.expr.rewrite import tree_size
-from symbody.expr.text import LARGEST
 
-SUM, PRODUCT, POWER, ATOM = range(4)
+# How tightly a piece of text binds, weakest first.
+CHOICE, BOTH, NEGATION, COMPARISON, SUM, PRODUCT, POWER, ATOM = range(8)
+
+# Text, or a node and how tightly its text has to bind in this place.
+Piece: TypeAlias = str | tuple[int, int]
 
 
-@dataclass(frozen=True, slots=True)
-class Shown:
-    """A printed part: its text, how tightly it binds, and what it is sorted by.
+class Layout(NamedTuple):
+    """What a node looks like, its operands left open; `strength` is how tightly it binds."""
 
-    Attributes
-    ----------
-    order : int
-        Highest time derivative of a coordinate in it; -1 without coordinates.
-    rank : int
-        Place among factors: numbers, parameters, symbols of time, functions.
-    """
-
-    text: str
+    pieces: Sequence[Piece]
     strength: int
-    order: int
-    rank: int
 
 
-@dataclass(frozen=True, slots=True)
-class Style:
-    """How the parts of a formula are written."""
-
-    symbol: Callable[[Symbol], str]
-    number: Callable[[Constant], str]
-    pi: str
-    product: str
-    fraction: Callable[[Shown, Shown], Shown]
-    power: Callable[[Shown, Shown], Shown]
-    root: Callable[[Shown], Shown]
-    function: Callable[[str, Sequence[str]], str]
-    condition: Callable[[str, Sequence[str]], str]
-    choice: Callable[[str, str, str], str]
-    brackets: Callable[[str], str]
+Notation: TypeAlias = Callable[[int], Layout]
+NotationFor: TypeAlias = Callable[[Mapping[int, str]], Notation]
 
 
-def show(graph: Graph, node: int, style: Style) -> str:
-    """Return a node as a formula.
+class Brackets(NamedTuple):
+    """What is put around a piece that binds too weakly."""
+
+    opening: str = "("
+    closing: str = ")"
+
+
+def printed(graph: Graph, node: int, notation: NotationFor, brackets: Brackets = Brackets()) -> str:
+    """Return a node written out.
 
     Raises
     ------
     ExpressionError
-        Above 20,000 operations written out.
+        Above `EXPAND_LIMIT` operations.
     """
     size = tree_size(graph, node)
-    if size > LARGEST:
+    if size > EXPAND_LIMIT:
         raise ExpressionError(
-            Problem("expression.too_long", "", f"written out the formula has {size} operations",
-                    f"formulas end at {LARGEST}", "ask for a sequence or for generated code")
+            Problem(
+                "expression.too_long", "", f"written out the formula has {_rough(size)} operations",
+                f"formulas for reading end at {EXPAND_LIMIT}, since parts used twice are written twice",
+                "ask for the form with definitions z1, z2, ..., or for generated code",
+            )
         )  # fmt: skip
-    known: dict[int, Shown] = {}
-    for item in graph.reachable([node]):
-        known[item] = _shown(graph, item, known, style)
-    return known[node].text
+    return _written(node, {}, notation({}), brackets)
 
 
-def bracketed(part: Shown, strength: int, style: Style) -> str:
-    """Return the text of a part, in brackets if it binds less than `strength`."""
-    return part.text if part.strength >= strength else style.brackets(part.text)
+def printed_with_definitions(
+    graph: Graph,
+    nodes: Sequence[int],
+    notation: NotationFor,
+    limit: int,
+    write_name: Callable[[str], str] = str,
+    brackets: Brackets = Brackets(),
+) -> tuple[list[str], list[tuple[str, str]]]:
+    """Return nodes with shared parts named where one of them would exceed `limit` operations.
+
+    Returns
+    -------
+    (texts, definitions)
+        Definitions are pairs of name and text, each using earlier names only.
+    """
+    named = {node: write_name(name) for node, name in definitions(graph, nodes, limit).items()}
+    layout = notation(named)
+    defined = [(name, _written(node, named, layout, brackets)) for node, name in named.items()]
+    return [named.get(node) or _written(node, named, layout, brackets) for node in nodes], defined
 
 
-def _shown(graph: Graph, node: int, known: dict[int, Shown], style: Style) -> Shown:
-    code = graph.ops[node]
-    if code in op.LEAVES:
-        return _leaf(graph, node, style)
-    if code in (op.ADD, op.SUB, op.NEG):
-        return _sum(graph, node, known, style)
-    if code == op.MUL:
-        return _product(graph, node, known, style)
-    parts = [known[k] for k in graph.operands(node)]
-    if code == op.DIV:
-        return style.fraction(*parts)
-    if code == op.POW:
-        return style.power(*parts)
-    if code == op.SQRT:
-        return style.root(parts[0])
-    return _named(graph, node, parts, style)
+def joined(separator: str, parts: Sequence[Piece]) -> list[Piece]:
+    """Return `parts` with a separator between each two."""
+    pieces: list[Piece] = []
+    for part in parts:
+        pieces += [separator, part] if pieces else [part]
+    return pieces
 
 
-def _leaf(graph: Graph, node: int, style: Style) -> Shown:
-    value = graph.number(node)
-    if value is not None:
-        plain = isinstance(value, int) or Fraction(value).denominator == 1
-        return Shown(style.number(value), ATOM if plain else PRODUCT, -1, 0)
-    if graph.ops[node] == op.PI:
-        return Shown(style.pi, ATOM, -1, 0)
-    symbol = graph.symbols[graph.left[node]]
-    constant = symbol.kind == Kind.PARAMETER
-    moving = symbol.kind in (Kind.COORDINATE, Kind.SPEED)
-    return Shown(style.symbol(symbol), ATOM, symbol.order if moving else -1, 1 if constant else 2)
+def number_text(value: Constant) -> str:
+    """Return a constant as the language writes it: ``3/4``, ``9.81``, rounded ones with 17 digits.
+
+    An exact number is a decimal if it ends within 15 digits, halves to eighths excepted. Reading it
+    gives the same constant, except for a rounded zero, which reads as the exact one.
+    """
+    if isinstance(value, float):
+        return format(value, "#.17g")
+    exact = Fraction(value)
+    if exact.denominator < 10:
+        return str(exact)
+    return _decimal(exact) or str(exact)
 
 
-def _sum(graph: Graph, node: int, known: dict[int, Shown], style: Style) -> Shown:
-    terms: list[tuple[int, Shown]] = []
-    stack = [(1, node)]
+def _decimal(value: Fraction) -> str | None:
+    rest, twos, fives = value.denominator, 0, 0
+    while rest % 2 == 0:
+        rest, twos = rest // 2, twos + 1
+    while rest % 5 == 0:
+        rest, fives = rest // 5, fives + 1
+    places = max(twos, fives)
+    digits = str(abs(value.numerator) * 10**places // value.denominator)
+    if rest != 1 or len(digits) > EXACT_DIGITS:
+        return None
+    sign = "-" if value < 0 else ""
+    exponent = len(digits) - 1 - places
+    if exponent < -5:
+        point = "." if len(digits) > 1 else ""
+        return f"{sign}{digits[0]}{point}{digits[1:]}e{exponent}"
+    digits = digits.rjust(places + 1, "0")
+    return f"{sign}{digits[:-places]}.{digits[-places:]}"
+
+
+def _written(root: int, named: Mapping[int, str], notation: Notation, brackets: Brackets) -> str:
+    out: list[str] = []
+    stack: list[Piece] = list(reversed(notation(root).pieces))
     while stack:
-        sign, item = stack.pop()
-        code = graph.ops[item]
-        if code == op.NEG:
-            stack.append((-sign, graph.left[item]))
-        elif code in (op.ADD, op.SUB):
-            stack += [(sign if code == op.ADD else -sign, graph.right[item]), (sign, graph.left[item])]
-        else:
-            terms.append((sign, known[item]))
-    terms.sort(key=lambda term: (-term[1].order, term[0] < 0, term[1].rank == 0, term[1].text))
-    text = ""
-    for sign, part in terms:
-        joint = (" + " if sign > 0 else " - ") if text else ("" if sign > 0 else "-")
-        text += joint + bracketed(part, PRODUCT, style)
-    # A lone negative term binds like a sum: in a product it needs brackets.
-    return Shown(text, SUM, max(part.order for _, part in terms), 3)
+        piece = stack.pop()
+        if isinstance(piece, str):
+            out.append(piece)
+            continue
+        node, strength = piece
+        if node in named:
+            out.append(named[node])
+            continue
+        layout = notation(node)
+        if layout.strength < strength:
+            out.append(brackets.opening)
+            stack.append(brackets.closing)
+        stack.extend(reversed(layout.pieces))
+    return "".join(out)
 
 
-def _product(graph: Graph, node: int, known: dict[int, Shown], style: Style) -> Shown:
-    factors: list[Shown] = []
-    divisor = 1
-    stack = [node]
-    while stack:
-        item = stack.pop()
-        value = graph.number(item)
-        if graph.ops[item] == op.MUL:
-            stack += [graph.right[item], graph.left[item]]
-        elif isinstance(value, Fraction) and value.denominator < 10:
-            divisor *= value.denominator
-            if value.numerator != 1:
-                factors.append(Shown(style.number(value.numerator), ATOM, -1, 0))
-        else:
-            factors.append(known[item])
-    factors.sort(key=lambda part: (part.rank, part.text))
-    order = max(part.order for part in factors)
-    text = style.product.join(bracketed(part, PRODUCT if part.rank == 0 else POWER, style) for part in factors)
-    shown = Shown(text, PRODUCT, order, 3)
-    return shown if divisor == 1 else style.fraction(shown, Shown(style.number(divisor), ATOM, -1, 0))
-
-
-def _named(graph: Graph, node: int, parts: Sequence[Shown], style: Style) -> Shown:
-    code = graph.ops[node]
-    texts = [part.text for part in parts]
-    order = max((part.order for part in parts), default=-1)
-    if code == op.SELECT:
-        return Shown(style.choice(*texts), ATOM, order, 3)
-    if code in op.CONDITIONS:
-        return Shown(style.condition(op.NAMES[code], texts), SUM, order, 3)
-    name = graph.functions[graph.right[node]].name if code == op.CALL else op.NAMES[code]
-    return Shown(style.function(name, texts), ATOM, order, 3)
+def _rough(size: int) -> str:
+    return str(size) if size < 10**15 else f"about 2**{size.bit_length() - 1}"

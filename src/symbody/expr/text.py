@@ -1,126 +1,150 @@
-"""Expressions as text in symbody's own grammar: parsing the text gives the same node again."""
+"""Expressions as text of symbody's own language: reading the text gives the same node again.
+
+Brackets keep every grouping of the graph, and no more than that. Not all nodes have a text that the
+language takes back: it has no names such as ``x_{1}``, no whole powers above 64, no roots of negative
+numbers, no functions of the user, no fused products (written ``a*b + c``), and a limited length.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from fractions import Fraction
+from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Final
 
 from symbody.errors import ExpressionError, Problem
 from symbody.expr import opcodes as op
-from symbody.expr.graph import Constant, Graph
-from symbody.expr.rewrite import tree_size
+from symbody.expr.caret import shown
+from symbody.expr.definitions import EXPAND_LIMIT
+from symbody.expr.graph import Graph
+from symbody.expr.printing import (
+    ATOM,
+    BOTH,
+    CHOICE,
+    COMPARISON,
+    NEGATION,
+    POWER,
+    PRODUCT,
+    SUM,
+    Layout,
+    Notation,
+    NotationFor,
+    Piece,
+    joined,
+    number_text,
+    printed,
+    printed_with_definitions,
+)
+from symbody.expr.tokens import is_name, normalize
 
-# A formula longer than this is no text for a person; longer ones are shown as sequences.
-LARGEST: Final = 20_000
-
-_CHOICE, _CONDITION, _SUM, _PRODUCT, _POWER, _ATOM = range(6)
-_BINARY: Final[Mapping[int, tuple[str, int]]] = {
-    op.ADD: (" + ", _SUM), op.SUB: (" - ", _SUM), op.MUL: ("*", _PRODUCT), op.DIV: ("/", _PRODUCT),
-    op.LT: (" < ", _CONDITION), op.LE: (" <= ", _CONDITION), op.EQ: (" == ", _CONDITION),
-    op.AND: (" and ", _CHOICE), op.OR: (" or ", _CHOICE),
+# Operations between two operands: the sign, and how tightly it binds.
+_INFIX: Final[Mapping[int, tuple[str, int]]] = {
+    op.ADD: (" + ", SUM), op.SUB: (" - ", SUM), op.MUL: ("*", PRODUCT), op.DIV: ("/", PRODUCT),
+    op.AND: (" and ", BOTH), op.OR: (" or ", CHOICE),
+}  # fmt: skip
+_COMPARED: Final[Mapping[int, str]] = {op.LT: " < ", op.LE: " <= ", op.EQ: " == "}
+# Operand orders are free, and these go on from the left: b + c + a is a + (b + c).
+_CHAINED: Final[Mapping[int, tuple[int, ...]]] = {
+    op.ADD: (op.ADD, op.SUB), op.MUL: (op.MUL, op.DIV), op.AND: (op.AND,), op.OR: (op.OR,),
 }  # fmt: skip
 
 
 def to_text(graph: Graph, node: int) -> str:
-    """Return a node as text that parses to the same node.
+    """Return a node as text that reads as the same node.
 
     Raises
     ------
     ExpressionError
-        Above 20,000 operations written out, or where an operation has no text.
+        Above 20,000 operations written out, for names that cannot be written, and for entries of kernels.
     """
-    size = tree_size(graph, node)
-    if size > LARGEST:
-        raise ExpressionError(
-            Problem("expression.too_long", "", f"written out the expression has {size} operations",
-                    f"text is for reading and ends at {LARGEST}", "ask for a sequence or for generated code")
-        )  # fmt: skip
-    known: dict[int, tuple[str, int]] = {}
-    for item in graph.reachable([node]):
-        known[item] = _printed(graph, item, known)
-    return known[node][0]
+    return printed(graph, node, _notation_for(graph))
 
 
-def number_text(value: Constant) -> str:
-    """Return a constant as text that reads as the same constant: ``3/4``, ``9.81``, 17 digits if rounded."""
-    if isinstance(value, float):
-        return f"{value:.16e}"
-    exact = Fraction(value)
-    if exact.denominator == 1:
-        return str(exact.numerator)
-    decimal = _decimal(exact)
-    return decimal if decimal is not None else f"{exact.numerator}/{exact.denominator}"
+def to_text_with_definitions(
+    graph: Graph, nodes: Sequence[int], limit: int = EXPAND_LIMIT
+) -> tuple[list[str], list[tuple[str, str]]]:
+    """Return nodes as text, with shared parts named z1, z2, ... if one exceeds `limit` operations.
+
+    Returns
+    -------
+    (texts, definitions)
+        Definitions are pairs of name and text, each using earlier names only; all together are as
+        long as the graph, however often its parts are shared.
+    """
+    return printed_with_definitions(graph, nodes, _notation_for(graph), limit)
 
 
-def _decimal(value: Fraction) -> str | None:
-    """Return an exact decimal of at most 15 digits, or None; halves, quarters and eighths stay ratios."""
-    rest, twos, fives = value.denominator, 0, 0
-    while rest % 2 == 0:
-        rest, twos = rest // 2, twos + 1
-    while rest % 5 == 0:
-        rest, fives = rest // 5, fives + 1
-    places = max(twos, fives)
-    if rest != 1 or value.denominator < 10:
-        return None
-    digits = str(abs(value.numerator) * 10**places // value.denominator).rjust(places + 1, "0")
-    sign = "-" if value < 0 else ""
-    return f"{sign}{digits[:-places]}.{digits[-places:]}" if len(digits) <= 15 else None
+def _notation_for(graph: Graph) -> NotationFor:
+    def notation(named: Mapping[int, str]) -> Notation:
+        return partial(_layout, graph, named)
+
+    return notation
 
 
-def _printed(graph: Graph, node: int, known: Mapping[int, tuple[str, int]]) -> tuple[str, int]:
-    """Return the text of a node and how tightly it binds."""
-    code = graph.ops[node]
+def _layout(graph: Graph, named: Mapping[int, str], node: int) -> Layout:
+    code, a, b = graph.ops[node], graph.left[node], graph.right[node]
     if code in op.LEAVES:
         return _leaf(graph, node)
-    operands = [known[k] for k in graph.operands(node)]
     if code == op.NEG:
-        return _negated(graph, graph.left[node], known)
-    if code in _BINARY:
-        sign, strength = _BINARY[code]
-        right = strength + 1
-        left = right if strength == _CONDITION else strength
-        return f"{_wrapped(operands[0], left)}{sign}{_wrapped(operands[1], right)}", strength
+        if graph.ops[a] == op.SUB and a not in named:  # -(b - a) is a - b
+            return Layout([(graph.right[a], SUM), " - ", (graph.left[a], PRODUCT)], SUM)
+        return Layout(["-", (a, PRODUCT)], SUM)
+    if code in _INFIX:
+        return _infix(graph, named, node)
+    if code in _COMPARED:
+        return Layout([(a, SUM), _COMPARED[code], (b, SUM)], COMPARISON)
     if code == op.POW:
-        return f"{_wrapped(operands[0], _ATOM)}**{_wrapped(operands[1], _ATOM)}", _POWER
+        return Layout([(a, ATOM), "**", (b, ATOM)], POWER)
     if code == op.NOT:
-        return f"not {_wrapped(operands[0], _ATOM)}", _CHOICE
-    if code == op.FMA:
-        a, b, c = operands
-        return f"{_wrapped(a, _PRODUCT)}*{_wrapped(b, _POWER)} + {_wrapped(c, _PRODUCT)}", _SUM
-    return f"{_function_name(graph, node)}({', '.join(text for text, _ in operands)})", _ATOM
+        if graph.ops[a] == op.EQ:
+            return Layout([(graph.left[a], SUM), " != ", (graph.right[a], SUM)], COMPARISON)
+        return Layout(["not ", (a, NEGATION)], NEGATION)
+    return _function(graph, node)
 
 
-def _leaf(graph: Graph, node: int) -> tuple[str, int]:
+def _leaf(graph: Graph, node: int) -> Layout:
     value = graph.number(node)
     if value is not None:
         text = number_text(value)
-        return text, _PRODUCT if "/" in text else _ATOM
+        return Layout([text], PRODUCT if "/" in text else ATOM)
     if graph.ops[node] == op.PI:
-        return "pi", _ATOM
-    return graph.symbols[graph.left[node]].label, _ATOM
-
-
-def _negated(graph: Graph, inner: int, known: Mapping[int, tuple[str, int]]) -> tuple[str, int]:
-    if graph.ops[inner] == op.SUB:  # -(b - a) is a - b
-        a, b = known[graph.right[inner]], known[graph.left[inner]]
-        return f"{_wrapped(a, _SUM)} - {_wrapped(b, _PRODUCT)}", _SUM
-    return f"-{_wrapped(known[inner], _PRODUCT)}", _SUM
-
-
-def _function_name(graph: Graph, node: int) -> str:
-    code = graph.ops[node]
-    if code == op.SELECT:
-        return "if"
-    if code == op.CALL:
-        return graph.functions[graph.right[node]].name
-    if code in (op.SADDLE, op.PICK):
+        return Layout(["pi"], ATOM)
+    label = graph.symbols[graph.left[node]].label
+    if not is_name(label) or normalize(label) != label:
         raise ExpressionError(
-            Problem("expression.no_text", "", "the solution of a constrained system has no formula",
-                    "it is computed with pivots", "ask for generated code")
+            Problem(
+                "expression.unwritable_name", "", f"the name '{shown(label)}' cannot be written in an expression",
+                "names there have letters, digits and _, begin with no digit, and are not if, and, or, not",
+                "rename the quantity, or ask for LaTeX",
+            )
         )  # fmt: skip
-    return op.NAMES[code]
+    return Layout([label], ATOM)
 
 
-def _wrapped(part: tuple[str, int], strength: int) -> str:
-    return part[0] if part[1] >= strength else f"({part[0]})"
+def _infix(graph: Graph, named: Mapping[int, str], node: int) -> Layout:
+    code, a, b = graph.ops[node], graph.left[node], graph.right[node]
+    sign, strength = _INFIX[code]
+    if code == op.MUL and graph.ops[a] == op.RATIONAL:
+        top, _, bottom = number_text(graph.constants[graph.left[a]]).partition("/")
+        return Layout([(b, PRODUCT), f"/{bottom}"] if top == "1" else [(a, PRODUCT), "*", (b, POWER)], PRODUCT)
+    chained = _CHAINED.get(code, ())
+    if b not in named and graph.ops[b] in chained and (a in named or graph.ops[a] not in chained):
+        a, b = b, a
+    return Layout([(a, strength), sign, (b, strength + 1)], strength)
+
+
+def _function(graph: Graph, node: int) -> Layout:
+    code = graph.ops[node]
+    operands = graph.operands(node)
+    if code == op.FMA:
+        a, b, c = operands
+        return Layout([(a, PRODUCT), "*", (b, POWER), " + ", (c, PRODUCT)], SUM)
+    if code == op.PICK:
+        raise ExpressionError(
+            Problem(
+                "expression.no_text", "", "an entry of solve_saddle has no formula",
+                "systems with loops are solved with pivots, by a kernel", "ask for generated code",
+            )
+        )  # fmt: skip
+    name = graph.functions[graph.right[node]].name if code == op.CALL else op.NAMES[code]
+    arguments: list[Piece] = [(operand, CHOICE) for operand in operands]
+    return Layout(["if" if code == op.SELECT else name, "(", *joined(", ", arguments), ")"], ATOM)

@@ -19,12 +19,12 @@ from symbody.expr.collecting import collected
 from symbody.expr.graph import Graph
 from symbody.expr.harmonics import Harmonics, reduced, sine
 from symbody.expr.opcodes import ADD, COS, DIV, FLOAT, MUL, NEG, POW, RATIONAL, SIN, SUB
-from symbody.expr.polynomial import UNIT, Polynomial, names_of, parts, plus, product, times, variable
+from symbody.expr.polynomial import UNIT, Polynomial, names_of, parts, plus, product, size, times, variable
 from symbody.expr.rewrite import node_cost, operation_count, tree_size
 
 _MAX_OPERATIONS: Final = 2000
-_MAX_TERMS: Final = 2000
-_MAX_EFFORT: Final = 100_000  # products of two terms for one root: about a second
+_MAX_SIZE: Final = 10_000  # factors of all terms of a polynomial
+_MAX_EFFORT: Final = 400_000  # factors multiplied for one root: about a second
 _MAX_EXPONENT: Final = 16  # of what is multiplied out
 _MAX_KERNEL: Final = 6  # terms of a sum that is tried as a variable
 
@@ -114,7 +114,7 @@ class _Writer:
         operands = [self._polynomials[k] for k in graph.operands(node)]
         known = [p for p in operands if p is not None]
         p = self._combined(node, known) if len(known) == len(operands) else None
-        return p if p is not None and len(p) <= _MAX_TERMS else None
+        return p if p is not None and size(p) <= _MAX_SIZE else None
 
     def _combined(self, node: int, operands: list[Polynomial]) -> Polynomial | None:
         op = self._graph.ops[node]
@@ -133,11 +133,8 @@ class _Writer:
         return result
 
     def _product(self, p: Polynomial, q: Polynomial) -> Polynomial | None:
-        self._effort += len(p) * len(q)
-        if self._effort > _MAX_EFFORT:
-            return None
-        result = reduced(times(p, q))
-        return result if len(result) <= _MAX_TERMS else None
+        self._effort += size(p) * len(q) + size(q) * len(p)
+        return reduced(times(p, q)) if self._effort <= _MAX_EFFORT else None
 
     def _circular(self, op: int, angle: Angle) -> Polynomial:
         """Return a sine or cosine by the addition formulas."""

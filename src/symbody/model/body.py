@@ -94,8 +94,13 @@ def frame_table(door: Door, frames: object, path: str) -> Table[Frame]:
         if problem is not None:
             door.problems.append(problem)
         if name == CENTRE:
-            door.refuse("names.reserved", f"{path}.{name}", f"the name {CENTRE!r} is taken: every body has it",
-                        "it is the centre of mass", "rename the frame")  # fmt: skip
+            door.refuse(
+                "names.reserved",
+                f"{path}.{name}",
+                f"the name {CENTRE!r} is taken: every body has it",
+                "it is the centre of mass",
+                "rename the frame",
+            )
     return table
 
 
@@ -114,8 +119,13 @@ def address_from(door: Door, place: object, path: str) -> Address:
         if isinstance(body, str):
             return address_of(normalize(body), normalize(frame))
     why = "a Frame does not know which body it is on" if isinstance(place, Frame) else ""
-    door.refuse("model.not_a_place", path, f"{place!r} is not a place on a body", why,
-                'give a Body, body["frame"], or a text such as "Body.Frame"')  # fmt: skip
+    door.refuse(
+        "model.not_a_place",
+        path,
+        f"{place!r} is not a place on a body",
+        why,
+        'give a Body, body["frame"], or a text such as "Body.Frame"',
+    )
     return Address("ground")
 
 
@@ -123,8 +133,13 @@ def _parsed(door: Door, text: str, path: str) -> Address:
     body, dot, frame = (part.strip() for part in normalize(text).partition("."))
     if body and bool(frame) == bool(dot) and "." not in frame:
         return address_of(body, frame)
-    door.refuse("model.bad_address", path, f"{text!r} is not an address", "",
-                "write Body.Frame, or Body for its centre of mass, or ground")  # fmt: skip
+    door.refuse(
+        "model.bad_address",
+        path,
+        f"{text!r} is not an address",
+        "",
+        "write Body.Frame, or Body for its centre of mass, or ground",
+    )
     return Address("ground")
 
 

@@ -72,8 +72,13 @@ class Door:
         """Return three formulas."""
         items = self.items(values, path)
         if len(items) != 3:
-            self.refuse("model.not_three", path, f"{len(items)} entries instead of three", "",
-                        "give the components along x, y and z")  # fmt: skip
+            self.refuse(
+                "model.not_three",
+                path,
+                f"{len(items)} entries instead of three",
+                "",
+                "give the components along x, y and z",
+            )
             return (ZERO, ZERO, ZERO)
         x, y, z = (self.formula(item, f"{path}[{k}]") for k, item in enumerate(items))
         return (x, y, z)
@@ -88,15 +93,19 @@ class Door:
     def table(self, values: object, path: str, read: Callable[[object, str], T]) -> Table[T]:
         """Return a table of what `read` makes of each value."""
         if not isinstance(values, Mapping):
-            self.refuse("model.not_a_table", path, f"{values!r} is not a mapping of names", "",
-                        "write {name: value}")  # fmt: skip
+            self.refuse(
+                "model.not_a_table", path, f"{values!r} is not a mapping of names", "", "write {name: value}"
+            )
             return Table()
         entries: dict[str, T] = {}
         for name, value in values.items():
             key = normalize(name) if isinstance(name, str) else str(name)
             if key in entries:
-                self.refuse("names.duplicate", f"{path}.{key}" if path else key,
-                            f"the name {key!r} appears twice once characters are composed")  # fmt: skip
+                self.refuse(
+                    "names.duplicate",
+                    f"{path}.{key}" if path else key,
+                    f"the name {key!r} appears twice once characters are composed",
+                )
             entries[key] = read(value, f"{path}.{key}" if path else key)
         return Table(entries)
 

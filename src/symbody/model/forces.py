@@ -60,8 +60,13 @@ def drive_from(door: Door, value: object, path: str) -> Drive | None:
     """Return a drive, or None where there is none."""
     if value is None or isinstance(value, Drive):
         return value
-    door.refuse("model.not_a_drive", path, f"{value!r} is not a drive", "",
-                "write Drive(applied=.., stiffness=.., damping=.., free=..)")  # fmt: skip
+    door.refuse(
+        "model.not_a_drive",
+        path,
+        f"{value!r} is not a drive",
+        "",
+        "write Drive(applied=.., stiffness=.., damping=.., free=..)",
+    )
     return None
 
 

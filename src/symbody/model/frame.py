@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from symbody.expr.formula import Formula
-from symbody.model.euler_angles import euler_turns
 from symbody.model.door import ZERO, Door, Value
+from symbody.model.euler_angles import euler_turns
 from symbody.model.turn import Axis, Turn, axis_from, unit_axis
 from symbody.model.uses import Scope, Triple, Use, triple_uses
 
@@ -54,8 +54,13 @@ class Frame:
         object.__setattr__(self, "rotate", _rotation(door, rotate))
         object.__setattr__(self, "matrix", None if matrix is None else _matrix(door, matrix))
         if self.matrix is not None and self.rotate:
-            door.refuse("model.two_rotations", "", "the frame has both turns and a matrix",
-                        "each of them alone says how the frame is turned", "leave one of them out")  # fmt: skip
+            door.refuse(
+                "model.two_rotations",
+                "",
+                "the frame has both turns and a matrix",
+                "each of them alone says how the frame is turned",
+                "leave one of them out",
+            )
         door.close()
 
     def turns(self) -> tuple[Turn, ...]:
@@ -82,8 +87,13 @@ def _rotation(door: Door, turns: object) -> Rotation:
 def _turn(door: Door, turn: object, path: str) -> tuple[Axis, Formula]:
     pair = door.items(turn, path)
     if len(pair) != 2:
-        door.refuse("model.not_a_turn", path, "a turn is an axis and an angle", "",
-                    'write for instance ["z", "pi/2"]; several turns form a list of such pairs')  # fmt: skip
+        door.refuse(
+            "model.not_a_turn",
+            path,
+            "a turn is an axis and an angle",
+            "",
+            'write for instance ["z", "pi/2"]; several turns form a list of such pairs',
+        )
         return "x", ZERO
     return axis_from(door, pair[0], f"{path}[0]"), door.angle(pair[1], f"{path}[1]")
 
@@ -91,8 +101,13 @@ def _turn(door: Door, turn: object, path: str) -> tuple[Axis, Formula]:
 def _matrix(door: Door, rows: object) -> Matrix | None:
     items = door.items(rows, "matrix")
     if len(items) != 3:
-        door.refuse("model.not_three", "matrix", f"{len(items)} rows instead of three", "",
-                    "give three rows of three entries")  # fmt: skip
+        door.refuse(
+            "model.not_three",
+            "matrix",
+            f"{len(items)} rows instead of three",
+            "",
+            "give three rows of three entries",
+        )
         return None
     a, b, c = (door.triple(row, f"matrix[{k}]") for k, row in enumerate(items))
     return (a, b, c)

@@ -140,6 +140,11 @@ def trees_from(door: Door, value: object) -> InTrees:
     if isinstance(value, Mapping) and set(value) <= {"rotation", "translation"}:
         if all(isinstance(flag, bool) for flag in value.values()):
             return InTrees(value.get("rotation"), value.get("translation"))
-    door.refuse("model.bad_tree", "tree", f"{value!r} is no choice of trees", "",
-                "write true, false, or { rotation = true, translation = false }; leave it out for automatic")  # fmt: skip
+    door.refuse(
+        "model.bad_tree",
+        "tree",
+        f"{value!r} is no choice of trees",
+        "",
+        "write true, false, or { rotation = true, translation = false }; leave it out for automatic",
+    )
     return InTrees()

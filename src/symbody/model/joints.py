@@ -260,9 +260,7 @@ def _set_ends(joint: Joint, door: Door, name: str, start: Place, end: Place, tre
     object.__setattr__(joint, "tree", trees_from(door, tree))
 
 
-def _set_coordinate(
-    joint: Joint, door: Door, axis: str | Iterable[Value], coordinate: str | None
-) -> None:
+def _set_coordinate(joint: Joint, door: Door, axis: str | Iterable[Value], coordinate: str | None) -> None:
     name = None if coordinate is None else door.symbol_name(coordinate, "coordinate")
     object.__setattr__(joint, "axis", axis_from(door, axis, "axis"))
     object.__setattr__(joint, "coordinate", name)

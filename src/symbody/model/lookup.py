@@ -12,12 +12,12 @@ from symbody.errors import Problem, nearest
 from symbody.model.body import Body
 from symbody.model.element import Address, Element
 from symbody.model.frame import Frame
-from symbody.model.naming import GROUND
+from symbody.model.naming import CENTRE, GROUND
 
 
 def addresses(element: Element) -> dict[str, Address]:
     """Return the addresses an element holds, by field name."""
-    names = [field.name for field in fields(element)] if is_dataclass(element) else []
+    names: list[str] = [field.name for field in fields(element)] if is_dataclass(element) else []
     values = ((name, getattr(element, name)) for name in names)
     return {name: value for name, value in values if isinstance(value, Address)}
 
@@ -44,7 +44,10 @@ class Places:
             known = self.frames[address.body]
             if not address.point or address.point in known:
                 return Address(address.body, address.point)
-            cure = nearest(address.point, [*known, "CoM"])
+            is_ground = address.body == GROUND
+            cure = nearest(address.point, known if is_ground else [*known, CENTRE])
+            if is_ground:
+                cure += f" Or define it: [ground.frames] {address.point} = {{ at = [..] }}"
             return f"{address.body} has no frame {address.point!r}", cure
         if address.point:
             return f"there is no body {address.body!r}", nearest(address.body, self.frames)
@@ -110,9 +113,7 @@ def element_labels(elements: Iterable[Element]) -> dict[int, str]:
     """Return a unique label of each element by its place; equal names are told apart by that place."""
     plain = [f"{element.kind} {element.name}" for element in elements]
     count = Counter(plain)
-    return {
-        k: label if count[label] == 1 else f"{label} (element {k + 1})" for k, label in enumerate(plain)
-    }
+    return {k: label if count[label] == 1 else f"{label} (element {k + 1})" for k, label in enumerate(plain)}
 
 
 def _replaced(element: Element, changes: Mapping[str, Address]) -> Element:

@@ -23,15 +23,29 @@ def symbol_problem(name: object, where: str) -> Problem | None:
     if found is not None or not isinstance(name, str):
         return found
     if name in RESERVED_SYMBOLS:
-        return Problem("names.reserved", where, f"the name {name!r} is taken: it is {RESERVED_SYMBOLS[name]}",
-                       "", f"rename it, for instance {name}_1")  # fmt: skip
+        return Problem(
+            "names.reserved",
+            where,
+            f"the name {name!r} is taken: it is {RESERVED_SYMBOLS[name]}",
+            "",
+            f"rename it, for instance {name}_1",
+        )
     if name in KEYWORDS:
-        return Problem("names.keyword", where, f"{name!r} is a word of the expression language",
-                       "no formula could mean the symbol by it", f"rename it, for instance {name}_1")  # fmt: skip
+        return Problem(
+            "names.keyword",
+            where,
+            f"{name!r} is a word of the expression language",
+            "no formula could mean the symbol by it",
+            f"rename it, for instance {name}_1",
+        )
     if not is_name(normalize(name)):
-        return Problem("names.not_a_symbol", where, f"{name!r} cannot be written in a formula",
-                       "symbols have names of letters, digits and _, so that formulas can contain them",
-                       _SYMBOL_CURE)  # fmt: skip
+        return Problem(
+            "names.not_a_symbol",
+            where,
+            f"{name!r} cannot be written in a formula",
+            "symbols have names of letters, digits and _, so that formulas can contain them",
+            _SYMBOL_CURE,
+        )
     return None
 
 
@@ -44,13 +58,22 @@ def element_problem(name: object, where: str) -> Problem | None:
     if found is not None or not isinstance(name, str):
         return found
     if name.lower() == GROUND:
-        return Problem("names.reserved", where, f"the name {name!r} is taken: it is the fixed frame",
-                       "", "rename the element; frames of the ground go into [ground.frames]")  # fmt: skip
+        return Problem(
+            "names.reserved",
+            where,
+            f"the name {name!r} is taken: it is the fixed frame",
+            "",
+            "rename the element; frames of the ground go into [ground.frames]",
+        )
     for mark in ".\"'":
         if mark in name:
-            return Problem("names.mark", where, f"the name {name!r} contains {mark!r}",
-                           "addresses are written Body.Frame, and names with blanks are quoted in outputs",
-                           f"leave the {mark!r} out, or write _ for it")  # fmt: skip
+            return Problem(
+                "names.mark",
+                where,
+                f"the name {name!r} contains {mark!r}",
+                "addresses are written Body.Frame, and names with blanks are quoted in outputs",
+                f"leave the {mark!r} out, or write _ for it",
+            )
     return None
 
 
@@ -66,23 +89,46 @@ def symbol_from(name: str) -> str:
 
 def _text_problem(name: object, where: str) -> Problem | None:
     if not isinstance(name, str):
-        return Problem("names.not_text", where, f"{name!r} of type {type(name).__name__} is not a name", "",
-                       "give a text")  # fmt: skip
+        return Problem(
+            "names.not_text",
+            where,
+            f"{name!r} of type {type(name).__name__} is not a name",
+            "",
+            "give a text",
+        )
     if not name.strip():
         return Problem("names.empty", where, "the name is empty", "", "give it a name")
     if len(name) > MAX_NAME:
-        return Problem("names.too_long", where, f"a name of {len(name)} characters ({name[:24]!r}...)",
-                       "names made by a program grow this long", f"use at most {MAX_NAME} characters")  # fmt: skip
+        return Problem(
+            "names.too_long",
+            where,
+            f"a name of {len(name)} characters ({name[:24]!r}...)",
+            "names made by a program grow this long",
+            f"use at most {MAX_NAME} characters",
+        )
     if not name.isprintable():
         hidden = next(c for c in name if not c.isprintable())
-        return Problem("names.control_character", where,
-                       f"the name {name!a} contains U+{ord(hidden):04X}, which does not print",
-                       "it came with pasted text, and can make a name look different from what it is",
-                       "type the name anew")  # fmt: skip
+        return Problem(
+            "names.control_character",
+            where,
+            f"the name {name!a} contains U+{ord(hidden):04X}, which does not print",
+            "it came with pasted text, and can make a name look different from what it is",
+            "type the name anew",
+        )
     if name != name.strip():
-        return Problem("names.blank", where, f"the name {name!r} begins or ends with a blank", "",
-                       f"write {name.strip()!r}")  # fmt: skip
+        return Problem(
+            "names.blank",
+            where,
+            f"the name {name!r} begins or ends with a blank",
+            "",
+            f"write {name.strip()!r}",
+        )
     if name.isdigit():
-        return Problem("names.digits", where, f"the name {name!r} has only digits",
-                       "it would be read as a number", f"write _{name}")  # fmt: skip
+        return Problem(
+            "names.digits",
+            where,
+            f"the name {name!r} has only digits",
+            "it would be read as a number",
+            f"write _{name}",
+        )
     return None

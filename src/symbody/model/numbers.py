@@ -70,4 +70,3 @@ def as_float(value: Constant) -> float:
         return float(value)
     except OverflowError:
         return math.copysign(math.inf, value)
-

@@ -57,10 +57,14 @@ def known_values(parameters: Parameters) -> tuple[dict[str, Constant], list[Prob
             continue
         if isinstance(value, float) and not math.isfinite(value):
             problems.append(
-                Problem("parameters.not_finite", f"model, parameters.{name}", f"{name} = {formula} is {value}",
-                        "a function has no real value there, or the result is too large",
-                        "change the formula or the values it uses")
-            )  # fmt: skip
+                Problem(
+                    "parameters.not_finite",
+                    f"model, parameters.{name}",
+                    f"{name} = {formula} is {value}",
+                    "a function has no real value there, or the result is too large",
+                    "change the formula or the values it uses",
+                )
+            )
         else:
             values[name] = value
     return values, problems
@@ -80,13 +84,23 @@ def resolve(parameters: Parameters, overrides: Mapping[str, Value]) -> dict[str,
         if name in parameters:
             changed[name] = door.angle(value, name)
         else:
-            door.refuse("parameters.unknown", name, f"the model has no parameter {name!r}", "",
-                        nearest(name, parameters))  # fmt: skip
+            door.refuse(
+                "parameters.unknown",
+                name,
+                f"the model has no parameter {name!r}",
+                "",
+                nearest(name, parameters),
+            )
     for name, formula in changed.items():
         for word in () if formula is None else formula.names:
             if word != "pi" and word not in changed:
-                door.refuse("names.unknown", name, f"{formula} contains {word!r}, which is no parameter", "",
-                            nearest(word, changed))  # fmt: skip
+                door.refuse(
+                    "names.unknown",
+                    name,
+                    f"{formula} contains {word!r}, which is no parameter",
+                    "",
+                    nearest(word, changed),
+                )
     door.close()
     order = dependence_order(changed)
     values, problems = known_values(changed)
@@ -95,9 +109,14 @@ def resolve(parameters: Parameters, overrides: Mapping[str, Value]) -> dict[str,
     missing = [name for name in order if changed[name] is None]
     if missing:
         raise ModelError(
-            Problem("parameters.missing", "parameters", f"no value is given for {', '.join(missing)}",
-                    "they are declared without one", "give values in the model, or parameters={name: value}")
-        )  # fmt: skip
+            Problem(
+                "parameters.missing",
+                "parameters",
+                f"no value is given for {', '.join(missing)}",
+                "they are declared without one",
+                "give values in the model, or parameters={name: value}",
+            )
+        )
     return {name: values[name] for name in parameters}
 
 
@@ -132,12 +151,20 @@ def _needed(parameters: Parameters, name: str) -> list[str]:
 
 def _cycle_problem(cycle: list[str]) -> Problem:
     return Problem(
-        "parameters.cycle", f"model, parameters.{cycle[0]}", "parameters depend on each other in a circle: "
-        + " -> ".join(cycle), "each needs the value of the next", "give one of them as a number",
-    )  # fmt: skip
+        "parameters.cycle",
+        f"model, parameters.{cycle[0]}",
+        "parameters depend on each other in a circle: " + " -> ".join(cycle),
+        "each needs the value of the next",
+        "give one of them as a number",
+    )
 
 
 def _of_parameter(name: str, problem: Problem) -> Problem:
     where = f"model, parameters.{name}"
-    return Problem(problem.code, f"{where}, {problem.where}" if problem.where else where, problem.what,
-                   problem.why, problem.fix)  # fmt: skip
+    return Problem(
+        problem.code,
+        f"{where}, {problem.where}" if problem.where else where,
+        problem.what,
+        problem.why,
+        problem.fix,
+    )

@@ -17,20 +17,31 @@ def duplicate_elements(elements: Iterable[Element], labels: Mapping[int, str]) -
     for k, element in enumerate(elements):
         sites.setdefault(element.name, []).append(k)
     return [
-        Problem("names.duplicate", "; ".join(labels[k] for k in places),
-                f"{len(places)} elements are named {name!r}", "bodies, joints and forces share one set of names",
-                "rename all but one")
-        for name, places in sites.items() if len(places) > 1
-    ]  # fmt: skip
+        Problem(
+            "names.duplicate",
+            "; ".join(labels[k] for k in places),
+            f"{len(places)} elements are named {name!r}",
+            "bodies, joints and forces share one set of names",
+            "rename all but one",
+        )
+        for name, places in sites.items()
+        if len(places) > 1
+    ]
 
 
 def joint_problems(joints: Mapping[str, Joint]) -> list[Problem]:
     """Return the joints, given by label, whose two ends are on one body."""
     return [
-        Problem("model.self_joint", f"{label}, between", f"both ends are on {joint.start.body}",
-                "a joint connects two bodies, or a body with ground", "name another body at one end")
-        for label, joint in joints.items() if joint.start.body == joint.end.body
-    ]  # fmt: skip
+        Problem(
+            "model.self_joint",
+            f"{label}, between",
+            f"both ends are on {joint.start.body}",
+            "a joint connects two bodies, or a body with ground",
+            "name another body at one end",
+        )
+        for label, joint in joints.items()
+        if joint.start.body == joint.end.body
+    ]
 
 
 def floating_problems(bodies: Iterable[Body], joints: Iterable[Joint]) -> list[Problem]:
@@ -46,12 +57,16 @@ def floating_problems(bodies: Iterable[Body], joints: Iterable[Joint]) -> list[P
     for name in group:
         members.setdefault(_root(group, name), []).append(name)
     return [
-        Problem("model.no_ground", f"body {names[0]}",
-                f"no chain of joints leads from ground to {', '.join(names[:8])}{' ...' * (len(names) > 8)}",
-                "these bodies are joined only to each other",
-                f'add a joint with between = ["ground", "{names[0]}"]; a free joint if they float')
-        for root, names in members.items() if root != GROUND and len(names) > 1
-    ]  # fmt: skip
+        Problem(
+            "model.no_ground",
+            f"body {names[0]}",
+            f"no chain of joints leads from ground to {', '.join(names[:8])}{' ...' * (len(names) > 8)}",
+            "these bodies are joined only to each other",
+            f'add a joint with between = ["ground", "{names[0]}"]; a free joint if they float',
+        )
+        for root, names in members.items()
+        if root != GROUND and len(names) > 1
+    ]
 
 
 def free_bodies(bodies: Iterable[Body], joints: Iterable[Joint]) -> list[str]:

@@ -77,13 +77,22 @@ def _misplaced(where: str, use: Use, name: str, symbols: Symbols) -> Problem:
     if meaning is not None or name == "t":
         word = "time" if meaning is None else f"{_ARTICLES.get(meaning.word, 'a')} {meaning.word}"
         return use.formula.problem(
-            "names.not_here", column, f"{name!r} is {word}, which cannot stand here",
-            f"this place takes {use.scope.value}, and pi", "write the formula without it", where
-        )  # fmt: skip
+            "names.not_here",
+            column,
+            f"{name!r} is {word}, which cannot stand here",
+            f"this place takes {use.scope.value}, and pi",
+            "write the formula without it",
+            where,
+        )
     cure = nearest(name, symbols.allowed(use.scope))
-    return use.formula.problem("names.unknown", column, f"there is no symbol {name!r}",
-                               f"this place takes {use.scope.value}, and pi",
-                               f"{cure} Or define it: [parameters] {name} = ..", where)  # fmt: skip
+    return use.formula.problem(
+        "names.unknown",
+        column,
+        f"there is no symbol {name!r}",
+        f"this place takes {use.scope.value}, and pi",
+        f"{cure} Or define it: [parameters] {name} = ..",
+        where,
+    )
 
 
 _ARTICLES = {"input": "an", "acceleration": "an"}
@@ -95,8 +104,13 @@ def _column(formula: Formula, name: str) -> int:
 
 def _duplicate(name: str, meanings: list[Meaning]) -> Problem:
     places = "; ".join(dict.fromkeys(meaning.where for meaning in meanings))
-    listed = ", ".join(f"{meaning.word} of {meaning.where}" for meaning in meanings)
+    listed = ", ".join(f"{meaning.word} ({meaning.where})" for meaning in meanings)
     derived = any(meaning.word in ("rate", "acceleration") for meaning in meanings)
     why = "x_dot and x_ddot are made for every coordinate x" if derived else "every symbol has one meaning"
-    return Problem("names.duplicate", places, f"the name {name!r} stands for {len(meanings)} things: {listed}", why,
-                   "rename all but one")  # fmt: skip
+    return Problem(
+        "names.duplicate",
+        places,
+        f"the name {name!r} stands for {len(meanings)} things: {listed}",
+        why,
+        "rename all but one",
+    )

@@ -15,8 +15,10 @@ Axis = str | Triple
 
 ONE: Final = Formula.of(1)
 LETTERS: Final[dict[str, Triple]] = {
-    "x": (ONE, ZERO, ZERO), "y": (ZERO, ONE, ZERO), "z": (ZERO, ZERO, ONE),
-}  # fmt: skip
+    "x": (ONE, ZERO, ZERO),
+    "y": (ZERO, ONE, ZERO),
+    "z": (ZERO, ZERO, ONE),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +42,13 @@ def axis_from(door: Door, value: object, path: str) -> Axis:
     if isinstance(value, str):
         if value in LETTERS:
             return value
-        door.refuse("model.axis_letter", path, f"{value!r} is not an axis", "",
-                    'write "x", "y", "z", or three components such as ["0", "0", "-1"]')  # fmt: skip
+        door.refuse(
+            "model.axis_letter",
+            path,
+            f"{value!r} is not an axis",
+            "",
+            'write "x", "y", "z", or three components such as ["0", "0", "-1"]',
+        )
         return "x"
     return door.triple(value, path)
 

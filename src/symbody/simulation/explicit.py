@@ -163,7 +163,7 @@ def _checked_atol(atol: ArrayLike, size: int) -> Floats:
     if not (values > 0.0).all() or not np.isfinite(values).all():
         why = "atol decides how small a state must be to stop mattering, so that states may pass zero"
         raise _usage("atol", f"atol = {atol!r} is not positive", "give a positive number such as 1e-10", why)
-    return np.ascontiguousarray(np.broadcast_to(values, (size,)))
+    return values + np.zeros(size)
 
 
 def _checked_times(times: ArrayLike | None, start: float, end: float) -> Floats | None:

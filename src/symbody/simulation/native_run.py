@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -84,6 +84,18 @@ class RawRun:
     state: int | None
     kernel: int | None
     dense_output: DenseOutput | None
+
+    def stop_note(self, state_names: Sequence[str]) -> str:
+        """Return where and on whose account the run ended early, empty if it did not."""
+        if self.status.success:
+            return ""
+        note = f"the motion is known up to t = {self.reached:.9g} s"
+        if self.state is not None:
+            verb = "changes too fast" if self.status is Status.STEP_COLLAPSE else "has no finite derivative"
+            note += f"; there {state_names[self.state]} {verb}"
+        if self.kernel is not None:
+            note += f"; there linear system {self.kernel + 1} of the accelerations is singular"
+        return note
 
 
 class NativeRun(NamedTuple):

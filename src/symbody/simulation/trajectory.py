@@ -134,8 +134,8 @@ class Trajectory:
     def at(self, t: ArrayLike) -> Trajectory:
         """Return the motion at other times, from the polynomial of each step.
 
-        Its order is 7 where the method's is 8, and 4 where it is 5, so that the error between two samples
-        is of the size of the error at the samples.
+        Its degree is 7 where the method's order is 8, and 4 where it is 5: the error between two samples has
+        the order in the step, and about the size, of the error at the samples.
 
         Parameters
         ----------
@@ -274,8 +274,9 @@ class Trajectory:
     def __repr__(self) -> str:
         span = f"t = {self.t.flat[0]:g} to {self.t.flat[-1]:g} s" if self.t.size else "none stored"
         name = f"{self.name!r}: " if self.name else ""
-        states = f"{len(self.coordinate_names)} coordinates, {len(self.speed_names)} speeds"
-        return f"<Trajectory {name}{self.t.size} samples ({span}), {states}, {self.status.name}>"
+        counts = (self.t.size, "sample"), (len(self.q), "coordinate"), (len(self.u), "speed")
+        samples, coordinates, speeds = (f"{n} {word}" if n == 1 else f"{n} {word}s" for n, word in counts)
+        return f"<Trajectory {name}{samples} ({span}), {coordinates}, {speeds}, {self.status.name}>"
 
 
 def _at(what: str, fix: str) -> UsageError:

@@ -1,0 +1,42 @@
+"""The command ``python -m benchmarks``."""
+
+from __future__ import annotations
+
+import argparse
+import platform
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
+from typing import Final
+
+from rich.console import Console
+
+from benchmarks import expressions, nodes
+from benchmarks.table import Table, show
+from benchmarks.timing import Settings
+
+BENCHMARKS: Final[Mapping[str, Callable[[Settings], Iterator[Table]]]] = MappingProxyType(
+    {"nodes": nodes.tables, "expressions": expressions.tables}
+)
+
+
+def main() -> None:
+    """Print the tables of the benchmarks named on the command line, or of all."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description="symbody beside its peers, as ratios")
+    parser.add_argument("name", nargs="*", help=f"{', '.join(BENCHMARKS)} (default: all)")
+    parser.add_argument("--limit", type=float, default=Settings.limit, help="seconds one round of one engine may take")
+    parser.add_argument("--rounds", type=int, default=Settings.rounds, help="rounds, of which medians are taken")
+    chosen = parser.parse_args()
+    unknown = [name for name in chosen.name if name not in BENCHMARKS]
+    if unknown:
+        parser.error(f"there is no benchmark {', '.join(unknown)}; there are {', '.join(BENCHMARKS)}")
+    if chosen.rounds < 1 or chosen.limit <= 0:
+        parser.error("--rounds must be at least 1 and --limit above 0")
+    console = Console()
+    console.print(f"{platform.machine()}, Python {platform.python_version()}; in brackets: times symbody's figure\n")
+    for name in chosen.name or BENCHMARKS:
+        for table in BENCHMARKS[name](Settings(chosen.limit, chosen.rounds)):
+            show(table, console)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,206 @@
+"""`Model`: the description of a mechanism; frozen, complete, without mathematics of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Final, TypeVar, final
+
+from symbody.errors import ModelError, Problem, nearest
+from symbody.expr.formula import Formula
+from symbody.expr.graph import Constant
+from symbody.model.body import Body, frame_table
+from symbody.model.door import Door, Value
+from symbody.model.element import Element
+from symbody.model.frame import Frame
+from symbody.model.joint import Joint
+from symbody.model.lookup import with_carried
+from symbody.model.parameters import dependence_order, resolve
+from symbody.model.table import Table
+from symbody.model.uses import Triple
+from symbody.model.validation import Draft, checked
+
+E = TypeVar("E", bound=Element)
+
+# Elements are kept in this order, as a file lists them; within a kind, in the order given.
+KINDS: Final = ("body", "joint", "spring", "force", "torque", "constraint")
+
+
+@final
+@dataclass(frozen=True, slots=True, init=False, repr=False)
+class Model:
+    """A mechanism: bodies, joints and forces by name, with parameters and inputs.
+
+    Everything is copied in and checked at once; a Model that exists is free of contradictions.
+
+    Parameters
+    ----------
+    name : str
+        Title.
+    elements : iterable of Element
+        Bodies, joints, forces; bodies given as objects in joints and forces need not be listed.
+    gravity : (3,) number or formula
+        Acceleration of free fall in ground axes [m/s^2].
+    parameters : mapping of name to number, formula or None
+        Formulas may contain other parameters, in any order; None: declared without value.
+    inputs : iterable of str
+        Names of quantities given from outside while the mechanism moves.
+    initial : mapping of coordinate or rate to number or formula
+        Initial values, in SI units and radians.
+    ground : mapping of name to Frame
+        Frames fixed on the ground.
+
+    Attributes
+    ----------
+    bodies, joints : tuple of Body, of Joint
+        Those among `elements`.
+    notes : tuple of str
+        What was assumed, and what is legal but unusual.
+
+    Raises
+    ------
+    ModelError
+        With all contradictions at once.
+
+    Examples
+    --------
+    >>> from symbody.model import Body, Prismatic
+    >>> slider = Prismatic("slider", "ground", Body("Mass", mass="m"), coordinate="x")
+    >>> model = Model("oscillator", [slider], parameters={"m": 2})
+    >>> [body.name for body in model.bodies]
+    ['Mass']
+    """
+
+    name: str
+    elements: tuple[Element, ...]
+    gravity: Triple
+    parameters: Table[Formula | None]
+    inputs: tuple[str, ...]
+    initial: Table[Formula]
+    ground: Table[Frame]
+    bodies: tuple[Body, ...] = field(init=False, compare=False)
+    joints: tuple[Joint, ...] = field(init=False, compare=False)
+    notes: tuple[str, ...] = field(init=False, compare=False)
+
+    def __init__(
+        self,
+        name: str,
+        elements: Iterable[Element] = (),
+        gravity: Iterable[Value] = (0, 0, 0),
+        parameters: Mapping[str, Value | None] | None = None,
+        inputs: Iterable[str] = (),
+        initial: Mapping[str, Value] | None = None,
+        ground: Mapping[str, Frame] | None = None,
+    ) -> None:
+        door = Door("model")
+        draft = Draft(
+            elements=_sorted(with_carried(_elements(door, elements))),
+            gravity=door.triple(gravity, "gravity"),
+            parameters=door.table(
+                parameters or {},
+                "parameters",
+                lambda value, path: None if value is None else door.angle(value, path),
+            ),
+            inputs=tuple(
+                door.symbol_name(item, f"inputs[{k}]") for k, item in enumerate(door.items(inputs, "inputs"))
+            ),
+            initial=door.table(initial or {}, "initial", door.angle),
+            ground=frame_table(door, ground or {}, "ground.frames"),
+        )
+        title = name if isinstance(name, str) else "?"
+        if title != name:
+            door.refuse("names.not_text", "name", f"{name!r} is not a name", "", "give a text")
+        for parameter in draft.parameters:
+            door.symbol_name(parameter, f"parameters.{parameter}")
+        placed, notes = checked(draft, door.problems)
+        object.__setattr__(self, "name", title)
+        object.__setattr__(self, "elements", placed)
+        object.__setattr__(self, "gravity", draft.gravity)
+        object.__setattr__(self, "parameters", draft.parameters)
+        object.__setattr__(self, "inputs", draft.inputs)
+        object.__setattr__(self, "initial", draft.initial)
+        object.__setattr__(self, "ground", draft.ground)
+        object.__setattr__(self, "bodies", tuple(e for e in placed if isinstance(e, Body)))
+        object.__setattr__(self, "joints", tuple(e for e in placed if isinstance(e, Joint)))
+        object.__setattr__(self, "notes", notes)
+
+    def __repr__(self) -> str:
+        return f"Model({self.name!r}: {len(self.bodies)} bodies, {len(self.joints)} joints)"
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates of all joints, in their order."""
+        return tuple(name for joint in self.joints for name in joint.coordinates)
+
+    def body(self, name: str) -> Body:
+        """Return the body called `name`.
+
+        Raises
+        ------
+        ModelError
+            If there is none.
+        """
+        return _named(self.bodies, "body", name)
+
+    def joint(self, name: str) -> Joint:
+        """Return the joint called `name`.
+
+        Raises
+        ------
+        ModelError
+            If there is none.
+        """
+        return _named(self.joints, "joint", name)
+
+    def parameter_order(self) -> tuple[str, ...]:
+        """Return the parameters so that each stands after those its formula contains."""
+        return dependence_order(self.parameters)
+
+
+def resolve_parameters(model: Model, overrides: Mapping[str, Value] | None = None) -> dict[str, Constant]:
+    """Return the value of every parameter: exact where its formula is, a float otherwise.
+
+    Parameters
+    ----------
+    overrides : mapping of name to number or formula
+        Take the place of the model's values; what depends on them follows.
+
+    Raises
+    ------
+    ModelError
+        Listing all parameters without value, or all names that are no parameters.
+    """
+    return resolve(model.parameters, overrides or {})
+
+
+def _elements(door: Door, elements: object) -> list[Element]:
+    items = door.items(elements, "elements")
+    for k, item in enumerate(items):
+        if not isinstance(item, Element):
+            door.refuse(
+                "model.not_an_element",
+                f"elements[{k}]",
+                f"{item!r} is not a part of a mechanism",
+                "",
+                "give bodies, joints, forces",
+            )
+    return [item for item in items if isinstance(item, Element)]
+
+
+def _sorted(elements: Iterable[Element]) -> tuple[Element, ...]:
+    return tuple(sorted(elements, key=lambda element: KINDS.index(element.kind)))
+
+
+def _named(elements: Iterable[E], kind: str, name: str) -> E:
+    known = {element.name: element for element in elements}
+    if name in known:
+        return known[name]
+    raise ModelError(
+        Problem(
+            "model.unknown_element",
+            f"{kind} {name}",
+            f"the model has no {kind} {name!r}",
+            "",
+            nearest(name, known),
+        )
+    )

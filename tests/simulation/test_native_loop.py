@@ -1,0 +1,61 @@
+"""How the loop is compiled: not at import, once, and never twice on one computer."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+from numba.core.caching import FunctionCache
+
+from symbody.simulation import native_interface, native_loop
+from symbody.simulation.runge_kutta import DORMAND_PRINCE_8
+from tests.simulation.right_hand_sides import nothing, oscillator, pendulum, rational, run
+
+FRESH_PROCESS = """
+from symbody.simulation import native_loop
+print(len(native_loop.advance.signatures))
+from tests.simulation.right_hand_sides import pendulum, run
+run(pendulum, 1, 1, [0.0, 2.0], (0.0, 1.0))
+for loop in (native_loop.begin, native_loop.advance):
+    print(len(loop.signatures), sum(loop.stats.cache_hits.values()), sum(loop.stats.cache_misses.values()))
+"""
+
+
+def test_one_compilation_serves_every_model_method_and_option() -> None:
+    run(pendulum, 1, 1, [0.0, 2.0], (0.0, 1.0), 8)
+    run(oscillator, 1, 1, [0.0, 2.0], (1.0, 0.0), 5, times=[1.0], dense=False, stop_when_stiff=True)
+    run(rational, 1, 0, [1.0], (0.0, 1.0), atol=[1e-9])
+    run(rational, 1, 0, [1.0], (0.0, 1.0), atol=1e-9)
+    run(nothing, 0, 0, [], (0, 1), 8, parameters=[1.0, 2.0], max_steps=10)
+    loops: list[Any] = [native_loop.begin, native_loop.advance]
+    assert [len(loop.signatures) for loop in loops] == [1, 1]
+
+
+def test_a_second_process_compiles_nothing_and_import_compiles_nothing() -> None:
+    run(pendulum, 1, 1, [0.0, 2.0], (0.0, 1.0))
+    done = subprocess.run([sys.executable, "-c", FRESH_PROCESS], capture_output=True, text=True, timeout=120)
+    assert done.stderr == ""
+    assert done.stdout.split("\n") == ["0", "1 1 0", "1 1 0", ""]
+
+
+def test_the_loop_works_where_nothing_can_be_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*arguments: object) -> None:
+        raise RuntimeError("cannot cache function: no locator available")
+
+    monkeypatch.setattr(FunctionCache, "__init__", refuse)
+
+    @native_interface.compiled
+    def double(x: float) -> float:
+        return 2.0 * x
+
+    assert double(2.0) == 4.0
+
+
+def test_dense_output_rows_match_the_tableau() -> None:
+    result = run(pendulum, 1, 1, [0.0, 2.0], (0.0, 1.0))
+    assert result.dense_output is not None
+    assert result.dense_output.pieces.shape[1] == DORMAND_PRINCE_8.dense_degree + 1
+    assert np.isfinite(result.dense_output.pieces).all()
