@@ -21,9 +21,14 @@ from .errors import UsageError as UsageError
 # the mechanism
 from .model import Body as Body
 from .model import Drive as Drive
+from .model import Force as Force
 from .model import Frame as Frame
 from .model import Model as Model
 from .model import Prismatic as Prismatic
+from .model import Revolute as Revolute
+from .model import SpringDamper as SpringDamper
+from .model import Torque as Torque
+from .model import Weld as Weld
 
 # its file
 from .formats import load_model as load_model
@@ -35,13 +40,16 @@ from .equations import VirtualWork as VirtualWork
 from .equations import form_equations as form_equations
 
 # their code
+from .codegen import CompiledFunction as CompiledFunction
 from .codegen import compile as compile
 from .codegen import generate_code as generate_code
 
 # its motion
 from .simulation import Explicit as Explicit
+from .simulation import Status as Status
 from .simulation import Trajectory as Trajectory
 from .simulation import simulate as simulate
 
 # its pictures
 from .visual import plot as plot
+from .visual import save_plot as save_plot

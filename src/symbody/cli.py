@@ -8,12 +8,13 @@ from __future__ import annotations
 import json
 import shutil
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
+from rich.progress import Progress
 
 import symbody
 from symbody.codegen.compile import generate_code
@@ -23,6 +24,7 @@ from symbody.equations.form import form_equations
 from symbody.errors import EnvironmentFault, Problem, SymbodyError, UsageError, nearest
 from symbody.formats.native import load_model
 from symbody.model.model import Model
+from symbody.simulation.trajectory import Trajectory
 
 app = typer.Typer(
     name="symbody",
@@ -32,10 +34,19 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+
+def _option(*flags: str, text: str, metavar: str | None = None) -> Any:
+    return typer.Option(*flags, help=text, metavar=metavar)
+
+
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.toml", help="The model file.")]
-Assignments = Annotated[
-    list[str] | None, typer.Option("--set", "-p", metavar="NAME=VALUE", help="Override a parameter; repeatable.")
+Pairs = list[str] | None
+Settings = Annotated[Pairs, _option("--set", "-p", metavar="NAME=VALUE", text="A parameter; repeatable.")]
+Inputs = Annotated[Pairs, _option("--input", "-i", metavar="NAME=EXPRESSION", text="F='sin(t)'; repeatable.")]
+Initials = Annotated[
+    Pairs, _option("--initial", metavar="NAME=VALUE", text="x or x_dot at start; repeatable.")
 ]
+Force = Annotated[bool, _option("--force", text="Overwrite existing files.")]
 
 
 @app.command()
@@ -45,9 +56,7 @@ def equations(
 ) -> None:
     """Print the equations of motion."""
     eqs = form_equations(load_model(model))
-    lines = latex_equations(eqs.formed) if latex else display_equations(eqs.formed)
-    for line in lines:
-        typer.echo(line)
+    _print(latex_equations(eqs.formed) if latex else display_equations(eqs.formed))
 
 
 @app.command()
@@ -55,8 +64,7 @@ def check(model: ModelFile) -> None:
     """Read a model and say what it is: bodies, joints, degrees of freedom, notes."""
     loaded = load_model(model)
     eqs = form_equations(loaded)
-    for line in summary(loaded, eqs):
-        typer.echo(line)
+    _print(summary(loaded, eqs))
 
 
 @app.command()
@@ -66,7 +74,9 @@ def code(
         list[str] | None, typer.Option("--output", "-o", help="What to compute; repeatable. Default: xdot.")
     ] = None,
     language: Annotated[str, typer.Option("--language", "-l", help="Target language: c.")] = "c",
-    out: Annotated[Path | None, typer.Option("--out", help="File to write; default: standard output.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="File to write; default: standard output.")
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
 ) -> None:
     """Print source code that evaluates the equations."""
@@ -81,66 +91,93 @@ def code(
 @app.command()
 def simulate(
     model: ModelFile,
-    end: Annotated[float, typer.Option("--end", "-t", help="End time [s].")] = 10.0,
-    parameters: Assignments = None,
-    inputs: Annotated[
-        list[str] | None,
-        typer.Option("--input", "-i", metavar="NAME=EXPRESSION", help="An input, e.g. F='sin(t)'; repeatable."),
-    ] = None,
-    initial: Annotated[
-        list[str] | None,
-        typer.Option("--initial", metavar="NAME=VALUE", help="Initial value of x or x_dot; repeatable."),
-    ] = None,
+    end: Annotated[float, _option("--end", "-t", text="End time [s].")] = 10.0,
+    parameters: Settings = None,
+    inputs: Inputs = None,
+    initial: Initials = None,
     curves: Annotated[
-        list[str] | None, typer.Option("--show", "-s", help="What to plot; repeatable. Default: coordinates.")
+        Pairs, _option("--show", "-s", text="What to plot; repeatable; all coordinates.")
     ] = None,
-    out: Annotated[Path | None, typer.Option("--out", help="Plot file; default: beside the model.")] = None,
-    csv: Annotated[Path | None, typer.Option("--csv", help="Also write the states as CSV.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
-    rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 1e-8,
-    atol: Annotated[float, typer.Option(help="Absolute tolerance.")] = 1e-10,
+    out: Annotated[Path | None, _option("--out", text="Plot file; by default beside the model.")] = None,
+    csv: Annotated[Path | None, _option("--csv", text="Also write the states as CSV.")] = None,
+    as_json: Annotated[bool, _option("--json", text="Print the result as JSON.")] = False,
+    force: Force = False,
+    rtol: Annotated[float, _option("--rtol", text="Relative tolerance.")] = 1e-8,
+    atol: Annotated[float, _option("--atol", text="Absolute tolerance.")] = 1e-10,
 ) -> None:
     """Form the equations, print them, compute the motion and plot it."""
     for path in (out, csv):
         if path is not None:
             _refuse_overwriting(path, force)
+    given = [_assigned(parameters, "--set"), _assigned(inputs, "--input"), _assigned(initial, "--initial")]
     eqs = form_equations(load_model(model))
-    run = symbody.simulate(
-        eqs,
-        end,
-        parameters=_assigned(parameters, "--set"),
-        inputs=_assigned(inputs, "--input"),
-        initial=_assigned(initial, "--initial"),
-        rtol=rtol,
-        atol=atol,
-    )
-    picture = out if out is not None else model.with_suffix(".png")
-    symbody.save_plot(symbody.plot(run, *(curves or eqs.coordinate_names), title=eqs.model.name), picture)
+    if not as_json:
+        _print(display_equations(eqs.formed))
+    motion = _motion(eqs, end, given, rtol, atol)
+    # Without --out the picture is ours: it bears the model's name and is made anew each time.
+    picture = model.with_suffix(".png") if out is None else out
+    symbody.save_plot(symbody.plot(motion, *(curves or eqs.coordinate_names), title=eqs.model.name), picture)
     if csv is not None:
-        run.to_csv(csv)
-    if as_json:
-        typer.echo(json.dumps({"success": run.success, "status": run.status.name, "t": run.t.tolist(),
-                               **{name: run[name].tolist() for name in eqs.state_names}}))  # fmt: skip
-        return
-    for line in [*display_equations(eqs.formed), *eqs.notes, *run.notes, repr(run), f"plot: {picture}"]:
-        typer.echo(line)
-    if not run.success:
+        motion.to_csv(csv)
+    _print([_as_json(eqs, motion)] if as_json else _report(eqs, motion, picture))
+    if not motion.success:
         raise typer.Exit(4)
+
+
+def _motion(
+    eqs: EquationSet, end: float, given: Sequence[Mapping[str, str]], rtol: float, atol: float
+) -> Trajectory:
+    parameters, inputs, initial = given
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("simulating", total=1.0)
+        return symbody.simulate(
+            eqs,
+            end,
+            parameters=parameters,
+            inputs=inputs,
+            initial=initial,
+            rtol=rtol,
+            atol=atol,
+            progress=lambda share: bar.update(task, completed=share),
+        )
+
+
+def _report(eqs: EquationSet, motion: Trajectory, picture: Path) -> list[str]:
+    statistics = motion.statistics
+    return [
+        *(f"note: {note}" for note in (*eqs.notes, *motion.notes)),
+        f"{motion.status.value}: t = {motion.t[0]:g} to {motion.t[-1]:g} s",
+        f"{statistics.accepted} steps, {statistics.evaluations} evaluations, "
+        f"{statistics.loop_seconds * 1e3:.2f} ms; energy drift {motion.energy_drift:.1e} J",
+        f"plot: {picture}",
+    ]
+
+
+def _as_json(eqs: EquationSet, motion: Trajectory) -> str:
+    states = {name: motion[name].tolist() for name in eqs.state_names}
+    return json.dumps(
+        {"success": motion.success, "status": motion.status.name, "t": motion.t.tolist(), "states": states}
+    )
+
+
+def _print(lines: Iterable[str]) -> None:
+    for line in lines:
+        typer.echo(line)
 
 
 @app.command()
 def examples(
     name: Annotated[str | None, typer.Argument(help="An example; without it all are listed.")] = None,
-    copy: Annotated[Path | None, typer.Option("--copy", help="Folder to copy the example's files to.")] = None,
+    copy: Annotated[
+        Path | None, typer.Option("--copy", help="Folder to copy the example's files to.")
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
 ) -> None:
     """List the examples, print one, or copy its files."""
     folder = examples_folder()
     known = sorted(path.name for path in folder.iterdir() if (path / f"{path.name}.toml").is_file())
     if name is None:
-        for word in known:
-            typer.echo(word)
+        _print(known)
     elif name not in known:
         raise UsageError(
             Problem("cli.unknown_example", name, f"there is no example {name!r}", "", nearest(name, known))
@@ -148,8 +185,7 @@ def examples(
     elif copy is None:
         typer.echo((folder / name / f"{name}.toml").read_text(encoding="utf-8"), nl=False)
     else:
-        for line in _copy_files(folder / name, copy, force):
-            typer.echo(line)
+        _print(_copy_files(folder / name, copy, force))
 
 
 def summary(model: Model, eqs: EquationSet) -> list[str]:
@@ -174,24 +210,34 @@ def examples_folder() -> Path:
         if folder.is_dir():
             return folder
     raise EnvironmentFault(
-        Problem("cli.no_examples", str(package), "the examples are not installed", "", "install symbody again")
+        Problem(
+            "cli.no_examples", str(package), "the examples are not installed", "", "install symbody again"
+        )
     )
 
 
 def main() -> None:
     """Run the command line; faults of the user end in a message and an exit code, never in a traceback."""
-    console = Console(stderr=True, highlight=False)
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run the command line and return its exit code."""
     try:
-        app(standalone_mode=False)
+        app(list(arguments))
+    except SystemExit as done:  # typer ends this way, after telling faults of usage
+        return done.code if isinstance(done.code, int) else 0
     except SymbodyError as error:
-        console.print(str(error), markup=False, soft_wrap=True)
-        sys.exit(error.exit_code)
-    except (KeyboardInterrupt, typer.Abort):
-        console.print("interrupted")
-        sys.exit(130)
+        return _told(str(error), error.exit_code)
+    except KeyboardInterrupt:
+        return _told("interrupted", 130)
     except OSError as error:
-        console.print(f"[cli.file] {error.filename or ''}: {error.strerror or error}", markup=False)
-        sys.exit(5)
+        return _told(f"[cli.file] {error.filename or ''}: {error.strerror or error}", 5)
+
+
+def _told(message: str, code: int) -> int:
+    Console(stderr=True, highlight=False).print(message, markup=False, soft_wrap=True)
+    return code
 
 
 def _assigned(pairs: Iterable[str] | None, option: str) -> dict[str, str]:
@@ -209,9 +255,7 @@ def _assigned(pairs: Iterable[str] | None, option: str) -> dict[str, str]:
 
 def _refuse_overwriting(path: Path, force: bool) -> None:
     if path.exists() and not force:
-        raise UsageError(
-            Problem("cli.file_exists", str(path), "the file exists already", "", "choose another name, or add --force")
-        )
+        raise UsageError(Problem("cli.file_exists", str(path), "the file exists already", "", "add --force"))
 
 
 def _copy_files(source: Path, target: Path, force: bool) -> list[str]:

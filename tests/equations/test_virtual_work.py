@@ -1,4 +1,4 @@
-"""Equations by virtual work on trees of revolute, prismatic and welded joints, against closed forms and laws."""
+"""Equations by virtual work on trees of joints, against closed forms and laws."""
 
 from __future__ import annotations
 
@@ -115,7 +115,9 @@ def random_tree(seed: int, *, exchanged: bool = False) -> Model:
             elements.append(Prismatic(f"J{k}", *ends, axis=axis, coordinate=f"x{k}", force=drive))
     elements.append(Force("push", "B0.out", triple(), resolved_in="B0", reaction_on=f"B{count - 1}"))
     elements.append(Torque("twist", f"B{count - 1}", triple(), reaction_on="B0"))
-    elements.append(SpringDamper("spring", "ground.post", f"B{count - 1}.out", stiffness=2, damping=0.1, free=0.4))
+    elements.append(
+        SpringDamper("spring", "ground.post", f"B{count - 1}.out", stiffness=2, damping=0.1, free=0.4)
+    )
     elements.append(SpringDamper("band", "ground.post", f"B{count - 1}", stiffness=0.7))
     return Model("random", elements, gravity=triple(), inputs=["F"],
                  ground={"post": Frame(at=(2, -1, 3))})  # fmt: skip
@@ -129,7 +131,7 @@ def states(eqs: EquationSet, seed: int, count: int = 5) -> tuple[np.ndarray, np.
 
 @pytest.mark.parametrize("seed", range(12))
 def test_energy_changes_by_the_power_of_the_loads(seed: int) -> None:
-    """dE/dt along the equations equals the power: the equations and the energies share no code but kinematics."""
+    """dE/dt along the equations equals the power; equations and energies share nothing but kinematics."""
     eqs = form_equations(random_tree(seed))
     f = compile(eqs, ["energy", "power", "udot", "mass_matrix"])
     q, u = states(eqs, seed)

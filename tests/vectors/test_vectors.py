@@ -51,7 +51,9 @@ def general_axis(graph: Graph) -> tuple[Triple, np.ndarray]:
 def test_body_sequences_agree_with_scipy(letters: str) -> None:
     graph = Graph()
     units = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
-    turns = [Turn(axis(graph, *units[letter]), angle(graph, n)) for letter, n in zip(letters, "abc", strict=True)]
+    turns = [
+        Turn(axis(graph, *units[letter]), angle(graph, n)) for letter, n in zip(letters, "abc", strict=True)
+    ]
     matrix = rotation_matrix(graph, rotation_of(turns))
     found = values(graph, [entry for row in matrix for entry in row]).reshape(3, 3)
     expected = Reference.from_euler(letters.upper(), list(ANGLES.values())).as_matrix()

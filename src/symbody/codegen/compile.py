@@ -146,7 +146,9 @@ def _check_names(eqs: EquationSet, given: Mapping[str, Value], free: Items[str])
 
 
 def _unknown(kind: str, name: str, known: Items[str]) -> Problem:
-    return Problem(f"compile.unknown_{kind}", name, f"the model has no {kind} {name!r}", "", nearest(name, known))
+    return Problem(
+        f"compile.unknown_{kind}", name, f"the model has no {kind} {name!r}", "", nearest(name, known)
+    )
 
 
 def _missing(names: Items[str]) -> Problem:

@@ -19,6 +19,7 @@ from symbody.expr.sequence import Sequence
 Floats = NDArray[np.float64]
 _WORDS: Final = {"q": "coordinates", "u": "speeds", "r": "inputs", "p": "parameters", "t": "time"}
 
+
 @dataclass(frozen=True, slots=True)
 class Signature:
     """Names of what a function takes, group by group, in order."""

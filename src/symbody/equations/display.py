@@ -1,4 +1,4 @@
-"""Equations of motion as a person writes them: what moves on the left, what acts from outside on the right."""
+"""Equations of motion as a person writes them: what moves on the left, what drives it on the right."""
 
 from __future__ import annotations
 

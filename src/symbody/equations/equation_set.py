@@ -46,7 +46,7 @@ class EquationSet:
     _roots: dict[str, Roots] = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
-        return f"EquationSet of {self.model.name!r}: {len(self.formed.u)} speeds, 0 constraints"
+        return f"EquationSet of {self.model.name!r}: {self.degrees_of_freedom} degrees of freedom"
 
     @property
     def coordinate_names(self) -> tuple[str, ...]:
@@ -81,7 +81,14 @@ class EquationSet:
     @property
     def units(self) -> dict[str, str]:
         """SI units of coordinates, speeds and energies, as far as the joints tell."""
-        units = {"t": "s", "kinetic_energy": "J", "potential_energy": "J", "energy": "J", "work": "J", "power": "W"}
+        units = {
+            "t": "s",
+            "kinetic_energy": "J",
+            "potential_energy": "J",
+            "energy": "J",
+            "work": "J",
+            "power": "W",
+        }
         for joint in self.model.joints:
             for name in joint.coordinates:
                 unit = "rad" if name in joint.rotation_coordinates else "m"

@@ -44,7 +44,9 @@ def form_equations(model: Model, formulation: VirtualWork | None = None) -> Equa
     kinematics = form_kinematics(graph, _steps(topology, names), rates)
     bodies = [_inertia(names, model, name) for name in (body.name for body in model.bodies)]
     loads = form_loads(model, names, kinematics, bodies)
-    return EquationSet(model, _formed(model, names, coordinates, kinematics, bodies, loads), model.notes + topology.notes)
+    return EquationSet(
+        model, _formed(model, names, coordinates, kinematics, bodies, loads), model.notes + topology.notes
+    )
 
 
 def _formed(

@@ -62,7 +62,7 @@ def form_loads(model: Model, names: Names, kinematics: Kinematics, bodies: Seque
             x, rate = names.symbol(coordinate), names.symbol(f"{coordinate}_dot")
             drive_law = _drive_law(names, drive, x, rate, f"joint {joint.name}")
             key = f"{joint.name} {coordinate}" if several else joint.name
-            efforts.update({key: load.effort for load in drive_law.loads if isinstance(load, Effort)})
+            efforts.update((key, load.effort) for load in drive_law.loads if isinstance(load, Effort))
             laws.append(drive_law)
     for element in model.elements:
         if isinstance(element, Force):

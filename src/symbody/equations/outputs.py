@@ -35,8 +35,8 @@ def output_roots(formed: Formed, name: str) -> Roots:
     except (ExpressionError, FormulationError) as error:
         words = [*output_names(formed), *formed.names.symbols]
         raise FormulationError(
-            Problem("equations.unknown_output", name, f"{name!r} is neither an output nor an expression in the "
-                    "model's symbols", error.problems[0].what, nearest(name, words))
+            Problem("equations.unknown_output", name, f"{name!r} is neither an output nor an expression",
+                    error.problems[0].what, nearest(name, words))
         ) from error  # fmt: skip
 
 

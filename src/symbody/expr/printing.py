@@ -82,12 +82,22 @@ def printed_with_definitions(
     return [named.get(node) or _written(node, named, layout, brackets) for node in nodes], defined
 
 
-def joined(separator: str, parts: Sequence[Piece]) -> list[Piece]:
-    """Return `parts` with a separator between each two."""
+def joined(separator: str, groups: Sequence[Sequence[Piece]]) -> list[Piece]:
+    """Return all pieces of `groups`, with a separator between each two groups."""
     pieces: list[Piece] = []
-    for part in parts:
-        pieces += [separator, part] if pieces else [part]
+    for group in groups:
+        pieces += [separator, *group] if pieces else group
     return pieces
+
+
+def no_formula() -> ExpressionError:
+    """Return the error for entries of kernels."""
+    return ExpressionError(
+        Problem(
+            "expression.no_formula", "", "an entry of solve_saddle has no formula",
+            "systems with loops are solved with pivots, by a kernel", "ask for generated code",
+        )
+    )  # fmt: skip
 
 
 def number_text(value: Constant) -> str:

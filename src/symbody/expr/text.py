@@ -28,8 +28,8 @@ from symbody.expr.printing import (
     Layout,
     Notation,
     NotationFor,
-    Piece,
     joined,
+    no_formula,
     number_text,
     printed,
     printed_with_definitions,
@@ -139,12 +139,7 @@ def _function(graph: Graph, node: int) -> Layout:
         a, b, c = operands
         return Layout([(a, PRODUCT), "*", (b, POWER), " + ", (c, PRODUCT)], SUM)
     if code == op.PICK:
-        raise ExpressionError(
-            Problem(
-                "expression.no_text", "", "an entry of solve_saddle has no formula",
-                "systems with loops are solved with pivots, by a kernel", "ask for generated code",
-            )
-        )  # fmt: skip
+        raise no_formula()
     name = graph.functions[graph.right[node]].name if code == op.CALL else op.NAMES[code]
-    arguments: list[Piece] = [(operand, CHOICE) for operand in operands]
-    return Layout(["if" if code == op.SELECT else name, "(", *joined(", ", arguments), ")"], ATOM)
+    name = "if" if code == op.SELECT else name
+    return Layout([f"{name}(", *joined(", ", [[(operand, CHOICE)] for operand in operands]), ")"], ATOM)

@@ -44,6 +44,7 @@ _FIRST_LETTERS: Final = "mMIJkKcdbg"
 _LINEAR: Final = SUMS | {op.MUL, op.DIV, op.POW}
 
 NameKey: TypeAlias = tuple[int | str, ...]
+Factor: TypeAlias = Sequence[Piece]
 
 
 class Style(ABC):
@@ -64,12 +65,12 @@ class Style(ABC):
         """Return a number >= 0 that is no ratio."""
 
     @abstractmethod
-    def ratio(self, ratio: tuple[int, int], above: Sequence[Piece], below: Sequence[Piece]) -> Layout:
-        """Return the quotient of two lists of factors, times a ratio of whole numbers; not both empty."""
+    def ratio(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
+        """Return the quotient of two products, times a ratio of whole numbers."""
 
     @abstractmethod
     def power(self, base: Piece, exponent: Piece) -> Layout:
-        """Return a power; the parts are operands or text."""
+        """Return a power."""
 
     @abstractmethod
     def function(self, name: str, arguments: Sequence[Piece], exponent: int = 1) -> Layout:
@@ -77,7 +78,7 @@ class Style(ABC):
 
     @abstractmethod
     def choice(self, cases: Sequence[tuple[Piece, Piece]], otherwise: Piece) -> Layout:
-        """Return values with their conditions, and the value for the remaining case."""
+        """Return values with the conditions they have, and the value for the remaining case."""
 
 
 class SortKey(NamedTuple):
@@ -163,30 +164,28 @@ class _Page:
     def layout(self, node: int) -> Layout:
         graph = self.graph
         code, a, b = graph.ops[node], graph.left[node], graph.right[node]
+        value = graph.number(node)
+        if value is not None and code != op.NEG:
+            return self._number(value)
         if code in op.LEAVES:
-            return self._leaf(node)
-        if code in SUMS or (code == op.MUL and graph.ops[a] == op.RATIONAL):
+            return Layout([self._name(node)], ATOM)
+        if code in SUMS or code == op.MUL:
             return self._sum(node)
-        if code in (op.MUL, op.DIV, op.POW):
-            return self._product(node, 1)
-        if code in op.CONDITIONS:
-            return self._condition(node)
-        if code == op.SELECT:
-            return self._choice(node)
-        if code == op.FMA:
-            x, y, z = graph.operands(node)
-            return Layout([(x, POWER), self.style.times, (y, POWER), " + ", (z, PRODUCT)], SUM)
-        if code == op.PICK:
-            raise no_formula()
-        return self._function(node, 1)
+        if code == op.DIV or (code == op.POW and isinstance(graph.number(b), int)):
+            return self._product(node, 1, is_open=True)
+        if code == op.POW:
+            return self.style.power((a, ATOM), (b, CHOICE))
+        return self._condition(node) if code in op.CONDITIONS else self._function(node, 1)
 
-    def _leaf(self, node: int) -> Layout:
-        value = self.graph.number(node)
-        if value is not None:
-            return self._product(node, 1)
+    def _name(self, node: int) -> str:
         if self.graph.ops[node] == op.PI:
-            return Layout([self.style.pi], ATOM)
-        return Layout([self.style.symbol(self.graph.symbols[self.graph.left[node]])], ATOM)
+            return self.style.pi
+        return self.style.symbol(self.graph.symbols[self.graph.left[node]])
+
+    def _number(self, value: Constant) -> Layout:
+        if not isinstance(value, float) and "/" in number_text(value):
+            return self.style.ratio(Fraction(value), [], [])
+        return Layout([self.style.number(value)], ATOM)
 
     def _sum(self, node: int) -> Layout:
         terms = linear_terms(self.graph, node, self.named)
@@ -198,13 +197,90 @@ class _Page:
         pieces: list[Piece] = []
         for term in order:
             minus = terms[term] < 0
-            pieces.append((" - " if minus else " + ") if pieces else "-" if minus else "")
-            part = self._product(term, abs(terms[term]))
+            part = self._product(term, abs(terms[term]), is_open=term not in self.named or term == node)
             if len(order) == 1 and not minus:
                 return part
-            pieces += self._at_least(part, PRODUCT)
-        return Layout(pieces or [self.style.number(0)], SUM if pieces else ATOM)
+            pieces += [(" - " if minus else " + ") if pieces else "-" if minus else "", *part.pieces]
+        return Layout(pieces or ["0"], SUM if pieces else ATOM)
 
     def _term_key(self, term: int) -> tuple[object, ...]:
         key = self.keys[term]
         return (-key.moving, key.is_function, not key.low, key.size, key.low, key.high, self.graph.hashes[term])
+
+    def _product(self, node: int, coefficient: Exact, *, is_open: bool) -> Layout:
+        """Return a product that binds at least as tightly as PRODUCT."""
+        graph = self.graph
+        above, below = power_factors(graph, node, self.named) if is_open else ({node: 1}, {})
+        for factor in [k for k in above if graph.ops[k] == op.RATIONAL and above[k] == 1]:
+            del above[factor]
+            coefficient *= Fraction(graph.constants[graph.left[factor]])
+        if coefficient == 1 and not below and len(above) == 1:
+            ((factor, exponent),) = above.items()
+            return self._power(factor, exponent, PRODUCT)
+        factors = self._factors(above)
+        ratio = Fraction(coefficient)
+        if ratio != 1 and "/" not in number_text(ratio):
+            factors.insert(0, [self.style.number(coefficient)])
+            ratio = Fraction(1)
+        return self.style.ratio(ratio, factors, self._factors(below))
+
+    def _factors(self, exponents: Mapping[int, int]) -> list[Factor]:
+        order = sorted(exponents, key=self._factor_key)
+        return [self._power(factor, exponents[factor], POWER).pieces for factor in order]
+
+    def _factor_key(self, factor: int) -> tuple[object, ...]:
+        graph, key = self.graph, self.keys[factor]
+        code = graph.ops[factor]
+        if code == op.SYMBOL:
+            rank = 1 if key.moving == 0 else 3 if key.moving == 1 else 4
+        elif code in op.LEAVES:
+            rank = 0
+        else:
+            rank = 6 if key.is_function else 2 if key.moving == 0 else 5
+        return (rank, key.moving, key.low, key.high, code, graph.hashes[factor])
+
+    def _power(self, factor: int, exponent: int, strength: int) -> Layout:
+        code = self.graph.ops[factor]
+        if exponent == 1:
+            return Layout([(factor, strength)], strength)
+        if code in op.UNARY_FUNCTIONS and factor not in self.named:
+            return self._function(factor, exponent)
+        return self.style.power((factor, ATOM), str(exponent))
+
+    def _function(self, node: int, exponent: int) -> Layout:
+        graph = self.graph
+        code = graph.ops[node]
+        operands = graph.operands(node)
+        if code == op.SELECT:
+            return self._choice(node)
+        if code == op.FMA:
+            x, y, z = operands
+            return Layout([(x, POWER), self.style.times, (y, POWER), " + ", (z, PRODUCT)], SUM)
+        if code == op.PICK:
+            raise no_formula()
+        name = graph.functions[graph.right[node]].name if code == op.CALL else op.NAMES[code]
+        return self.style.function(name, [(operand, CHOICE) for operand in operands], exponent)
+
+    def _choice(self, node: int) -> Layout:
+        cases: list[tuple[Piece, Piece]] = []
+        rest = node
+        while self.graph.ops[rest] == op.SELECT and (rest == node or rest not in self.named):
+            condition, then, rest = self.graph.operands(rest)
+            cases.append(((then, CHOICE), (condition, CHOICE)))
+        return self.style.choice(cases, (rest, CHOICE))
+
+    def _condition(self, node: int) -> Layout:
+        graph = self.graph
+        code, a, b = graph.ops[node], graph.left[node], graph.right[node]
+        less, greater, at_most, at_least, equal, unequal, both, either, no = self.style.relations
+        if code == op.NOT and graph.ops[a] == op.EQ:
+            return Layout([(graph.left[a], SUM), f" {unequal} ", (graph.right[a], SUM)], COMPARISON)
+        if code == op.NOT:
+            return Layout([no, (a, NEGATION)], NEGATION)
+        if code in (op.AND, op.OR):
+            strength = BOTH if code == op.AND else CHOICE
+            return Layout([(a, strength), f" {both if code == op.AND else either} ", (b, strength)], strength)
+        signs = {op.LT: (less, greater), op.LE: (at_most, at_least), op.EQ: (equal, equal)}[code]
+        if graph.number(a) is not None:  # x > 0 rather than 0 < x
+            return Layout([(b, SUM), f" {signs[1]} ", (a, SUM)], COMPARISON)
+        return Layout([(a, SUM), f" {signs[0]} ", (b, SUM)], COMPARISON)

@@ -66,6 +66,7 @@ class _Scanner:
         keys = self._keys(next(self._tokens) if is_array else first, "]")
         path: Path = ()
         for key in keys[:-1]:
+            self.lines.setdefault((*path, key), first.line)
             path = self._entered((*path, key))
         path = (*path, keys[-1])
         self.lines.setdefault(path, first.line)

@@ -59,7 +59,7 @@ def choose_topology(model: Model) -> Topology:
 def _free_body(name: str) -> Problem:
     return Problem(
         "topology.free_body", f"body {name}", "no chain of joints leads from ground to this body",
-        "bodies that move freely are not covered by this version", "join the body to ground or to another body",
+        "bodies that move freely are not covered by this version", "join it to ground or to another body",
     )  # fmt: skip
 
 
@@ -73,5 +73,5 @@ def _loop(edge: Edge) -> Problem:
 def _prescribed(joint: Joint, coordinate: str) -> Problem:
     return Problem(
         "topology.prescribed_motion", f"joint {joint.name}", f"the motion of {coordinate} is prescribed",
-        "prescribed motions are not covered by this version", "leave motion out, or drive the joint by a force",
+        "prescribed motions are not covered by this version", "leave motion out, or give a drive",
     )  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -85,48 +85,66 @@ def simulate(
         max_steps=max_steps,
         progress=progress,
     )
-    notes = tuple(f"input {name} has no value and is 0" for name in silent)
-    return _trajectory(eqs, raw, _Evaluator(eqs, numbers, given), notes)
+    return _trajectory(eqs, raw, numbers, given, silent)
 
 
-def _trajectory(eqs: EquationSet, raw: RawRun, evaluate: _Evaluator, notes: tuple[str, ...]) -> Trajectory:
-    n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
-    dense = raw.dense_output
+def _trajectory(
+    eqs: EquationSet,
+    raw: RawRun,
+    parameters: Mapping[str, Value],
+    inputs: Mapping[str, Value],
+    silent: Sequence[str],
+) -> Trajectory:
+    """Return the run with its names; `silent` are inputs that were given no value."""
+    n_u, n = len(eqs.speed_names), len(eqs.state_names)
+    states, work = _divided(raw.dense_output, n)
+    stop = raw.stop_note((*eqs.state_names, "work"))
     return Trajectory(
         t=raw.t,
-        q=raw.x[n_u : n_u + n_q],
+        q=raw.x[n_u:n],
         u=raw.x[:n_u],
         coordinate_names=eqs.coordinate_names,
         speed_names=eqs.speed_names,
         status=raw.status,
         statistics=raw.statistics,
-        evaluate=evaluate,
-        dense_output=None if dense is None else DenseOutput(dense.breaks, dense.pieces[:, :, : n_u + n_q]),
-        stored={"work": raw.x[-1], "constraint_violation": np.zeros_like(raw.t)},
+        evaluate=_Evaluator(eqs, parameters, inputs, work),
+        dense_output=states,
+        stored={"work": raw.x[-1]},
         units=eqs.units,
-        notes=notes,
+        notes=(*(f"input {name} has no value and is 0" for name in silent), *([stop] if stop else [])),
         name=eqs.model.name,
     )
 
 
+def _divided(dense: DenseOutput | None, n: int) -> tuple[DenseOutput | None, DenseOutput | None]:
+    """Return the dense output of the first `n` states, and of the rest."""
+    if dense is None:
+        return None, None
+    first, rest = dense.pieces[:, :, :n], dense.pieces[:, :, n:]
+    return DenseOutput(dense.breaks, first), DenseOutput(dense.breaks, rest)
+
+
 @dataclass(frozen=True, slots=True)
 class _Evaluator:
-    """Compiles an output when it is first asked for, and evaluates it at stored states."""
+    """Computes outputs that are not stored, each compiled when it is first asked for."""
 
     eqs: EquationSet
     parameters: Mapping[str, Value]
     inputs: Mapping[str, Value]
+    work: DenseOutput | None
 
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the output with time last; q is (n_q, N), u is (n_u, N)."""
+        if name == "work" and self.work is not None:
+            return self.work(t)[0]
+        if name == "constraint_violation":  # a tree has no constraints
+            return np.zeros_like(t)
         function = CompiledFunction(*form_sequence(self.eqs, name, self.parameters, (), self.inputs))
         values: Floats = function(t, q.T, u.T)
         return np.moveaxis(values, 0, -1)
 
 
-def _initial_state(
-    eqs: EquationSet, initial: Mapping[str, Value], parameters: Mapping[str, Value]
-) -> Floats:
+def _initial_state(eqs: EquationSet, initial: Mapping[str, Value], parameters: Mapping[str, Value]) -> Floats:
     """Return the first state (speeds, then coordinates)."""
     names = eqs.state_names
     unknown = [name for name in initial if name not in names]
@@ -139,5 +157,9 @@ def _initial_state(
 
 def _unknown_state(name: str, names: tuple[str, ...]) -> Problem:
     return Problem(
-        "simulation.unknown_initial", name, f"there is no coordinate or speed {name!r}", "", nearest(name, names)
+        "simulation.unknown_initial",
+        name,
+        f"there is no coordinate or speed {name!r}",
+        "",
+        nearest(name, names),
     )

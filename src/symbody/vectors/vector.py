@@ -41,7 +41,9 @@ class Vector:
 
     def map(self, function: Callable[[Expr], Expr]) -> Vector:
         """Return the vector with `function` applied to every component."""
-        return _without_zeros({f: (function(c[0]), function(c[1]), function(c[2])) for f, c in self.terms.items()})
+        return _without_zeros(
+            {f: (function(c[0]), function(c[1]), function(c[2])) for f, c in self.terms.items()}
+        )
 
     @property
     def is_zero(self) -> bool:

@@ -1,0 +1,158 @@
+"""The structure of a model file checked; pydantic's findings told in our words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from decimal import Decimal
+from types import MappingProxyType
+from typing import Any, Final, TypeAlias, cast
+
+from pydantic import ValidationError
+
+from symbody.errors import FormatError, Problem, nearest
+from symbody.formats.lines import Path
+from symbody.formats.places import Locate, words
+from symbody.formats.schema import VERSION, ModelFile
+from symbody.model.model import KINDS
+
+Schema: TypeAlias = dict[str, Any]
+
+_MAX_PROBLEMS: Final = 50
+
+_EXPECTED: Final = MappingProxyType(
+    {
+        "string_type": "a text in quotes",
+        "list_type": "a list",
+        "tuple_type": "a list of an axis and an angle",
+        "dict_type": "a table",
+        "model_type": "a table",
+        "model_attributes_type": "a table",
+    }
+)
+
+
+def check_structure(data: object, locate: Locate) -> Mapping[str, Any]:
+    """Return `data`, which has only known keys, all that are needed, and values of the right types.
+
+    Raises
+    ------
+    FormatError
+        With every key and value that does not fit.
+    """
+    try:
+        ModelFile.model_validate(data)
+    except ValidationError as error:
+        found = error.errors(include_url=False)
+        newer = [item for item in found if item["type"] == "newer"]
+        problems = [_problem(cast("dict[str, Any]", item), data, locate) for item in newer or found]
+        raise FormatError(*problems[:_MAX_PROBLEMS]) from None
+    return cast("Mapping[str, Any]", data)
+
+
+def _problem(found: dict[str, Any], data: object, locate: Locate) -> Problem:
+    path = _without_tag(found["loc"])
+    code, what, why, fix = _said(found, path)
+    shown = ", ".join(part for part in (locate(path), _element(path, data), _inner(path)) if part)
+    return Problem(f"file.{code}", shown, what, why, fix)
+
+
+def _said(found: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
+    """Return code, fact, cause and cure of one finding."""
+    kind, value = found["type"], found["input"]
+    key = path[-1] if path else ""
+    if kind == "extra_forbidden":
+        return (
+            "unknown_key",
+            f"there is no key {key!r} here",
+            "",
+            nearest(str(key), _known_keys(found["loc"])),
+        )
+    if kind == "missing":
+        return "missing_key", f"{key!r} is missing", "", f"add {key} = .."
+    if kind == "newer":
+        return (
+            "newer_version",
+            f"the file was made by a newer version of symbody: it has version {value}",
+            f"this symbody reads versions up to {VERSION}",
+            "update symbody",
+        )
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        return _joint_type(found)
+    if kind in ("too_short", "too_long"):
+        context = found["ctx"]
+        number = context.get("min_length") or context.get("max_length")
+        return (
+            "wrong_length",
+            f"{context['actual_length']} entries instead of {number}",
+            "",
+            f"give {number} entries",
+        )
+    if kind == "not_finite":
+        return "not_finite", f"the value is {value}", "", "give a finite number"
+    expected = _EXPECTED.get(kind, found["msg"])
+    why = _causes(kind, value)
+    return "wrong_type", f"{_shown(value)} stands where {expected} is expected", why, f"write {expected}"
+
+
+def _causes(kind: str, value: object) -> str:
+    if kind == "string_type" and not isinstance(value, bool | list | dict):
+        return "quotes are missing"
+    return "true and false are not numbers" if isinstance(value, bool) else ""
+
+
+def _joint_type(found: dict[str, Any]) -> tuple[str, str, str, str]:
+    known = [name.strip("'") for name in found["ctx"].get("expected_tags", "").split(", ") if name]
+    if not known:
+        return "missing_key", "'type' is missing", "", 'add type = "revolute", for instance'
+    tag = found["ctx"]["tag"]
+    return "unknown_type", f"there is no joint type {tag!r}", "", nearest(tag, known)
+
+
+def _known_keys(location: Path) -> list[str]:
+    """Return the keys of the table in which an unknown one was found, by walking the JSON Schema."""
+    root: Schema = ModelFile.model_json_schema()
+    node = root
+    for part in location[:-1]:
+        node = _child(root, node, part)
+    return list(node.get("properties", {}))
+
+
+def _child(root: Schema, node: Schema, part: str | int) -> Schema:
+    """Return the schema of an entry, a key, or of a joint by its type."""
+    found: Schema = {}
+    if isinstance(part, int):
+        found = node.get("items", {})
+    elif part in node.get("properties", {}):
+        found = node["properties"][part]
+    elif "discriminator" in node:
+        found = {"$ref": node["discriminator"]["mapping"][part]}
+    elif isinstance(node.get("additionalProperties"), dict):
+        found = node["additionalProperties"]
+    choices = [found, *found.get("anyOf", [])]  # a table that may be left out is "anyOf" it and null
+    reference = next((choice["$ref"] for choice in choices if "$ref" in choice), None)
+    return root["$defs"][reference.rpartition("/")[2]] if reference else found
+
+
+def _without_tag(location: tuple[str | int, ...]) -> Path:
+    """Return a path without the joint type that pydantic inserts."""
+    return (*location[:2], *location[3:]) if location[0] == "joint" else location
+
+
+def _element(path: Path, data: object) -> str:
+    """Return the label of the element in which a path lies, as the model writes it."""
+    if len(path) < 2 or not isinstance(path[1], int) or path[0] not in KINDS:
+        return ""
+    entries = data.get(path[0]) if isinstance(data, Mapping) else None
+    entry = entries[path[1]] if isinstance(entries, list) else None
+    name = entry.get("name") if isinstance(entry, Mapping) else None
+    return f"{path[0]} {name}" if isinstance(name, str) else f"{path[0]} {path[1] + 1}"
+
+
+def _inner(path: Path) -> str:
+    inside = len(path) >= 2 and isinstance(path[1], int) and path[0] in KINDS
+    return words(path[2:] if inside else path)
+
+
+def _shown(value: object) -> str:
+    text = str(value) if isinstance(value, Decimal) else repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

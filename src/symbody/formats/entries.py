@@ -1,0 +1,145 @@
+"""Tables of the model file to elements and back; the file's words are those of the constructors."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass
+from types import MappingProxyType
+from typing import Final, TypeVar
+
+from symbody.errors import ModelError, Problem, SymbodyError
+from symbody.expr.formula import Formula
+from symbody.formats.places import words
+from symbody.model.body import Body
+from symbody.model.element import Address, Element
+from symbody.model.forces import Drive, Force, SpringDamper, Torque
+from symbody.model.frame import Frame
+from symbody.model.joint import InTrees, Joint
+from symbody.model.joints import Prismatic, Revolute, Weld
+from symbody.model.table import Table
+
+T = TypeVar("T")
+
+# What a model file consists of; formulas become text or numbers when it is written.
+Node = Formula | str | bool | list["Node"] | dict[str, "Node"]
+
+ELEMENTS: Final = MappingProxyType[str, Callable[..., Element]](
+    {"body": Body, "spring": SpringDamper, "force": Force, "torque": Torque}
+)
+JOINTS: Final = MappingProxyType[str, Callable[..., Joint]](
+    {"weld": Weld, "revolute": Revolute, "prismatic": Prismatic}
+)
+_JOINT_WORDS: Final = MappingProxyType({maker: word for word, maker in JOINTS.items()})
+# Written even where they have their default, because a reader looks for them.
+_ALWAYS: Final = frozenset({"axis"})
+
+
+def element_from(kind: str, entry: Mapping[str, object]) -> Element:
+    """Return the element of a table that fits the schema.
+
+    Raises
+    ------
+    ModelError
+        With everything in it that is not a name, a place or a formula.
+    """
+    arguments = dict(entry)
+    make = JOINTS[str(arguments.pop("type"))] if kind == "joint" else ELEMENTS[kind]
+    between = arguments.pop("between", None)
+    if isinstance(between, list):
+        arguments["start"], arguments["end"] = between
+    problems: list[Problem] = []
+    label = f"{kind} {entry['name']}"
+    if kind == "body":
+        arguments["frames"] = _frames(arguments.get("frames", {}), label, ("frames",), problems)
+    if kind == "joint":
+        for word in {"force", "torque"} & set(arguments):
+            arguments[word] = _nested(Drive, arguments[word], f"{label}, {word}", problems)
+    element = _attempt(lambda: make(**arguments), problems)
+    if element is None or problems:
+        raise ModelError(*problems)
+    return element
+
+
+def ground_frames(entry: object, problems: list[Problem]) -> dict[str, Frame]:
+    """Return the frames of the ground; faults are added to `problems`."""
+    return _frames(entry, "model", ("ground", "frames"), problems)
+
+
+def entry_of(element: Element) -> dict[str, Node]:
+    """Return the table of an element, without what has its default."""
+    entry: dict[str, Node] = {"name": element.name}
+    word = _JOINT_WORDS.get(type(element)) if isinstance(element, Joint) else None
+    if word is not None:
+        entry["type"] = word
+    values = _values(element)
+    if "start" in values:
+        entry["between"] = [node_of(values.pop("start")), node_of(values.pop("end"))]
+    defaults = _values(_plainest(element))
+    for name, value in values.items():
+        if name not in entry and (value != defaults[name] or name in _ALWAYS):
+            entry[name] = node_of(value)
+    return entry
+
+
+def node_of(value: object) -> Node:
+    """Return a value of the model as part of a file."""
+    if isinstance(value, Formula | str | bool):
+        return value
+    if isinstance(value, Address):
+        return value.frame
+    if isinstance(value, Table):
+        return {name: node_of(item) for name, item in value.items()}
+    if isinstance(value, tuple):
+        return [node_of(item) for item in value]
+    if isinstance(value, InTrees) and value.rotation is not None and value.rotation == value.translation:
+        return value.rotation
+    values = _values(value)
+    empty = {InTrees: InTrees, Drive: Drive, Frame: Frame}[type(value)]()
+    defaults = _values(empty)
+    return {name: node_of(item) for name, item in values.items() if item != defaults[name]}
+
+
+def _values(value: object) -> dict[str, object]:
+    names = [field.name for field in fields(value)] if is_dataclass(value) else []
+    return {name: getattr(value, name) for name in names}
+
+
+def _plainest(element: Element) -> Element:
+    """Return the element with everything that may be left out left out."""
+    make = type(element)
+    needed = [
+        name
+        for name, parameter in inspect.signature(make).parameters.items()
+        if parameter.default is parameter.empty
+    ]
+    return make(**{name: getattr(element, name) for name in needed})
+
+
+def _frames(entries: object, label: str, path: tuple[str, ...], problems: list[Problem]) -> dict[str, object]:
+    if not isinstance(entries, Mapping):
+        return {}
+    frames: dict[str, Frame] = {}
+    for name, entry in entries.items():
+        frame = _nested(Frame, entry, f"{label}, {words((*path, str(name)))}", problems)
+        frames[name] = Frame() if frame is None else frame
+    return frames
+
+
+def _nested(make: Callable[..., T], entry: object, where: str, problems: list[Problem]) -> T | None:
+    """Return what `make` makes of a table; its faults are placed at `where`, below which they are told."""
+    inner: list[Problem] = []
+    made = _attempt(lambda: make(**entry), inner) if isinstance(entry, Mapping) else None
+    for problem in inner:
+        rest = problem.where.partition(", ")[2]
+        place = f"{where}.{rest}" if rest else where
+        problems.append(Problem(problem.code, place, problem.what, problem.why, problem.fix))
+    return made
+
+
+def _attempt(make: Callable[[], T], problems: list[Problem]) -> T | None:
+    try:
+        return make()
+    except SymbodyError as error:
+        problems.extend(error.problems)
+        return None

@@ -1,0 +1,223 @@
+"""The model file: TOML on disk, the same structure as JSON data for the ModelBuilder."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+from symbody.errors import FormatError, ModelError, Problem, SymbodyError
+from symbody.expr.formula import Formula
+from symbody.formats.checking import check_structure
+from symbody.formats.entries import Node, element_from, entry_of, ground_frames, node_of
+from symbody.formats.lines import Path
+from symbody.formats.places import Locate, lines_of, pointer, relocated
+from symbody.formats.reading import read_text
+from symbody.formats.toml_syntax import parse_toml
+from symbody.formats.toml_text import write_layout, write_toml
+from symbody.formats.writing import write_text
+from symbody.model.element import Element
+from symbody.model.lookup import element_labels
+from symbody.model.model import KINDS, Model
+
+
+def load_model(path: str | os.PathLike[str]) -> Model:
+    """Return the model in a TOML file.
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be read, is no TOML, or has keys and types that do not fit.
+    ModelError
+        If the mechanism it describes contradicts itself. Both tell all problems, with their lines.
+    """
+    return model_from_toml(read_text(path), where=os.fsdecode(path))
+
+
+def save_model(model: Model, path: str | os.PathLike[str]) -> None:
+    """Write a model to a TOML file.
+
+    Comments, order and ``[layout]`` of a model file that is already there are kept, and that file as it
+    was beside it with ``.bak`` appended. The file is replaced in one step.
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be written; the one that was there is unchanged.
+    """
+    try:
+        old = read_text(path)
+    except FormatError:  # missing, or no text: nothing to keep
+        old = ""
+    write_text(path, model_to_toml(model, onto=old))
+
+
+def model_from_toml(text: str, where: str = "model file") -> Model:
+    """Return the model in a TOML text; `where` is what messages call it.
+
+    Raises
+    ------
+    FormatError, ModelError
+        See `load_model`.
+    """
+    plain = text.removeprefix("\N{ZERO WIDTH NO-BREAK SPACE}").replace("\r\n", "\n")
+    return _model(parse_toml(plain, where), lines_of(plain, where))
+
+
+def model_to_toml(model: Model, onto: str = "", layout: Mapping[str, Any] | None = None) -> str:
+    """Return the TOML text of a model.
+
+    Parameters
+    ----------
+    onto : str
+        Text of a model file; its comments, order and layout are kept where it still says the same.
+    layout : mapping, optional
+        Takes the place of ``[layout]``; None keeps it as it is.
+
+    Raises
+    ------
+    FormatError
+        If the layout holds something that TOML cannot say.
+    """
+    content = _content(model)
+    merged = _merged(model, content, onto.replace("\r\n", "\n")) if onto.strip() else None
+    text = merged or write_toml(content)
+    return text if layout is None else _with_layout(text, layout)
+
+
+def from_data(data: object, where: str = "") -> Model:
+    """Return the model of JSON data with the structure of the file; null means left out.
+
+    Raises
+    ------
+    FormatError, ModelError
+        As `load_model`, with JSON pointers such as ``#/joint/2/axis`` instead of lines.
+    """
+
+    def locate(path: Path) -> str:
+        return f"{where}{pointer(path)}"
+
+    return _model(_without_nulls(data), locate)
+
+
+def to_data(model: Model, layout: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """Return a model as JSON data with the structure of the file; formulas and numbers are texts."""
+    data = {key: _plain(node) for key, node in _content(model).items()}
+    return data if layout is None else {**data, "layout": dict(layout)}
+
+
+def layout_of(text: str, where: str = "model file") -> dict[str, Any]:
+    """Return the ``[layout]`` of a TOML text, empty if there is none.
+
+    Raises
+    ------
+    FormatError
+        If the text is no TOML.
+    """
+    layout = parse_toml(text.replace("\r\n", "\n"), where).get("layout", {})
+    return layout if isinstance(layout, dict) else {}
+
+
+def _model(data: object, locate: Locate) -> Model:
+    content = check_structure(data, locate)
+    problems: list[Problem] = []
+    elements: list[Element] = []
+    paths: list[Path] = []
+    for kind in KINDS:
+        for k, entry in enumerate(content.get(kind, [])):
+            try:
+                elements.append(element_from(kind, entry))
+                paths.append((kind, k))
+            except ModelError as error:
+                problems += relocated(error.problems, {f"{kind} {entry['name']}": (kind, k)}, locate)
+    faults: list[Problem] = []
+    ground = ground_frames(content.get("ground", {}).get("frames", {}), faults)
+    problems += relocated(faults, {"model": ()}, locate)
+    if problems:
+        raise ModelError(*problems)
+    labels = element_labels(elements)
+    bases: dict[str, Path] = {"model": (), **{labels[k]: path for k, path in enumerate(paths)}}
+    try:
+        return Model(
+            content["name"],
+            elements,
+            gravity=content.get("gravity", (0, 0, 0)),
+            parameters={name: None if v == "" else v for name, v in content.get("parameters", {}).items()},
+            inputs=content.get("inputs", ()),
+            initial=content.get("initial", {}),
+            ground=ground,
+        )
+    except ModelError as error:
+        raise ModelError(*relocated(error.problems, bases, locate)) from None
+
+
+def _content(model: Model) -> dict[str, Node]:
+    """Return what the file of a model says, without layout."""
+    content: dict[str, Node] = {"name": model.name, "gravity": node_of(model.gravity)}
+    if model.inputs:
+        content["inputs"] = list(model.inputs)
+    if model.parameters:
+        content["parameters"] = {
+            name: "" if formula is None else formula for name, formula in model.parameters.items()
+        }
+    if model.ground:
+        content["ground"] = {"frames": node_of(model.ground)}
+    for kind in KINDS:
+        entries: list[Node] = [entry_of(element) for element in model.elements if element.kind == kind]
+        if entries:
+            content[kind] = entries
+    if model.initial:
+        content["initial"] = node_of(model.initial)
+    return content
+
+
+def _merged(model: Model, content: Mapping[str, Node], onto: str) -> str | None:
+    """Return the changed text of a model file, or None if `onto` is none or does not take the changes."""
+    try:
+        text = write_toml(content, onto, _content(model_from_toml(onto)))
+        return text if model_from_toml(text) == model else None
+    except SymbodyError:
+        return None
+
+
+def _with_layout(text: str, layout: Mapping[str, Any]) -> str:
+    try:
+        return write_layout(text, layout)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise FormatError(
+            Problem(
+                "file.layout",
+                "layout",
+                f"the layout cannot be written to a file: {error}",
+                "TOML has texts, numbers, true and false, lists and tables; no null",
+                "leave such entries out",
+            )
+        ) from error
+
+
+def _plain(node: Node) -> Any:
+    if isinstance(node, Formula):
+        return node.text
+    if isinstance(node, list):
+        return [_plain(entry) for entry in node]
+    return {name: _plain(entry) for name, entry in node.items()} if isinstance(node, dict) else node
+
+
+def _without_nulls(data: object) -> object:
+    """Return data without null entries above the layout; a parameter that is null has no value."""
+    if not isinstance(data, Mapping):
+        return data
+    parameters = data.get("parameters")
+    kept = {key: value for key, value in data.items() if value is not None}
+    for kind in KINDS:
+        if isinstance(kept.get(kind), list):
+            kept[kind] = [_without_null_keys(entry) for entry in kept[kind]]
+    if isinstance(parameters, Mapping):
+        kept["parameters"] = {name: "" if value is None else value for name, value in parameters.items()}
+    return kept
+
+
+def _without_null_keys(entry: object) -> object:
+    if not isinstance(entry, Mapping):
+        return entry
+    return {key: value for key, value in entry.items() if value is not None}

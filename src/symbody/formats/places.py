@@ -1,0 +1,62 @@
+"""From the words of a message to the place in the file: a line, or a pointer into JSON data."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+
+from symbody.errors import Problem
+from symbody.formats.lines import Path, key_lines, line_of
+
+# Takes the path of a key; returns the place, such as "model.toml:12".
+Locate = Callable[[Path], str]
+
+
+def lines_of(text: str, where: str) -> Locate:
+    """Return what finds keys in a legal TOML text called `where`."""
+    lines = key_lines(text)
+
+    def locate(path: Path) -> str:
+        line = line_of(lines, path)
+        return where if line is None else f"{where}:{line}"
+
+    return locate
+
+
+def pointer(path: Path) -> str:
+    """Return the JSON pointer of a key, as a fragment: ``"#/joint/2/axis"``."""
+    parts = (str(part).replace("~", "~0").replace("/", "~1") for part in path)
+    return "#" + "".join(f"/{part}" for part in parts)
+
+
+def relocated(problems: Iterable[Problem], bases: Mapping[str, Path], locate: Locate) -> list[Problem]:
+    """Return problems of a model with the place in the file put before the words of the model.
+
+    Parameters
+    ----------
+    bases : mapping of label to path
+        Where each element stands: ``{"joint slider": ("joint", 0)}``; "model" is the file itself.
+    """
+    return [
+        replace(problem, where="; ".join(_placed(part, bases, locate) for part in problem.where.split("; ")))
+        for problem in problems
+    ]
+
+
+def words(path: Path) -> str:
+    """Return the path of a key as the model writes it: ``"frames.tip.at[1]"``."""
+    text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
+    return text.removeprefix(".")
+
+
+def _placed(where: str, bases: Mapping[str, Path], locate: Locate) -> str:
+    label = max((label for label in bases if f"{where}, ".startswith(f"{label}, ")), key=len, default=None)
+    if label is None:
+        return ", ".join(part for part in (locate(()), where) if part)
+    rest = where[len(label) :].removeprefix(", ")
+    key = rest.partition(", ")[0]
+    parts = re.findall(r"\[(\d+)\]|([^.\[\]]+)", key)
+    path = (*bases[label], *(int(place) if place else name for place, name in parts))
+    shown = [rest] if label == "model" else [label, rest]
+    return ", ".join(part for part in (locate(path), *shown) if part)

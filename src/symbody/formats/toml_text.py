@@ -1,0 +1,147 @@
+"""Tables to TOML text, on top of an existing text whose comments and order are kept."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from decimal import Decimal
+from typing import Any, Final, cast
+
+import tomlkit
+from tomlkit.items import AoT, Array, Float, InlineTable, Item, Table, Trivia
+
+from symbody.expr.formula import Formula
+from symbody.formats.entries import Node
+
+# Keys whose value is a table under a header of its own; other tables stand in the line of their key.
+_HEADED: Final = frozenset({"frames", "ground", "initial", "layout", "parameters"})
+_INTEGER: Final = re.compile(r"0|-?[1-9][0-9]*")
+_DECIMAL: Final = re.compile(r"-?(0|[1-9][0-9]*)\.[0-9]+")
+
+Tree = Mapping[str, Node]
+
+
+def write_toml(content: Tree, onto: str = "", before: Tree | None = None) -> str:
+    """Return the TOML text of `content`.
+
+    Parameters
+    ----------
+    onto : str
+        Legal TOML text to be changed as little as possible.
+    before : mapping, optional
+        What `onto` says, in the form of `content`; what equals it is not touched.
+    """
+    document = tomlkit.parse(onto)
+    _merge(document, before or {}, content)
+    return tomlkit.dumps(document)
+
+
+def write_layout(text: str, layout: Mapping[str, Any]) -> str:
+    """Return a model file's text with another ``[layout]``; an empty one is left out.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the layout holds something that TOML cannot say.
+    """
+    document = tomlkit.parse(text)
+    document.pop("layout", None)
+    if layout:
+        document["layout"] = tomlkit.item(dict(layout))
+    return tomlkit.dumps(document)
+
+
+def _merge(table: Any, before: Tree, after: Tree) -> None:
+    """Change a table of the document where `after` differs from `before`."""
+    for key in before:
+        if key not in after and key in table:
+            del table[key]
+    for key, node in after.items():
+        old = before.get(key)
+        if old == node:
+            continue
+        present = table.get(key)
+        if isinstance(node, dict) and isinstance(old, dict) and isinstance(present, Table | InlineTable):
+            _merge(present, old, node)
+        elif isinstance(present, AoT) and isinstance(node, list) and isinstance(old, list):
+            if not _merge_entries(present, old, node):
+                table[key] = _item(key, node)
+        else:
+            table[key] = _item(key, node)
+
+
+def _merge_entries(entries: AoT, before: list[Node], after: list[Node]) -> bool:
+    """Change the tables of one kind of element; return False if that is beyond small changes."""
+    olds = [cast("Tree", node) for node in before]
+    news = [cast("Tree", node) for node in after]
+    if len(olds) != len(entries):
+        return False
+    names = [node["name"] for node in news]
+    kept = [k for k, node in enumerate(olds) if node["name"] in names]
+    if [olds[k]["name"] for k in kept] != names[: len(kept)]:
+        if len(olds) != len(news):
+            return False
+        kept = list(range(len(olds)))  # renamed in place
+    for k in reversed(range(len(olds))):
+        if k not in kept:
+            del entries[k]
+    for entry, k, node in zip(entries, kept, news, strict=False):
+        _merge(entry, olds[k], node)
+    for node in news[len(kept) :]:
+        entries.append(_table(node))
+    return True
+
+
+def _item(key: str, node: Node) -> Item:
+    """Return a value as tomlkit holds it."""
+    if isinstance(node, dict):
+        return _table(node) if key in _HEADED else _inline(node)
+    if isinstance(node, list):
+        if node and all(isinstance(entry, dict) and "name" in entry for entry in node):
+            tables = tomlkit.aot()
+            for entry in node:
+                tables.append(_table(cast("Tree", entry)))
+            return tables
+        return _array(node)
+    return _scalar(node)
+
+
+def _table(content: Tree) -> Table:
+    # A table of tables only needs no header: [body.frames.tip] says it all.
+    table = tomlkit.table(is_super_table=set(content) == {"frames"})
+    for key, node in content.items():
+        table.append(key, _item(key, node))
+    return table
+
+
+def _inline(content: Tree) -> InlineTable:
+    table = tomlkit.inline_table()
+    for key, node in content.items():
+        table.append(key, _item(key, node))
+    return table
+
+
+def _array(nodes: list[Node]) -> Array:
+    """Return a list: of numbers if all are, else of texts, as readers expect lists to be."""
+    array = tomlkit.array()
+    numbers = [_number(node) for node in nodes if isinstance(node, Formula)]
+    as_text = any(number is None for number in numbers)
+    for node in nodes:
+        plain = isinstance(node, Formula) and as_text
+        array.append(tomlkit.string(node.text) if plain and isinstance(node, Formula) else _item("", node))
+    return array
+
+
+def _scalar(node: Formula | str | bool) -> Item:
+    if isinstance(node, Formula):
+        return _number(node) or tomlkit.string(node.text)
+    return tomlkit.item(node)
+
+
+def _number(formula: Formula) -> Item | None:
+    """Return a formula as TOML number if it is one and is read back with the same text."""
+    if _INTEGER.fullmatch(formula.text):
+        return tomlkit.item(int(formula.text))
+    if _DECIMAL.fullmatch(formula.text) and str(Decimal(formula.text)) == formula.text:
+        return Float(float(formula.text), Trivia(), formula.text)
+    return None

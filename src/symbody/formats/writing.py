@@ -1,0 +1,102 @@
+"""Text to a file so that neither a crash nor a full disk can cost the old content."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import shutil
+import tempfile
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from symbody.errors import FormatError, Problem
+
+_CURES: Final = MappingProxyType(
+    {
+        errno.ENOSPC: "free some space, or choose another disk",
+        errno.EDQUOT: "free some space, or choose another disk",
+        errno.EROFS: "choose a place that can be written to",
+        errno.EACCES: "choose a place that can be written to, or change the permissions",
+        errno.EPERM: "choose a place that can be written to, or change the permissions",
+        errno.ENOENT: "make the directory first, or check the path",
+        errno.ENOTDIR: "check the path: a part of it is a file",
+        errno.EISDIR: "name a file, not a directory",
+        errno.ELOOP: "mend the symbolic links",
+    }
+)
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write UTF-8 text in one step: afterwards the file holds all of it, or is as it was.
+
+    The content before is kept beside it with ``.bak`` appended; a symbolic link stays one.
+
+    Raises
+    ------
+    FormatError
+        If it cannot be written.
+    """
+    where = os.fsdecode(path)
+    try:
+        target = Path(os.path.realpath(where))
+        content = text.encode("utf-8")
+        if target.is_dir():
+            raise IsADirectoryError(errno.EISDIR, "it is a directory")
+        if target.is_file():
+            if target.read_bytes() == content:
+                return
+            _replace(Path(f"{target}.bak"), target.read_bytes(), like=target)
+        _replace(target, content, like=target)
+    except (OSError, ValueError) as error:
+        raise FormatError(_unwritable(where, error)) from error
+
+
+def _replace(target: Path, content: bytes, like: Path) -> None:
+    """Put `content` in the place of `target`, with the permissions of the file `like`."""
+    descriptor, name = tempfile.mkstemp(prefix=f".{target.name[:100]}.", dir=target.parent)
+    try:
+        with open(descriptor, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(descriptor)
+        if like.exists():
+            shutil.copymode(like, name)
+        else:
+            os.chmod(name, 0o666 & ~_umask())
+        os.replace(name, target)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.unlink(name)
+        raise
+    _settle(target.parent)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def _settle(folder: Path) -> None:
+    """Make a renaming in `folder` outlast a power failure, where the system offers it."""
+    with contextlib.suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+
+
+def _unwritable(where: str, error: OSError | ValueError) -> Problem:
+    number = error.errno if isinstance(error, OSError) else None
+    reason = error.strerror if isinstance(error, OSError) else None
+    cure = _CURES.get(number, "check the path") if number is not None else "check the path"
+    return Problem(
+        "file.not_saved",
+        where,
+        f"the file cannot be saved: {reason or error}",
+        "the file that was there, if any, is unchanged",
+        cure,
+    )

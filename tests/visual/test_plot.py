@@ -1,0 +1,192 @@
+"""What a plot draws and says, without a screen."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pytest
+from matplotlib import pyplot
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from numpy.typing import NDArray
+
+from symbody.errors import EnvironmentFault, UsageError
+from symbody.simulation.trajectory import Trajectory
+from symbody.visual.plot import SMOOTH, plot, save_plot
+from tests.simulation.right_hand_sides import oscillator, run
+
+Floats = NDArray[np.float64]
+
+
+def outputs(name: str, t: Floats, q: Floats, u: Floats) -> Floats:
+    known = {"v_dot": -q[0], "frame r": np.array([q[0], u[0], 0.0 * t]), "pair": np.array([t, -t])}
+    if name not in known:
+        raise UsageError()
+    return known[name]
+
+
+def swing(**changes: Any) -> Trajectory:
+    raw = run(oscillator, 1, 1, [0.0, 1.0], (0.0, 6.0))
+    parts: dict[str, Any] = {
+        "coordinate_names": ("x",),
+        "speed_names": ("v",),
+        "status": raw.status,
+        "statistics": raw.statistics,
+        "evaluate": outputs,
+        "dense_output": raw.dense_output,
+        "units": {"x": "m", "v": "m/s", "frame r": "m"},
+    }
+    return Trajectory(raw.t, raw.x[1:], raw.x[:1], **{**parts, **changes})
+
+
+def data(ax: Axes, line: int = 0) -> Floats:
+    return np.asarray(ax.lines[line].get_data(), dtype=np.float64)
+
+
+def legend(ax: Axes) -> list[str]:
+    found = ax.get_legend()
+    return [] if found is None else [text.get_text() for text in found.get_texts()]
+
+
+def test_one_curve_names_its_axis_and_needs_no_legend() -> None:
+    ax = plot(swing(), "x", title="A swing")
+    assert (ax.get_xlabel(), ax.get_ylabel(), ax.get_title()) == ("time [s]", "x [m]", "A swing")
+    assert legend(ax) == []
+    t, x = data(ax)
+    assert (t[0], t[-1]) == (0.0, 6.0)
+    assert ax.get_xlim() == (0.0, 6.0)
+    # closed form; local errors of 1e-8 over some tens of steps
+    np.testing.assert_allclose(x, np.cos(t), rtol=0.0, atol=30.0 * 1e-8)
+
+
+def test_curves_are_smooth_however_long_the_steps() -> None:
+    motion = swing()
+    assert motion.t.size < 50
+    assert data(plot(motion, "x")).shape[1] >= SMOOTH
+    assert set(motion.t) <= set(data(plot(motion, "x"))[0])
+    bare = swing(dense_output=None)
+    np.testing.assert_array_equal(data(plot(bare, "x")), [bare.t, bare["x"]])
+
+
+def test_stored_arrays_are_drawn_at_the_samples() -> None:
+    motion = swing()
+    kept = swing(stored={"F": 3.0 * motion.t})
+    np.testing.assert_array_equal(data(plot(kept, "F")), [kept.t, 3.0 * kept.t])
+    ax = plot(kept, "x", "F")
+    np.testing.assert_array_equal(data(ax, 0)[0], data(ax, 1)[0])
+
+
+def test_no_expression_means_all_coordinates() -> None:
+    assert plot(swing()).get_ylabel() == "x [m]"
+
+
+def test_several_curves_have_a_legend_and_different_colours() -> None:
+    ax = plot(swing(), "x", "v", "v_dot")
+    assert legend(ax) == ["x [m]", "v [m/s]", "v_dot"]
+    assert ax.get_ylabel() == ""
+    assert len({line.get_color() for line in ax.lines}) == 3
+
+
+def test_a_vector_makes_three_curves_with_one_axis() -> None:
+    ax = plot(swing(), "frame r")
+    assert legend(ax) == ["frame r x [m]", "frame r y [m]", "frame r z [m]"]
+    assert ax.get_ylabel() == "length [m]"
+    assert plot(swing(), "pair").get_ylabel() == ""
+
+
+def test_more_curves_than_colours_differ_in_their_dashes() -> None:
+    ax = plot(swing(), *["x", "v", "v_dot", "frame r", "pair", "t"])
+    assert len({(line.get_color(), line.get_linestyle()) for line in ax.lines}) == len(ax.lines) == 9
+
+
+def test_labels_replace_names_and_must_fit() -> None:
+    ax = plot(swing(), "x", "v", labels=["place", "price in $ or $"])
+    assert legend(ax) == ["place [m]", r"price in \$ or \$ [m/s]"]
+    for labels in (["one"], "xv"):
+        with pytest.raises(UsageError, match="2 curves need 2 labels, not .*\n.*labels for x, v"):
+            plot(swing(), "x", "v", labels=labels)
+
+
+def test_a_second_plot_joins_the_first() -> None:
+    ax = plot(swing(), "x", labels=["first"])
+    assert plot(swing(), "x", ax=ax, labels=["second"]) is ax
+    assert legend(ax) == ["first [m]", "second [m]"]
+    assert ax.get_ylabel() == "length [m]"
+    plot(swing(), "v", ax=ax)
+    assert ax.get_ylabel() == ""
+
+
+def test_a_path_marks_its_start_and_keeps_its_shape() -> None:
+    ax = plot(swing(), "v", x="x", equal=True)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x [m]", "v [m/s]")
+    assert ax.get_aspect() == 1.0
+    x, v = data(ax)
+    np.testing.assert_allclose(x**2 + v**2, 1.0, rtol=0.0, atol=60.0 * 1e-8)
+    assert data(ax, 1).ravel().tolist() == [1.0, 0.0]
+    assert legend(ax) == []
+
+
+def test_names_that_do_not_exist_are_errors_and_leave_the_axes_alone() -> None:
+    ax = plot(swing(evaluate=None), "x")
+    with pytest.raises(UsageError, match="did you mean 'x'"):
+        plot(swing(evaluate=None), "v", "xx", ax=ax)
+    with pytest.raises(UsageError, match="did you mean 'x'"):
+        plot(swing(evaluate=None), "v", x="xx", ax=ax)
+    with pytest.raises(UsageError, match=r"'frame r' has 3 components\n.*'frame r x', 'frame r y'"):
+        plot(swing(), "v", x="frame r", ax=ax)
+    assert len(ax.lines) == 1
+
+
+def test_a_single_sample_is_visible() -> None:
+    ax = plot(swing().at(2.0), "x")
+    assert data(ax).shape == (2, 1)
+    assert ax.lines[0].get_marker() == "o"
+
+
+def test_no_window_and_no_global_figure(tmp_path: Path) -> None:
+    before = pyplot.get_fignums()
+    ax = plot(swing(), "x")
+    assert isinstance(ax.figure, Figure)
+    assert pyplot.get_fignums() == before
+    assert matplotlib.get_backend().lower() == "agg"
+    script = "import sys, symbody.visual.plot; print('matplotlib.pyplot' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120)
+    assert (done.stdout, done.stderr) == ("False\n", "")
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_pictures_are_written(suffix: str, tmp_path: Path) -> None:
+    path = tmp_path / f"swing.{suffix}"
+    save_plot(plot(swing(), "x", "v"), path)
+    starts = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
+    assert path.read_bytes().startswith(starts[suffix])
+
+
+def test_nothing_is_cut_off(tmp_path: Path) -> None:
+    figure, given = pyplot.subplots()
+    own = plot(swing(), "x", "frame r", "pair", title="The title of a plot")
+    for name, ax in (("own", own), ("given", plot(swing(), "x", "v", "pair", ax=given, title="The title"))):
+        path = tmp_path / f"{name}.png"
+        save_plot(ax, path)
+        picture = imread(path)
+        # a frame of two points around everything is blank
+        edges = [picture[:2], picture[-2:], picture[:, :2], picture[:, -2:]]
+        assert all((edge == 1.0).all() for edge in edges)
+        assert picture.min() < 0.5
+    pyplot.close(figure)
+
+
+def test_files_that_cannot_be_written_are_told(tmp_path: Path) -> None:
+    ax = plot(swing(), "x")
+    with pytest.raises(UsageError, match="'bmp9' is no picture format\n.*png"):
+        save_plot(ax, tmp_path / "swing.bmp9")
+    with pytest.raises(UsageError, match="the name has no suffix"):
+        save_plot(ax, tmp_path / "swing")
+    with pytest.raises(EnvironmentFault, match="No such file or directory"):
+        save_plot(ax, tmp_path / "missing" / "swing.png")
