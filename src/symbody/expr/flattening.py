@@ -45,7 +45,9 @@ def linear_terms(
     return _collected(node, parts)
 
 
-def power_factors(graph: Graph, node: int, keep: Collection[int] = ()) -> tuple[dict[int, int], dict[int, int]]:
+def power_factors(
+    graph: Graph, node: int, keep: Collection[int] = ()
+) -> tuple[dict[int, int], dict[int, int]]:
     """Return the factors of a product, and those of its divisor, each with its exponent >= 1.
 
     Parameters
@@ -66,6 +68,22 @@ def power_factors(graph: Graph, node: int, keep: Collection[int] = ()) -> tuple[
 
     found = {item: int(exponent) for item, exponent in _collected(2 * node, parts).items()}
     return _half(found, 0), _half(found, 1)
+
+
+def nested_operands(graph: Graph, node: int, keep: Collection[int] = ()) -> list[int]:
+    """Return the operands of nested minima, maxima or connectives of one kind, each once, by structure."""
+    code = graph.ops[node]
+    seen: set[int] = set()
+    found: set[int] = set()
+    stack = [node]
+    while stack:
+        item = stack.pop()
+        if graph.ops[item] != code or (item in keep and item != node):
+            found.add(item)
+        elif item not in seen:
+            seen.add(item)
+            stack.extend(graph.operands(item))
+    return sorted(found, key=graph.hashes.__getitem__)
 
 
 def _half(found: Mapping[int, int], below: int) -> dict[int, int]:

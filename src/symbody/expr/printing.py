@@ -37,11 +37,14 @@ NotationFor: TypeAlias = Callable[[Mapping[int, str]], Notation]
 class Brackets(NamedTuple):
     """What is put around a piece that binds too weakly."""
 
-    opening: str = "("
-    closing: str = ")"
+    opening: str
+    closing: str
 
 
-def printed(graph: Graph, node: int, notation: NotationFor, brackets: Brackets = Brackets()) -> str:
+ROUND: Final = Brackets("(", ")")
+
+
+def printed(graph: Graph, node: int, notation: NotationFor, brackets: Brackets = ROUND) -> str:
     """Return a node written out.
 
     Raises
@@ -67,7 +70,7 @@ def printed_with_definitions(
     notation: NotationFor,
     limit: int,
     write_name: Callable[[str], str] = str,
-    brackets: Brackets = Brackets(),
+    brackets: Brackets = ROUND,
 ) -> tuple[list[str], list[tuple[str, str]]]:
     """Return nodes with shared parts named where one of them would exceed `limit` operations.
 

@@ -2,73 +2,107 @@
 
 Coordinates, speeds, inputs and multipliers are ``dynamicsymbols`` and their time derivatives, so results
 paste into scripts of sympy.physics.mechanics; parameters are plain symbols without assumptions. Names are
-only names: a parameter called ``I`` is ``Symbol("I")``, never the imaginary unit.
+only names: a parameter called ``I`` is ``Symbol("I")``, never the imaginary unit. Functions of the user
+are undefined functions of their name; an entry k of ``solve_saddle`` is ``solve_saddle_n_m(k, M, J, F,
+gamma)``, all matrices row by row.
 
-SymPy flattens sums and products, so going out and coming back gives the same function, not always
-the same node; coming in and going out gives the same SymPy object.
+SymPy flattens, sorts and evaluates as it builds, so going out and coming in again gives the same function,
+not always the same node; doing both once more gives the same node. Coming in and going out gives the
+same SymPy object, but for what the graph writes otherwise: ``a > b`` as ``b < a`` (``0 < a`` as ``a > 0``),
+``sec, csc, cot, sech, csch, coth, ceiling, frac, Mod, Heaviside`` by other functions, whole rounded exponents
+as integers, rounded numbers in double precision.
+
+SymPy's rules look deep into their operands, recursively and for hyperbolic functions in exponential time.
+They are left on for operands of small height; higher ones are put together as they are.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from fractions import Fraction
-from functools import reduce
-from typing import Final, TypeAlias
+from functools import partial
+from typing import Final, NamedTuple, TypeAlias
 
 import sympy as sp
-from sympy.core.function import AppliedUndef
+from sympy.functions.elementary.piecewise import ExprCondPair
 from sympy.physics.vector import dynamicsymbols
 
 from symbody.errors import ExpressionError, Problem
 from symbody.expr import opcodes as op
-from symbody.expr.canonical import add, apply, constant, make, mul, neg, power, select
-from symbody.expr.graph import TIME, Graph, Kind, Symbol
+from symbody.expr.definitions import EXPAND_LIMIT, definitions
+from symbody.expr.flattening import SUMS, linear_terms, nested_operands, power_factors
+from symbody.expr.graph import Exact, Graph, Kind, Symbol
+from symbody.expr.rewrite import symbols_of
+from symbody.expr.sympy_reader import KERNEL_NAME, Lookup, from_sympy, nodes_from_sympy
+
+__all__ = [
+    "Lookup", "SympyEquation", "SympyExpr", "SympyMatrix", "from_sympy", "nodes_from_sympy",
+    "symbol_to_sympy", "sympy_equations", "sympy_matrix", "to_sympy", "to_sympy_with_definitions",
+]  # fmt: skip
 
 SympyExpr: TypeAlias = sp.Expr
 SympyEquation: TypeAlias = sp.Eq
 SympyMatrix: TypeAlias = sp.Matrix
 
-Lookup = Callable[[str, bool], Symbol]
-_OutRule = Callable[..., SympyExpr]
+# Heights up to which SymPy's rules stay on. At these it takes at most some milliseconds an operation,
+# and a nest of 5,000 sines or roots, built without its rules, takes under a second.
+_FUNCTION_HEIGHT: Final = 4
+_HEIGHT: Final = 30
+# What SymPy looks into most eagerly counts for several levels.
+_STEEP: Final = frozenset({op.SINH, op.COSH, op.TANH, op.SQRT, op.POW})
 
-_OUT: Final[Mapping[int, _OutRule]] = {
-    op.NEG: lambda a: -a,
-    op.ADD: lambda a, b: a + b,
-    op.SUB: lambda a, b: a - b,
-    op.MUL: lambda a, b: a * b,
-    op.DIV: lambda a, b: a / b,
-    op.POW: lambda a, b: a**b,
+_FUNCTIONS: Final[Mapping[int, type]] = {
     op.SIN: sp.sin, op.COS: sp.cos, op.TAN: sp.tan, op.ASIN: sp.asin, op.ACOS: sp.acos, op.ATAN: sp.atan,
-    op.SINH: sp.sinh, op.COSH: sp.cosh, op.TANH: sp.tanh, op.EXP: sp.exp, op.LOG: sp.log, op.SQRT: sp.sqrt,
-    op.ABS: sp.Abs, op.SIGN: sp.sign, op.FLOOR: sp.floor, op.ATAN2: sp.atan2, op.MIN: sp.Min, op.MAX: sp.Max,
-    op.LT: sp.StrictLessThan, op.LE: sp.LessThan, op.EQ: sp.Eq, op.AND: sp.And, op.OR: sp.Or, op.NOT: sp.Not,
-    op.SELECT: lambda c, a, b: sp.Piecewise((a, c), (b, True)),
-    op.FMA: lambda a, b, c: a * b + c,
+    op.SINH: sp.sinh, op.COSH: sp.cosh, op.TANH: sp.tanh, op.EXP: sp.exp, op.LOG: sp.log, op.ABS: sp.Abs,
+    op.SIGN: sp.sign, op.FLOOR: sp.floor, op.ATAN2: sp.atan2,
+}  # fmt: skip
+_LATTICES: Final[Mapping[int, type]] = {op.MIN: sp.Min, op.MAX: sp.Max, op.AND: sp.And, op.OR: sp.Or}
+# A comparison, the same with its sides exchanged, and both for its opposite.
+_COMPARISONS: Final[Mapping[int, tuple[type, ...]]] = {
+    op.LT: (sp.StrictLessThan, sp.StrictGreaterThan, sp.GreaterThan, sp.LessThan),
+    op.LE: (sp.LessThan, sp.GreaterThan, sp.StrictGreaterThan, sp.StrictLessThan),
+    op.EQ: (sp.Eq, sp.Eq, sp.Ne, sp.Ne),
 }  # fmt: skip
 
-_UNARY_IN: Final[Mapping[type, int]] = {
-    sp.sin: op.SIN, sp.cos: op.COS, sp.tan: op.TAN, sp.asin: op.ASIN, sp.acos: op.ACOS, sp.atan: op.ATAN,
-    sp.sinh: op.SINH, sp.cosh: op.COSH, sp.tanh: op.TANH, sp.exp: op.EXP, sp.log: op.LOG, sp.Abs: op.ABS,
-    sp.sign: op.SIGN, sp.floor: op.FLOOR, sp.atan2: op.ATAN2, sp.Not: op.NOT, sp.Eq: op.EQ,
-    sp.StrictLessThan: op.LT, sp.LessThan: op.LE,
-}  # fmt: skip
 
-# SymPy flattens these; they come back as left folds.
-_FOLDED_IN: Final[Mapping[type, int]] = {sp.Min: op.MIN, sp.Max: op.MAX, sp.And: op.AND, sp.Or: op.OR}
-_RECIPROCALS: Final[Mapping[type, int]] = {sp.sec: op.COS, sp.csc: op.SIN, sp.cot: op.TAN}
+class _Plan(NamedTuple):
+    """How a node is put together: its operands, and what takes them and whether rules are on."""
+
+    operands: Sequence[int]
+    build: Callable[[Sequence[sp.Basic], bool], sp.Basic]
+    limit: int = _HEIGHT
+    step: int = 1
 
 
 def to_sympy(graph: Graph, nodes: Iterable[int]) -> list[SympyExpr]:
-    """Return nodes as SymPy expressions; shared nodes become shared objects."""
+    """Return nodes as SymPy expressions written out; shared nodes become shared objects.
+
+    Raises
+    ------
+    ExpressionError
+        If SymPy could not tell two symbols in them apart.
+    """
     wanted = list(nodes)
-    known: dict[int, SympyExpr] = {}
-    for node in graph.reachable(wanted):
-        code = graph.ops[node]
-        if code in op.LEAVES:
-            known[node] = _leaf(graph, node)
-        else:
-            known[node] = _out_rule(graph, node)(*(known[k] for k in graph.operands(node)))
-    return [known[node] for node in wanted]
+    writer = _Writer(graph, {})
+    writer.check_names(wanted)
+    return [writer.expression(node) for node in wanted]
+
+
+def to_sympy_with_definitions(
+    graph: Graph, nodes: Sequence[int], limit: int = EXPAND_LIMIT
+) -> tuple[list[SympyExpr], list[tuple[SympyExpr, SympyExpr]]]:
+    """Return nodes with shared parts as symbols z1, z2, ... if one exceeds `limit` operations.
+
+    Returns
+    -------
+    (expressions, definitions)
+        Definitions are pairs of symbol and expression, each using earlier symbols only; all together are
+        as long as the graph, however often its parts are shared.
+    """
+    named = {node: sp.Symbol(name) for node, name in definitions(graph, nodes, limit).items()}
+    writer = _Writer(graph, named)
+    writer.check_names(nodes)
+    defined = [(symbol, writer.definition(node)) for node, symbol in named.items()]
+    return [writer.expression(node) for node in nodes], defined
 
 
 def sympy_matrix(graph: Graph, rows: int, columns: int, nodes: Sequence[int]) -> SympyMatrix:
@@ -82,43 +116,6 @@ def sympy_equations(graph: Graph, left: Sequence[int], right: Sequence[int]) -> 
     return [sp.Eq(a, b, evaluate=False) for a, b in zip(sides[: len(left)], sides[len(left) :], strict=True)]
 
 
-def from_sympy(expression: object, graph: Graph, lookup: Lookup | None = None) -> int:
-    """Return the node of a SymPy expression.
-
-    Parameters
-    ----------
-    lookup : callable
-        ``lookup(name, is_function_of_time)`` returns the symbol a name stands for. By default functions
-        of time are coordinates and plain symbols parameters.
-
-    Raises
-    ------
-    ExpressionError
-        For objects that are not real scalar expressions, naming them, and for two symbols of one name
-        that differ in their assumptions.
-    """
-    root = _accepted(expression)
-    order = _bottom_up(root)
-    _refuse_twins(order)
-    symbols = _default_lookup if lookup is None else lookup
-    known: dict[sp.Basic, int] = {}
-    for item in order:
-        known[item] = _in_rule(graph, item, known, symbols)
-    return known[root]
-
-
-def _leaf(graph: Graph, node: int) -> SympyExpr:
-    value = graph.number(node)
-    if isinstance(value, float):
-        return sp.Float(value)
-    if value is not None:
-        exact = Fraction(value)
-        return sp.Rational(exact.numerator, exact.denominator)
-    if graph.ops[node] == op.PI:
-        return sp.pi
-    return symbol_to_sympy(graph.symbols[graph.left[node]])
-
-
 def symbol_to_sympy(symbol: Symbol) -> SympyExpr:
     """Return a symbol as SymPy writes it: a function of time, its derivative, or a plain symbol."""
     t = dynamicsymbols._t
@@ -130,154 +127,195 @@ def symbol_to_sympy(symbol: Symbol) -> SympyExpr:
     return sp.Derivative(function, (t, symbol.order)) if symbol.order else function
 
 
-def _out_rule(graph: Graph, node: int) -> _OutRule:
-    code = graph.ops[node]
-    rule = _OUT.get(code)
-    if rule is not None:
-        return rule
-    if code == op.CALL:
-        return sp.Function(graph.functions[graph.right[node]].name)
-    if code == op.SADDLE:  # no closed form: a tuple that PICK reads from
-        return lambda *operands: sp.Function("solve_saddle")(*operands)
-    entry = graph.right[node]
-    return lambda kernel: sp.Function("entry")(kernel, sp.Integer(entry))
+class _Writer:
+    """Writes nodes of one graph; made for them and dropped."""
+
+    __slots__ = ("_graph", "_known", "_named")
+
+    def __init__(self, graph: Graph, named: Mapping[int, sp.Symbol]) -> None:
+        self._graph = graph
+        self._named = named
+        # Expressions with their heights.
+        self._known: dict[int, tuple[sp.Basic, int]] = {node: (symbol, 0) for node, symbol in named.items()}
+
+    def check_names(self, nodes: Iterable[int]) -> None:
+        owners: dict[SympyExpr, Symbol] = {}
+        for node in symbols_of(self._graph, nodes):
+            symbol = self._graph.symbols[self._graph.left[node]]
+            other = owners.setdefault(symbol_to_sympy(symbol), symbol)
+            if other != symbol:
+                raise ExpressionError(
+                    Problem(
+                        "sympy.one_name", symbol.label,
+                        f"the {other.kind} and the {symbol.kind} '{symbol.label}' are one object to SymPy",
+                        "it knows names, not what they stand for", "rename one of them",
+                    )
+                )  # fmt: skip
+
+    def expression(self, root: int) -> SympyExpr:
+        known = self._known
+        stack: list[tuple[int, _Plan | None]] = [(root, None)]
+        while stack:
+            node, plan = stack.pop()
+            if node in known:
+                continue
+            if plan is None:
+                plan = self._plan(node)
+                stack.append((node, plan))
+                stack.extend((operand, None) for operand in plan.operands if operand not in known)
+            else:
+                known[node] = self._built(plan)
+        return known[root][0]
+
+    def definition(self, node: int) -> SympyExpr:
+        """Return what a named node stands for."""
+        plan = self._plan(node)
+        for operand in plan.operands:
+            self.expression(operand)
+        return self._built(plan)[0]
+
+    def _built(self, plan: _Plan) -> tuple[sp.Basic, int]:
+        parts = [self._known[k] for k in plan.operands]
+        height = max([height for _, height in parts], default=0)
+        result = plan.build([part for part, _ in parts], height <= plan.limit)
+        hash(result)  # kept by SymPy; asked for later, at the top, it would recurse all the way down
+        return result, height + plan.step
+
+    def _plan(self, node: int) -> _Plan:
+        graph = self._graph
+        code, a, b = graph.ops[node], graph.left[node], graph.right[node]
+        if code in op.LEAVES:
+            return _Plan((), partial(_leaf, graph, node))
+        if code in SUMS or (code == op.MUL and graph.ops[a] == op.RATIONAL):
+            return self._sum(node)
+        if code in (op.MUL, op.DIV) or (code == op.POW and isinstance(graph.number(b), int)):
+            return self._product(node)
+        if code in _LATTICES:
+            operands = nested_operands(graph, node, self._named)
+            return _Plan(operands, partial(_lattice, _LATTICES[code]))
+        if code in _COMPARISONS or code == op.NOT:
+            return self._condition(node)
+        return self._choice(node) if code == op.SELECT else self._function(node)
+
+    def _sum(self, node: int) -> _Plan:
+        terms = linear_terms(self._graph, node, self._named, distribute=True)
+        # By structure, so that sums which SymPy does not sort do not depend on when nodes were made.
+        order = sorted(terms, key=self._graph.hashes.__getitem__)
+        return _Plan(order, partial(_total, [terms[term] for term in order]), step=2)
+
+    def _product(self, node: int) -> _Plan:
+        above, below = power_factors(self._graph, node, self._named)
+        order = sorted({**above, **below}, key=self._graph.hashes.__getitem__)
+        exponents = [above.get(factor, 0) - below.get(factor, 0) for factor in order]
+        return _Plan(order, partial(_powers, exponents), step=2)
+
+    def _condition(self, node: int) -> _Plan:
+        graph = self._graph
+        is_negated = graph.ops[node] == op.NOT
+        compared = graph.left[node] if is_negated else node
+        if graph.ops[compared] not in _COMPARISONS:
+            return _Plan((compared,), partial(_applied, sp.Not))
+        a, b = graph.operands(compared)
+        kinds = _COMPARISONS[graph.ops[compared]][2 * is_negated :]
+        if graph.number(a) is not None:  # x > 0 rather than 0 < x
+            return _Plan((b, a), partial(_applied, kinds[1]), limit=-1)
+        return _Plan((a, b), partial(_applied, kinds[0]), limit=-1)
+
+    def _choice(self, node: int) -> _Plan:
+        graph = self._graph
+        parts: list[int] = []
+        rest = node
+        while graph.ops[rest] == op.SELECT and (rest == node or rest not in self._named):
+            condition, then, rest = graph.operands(rest)
+            parts += [then, condition]
+        return _Plan((*parts, rest), _piecewise)
+
+    def _function(self, node: int) -> _Plan:
+        graph = self._graph
+        code, operands = graph.ops[node], graph.operands(node)
+        step = 3 if code in _STEEP else 1
+        if code == op.POW:
+            return _Plan(operands, partial(_applied, sp.Pow), step=step)
+        if code == op.SQRT:
+            return _Plan(operands, _root, step=step)
+        if code in _FUNCTIONS:
+            return _Plan(operands, partial(_applied, _FUNCTIONS[code]), _FUNCTION_HEIGHT, step)
+        if code == op.FMA:
+            return _Plan(operands, _fused, step=2)
+        if code == op.CALL:
+            function = sp.Function(graph.functions[graph.right[node]].name)
+            return _Plan(operands, partial(_applied, function), limit=-1)
+        solved, entry = operands[0], graph.right[node]
+        kernel = graph.kernels[graph.right[solved]]
+        function = sp.Function(KERNEL_NAME.format(n=kernel.n, m=kernel.m))
+        return _Plan(graph.operands(solved), partial(_entry, function, entry))
 
 
-def _accepted(expression: object) -> sp.Basic:
-    if isinstance(expression, bool) or not isinstance(expression, int | float | Fraction | sp.Basic):
-        raise _refused(expression)
-    if isinstance(expression, Fraction):
-        return sp.Rational(expression.numerator, expression.denominator)
-    if isinstance(expression, int):
-        return sp.Integer(expression)
-    return sp.Float(expression) if isinstance(expression, float) else expression
+def _leaf(graph: Graph, node: int, parts: Sequence[sp.Basic], rules: bool) -> SympyExpr:
+    value = graph.number(node)
+    if isinstance(value, float):
+        return sp.Float(value)
+    if value is not None:
+        return _rational(value)
+    if graph.ops[node] == op.PI:
+        return sp.pi
+    return symbol_to_sympy(graph.symbols[graph.left[node]])
 
 
-def _bottom_up(root: sp.Basic) -> list[sp.Basic]:
-    """Return all distinct subexpressions, arguments first, without recursion."""
-    order: list[sp.Basic] = []
-    seen: set[sp.Basic] = set()
-    stack = [(root, False)]
-    while stack:
-        item, expanded = stack.pop()
-        if expanded:
-            order.append(item)
-        elif item not in seen:
-            seen.add(item)
-            stack.append((item, True))
-            if not isinstance(item, AppliedUndef | sp.Derivative):
-                stack.extend((argument, False) for argument in item.args)
-    return order
+def _rational(value: Exact) -> SympyExpr:
+    return sp.Rational(value.numerator, value.denominator)
 
 
-def _in_rule(graph: Graph, item: sp.Basic, known: Mapping[sp.Basic, int], symbols: Lookup) -> int:
-    if isinstance(item, sp.Number | sp.NumberSymbol):
-        return _number(graph, item)
-    if item in (sp.true, sp.false):
-        return constant(graph, int(bool(item)))
-    if isinstance(item, sp.Symbol | AppliedUndef | sp.Derivative):
-        return graph.symbol(_symbol(item, symbols))
-    operands = [known[argument] for argument in item.args]
-    kind = type(item)
-    if kind in (sp.Add, sp.Mul):
-        # SymPy's order depends on names; ordering by structure does not.
-        operands.sort(key=graph.hashes.__getitem__)
-        rule = add if kind is sp.Add else mul
-        return reduce(lambda a, b: rule(graph, a, b), operands)
-    if kind in _UNARY_IN:
-        return apply(graph, _UNARY_IN[kind], *operands)
-    return _other(graph, item, operands, known)
+def _applied(kind: Callable[..., sp.Basic], parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
+    return kind(*parts, evaluate=rules)
 
 
-def _other(graph: Graph, item: sp.Basic, operands: list[int], known: Mapping[sp.Basic, int]) -> int:
-    kind = type(item)
-    if kind is sp.Pow:
-        return power(graph, *operands)
-    if kind in _FOLDED_IN:
-        code = _FOLDED_IN[kind]
-        operands.sort(key=graph.hashes.__getitem__)
-        return reduce(lambda a, b: apply(graph, code, a, b), operands)
-    if kind in (sp.StrictGreaterThan, sp.GreaterThan):
-        code = op.LT if kind is sp.StrictGreaterThan else op.LE
-        return apply(graph, code, operands[1], operands[0])
-    if kind is sp.Ne:
-        return apply(graph, op.NOT, apply(graph, op.EQ, *operands))
-    if kind in _RECIPROCALS:
-        return make(graph, op.DIV, (constant(graph, 1), apply(graph, _RECIPROCALS[kind], *operands)))
-    if kind is sp.Mod:
-        a, b = operands
-        whole = apply(graph, op.FLOOR, make(graph, op.DIV, (a, b)))
-        return add(graph, a, neg(graph, mul(graph, b, whole)))
-    if isinstance(item, sp.functions.elementary.piecewise.ExprCondPair):
-        return operands[0]
-    if isinstance(item, sp.Piecewise):
-        return _piecewise(graph, item, known)
-    raise _refused(item)
+def _root(parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
+    return sp.Pow(parts[0], sp.S.Half, evaluate=rules)
 
 
-def _piecewise(graph: Graph, item: sp.Piecewise, known: Mapping[sp.Basic, int]) -> int:
-    values = [known[pair.args[0]] for pair in item.args]
-    conditions = [known[pair.args[1]] for pair in item.args]
-    if graph.number(conditions[-1]) != 1:
-        raise ExpressionError(
-            Problem("sympy.open_piecewise", str(item), "a Piecewise has no branch for the remaining cases",
-                    "a value is needed everywhere", "end it with (value, True)")
-        )  # fmt: skip
-    result = values[-1]
-    for condition, value in zip(reversed(conditions[:-1]), reversed(values[:-1]), strict=True):
-        result = select(graph, condition, value, result)
+def _total(factors: Sequence[Exact], parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
+    terms = [
+        part if factor == 1 else sp.Mul(_rational(factor), part, evaluate=rules)
+        for factor, part in zip(factors, parts, strict=True)
+    ]
+    return terms[0] if len(terms) == 1 else sp.Add(*terms, evaluate=rules)
+
+
+def _powers(exponents: Sequence[int], parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
+    factors = [
+        part if exponent == 1 else sp.Pow(part, sp.Integer(exponent), evaluate=rules)
+        for exponent, part in zip(exponents, parts, strict=True)
+        if exponent
+    ]
+    return factors[0] if len(factors) == 1 else sp.Mul(*factors, evaluate=rules)
+
+
+def _fused(parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
+    a, b, c = parts
+    return sp.Add(sp.Mul(a, b, evaluate=rules), c, evaluate=rules)
+
+
+def _entry(function: Callable[..., sp.Basic], entry: int, parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
+    return function(sp.Integer(entry), *parts, evaluate=False)
+
+
+def _lattice(kind: type, parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
+    if rules:
+        return kind(*parts, evaluate=False) if kind in (sp.Min, sp.Max) else kind(*parts)
+    # The constructors sort their operands recursively, evaluate=False or not.
+    result = sp.Basic.__new__(kind, *parts)
+    result._argset = frozenset(parts)
     return result
 
 
-def _number(graph: Graph, item: sp.Basic) -> int:
-    if item is sp.pi:
-        return graph.pi()
-    if item is sp.E:
-        return apply(graph, op.EXP, constant(graph, 1))
-    if isinstance(item, sp.Rational) and item.is_finite:
-        return constant(graph, Fraction(int(item.p), int(item.q)))
-    if isinstance(item, sp.Float) and item.is_finite:
-        return constant(graph, float(item))
-    raise _refused(item)
-
-
-def _symbol(item: sp.Basic, symbols: Lookup) -> Symbol:
-    if item == dynamicsymbols._t:
-        return TIME
-    if isinstance(item, sp.Symbol):
-        return symbols(item.name, False)
-    order = 0
-    function = item
-    if isinstance(item, sp.Derivative):
-        function = item.expr
-        order = sum(int(count) for _, count in item.variable_count)
-        if any(variable != dynamicsymbols._t for variable, _ in item.variable_count):
-            raise _refused(item)
-    if not isinstance(function, AppliedUndef) or function.args != (dynamicsymbols._t,):
-        raise _refused(item)
-    symbol = symbols(function.func.__name__, True)
-    return Symbol(symbol.name, symbol.kind, symbol.order + order)
-
-
-def _default_lookup(name: str, of_time: bool) -> Symbol:
-    return Symbol(name, Kind.COORDINATE if of_time else Kind.PARAMETER)
-
-
-def _refuse_twins(order: Iterable[sp.Basic]) -> None:
-    seen: dict[str, sp.Symbol] = {}
-    for item in order:
-        if isinstance(item, sp.Symbol) and seen.setdefault(item.name, item) != item:
-            raise ExpressionError(
-                Problem("sympy.assumptions", item.name,
-                        f"two symbols are called {item.name!r} but differ in their assumptions",
-                        f"{item.assumptions0} and {seen[item.name].assumptions0}", "create the symbol once")
-            )  # fmt: skip
-
-
-def _refused(item: object) -> ExpressionError:
-    return ExpressionError(
-        Problem("sympy.not_an_expression", str(item)[:80],
-                f"{type(item).__name__} cannot stand in an expression of a mechanism",
-                "only real scalar expressions of symbols and functions of time can",
-                "evaluate or replace it before")
-    )  # fmt: skip
+def _piecewise(parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
+    # The constructors would search every condition for other choices and multiply them out.
+    pairs: list[sp.Basic] = []
+    for value, condition in zip(parts[::2], [*parts[1::2], sp.true], strict=True):
+        if condition == sp.false:
+            continue
+        pairs.append(sp.Basic.__new__(ExprCondPair, value, condition))
+        if condition == sp.true:
+            break
+    return pairs[0].args[0] if len(pairs) == 1 else sp.Basic.__new__(sp.Piecewise, *pairs)

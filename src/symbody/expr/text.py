@@ -112,7 +112,7 @@ def _leaf(graph: Graph, node: int) -> Layout:
     if not is_name(label) or normalize(label) != label:
         raise ExpressionError(
             Problem(
-                "expression.unwritable_name", "", f"the name '{shown(label)}' cannot be written in an expression",
+                "expression.unwritable_name", "", f"'{shown(label)}' cannot be written in an expression",
                 "names there have letters, digits and _, begin with no digit, and are not if, and, or, not",
                 "rename the quantity, or ask for LaTeX",
             )
@@ -125,7 +125,9 @@ def _infix(graph: Graph, named: Mapping[int, str], node: int) -> Layout:
     sign, strength = _INFIX[code]
     if code == op.MUL and graph.ops[a] == op.RATIONAL:
         top, _, bottom = number_text(graph.constants[graph.left[a]]).partition("/")
-        return Layout([(b, PRODUCT), f"/{bottom}"] if top == "1" else [(a, PRODUCT), "*", (b, POWER)], PRODUCT)
+        return Layout(
+            [(b, PRODUCT), f"/{bottom}"] if top == "1" else [(a, PRODUCT), "*", (b, POWER)], PRODUCT
+        )
     chained = _CHAINED.get(code, ())
     if b not in named and graph.ops[b] in chained and (a in named or graph.ops[a] not in chained):
         a, b = b, a

@@ -27,12 +27,12 @@ from symbody.expr.printing import (
     POWER,
     PRODUCT,
     SUM,
+    ROUND,
     Brackets,
     Layout,
     Notation,
     NotationFor,
     Piece,
-    joined,
     no_formula,
     number_text,
 )
@@ -50,7 +50,7 @@ Factor: TypeAlias = Sequence[Piece]
 class Style(ABC):
     """How the parts of a formula look."""
 
-    brackets: ClassVar[Brackets] = Brackets()
+    brackets: ClassVar[Brackets] = ROUND
     times: ClassVar[str] = " "
     pi: ClassVar[str] = "pi"
     # LT and GT, LE and GE, EQ and NE, AND, OR, NOT
@@ -205,7 +205,15 @@ class _Page:
 
     def _term_key(self, term: int) -> tuple[object, ...]:
         key = self.keys[term]
-        return (-key.moving, key.is_function, not key.low, key.size, key.low, key.high, self.graph.hashes[term])
+        return (
+            -key.moving,
+            key.is_function,
+            not key.low,
+            key.size,
+            key.low,
+            key.high,
+            self.graph.hashes[term],
+        )
 
     def _product(self, node: int, coefficient: Exact, *, is_open: bool) -> Layout:
         """Return a product that binds at least as tightly as PRODUCT."""

@@ -75,9 +75,11 @@ def entry_of(element: Element) -> dict[str, Node]:
     values = _values(element)
     if "start" in values:
         entry["between"] = [node_of(values.pop("start")), node_of(values.pop("end"))]
-    defaults = _values(_plainest(element))
+    needed = _needed(element)
+    plainest = type(element)(**{name: getattr(element, name) for name in needed})
+    defaults = {name: value for name, value in _values(plainest).items() if name not in (*needed, *_ALWAYS)}
     for name, value in values.items():
-        if name not in entry and (value != defaults[name] or name in _ALWAYS):
+        if name not in entry and (name not in defaults or value != defaults[name]):
             entry[name] = node_of(value)
     return entry
 
@@ -105,18 +107,13 @@ def _values(value: object) -> dict[str, object]:
     return {name: getattr(value, name) for name in names}
 
 
-def _plainest(element: Element) -> Element:
-    """Return the element with everything that may be left out left out."""
-    make = type(element)
-    needed = [
-        name
-        for name, parameter in inspect.signature(make).parameters.items()
-        if parameter.default is parameter.empty
-    ]
-    return make(**{name: getattr(element, name) for name in needed})
+def _needed(element: Element) -> list[str]:
+    """Return the arguments without default of the element's constructor."""
+    arguments = inspect.signature(type(element)).parameters.items()
+    return [name for name, argument in arguments if argument.default is argument.empty]
 
 
-def _frames(entries: object, label: str, path: tuple[str, ...], problems: list[Problem]) -> dict[str, object]:
+def _frames(entries: object, label: str, path: tuple[str, ...], problems: list[Problem]) -> dict[str, Frame]:
     if not isinstance(entries, Mapping):
         return {}
     frames: dict[str, Frame] = {}

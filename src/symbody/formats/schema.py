@@ -5,6 +5,7 @@ They check keys and types. What the values mean is checked by the Model.
 
 from __future__ import annotations
 
+import json
 from decimal import Decimal
 from typing import Annotated, Any, ClassVar, Final, Literal
 
@@ -229,3 +230,9 @@ class ModelFile(Entry):
     torque: list[TorqueEntry] = []
     initial: dict[str, Angle] = Field(default={}, description="Initial values of coordinates and rates.")
     layout: dict[str, Any] = Field(default={}, description="The diagram; of no meaning to the mechanism.")
+
+
+def schema_text() -> str:
+    """Return the JSON Schema of the model file, as it stands in `schema.json`."""
+    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **ModelFile.model_json_schema()}
+    return json.dumps(schema, indent=2) + "\n"

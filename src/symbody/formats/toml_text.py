@@ -134,7 +134,8 @@ def _array(nodes: list[Node]) -> Array:
 
 def _scalar(node: Formula | str | bool) -> Item:
     if isinstance(node, Formula):
-        return _number(node) or tomlkit.string(node.text)
+        number = _number(node)
+        return tomlkit.string(node.text) if number is None else number
     return tomlkit.item(node)
 
 

@@ -143,7 +143,8 @@ class Door:
 
 def _plain(value: object) -> FormulaLike:
     """Return a scalar of another library as float; anything else as it is, to be told what is wrong."""
-    if isinstance(value, SupportsFloat) and not isinstance(value, Real | Decimal | complex):
+    is_known = isinstance(value, str | Formula | Real | Decimal | complex)
+    if not is_known and isinstance(value, SupportsFloat):
         try:
             return float(value)
         except (TypeError, ValueError):  # an array of several entries, a symbol

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from symbody.errors import Problem, nearest
 from symbody.expr.formula import Formula
+from symbody.model.naming import RESERVED_SYMBOLS
 from symbody.model.uses import Scope, Use
 
 
@@ -32,15 +33,18 @@ class Symbols:
 
     meanings: Mapping[str, Meaning]
 
-    def allowed(self, scope: Scope) -> Iterator[str]:
-        """Return the names a formula may contain."""
-        yield "pi"
-        if scope is not Scope.CONSTANT:
-            yield "t"
-        for name, meaning in self.meanings.items():
-            is_legal = meaning.word != "acceleration" if scope is Scope.LOAD else meaning.word == "parameter"
-            if is_legal:
-                yield name
+    def allows(self, name: str, scope: Scope) -> bool:
+        """Return whether a formula may contain a name."""
+        if name in RESERVED_SYMBOLS:
+            return name == "pi" or scope is not Scope.CONSTANT
+        meaning = self.meanings.get(name)
+        if meaning is None:
+            return False
+        return meaning.word != "acceleration" if scope is Scope.LOAD else meaning.word == "parameter"
+
+    def allowed(self, scope: Scope) -> list[str]:
+        """Return all names a formula may contain."""
+        return [name for name in (*RESERVED_SYMBOLS, *self.meanings) if self.allows(name, scope)]
 
 
 def collect_symbols(entries: Iterable[tuple[str, Meaning]]) -> tuple[Symbols, list[Problem]]:
@@ -62,13 +66,12 @@ def coordinate_entries(names: Iterable[str], where: str) -> Iterator[tuple[str, 
 
 def scope_problems(label: str, uses: Iterable[Use], symbols: Symbols) -> list[Problem]:
     """Return a problem for each name that does not belong where it stands."""
-    allowed = {scope: frozenset(symbols.allowed(scope)) for scope in Scope}
-    problems = []
-    for use in uses:
-        for name in use.formula.names:
-            if name not in allowed[use.scope]:
-                problems.append(_misplaced(f"{label}, {use.path}", use, name, symbols))
-    return problems
+    return [
+        _misplaced(f"{label}, {use.path}", use, name, symbols)
+        for use in uses
+        for name in use.formula.names
+        if not symbols.allows(name, use.scope)
+    ]
 
 
 def _misplaced(where: str, use: Use, name: str, symbols: Symbols) -> Problem:

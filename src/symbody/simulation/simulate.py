@@ -61,22 +61,17 @@ def simulate(
     SimulationError
         If initial values or times make no sense. Failures on the way do not raise: `status` tells.
     """
-    given = dict(inputs or {})
-    silent = [name for name in eqs.input_names if name not in given]
-    given |= dict.fromkeys(silent, 0)
-    numbers = dict(parameters or {})
+    task = _Task(eqs, dict(parameters or {}), dict.fromkeys(eqs.input_names, 0) | dict(inputs or {}))
     start, end = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     # The work is one more state behind the coordinates: the function writes its rate, the power, last.
-    function = CompiledFunction(*form_sequence(eqs, ("xdot", "power"), numbers, (), given))
+    function = task.compiled(("xdot", "power"))
     raw = integrate(
         function.address,
         function.work_size,
         len(eqs.speed_names),
         len(eqs.coordinate_names) + 1,
-        np.append(_initial_state(eqs, initial or {}, numbers), 0.0),
+        np.append(_initial_state(task, initial or {}), 0.0),
         (float(start), float(end)),
-        inputs=(),
-        parameters=(),
         constants=function.constants(),
         method=Explicit() if integrator is None else integrator,
         times=times,
@@ -85,17 +80,43 @@ def simulate(
         max_steps=max_steps,
         progress=progress,
     )
-    return _trajectory(eqs, raw, numbers, given, silent)
+    silent = [name for name in eqs.input_names if name not in (inputs or {})]
+    return _trajectory(task, raw, tuple(f"input {name} has no value and is 0" for name in silent))
 
 
-def _trajectory(
-    eqs: EquationSet,
-    raw: RawRun,
-    parameters: Mapping[str, Value],
-    inputs: Mapping[str, Value],
-    silent: Sequence[str],
-) -> Trajectory:
-    """Return the run with its names; `silent` are inputs that were given no value."""
+@dataclass(frozen=True, slots=True)
+class _Task:
+    """Equations with the values of parameters and the laws of all inputs."""
+
+    eqs: EquationSet
+    parameters: Mapping[str, Value]
+    inputs: Mapping[str, Value]
+
+    def compiled(self, outputs: str | Sequence[str]) -> CompiledFunction:
+        """Return a function of t, q and u alone."""
+        return CompiledFunction(*form_sequence(self.eqs, outputs, self.parameters, (), self.inputs))
+
+
+@dataclass(frozen=True, slots=True)
+class _Evaluator:
+    """Computes outputs that are not stored, each compiled when it is first asked for."""
+
+    task: _Task
+    work: DenseOutput | None
+
+    def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
+        """Return the output with time last; q is (n_q, N), u is (n_u, N)."""
+        if name == "work" and self.work is not None:
+            return self.work(t)[0]
+        if name == "constraint_violation":  # a tree has no constraints
+            return np.zeros_like(t)
+        values: Floats = self.task.compiled(name)(t, q.T, u.T)
+        return np.moveaxis(values, 0, -1)
+
+
+def _trajectory(task: _Task, raw: RawRun, notes: tuple[str, ...]) -> Trajectory:
+    """Return the run with its names."""
+    eqs = task.eqs
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
     states, work = _divided(raw.dense_output, n)
     stop = raw.stop_note((*eqs.state_names, "work"))
@@ -107,11 +128,11 @@ def _trajectory(
         speed_names=eqs.speed_names,
         status=raw.status,
         statistics=raw.statistics,
-        evaluate=_Evaluator(eqs, parameters, inputs, work),
+        evaluate=_Evaluator(task, work),
         dense_output=states,
         stored={"work": raw.x[-1]},
         units=eqs.units,
-        notes=(*(f"input {name} has no value and is 0" for name in silent), *([stop] if stop else [])),
+        notes=(*notes, stop) if stop else notes,
         name=eqs.model.name,
     )
 
@@ -124,34 +145,15 @@ def _divided(dense: DenseOutput | None, n: int) -> tuple[DenseOutput | None, Den
     return DenseOutput(dense.breaks, first), DenseOutput(dense.breaks, rest)
 
 
-@dataclass(frozen=True, slots=True)
-class _Evaluator:
-    """Computes outputs that are not stored, each compiled when it is first asked for."""
-
-    eqs: EquationSet
-    parameters: Mapping[str, Value]
-    inputs: Mapping[str, Value]
-    work: DenseOutput | None
-
-    def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
-        """Return the output with time last; q is (n_q, N), u is (n_u, N)."""
-        if name == "work" and self.work is not None:
-            return self.work(t)[0]
-        if name == "constraint_violation":  # a tree has no constraints
-            return np.zeros_like(t)
-        function = CompiledFunction(*form_sequence(self.eqs, name, self.parameters, (), self.inputs))
-        values: Floats = function(t, q.T, u.T)
-        return np.moveaxis(values, 0, -1)
-
-
-def _initial_state(eqs: EquationSet, initial: Mapping[str, Value], parameters: Mapping[str, Value]) -> Floats:
+def _initial_state(task: _Task, initial: Mapping[str, Value]) -> Floats:
     """Return the first state (speeds, then coordinates)."""
+    eqs = task.eqs
     names = eqs.state_names
     unknown = [name for name in initial if name not in names]
     if unknown:
         raise SimulationError(*(_unknown_state(name, names) for name in unknown))
     chosen = {**eqs.model.initial, **initial}
-    values = constant_values(eqs, {name: chosen[name] for name in names if name in chosen}, parameters)
+    values = constant_values(eqs, {name: chosen[name] for name in names if name in chosen}, task.parameters)
     return np.array([values.get(name, 0.0) for name in names])
 
 
