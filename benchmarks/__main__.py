@@ -21,10 +21,17 @@ BENCHMARKS: Final[Mapping[str, Callable[[Settings], Iterator[Table]]]] = Mapping
 
 def main() -> None:
     """Print the tables of the benchmarks named on the command line, or of all."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks", description="symbody beside its peers, as ratios")
+    default = Settings()
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks", description="symbody beside its peers, as ratios"
+    )
     parser.add_argument("name", nargs="*", help=f"{', '.join(BENCHMARKS)} (default: all)")
-    parser.add_argument("--limit", type=float, default=Settings.limit, help="seconds one round of one engine may take")
-    parser.add_argument("--rounds", type=int, default=Settings.rounds, help="rounds, of which medians are taken")
+    parser.add_argument(
+        "--limit", type=float, default=default.limit, help="seconds one round of one engine may take"
+    )
+    parser.add_argument(
+        "--rounds", type=int, default=default.rounds, help="rounds, of which medians are taken"
+    )
     chosen = parser.parse_args()
     unknown = [name for name in chosen.name if name not in BENCHMARKS]
     if unknown:
@@ -32,7 +39,9 @@ def main() -> None:
     if chosen.rounds < 1 or chosen.limit <= 0:
         parser.error("--rounds must be at least 1 and --limit above 0")
     console = Console()
-    console.print(f"{platform.machine()}, Python {platform.python_version()}; in brackets: times symbody's figure\n")
+    console.print(
+        f"{platform.machine()}, Python {platform.python_version()}; in brackets: times symbody's figure\n"
+    )
     for name in chosen.name or BENCHMARKS:
         for table in BENCHMARKS[name](Settings(chosen.limit, chosen.rounds)):
             show(table, console)

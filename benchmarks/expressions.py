@@ -6,6 +6,7 @@ import gc
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 from typing import Final
 
@@ -16,7 +17,7 @@ from benchmarks.engines.engine import OURS, PEERS, Engine
 from benchmarks.problems import Problem, pendulum, random_operations, serial_chain
 from benchmarks.process import Floats, Process, Round, Step
 from benchmarks.table import Table, difference_text, ratio_text, seconds_text
-from benchmarks.timing import Settings, medians, rotated, seconds_per_call
+from benchmarks.timing import Settings, medians, rotated, seconds, seconds_per_call
 
 PROBLEMS: Final = (
     *(serial_chain(links) for links in (3, 6, 10)),
@@ -25,13 +26,17 @@ PROBLEMS: Final = (
 )
 
 _POINTS: Final = 256  # evaluated in one loop: few enough to stay in the processor's cache
-_PATIENCE: Final = 20.0  # seconds; an engine that has used so many is not asked for another round
+_PATIENCE: Final = 20.0  # seconds; an engine that has used so many does not go the whole way again
+_EVALUATIONS: Final = 5  # for each round; they are short, so that engines take turns many times
 
 _STAGES: Final = ("build", "differentiate", "compile")
 _TOTAL: Final = "all three"
 _CALLS: Final = ("one call", "in a loop")
 _OPERATIONS: Final = "operations"
 _VALUES: Final = "values"
+
+# What an engine is asked: to go the whole way, to evaluate, to show and count what it has.
+_FORM, _EVALUATE, _SHOW = "form", "evaluate", "show"
 _COLUMNS: Final = ("engine", *_STAGES, _TOTAL, _OPERATIONS, *_CALLS, "difference")
 
 
@@ -54,48 +59,80 @@ def tables(
 
 def _compared(problem: Problem, settings: Settings, peers: Sequence[Engine]) -> Table:
     engines = {engine.label: engine for engine in (OURS, *peers) if engine.installed}
-    found = {label: _summary(rounds) for label, rounds in _rounds(problem, settings, engines).items()}
+    found = {label: _summary(answers) for label, answers in _rounds(problem, settings, engines).items()}
     ours = found[OURS.label]
     return Table(
         problem.name,
         _COLUMNS,
         tuple(_row(label, summary, ours, settings.limit) for label, summary in found.items()),
         (
-            *(f"{label}: {summary.stopped}" for label, summary in found.items() if summary.stopped),
-            *(f"{peer.label}: left out, {peer.package} is not installed" for peer in peers if not peer.installed),
+            *(
+                f"{label}, {_open_stage(summary)}: {summary.stopped}"
+                for label, summary in found.items()
+                if summary.stopped
+            ),
+            *(
+                f"{peer.label}: left out, {peer.package} is not installed"
+                for peer in peers
+                if not peer.installed
+            ),
         ),
     )
 
 
 def _rounds(problem: Problem, settings: Settings, engines: Mapping[str, Engine]) -> dict[str, list[Round]]:
-    rounds: dict[str, list[Round]] = {label: [] for label in engines}
-    spent = dict.fromkeys(engines, 0.0)
+    """Return all answers of each engine."""
+    answers: dict[str, list[Round]] = {label: [] for label in engines}
     with ExitStack() as stack:
         processes = {
-            label: stack.enter_context(Process(_Attempt, engine, problem)) for label, engine in engines.items()
+            label: stack.enter_context(Process(_Attempt, engine, problem))
+            for label, engine in engines.items()
         }
+
+        def ask(label: str, word: str) -> None:
+            if not _stopped(answers[label]):
+                answers[label].append(processes[label].ask(word, settings.limit))
+
+        spent = dict.fromkeys(engines, 0.0)
         for turn in range(settings.rounds):
             for label in rotated(list(engines), turn):
-                if spent[label] < _PATIENCE and not (rounds[label] and rounds[label][-1].stopped):
-                    start = perf_counter()
-                    rounds[label].append(processes[label].ask(settings.limit))
-                    spent[label] += perf_counter() - start
-    return rounds
+                if spent[label] < _PATIENCE:
+                    spent[label] += seconds(partial(ask, label, _FORM))
+        for turn in range(settings.rounds * _EVALUATIONS):
+            for label in rotated(list(engines), turn):
+                ask(label, _EVALUATE)
+        for label in engines:
+            ask(label, _SHOW)
+    return answers
+
+
+def _stopped(answers: Sequence[Round]) -> str:
+    return answers[-1].stopped if answers else ""
 
 
 class _Attempt:
-    """The whole way through one problem, from nothing; runs in a process of its own."""
+    """One engine at one problem; runs in a process of its own."""
 
     def __init__(self, engine: Engine, problem: Problem) -> None:
         self._engine = engine
         self._problem = problem
         self._points = problem.points(_POINTS)
-        self._compared = False
+        self._compiled: list[Compiled] = []
         engine.new()  # imports what it needs
 
-    def __call__(self) -> Iterator[Step]:
-        """Yield each stage when it is done."""
+    def __call__(self, word: str) -> Iterator[Step]:
+        """Yield each step when it is done."""
+        if word == _FORM:
+            yield from self._form()
+        elif word == _EVALUATE:
+            yield from self._evaluate(self._compiled[-1])
+        else:
+            yield from self._show(self._compiled[-1])
+
+    def _form(self) -> Iterator[Step]:
+        """Go the whole way, from nothing."""
         problem = self._problem
+        self._compiled.clear()
         algebra = self._engine.new()
         gc.collect()
         start = perf_counter()
@@ -106,32 +143,32 @@ class _Attempt:
         results = problem.differentiate(algebra, x, built)
         yield Step(_STAGES[1], perf_counter() - start)
         start = perf_counter()
-        compiled = algebra.compile(results)
+        self._compiled.append(algebra.compile(results))
         yield Step(_STAGES[2], perf_counter() - start)
-        yield from self._evaluated(compiled)
 
-    def _evaluated(self, compiled: Compiled) -> Iterator[Step]:
+    def _evaluate(self, compiled: Compiled) -> Iterator[Step]:
         points = self._points
         yield Step(_CALLS[0], seconds_per_call(lambda: compiled.one(points[0])))
         yield Step(_CALLS[1], seconds_per_call(lambda: compiled.many(points)) / len(points))
-        if not self._compared:
-            self._compared = True
-            alone = np.stack([np.array(compiled.one(point)) for point in points[:4]])
-            yield Step(_VALUES, values=np.concatenate([compiled.many(points), alone]))
-            yield Step(_OPERATIONS, compiled.count())
+
+    def _show(self, compiled: Compiled) -> Iterator[Step]:
+        """Yield results of both ways to call, and the operations they cost."""
+        alone = np.stack([np.array(compiled.one(point)) for point in self._points[:4]])
+        yield Step(_VALUES, values=np.concatenate([compiled.many(self._points), alone]))
+        yield Step(_OPERATIONS, compiled.count())
 
 
-def _summary(rounds: Sequence[Round]) -> _Summary:
+def _summary(answers: Sequence[Round]) -> _Summary:
     samples: dict[str, list[float]] = {}
     values = None
-    for finished in rounds:
-        figures = {step.name: step.figure for step in finished.steps}
+    for answer in answers:
+        figures = {step.name: step.figure for step in answer.steps}
         if all(stage in figures for stage in _STAGES):
             figures[_TOTAL] = sum(figures[stage] for stage in _STAGES)
         for name, figure in figures.items():
             samples.setdefault(name, []).append(figure)
-        values = next((step.values for step in finished.steps if step.values is not None), values)
-    return _Summary(medians(samples), values, rounds[-1].stopped)
+        values = next((step.values for step in answer.steps if step.values is not None), values)
+    return _Summary(medians(samples), values, _stopped(answers))
 
 
 def _row(label: str, found: _Summary, ours: _Summary, limit: float) -> tuple[str, ...]:
@@ -144,12 +181,17 @@ def _row(label: str, found: _Summary, ours: _Summary, limit: float) -> tuple[str
         count = figures[_OPERATIONS]
         cells[_OPERATIONS] = f"{count:.0f}" + _beside(label, count, reference.get(_OPERATIONS))
     if _TOTAL not in figures:
-        cells[next(stage for stage in _STAGES if stage not in figures)] = "not done"
+        cells[_open_stage(found)] = "not done"
         if found.stopped.startswith(">"):
             cells[_TOTAL] = found.stopped + _beside(label, limit, reference.get(_TOTAL)).replace("(", "(> ")
     if label != OURS.label and found.values is not None and ours.values is not None:
         cells[_COLUMNS[-1]] = difference_text(relative_difference(found.values, ours.values))
     return (label, *(cells.get(column, "") for column in _COLUMNS[1:]))
+
+
+def _open_stage(found: _Summary) -> str:
+    """Return the first column that has no figure."""
+    return next(name for name in (*_STAGES, *_CALLS, _OPERATIONS) if name not in found.figures)
 
 
 def _beside(label: str, value: float, reference: float | None) -> str:

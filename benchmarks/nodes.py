@@ -13,11 +13,11 @@ from functools import partial
 from time import perf_counter
 from typing import Final
 
-from benchmarks.problems import Step, random_program
+from benchmarks.engines.ours import Engine
+from benchmarks.problems import Step, random_program, serial_chain
 from benchmarks.table import Table
 from benchmarks.timing import Settings, in_turns, medians, seconds
 from symbody.expr.canonical import add, apply, mul, sub
-from symbody.expr.expression import Expr, cos, sin, symbol
 from symbody.expr.fingerprint import fingerprints
 from symbody.expr.graph import Graph, Symbol
 from symbody.expr.opcodes import COS, SIN
@@ -27,6 +27,7 @@ _COUNT: Final = 1_000_000
 _MOST_ROUNDS: Final = 3  # a round takes a minute
 _INPUTS: Final = 8
 _LANES: Final = 60
+_NODES_OF_A_LINK: Final = 89
 
 BUILD_BAR: Final = 4.0  # us a node, folding included
 MEMORY_BAR: Final = 250.0  # bytes a node
@@ -45,7 +46,9 @@ def tables(settings: Settings, count: int = _COUNT) -> Iterator[Table]:
     """Yield the table for graphs of about `count` nodes."""
     rounds = min(settings.rounds, _MOST_ROUNDS)
     steps = random_program(count, _INPUTS, _LANES)
-    yardstick = medians(in_turns({"": partial(seconds, partial(fill_plain_lists, count))}, rounds))[""] / count * 1e6
+    yardstick = (
+        medians(in_turns({"": partial(seconds, partial(fill_plain_lists, count))}, rounds))[""] / count * 1e6
+    )
     rows = [("yardstick: a dictionary and four lists", f"{yardstick:.2f} us", "", "", "1")]
     notes = []
     for name, grow in (
@@ -56,7 +59,14 @@ def tables(settings: Settings, count: int = _COUNT) -> Iterator[Table]:
         notes.append(f"{name}: {size} nodes; medians of {rounds} rounds")
         for what, figure in figures.items():
             bar = BUILD_BAR if what == "build" else None
-            rows.append((f"{name}: {what}", f"{figure:.2f} us", *_judged(figure, bar, "us"), f"{figure / yardstick:.1f}"))
+            rows.append(
+                (
+                    f"{name}: {what}",
+                    f"{figure:.2f} us",
+                    *_judged(figure, bar, "us"),
+                    f"{figure / yardstick:.1f}",
+                )
+            )
         memory = bytes_per_node(grow)
         rows.append((f"{name}: memory", f"{memory:.0f} bytes", *_judged(memory, MEMORY_BAR, "bytes"), ""))
     columns = ("per node", "measured", "bar", "of the bar", "of the yardstick")
@@ -121,11 +131,12 @@ def grow_random(steps: Sequence[Step]) -> Grown:
 
 
 def grow_chain(count: int) -> Grown:
-    """Return the graph of products of transforms, `count` nodes or a few more."""
-    graph = Graph()
-    names = [Symbol(f"x{k}") for k in range(2 * count // 40 + 4)]
-    inputs: dict[int, Input] = {}
-    return Grown(graph, (), inputs)
+    """Return the graph of the transform of a chain so long that it has about `count` nodes."""
+    links = count // _NODES_OF_A_LINK + 1
+    engine = Engine()
+    chain = serial_chain(links)
+    entries = chain.build(engine, engine.inputs(chain.inputs))
+    return Grown(engine.graph, tuple(entry.index for entry in entries), engine.places)
 
 
 def fill_plain_lists(count: int) -> object:

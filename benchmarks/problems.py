@@ -163,7 +163,10 @@ def pendulum(links: int) -> Problem:
     gravity [m/s^2]. Results: M, row-major, and h of ``M q'' + h = 0``.
     """
     return Problem(
-        f"planar pendulum, {links} links", 4 * links + 1, partial(_positions, links), partial(_lagrange, links)
+        f"planar pendulum, {links} links",
+        4 * links + 1,
+        partial(_positions, links),
+        partial(_lagrange, links),
     )
 
 

@@ -47,11 +47,11 @@ class Round:
     stopped: str = ""
 
 
-Task = Callable[[], Iterator[Step]]
+Task = Callable[[str], Iterator[Step]]
 
 
 class Process:
-    """Runs the task that ``make(*arguments)`` returns, once for each call of `ask`.
+    """Runs the task that ``make(*arguments)`` returns, for each word it is asked.
 
     Parameters
     ----------
@@ -78,11 +78,14 @@ class Process:
     ) -> None:
         self._end()
 
-    def ask(self, limit: float) -> Round:
-        """Return one round of steps; after `limit` seconds the process is ended and never asked again."""
+    def ask(self, word: str, limit: float) -> Round:
+        """Return the steps that answer `word`.
+
+        After `limit` seconds the process is ended; from then on the answer is empty.
+        """
         if self.stopped:
             return Round((), self.stopped)
-        self._connection.send("again")
+        self._connection.send(word)
         steps, self.stopped = self._receive(monotonic() + limit, limit)
         return Round(tuple(steps), self.stopped)
 
@@ -139,8 +142,8 @@ def _answer(connection: Connection, make: Callable[..., Task], arguments: tuple[
         if sys.platform == "linux":
             resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
         connection.send("")
-        while connection.recv():
-            for step in task():
+        while True:
+            for step in task(connection.recv()):
                 connection.send(step)
             connection.send("")
     except EOFError:  # nobody asks any more

@@ -15,7 +15,7 @@ _POWER: Final = "Pow"
 
 
 def count_operations(trees: Iterable[Tree]) -> int:
-    """Return the operations of `trees`, each written out: + - * / and functions 1, signs 0, powers by squaring."""
+    """Return the operations of `trees`, written out: + - * / and functions 1, signs 0, powers by squaring."""
     total = 0
     stack = list(trees)
     while stack:

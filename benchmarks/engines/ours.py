@@ -29,12 +29,12 @@ class Engine:
 
     def __init__(self) -> None:
         self.graph = Graph()
-        self._places: dict[int, Input] = {}
+        self.places: dict[int, Input] = {}
 
     def inputs(self, count: int) -> list[Scalar]:
         """Return the variables."""
         made = [symbol(self.graph, Symbol(f"x{k}")) for k in range(count)]
-        self._places = {x.index: Input(f"x{k}", "q", k) for k, x in enumerate(made)}
+        self.places = {x.index: Input(f"x{k}", "q", k) for k, x in enumerate(made)}
         return list(made)
 
     def sin(self, x: Expr) -> Expr:
@@ -51,7 +51,10 @@ class Engine:
 
     def product(self, a: Rows, b: Rows) -> Rows:
         """Return the product of two matrices."""
-        return [[sum(x * y for x, y in zip(row, column, strict=True)) for column in zip(*b, strict=True)] for row in a]
+        return [
+            [sum(x * y for x, y in zip(row, column, strict=True)) for column in zip(*b, strict=True)]
+            for row in a
+        ]
 
     def rows(self, a: Rows) -> Rows:
         """Return the entries."""
@@ -65,9 +68,9 @@ class Engine:
     def compile(self, outputs: Sequence[Scalar]) -> Compiled:
         """Return machine code."""
         nodes = tuple(self._nodes(outputs))
-        sequence = build_sequence(self.graph, [Roots("all", (len(nodes),), nodes)], self._places)
+        sequence = build_sequence(self.graph, [Roots("all", (len(nodes),), nodes)], self.places)
         native = compile_sequence(sequence)
-        size = (len(self._places), len(nodes))
+        size = (len(self.places), len(nodes))
         return Compiled(_one(native, *size), _many(native, *size), lambda: sequence.operation_count)
 
     def _nodes(self, values: Sequence[Scalar]) -> list[int]:

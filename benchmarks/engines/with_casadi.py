@@ -112,8 +112,8 @@ def _buffered(function: Function, count: int) -> Callable[[Floats], Floats]:
     buffer, trigger = function.buffer()
     given = np.empty((count, function.size1_in(0)))
     result = np.empty((count, function.size1_out(0)))
-    buffer.set_arg(0, memoryview(given))
-    buffer.set_res(0, memoryview(result))
+    buffer.set_arg(0, given.data)
+    buffer.set_res(0, result.data)
 
     def call(points: Floats, _alive: object = buffer) -> Floats:
         given[:] = points

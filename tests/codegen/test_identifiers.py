@@ -77,3 +77,9 @@ def test_quoted_names_are_harmless_and_can_be_read_back(name: str) -> None:
     assert "??" not in text
     assert text[0] == text[-1] == '"'
     assert json.loads(text) == name
+
+
+def test_names_that_differ_in_case_end_even_where_all_numbered_forms_are_reserved() -> None:
+    # C reserves every M_...: mass m and mass M of one model must still get two identifiers.
+    found = assign_identifiers(["m", "M"], lambda word: word.startswith("M_"))
+    assert found == ["m", "x_M_2"]

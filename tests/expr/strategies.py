@@ -170,7 +170,8 @@ def sympy_value(expression: sp.Expr, point: Sequence[Fraction]) -> Any:
     """Return the value of an expression of `SYMPY_SYMBOLS` to `DIGITS` digits."""
     numbers = [sp.Rational(x.numerator, x.denominator) for x in point]
     value = expression.subs(dict(zip(SYMPY_SYMBOLS, numbers, strict=True))).evalf(DIGITS)
-    return mpmath.mpf(sp.Float(value, DIGITS)._mpf_)
+    with mpmath.workdps(DIGITS):
+        return mpmath.mpf(sp.Float(value, DIGITS)._mpf_)
 
 
 def built(program: Program, graph: Graph) -> list[int]:

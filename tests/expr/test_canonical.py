@@ -203,15 +203,17 @@ def test_canonical_nodes_are_fixed_points(sample: Sample) -> None:
 
 @both_tiers
 @given(samples())
-def test_signs_float_outwards_and_constants_stand_left(sample: Sample) -> None:
+def test_signs_float_outwards_and_operands_are_ordered(sample: Sample) -> None:
     graph = Graph()
     built(sample.program, graph)
     for node in range(len(graph)):
         code, operands = graph.ops[node], graph.operands(node)
         if code in (op.ADD, op.SUB, op.MUL, op.DIV):
             assert all(graph.ops[k] != op.NEG for k in operands)
-        if code in (op.ADD, op.MUL):
-            assert graph.ops[operands[1]] > op.FLOAT or graph.ops[operands[0]] <= op.FLOAT
+        if code in (op.ADD, op.SUB, op.MUL):
+            constant = [graph.ops[k] <= op.FLOAT for k in operands]
+            assert constant[0] or not constant[1]
+            assert constant[0] or graph.hashes[operands[0]] <= graph.hashes[operands[1]]
         if code in op.ODD_FUNCTIONS | op.EVEN_FUNCTIONS:
             assert graph.ops[operands[0]] != op.NEG
 

@@ -6,6 +6,7 @@ import decimal
 import math
 from fractions import Fraction
 
+import mpmath
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -14,9 +15,11 @@ from symbody.errors import ExpressionError
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, TWO, ZERO, add, apply, div, mul, neg, power, sub
 from symbody.expr.constants import fold_function, fold_power, fold_product, fold_quotient, fold_sum
+from symbody.expr.evaluate import MPMATH, evaluate_sequence
+from symbody.expr.formula import build
 from symbody.expr.graph import Constant, Graph
 from symbody.expr.parser import parse
-from tests.expr.strategies import both_tiers
+from tests.expr.strategies import both_tiers, sequence_of
 
 EXACT = st.one_of(st.integers(), st.fractions())
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
@@ -32,7 +35,7 @@ def test_kinds_and_signs_of_equal_numbers_are_different_nodes() -> None:
     nodes = [graph.constant(value) for value in (1, 1.0, 0, 0.0, -0.0, -1, -1.0)]
     assert len(set(nodes)) == len(nodes)
     assert [type(graph.number(node)) for node in nodes] == [int, float, int, float, float, int, float]
-    assert math.copysign(1, float(graph.number(nodes[4]) or 0.0)) == -1
+    assert [str(graph.number(node)) for node in nodes[3:5]] == ["0.0", "-0.0"]
 
 
 def test_equal_exact_numbers_are_one_node() -> None:
@@ -81,7 +84,7 @@ def test_negative_numbers_are_negations(value: Constant) -> None:
 @pytest.mark.parametrize("text", ["0.1", "9.81", "123456789.012345", "1e-3", "2.50"])
 def test_decimals_are_exact_and_print_as_written(text: str) -> None:
     graph = Graph()
-    assert graph.number(parse(text).build(graph, lambda name: ZERO)) == Fraction(text)
+    assert graph.number(build(parse(text), graph, lambda name, column: ZERO)) == Fraction(text)
 
 
 @both_tiers
@@ -166,20 +169,17 @@ def test_functions_of_constants_fold_only_where_exact_or_rounded_already(
     assert fold_function(code, *operands) == expected
 
 
-ROOT_HALF = Fraction(1, 2)
-
-
-@pytest.mark.parametrize("turns", [Fraction(k, 12) for k in range(-30, 31)], ids=repr)
-def test_circular_functions_of_multiples_of_pi(turns: Fraction) -> None:
-    """sin and cos of k pi/12: exact where the value is half a root, else left alone; never rounded."""
+@pytest.mark.parametrize("twelfths", range(-30, 31))
+def test_circular_functions_of_multiples_of_pi(twelfths: int) -> None:
+    """Exact where the value is half a root of 0 to 4, else left alone; never rounded."""
     graph = Graph()
-    angle = mul(graph, graph.constant(turns), graph.pi())
-    for code, function in ((op.SIN, math.sin), (op.COS, math.cos)):
+    angle = mul(graph, graph.constant(Fraction(twelfths, 12)), graph.pi())
+    for code, function in ((op.SIN, mpmath.sin), (op.COS, mpmath.cos)):
         node = apply(graph, code, angle)
-        square = graph.number(mul(graph, node, node))
-        if square is None:
-            assert graph.ops[node] in (op.SIN, op.COS, op.NEG)
-        else:  # 4 units of error in computing and squaring the float
-            assert float(square) == pytest.approx(function(float(turns) * math.pi) ** 2, abs=4e-16 * 10)
-            assert isinstance(square, int | Fraction)
-            assert 4 * Fraction(square) in range(5)
+        codes = {graph.ops[k] for k in graph.reachable([node])}
+        assert op.FLOAT not in codes
+        assert (code in codes) == (twelfths % 2 == 1 and twelfths % 3 != 0)
+        with mpmath.workdps(50):
+            value = evaluate_sequence(sequence_of(graph, [node]), {}, MPMATH)[0][0]
+            # pi, its multiple, the function and half a root round once each, all below 8
+            assert abs(value - function(twelfths * mpmath.pi / 12)) < 8 * 10 * mpmath.mpf(10) ** -50

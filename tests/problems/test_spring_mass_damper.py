@@ -41,7 +41,7 @@ def renamed_file(names: Mapping[str, str], folder: Path) -> sb.Model:
     path = folder / "renamed.toml"
     keys = "|".join(names)
     # Whole words that are names: keys of parameters and initial, and text in quotes that is one word.
-    text = re.sub(rf'"({keys})"', lambda match: f'"{names[match.group(1)]}"', text)
+    text = re.sub(rf'(?<!axis = )"({keys})"', lambda match: f'"{names[match.group(1)]}"', text)
     text = re.sub(
         rf"(?m)(^|[{{,]\s*)({keys})(?=\s*=)", lambda match: match.group(1) + names[match.group(2)], text
     )

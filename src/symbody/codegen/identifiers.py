@@ -52,10 +52,12 @@ def assign_identifiers(names: Iterable[str], is_reserved: Callable[[str], bool])
         if result[k]:
             continue
         candidate = stem
+        # Every M_... may be reserved where M is not: no count would lead out of that.
+        base = f"x_{stem}" if is_reserved(f"{stem}_2") else stem
         while is_reserved(candidate) or candidate.lower() in taken:
             tried[stem] = tried.get(stem, 1) + 1
             suffix = f"_{tried[stem]}"
-            candidate = stem[: MAX_LENGTH - len(suffix)].rstrip("_") + suffix
+            candidate = base[: MAX_LENGTH - len(suffix)].rstrip("_") + suffix
         result[k] = candidate
         taken.add(candidate.lower())
     return result

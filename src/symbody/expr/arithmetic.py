@@ -42,7 +42,7 @@ def sub(g: Graph, a: int, b: int) -> int:
     ops = g.ops
     oa, ob = ops[a], ops[b]
     if oa <= NEG or ob <= NEG:
-        return _add_special(g, a, neg(g, b))
+        return add(g, a, neg(g, b))
     if a == b:
         return ZERO
     if (oa == MUL or ob == MUL) and (merged := _merge_terms(g, a, b, -1)) is not None:

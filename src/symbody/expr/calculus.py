@@ -7,11 +7,13 @@ Griewank & Walther, Evaluating Derivatives (2008), chapter 3.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
 
 from symbody.errors import FormulationError, Problem
-from symbody.expr.canonical import ONE, ZERO, add, mul, sub
+from symbody.expr.branches import ALWAYS, Weights, alternatives, hand_on, hand_on_within, joined, total
+from symbody.expr.canonical import ONE, ZERO, add, mul, select, sub
 from symbody.expr.graph import Graph, Kernel, Kind
-from symbody.expr.opcodes import PICK, SADDLE, SELECT, SYMBOL
+from symbody.expr.opcodes import PICK, SADDLE, SYMBOL
 from symbody.expr.partials import partials
 from symbody.expr.rewrite import substitute, symbols_of
 
@@ -43,31 +45,27 @@ def derivative(graph: Graph, roots: Sequence[int], by: int) -> list[int]:
 
 
 def gradient(graph: Graph, root: int, by: Sequence[int]) -> list[int]:
-    """Return the partial derivatives of one `root` by many nodes, in one reverse sweep."""
+    """Return the partial derivatives of one `root` by many nodes, each with the others held fixed."""
     reached = graph.reachable([root])
     if any(graph.ops[node] == SADDLE for node in reached):
-        return [derivative(graph, [root], node)[0] for node in by]
+        return [forward(graph, [root], _one_of(by, node))[0] for node in by]
     relevant = set(by)
     for node in reached:
         if node not in relevant and not relevant.isdisjoint(graph.operands(node)):
             relevant.add(node)
-    adjoint = {root: ONE}
+    adjoint: dict[int, Weights] = {root: {ALWAYS: ONE}}
     stops = set(by)
     for node in reversed(reached):
-        weight = adjoint.get(node, ZERO)
-        if weight and node not in stops:
-            for operand, slope in partials(graph, node):
-                if operand in relevant:
-                    term = _scaled(graph, weight, slope)
-                    adjoint[operand] = add(graph, adjoint.get(operand, ZERO), term)
-    return [adjoint.get(node, ZERO) for node in by]
+        if node in adjoint and node not in stops:
+            _hand_down(graph, node, joined(graph, adjoint.pop(node)), relevant, adjoint)
+    return [total(graph, joined(graph, adjoint.get(node, {}))) for node in by]
 
 
 def jacobian(graph: Graph, roots: Sequence[int], by: Sequence[int]) -> list[list[int]]:
-    """Return the matrix of partial derivatives, one row a root; forward or reverse, as the shape suggests."""
+    """Return the matrix of partial derivatives, one row a root, each with the other nodes held fixed."""
     if len(roots) < len(by):
         return [gradient(graph, root, by) for root in roots]
-    columns = [derivative(graph, roots, node) for node in by]
+    columns = [forward(graph, roots, _one_of(by, node)) for node in by]
     return [list(row) for row in zip(*columns, strict=True)] if by else [[] for _ in roots]
 
 
@@ -107,16 +105,15 @@ def linear_coefficients(
         If a root is not linear in the unknowns, naming the unknown.
     """
     matrix = [gradient(graph, root, unknowns) for root in roots]
-    rest = substitute(graph, roots, dict.fromkeys(unknowns, ZERO))
     chosen = set(unknowns)
     problems = []
     for i, row in enumerate(matrix):
         for unknown, slope in zip(unknowns, row, strict=True):
-            if chosen.intersection(symbols_of(graph, [slope])):
+            if chosen.intersection(graph.reachable([slope])):
                 problems.append(_not_linear(graph, i, unknown))
     if problems:
         raise FormulationError(*problems)
-    return matrix, rest
+    return matrix, substitute(graph, roots, dict.fromkeys(unknowns, ZERO))
 
 
 def _not_linear(graph: Graph, row: int, unknown: int) -> Problem:
@@ -127,23 +124,37 @@ def _not_linear(graph: Graph, row: int, unknown: int) -> Problem:
     )  # fmt: skip
 
 
-def _scaled(graph: Graph, weight: int, slope: int) -> int:
-    """Return ``weight * slope``, taken inside a select so that a branch not taken cannot spoil it."""
-    if graph.ops[slope] == SELECT:
-        condition, then, otherwise = graph.operands(slope)
-        if ZERO in (then, otherwise):
-            scaled = (condition, _scaled(graph, weight, then), _scaled(graph, weight, otherwise))
-            return graph.many(SELECT, scaled) if scaled[1] != scaled[2] else scaled[1]
-    return mul(graph, weight, slope)
+def _one_of(by: Sequence[int], node: int) -> dict[int, int]:
+    return {**dict.fromkeys(by, ZERO), node: ONE}
+
+
+def _hand_down(
+    graph: Graph, node: int, weights: Weights, relevant: AbstractSet[int], adjoint: dict[int, Weights]
+) -> None:
+    """Hand the weights of `node` on to its operands."""
+    choice = alternatives(graph, node)
+    if choice is not None:
+        condition, then, otherwise = choice
+        for operand, holds in ((then, True), (otherwise, False)):
+            if operand in relevant:
+                hand_on_within(graph, weights, condition, holds, adjoint.setdefault(operand, {}))
+        return
+    for operand, slope in partials(graph, node):
+        if operand in relevant:
+            hand_on(graph, weights, slope, adjoint.setdefault(operand, {}))
 
 
 def _tangent(graph: Graph, node: int, known: Mapping[int, int]) -> int:
-    total = ZERO
+    choice = alternatives(graph, node)
+    if choice is not None:
+        condition, then, otherwise = choice
+        return select(graph, condition, known.get(then, ZERO), known.get(otherwise, ZERO))
+    result = ZERO
     for operand, slope in partials(graph, node):
         weight = known.get(operand, ZERO)
         if weight:
-            total = add(graph, total, _scaled(graph, weight, slope))
-    return total
+            result = add(graph, result, mul(graph, weight, slope))
+    return result
 
 
 def _saddle_tangents(graph: Graph, node: int, known: dict[int, int]) -> None:

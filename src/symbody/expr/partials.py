@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from symbody.expr.canonical import ONE, TWO, ZERO, add, apply, div, mul, neg, power, select, sub
+from symbody.expr.canonical import ONE, TWO, add, apply, div, mul, neg, power, sub
 from symbody.expr.graph import Graph
 from symbody.expr.opcodes import (
     ABS,
@@ -21,13 +21,9 @@ from symbody.expr.opcodes import (
     FLOOR,
     FMA,
     LOG,
-    LT,
-    MAX,
-    MIN,
     MUL,
     NEG,
     POW,
-    SELECT,
     SIGN,
     SIN,
     SINH,
@@ -41,7 +37,7 @@ from symbody.expr.opcodes import (
 def partials(g: Graph, node: int) -> list[tuple[int, int]]:
     """Return (operand, derivative of `node` by that operand), zero ones left out.
 
-    Conditions have derivative zero; abs, min, max and select have the derivative of the branch taken.
+    Conditions have derivative zero, abs that of the branch taken; select, min and max are in `branches`.
     """
     op = g.ops[node]
     rule = _RULES.get(op)
@@ -86,20 +82,6 @@ def _fma(g: Graph, node: int, a: int, b: int, c: int) -> list[tuple[int, int]]:
     return [(a, b), (b, a), (c, ONE)]
 
 
-def _select(g: Graph, node: int, c: int, a: int, b: int) -> list[tuple[int, int]]:
-    return [(a, select(g, c, ONE, ZERO)), (b, select(g, c, ZERO, ONE))]
-
-
-def _min(g: Graph, node: int, a: int, b: int) -> list[tuple[int, int]]:
-    smaller = apply(g, LT, a, b)
-    return [(a, select(g, smaller, ONE, ZERO)), (b, select(g, smaller, ZERO, ONE))]
-
-
-def _max(g: Graph, node: int, a: int, b: int) -> list[tuple[int, int]]:
-    larger = apply(g, LT, b, a)
-    return [(a, select(g, larger, ONE, ZERO)), (b, select(g, larger, ZERO, ONE))]
-
-
 def _atan2(g: Graph, node: int, y: int, x: int) -> list[tuple[int, int]]:
     square = add(g, power(g, x, TWO), power(g, y, TWO))
     return [(y, div(g, x, square)), (x, neg(g, div(g, y, square)))]
@@ -124,8 +106,7 @@ def _call(g: Graph, node: int) -> list[tuple[int, int]]:
 
 
 _RULES: dict[int, Callable[..., list[tuple[int, int]]]] = {
-    NEG: _neg, ADD: _add, SUB: _sub, MUL: _mul, DIV: _div, POW: _pow, FMA: _fma, SELECT: _select,
-    MIN: _min, MAX: _max, ATAN2: _atan2,
+    NEG: _neg, ADD: _add, SUB: _sub, MUL: _mul, DIV: _div, POW: _pow, FMA: _fma, ATAN2: _atan2,
     SIN: _unary(lambda g, node, a: apply(g, COS, a)),
     COS: _unary(lambda g, node, a: neg(g, apply(g, SIN, a))),
     TAN: _unary(lambda g, node, a: add(g, ONE, power(g, node, TWO))),

@@ -45,7 +45,7 @@ SympyMatrix: TypeAlias = sp.Matrix
 
 # Heights up to which SymPy's rules stay on. At these it takes at most some milliseconds an operation,
 # and a nest of 5,000 sines or roots, built without its rules, takes under a second.
-_FUNCTION_HEIGHT: Final = 4
+_FUNCTION_HEIGHT: Final = 10
 _HEIGHT: Final = 30
 # What SymPy looks into most eagerly counts for several levels.
 _STEEP: Final = frozenset({op.SINH, op.COSH, op.TANH, op.SQRT, op.POW})
@@ -177,9 +177,13 @@ class _Writer:
     def _built(self, plan: _Plan) -> tuple[sp.Basic, int]:
         parts = [self._known[k] for k in plan.operands]
         height = max([height for _, height in parts], default=0)
-        result = plan.build([part for part, _ in parts], height <= plan.limit)
+        operands = [part for part, _ in parts]
+        try:
+            result = plan.build(operands, height <= plan.limit)
+        except Exception:  # the rules cannot be relied on: some recurse, some assert what does not hold
+            result = plan.build(operands, False)
         hash(result)  # kept by SymPy; asked for later, at the top, it would recurse all the way down
-        return result, height + plan.step
+        return result, height + plan.step if result.args else 0
 
     def _plan(self, node: int) -> _Plan:
         graph = self._graph
@@ -218,8 +222,8 @@ class _Writer:
         a, b = graph.operands(compared)
         kinds = _COMPARISONS[graph.ops[compared]][2 * is_negated :]
         if graph.number(a) is not None:  # x > 0 rather than 0 < x
-            return _Plan((b, a), partial(_applied, kinds[1]), limit=-1)
-        return _Plan((a, b), partial(_applied, kinds[0]), limit=-1)
+            return _Plan((b, a), partial(_compared, kinds[1]))
+        return _Plan((a, b), partial(_compared, kinds[0]))
 
     def _choice(self, node: int) -> _Plan:
         graph = self._graph
@@ -270,6 +274,10 @@ def _applied(kind: Callable[..., sp.Basic], parts: Sequence[sp.Basic], rules: bo
     return kind(*parts, evaluate=rules)
 
 
+def _compared(kind: Callable[..., sp.Basic], parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
+    return kind(*parts, evaluate=all(part.is_Number for part in parts))
+
+
 def _root(parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
     return sp.Pow(parts[0], sp.S.Half, evaluate=rules)
 
@@ -283,6 +291,8 @@ def _total(factors: Sequence[Exact], parts: Sequence[sp.Basic], rules: bool) -> 
 
 
 def _powers(exponents: Sequence[int], parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
+    # SymPy would take powers of choices inside, and all their conditions apart.
+    rules = rules and not any(isinstance(part.as_base_exp()[0], sp.Piecewise) for part in parts)
     factors = [
         part if exponent == 1 else sp.Pow(part, sp.Integer(exponent), evaluate=rules)
         for exponent, part in zip(exponents, parts, strict=True)

@@ -11,6 +11,7 @@ from typing import Final, TypeAlias
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
+from sympy.logic.boolalg import Boolean
 from sympy.physics.vector import dynamicsymbols
 
 from symbody.errors import ExpressionError, Problem
@@ -84,7 +85,7 @@ class _Reader:
                     continue
             operands = [known[id(argument)][1] for argument in arguments]
             known[id(item)] = (item, self._node(item, arguments, operands))
-        if isinstance(root, sp.logic.boolalg.Boolean) and not isinstance(root, sp.Symbol):
+        if _is_condition(root):
             raise _refused(
                 root, "is true or false, not a number", "for an equation a = b give a - b; else use Piecewise"
             )
@@ -117,8 +118,7 @@ class _Reader:
 
     def _check_truth(self, item: sp.Basic, argument: sp.Basic, is_wanted: bool) -> None:
         """Refuse a number where `item` needs a condition, and the other way round."""
-        code = self._graph.ops[self._known[id(argument)][1]]
-        if is_wanted == (code in op.CONDITIONS or isinstance(argument, _TRUTH)):
+        if is_wanted == _is_condition(argument):
             return
         kind = type(item).__name__
         if is_wanted:
@@ -183,6 +183,11 @@ class _Reader:
                     "create the symbol once, without assumptions",
                 )
             )  # fmt: skip
+
+
+def _is_condition(item: sp.Basic) -> bool:
+    # SymPy lets symbols stand for truth values too; here they are numbers.
+    return isinstance(item, Boolean) and not isinstance(item, sp.Symbol)
 
 
 def _accepted(expression: object) -> sp.Basic:
@@ -296,6 +301,11 @@ def _piecewise(g: Graph, *operands: int) -> int:
     return result
 
 
+def _chosen_condition(g: Graph, condition: int, then: int, otherwise: int) -> int:
+    first = apply(g, op.AND, condition, then)
+    return apply(g, op.OR, first, apply(g, op.AND, apply(g, op.NOT, condition), otherwise))
+
+
 def _modulo(g: Graph, a: int, b: int) -> int:
     return sub(g, a, mul(g, b, apply(g, op.FLOOR, div(g, a, b))))
 
@@ -323,8 +333,7 @@ def _quotient(above: int | None, below: int) -> _Rule:
     return rule
 
 
-_CONNECTIVES: Final = frozenset({sp.And, sp.Or, sp.Not})
-_TRUTH: Final = (sp.logic.boolalg.BooleanTrue, sp.logic.boolalg.BooleanFalse)
+_CONNECTIVES: Final = frozenset({sp.And, sp.Or, sp.Not, sp.ITE})
 
 _RULES: Final[Mapping[type, _Rule]] = {
     sp.Add: _sum, sp.Mul: _product, sp.Pow: _power, sp.Piecewise: _piecewise,
@@ -344,7 +353,7 @@ _RULES: Final[Mapping[type, _Rule]] = {
     sp.frac: lambda g, a: sub(g, a, apply(g, op.FLOOR, a)),
     sp.Mod: _modulo, sp.Heaviside: _heaviside,
     sp.Min: _folding(op.MIN), sp.Max: _folding(op.MAX), sp.And: _folding(op.AND), sp.Or: _folding(op.OR),
-    sp.Not: _applying(op.NOT), sp.Eq: _applying(op.EQ),
+    sp.Not: _applying(op.NOT), sp.ITE: _chosen_condition, sp.Eq: _applying(op.EQ),
     sp.Ne: lambda g, a, b: apply(g, op.NOT, apply(g, op.EQ, a, b)),
     sp.StrictLessThan: _applying(op.LT), sp.LessThan: _applying(op.LE),
     sp.StrictGreaterThan: _swapped(op.LT), sp.GreaterThan: _swapped(op.LE),

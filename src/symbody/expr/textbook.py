@@ -26,8 +26,8 @@ from symbody.expr.printing import (
     NEGATION,
     POWER,
     PRODUCT,
-    SUM,
     ROUND,
+    SUM,
     Brackets,
     Layout,
     Notation,
@@ -196,8 +196,10 @@ class _Page:
             order.insert(0, first)
         pieces: list[Piece] = []
         for term in order:
-            minus = terms[term] < 0
-            part = self._product(term, abs(terms[term]), is_open=term not in self.named or term == node)
+            weight = terms[term]
+            minus = weight < 0
+            is_open = term not in self.named or term == node
+            part = self._product(term, -weight if minus else weight, is_open=is_open)
             if len(order) == 1 and not minus:
                 return part
             pieces += [(" - " if minus else " + ") if pieces else "-" if minus else "", *part.pieces]

@@ -42,16 +42,25 @@ def check_structure(data: object, locate: Locate) -> Mapping[str, Any]:
     try:
         ModelFile.model_validate(data)
     except ValidationError as error:
-        found = error.errors(include_url=False)
+        found = cast("list[dict[str, Any]]", error.errors(include_url=False))
         newer = [item for item in found if item["type"] == "newer"]
-        problems = [_problem(cast("dict[str, Any]", item), data, locate) for item in newer or found]
-        raise FormatError(*problems[:_MAX_PROBLEMS]) from None
+        is_needed = any(item["type"] == "extra_forbidden" for item in found)
+        schema: Schema = ModelFile.model_json_schema() if is_needed else {}
+        problems = [_problem(item, schema, data, locate) for item in (newer or found)[:_MAX_PROBLEMS]]
+        if len(found) > len(problems) and not newer:
+            rest = f"{len(found) - len(problems)} more problems are not shown"
+            problems.append(Problem("file.more", locate(()), rest, "", "mend the ones above first"))
+        raise FormatError(*problems) from None
     return cast("Mapping[str, Any]", data)
 
 
-def _problem(found: dict[str, Any], data: object, locate: Locate) -> Problem:
+def _problem(found: dict[str, Any], schema: Schema, data: object, locate: Locate) -> Problem:
     path = _without_tag(found["loc"])
-    code, what, why, fix = _said(found, path)
+    if found["type"] == "extra_forbidden":
+        code, what, why = "unknown_key", f"there is no key {path[-1]!r} here", ""
+        fix = nearest(str(path[-1]), _known_keys(schema, found["loc"]))
+    else:
+        code, what, why, fix = _said(found, path)
     shown = ", ".join(part for part in (locate(path), _element(path, data), _inner(path)) if part)
     return Problem(f"file.{code}", shown, what, why, fix)
 
@@ -60,13 +69,8 @@ def _said(found: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
     """Return code, fact, cause and cure of one finding."""
     kind, value = found["type"], found["input"]
     key = path[-1] if path else ""
-    if kind == "extra_forbidden":
-        return (
-            "unknown_key",
-            f"there is no key {key!r} here",
-            "",
-            nearest(str(key), _known_keys(found["loc"])),
-        )
+    if kind == "missing" and isinstance(key, int):
+        return "wrong_length", f"entry {key + 1} is missing", "", 'write both, such as ["z", "pi/2"]'
     if kind == "missing":
         return "missing_key", f"{key!r} is missing", "", f"add {key} = .."
     if kind == "newer":
@@ -108,9 +112,8 @@ def _joint_type(found: dict[str, Any]) -> tuple[str, str, str, str]:
     return "unknown_type", f"there is no joint type {tag!r}", "", nearest(tag, known)
 
 
-def _known_keys(location: Path) -> list[str]:
+def _known_keys(root: Schema, location: Path) -> list[str]:
     """Return the keys of the table in which an unknown one was found, by walking the JSON Schema."""
-    root: Schema = ModelFile.model_json_schema()
     node = root
     for part in location[:-1]:
         node = _child(root, node, part)
@@ -135,7 +138,7 @@ def _child(root: Schema, node: Schema, part: str | int) -> Schema:
 
 def _without_tag(location: tuple[str | int, ...]) -> Path:
     """Return a path without the joint type that pydantic inserts."""
-    return (*location[:2], *location[3:]) if location[0] == "joint" else location
+    return (*location[:2], *location[3:]) if location[:1] == ("joint",) else location
 
 
 def _element(path: Path, data: object) -> str:

@@ -36,7 +36,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
     FormatError
         If there is no such regular file of up to 10 MB, or it is not UTF-8 text.
     """
-    where = os.fsdecode(path)
+    where = os.fsdecode(path) or "''"
     return _decoded(_content(path, where), where)
 
 
@@ -48,14 +48,16 @@ def _content(path: str | os.PathLike[str], where: str) -> bytes:
         raise FormatError(_missing(where)) from None
     except (OSError, ValueError) as error:
         raise FormatError(_unreadable(where, error)) from error
-    with open(descriptor, "rb") as file:
-        status = os.fstat(descriptor)
-        if not stat.S_ISREG(status.st_mode):
-            raise FormatError(_not_regular(where, status.st_mode))
-        try:
+    try:
+        mode = os.fstat(descriptor).st_mode
+        if not stat.S_ISREG(mode):
+            raise FormatError(_not_regular(where, mode))
+        with open(descriptor, "rb", closefd=False) as file:
             content = file.read(MAX_BYTES + 1)
-        except OSError as error:
-            raise FormatError(_unreadable(where, error)) from error
+    except OSError as error:
+        raise FormatError(_unreadable(where, error)) from error
+    finally:
+        os.close(descriptor)
     if len(content) <= MAX_BYTES:
         return content
     raise FormatError(

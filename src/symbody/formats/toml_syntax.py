@@ -47,7 +47,7 @@ def _syntax_problem(text: str, where: str, message: str) -> Problem:
     if found is None or found.group(1) is None:
         return Problem(
             "file.syntax",
-            where,
+            f"{where}:{text.count(chr(10)) + 1}",
             f"the file ends too early: {what}",
             "a bracket or quote is never closed, or the file was cut off",
             "close it, or restore the file",

@@ -67,7 +67,8 @@ class Places:
 def places_of(bodies: Iterable[Body], ground: Mapping[str, Frame]) -> Places:
     """Return the frames of a model."""
     found = {GROUND: frozenset(ground)}
-    found.update((body.name, frozenset(body.frames)) for body in bodies)
+    for body in bodies:  # of two with one name, which is told elsewhere, both are searched
+        found[body.name] = found.get(body.name, frozenset()) | frozenset(body.frames)
     return Places(found)
 
 

@@ -19,7 +19,7 @@ def duplicate_elements(elements: Iterable[Element], labels: Mapping[int, str]) -
     return [
         Problem(
             "names.duplicate",
-            "; ".join(labels[k] for k in places),
+            "; ".join(f"{labels[k]}, name" for k in places),
             f"{len(places)} elements are named {name!r}",
             "bodies, joints and forces share one set of names",
             "rename all but one",

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from symbody.errors import Problem, nearest
 from symbody.expr.formula import Formula
+from symbody.model.joint import Joint
 from symbody.model.naming import RESERVED_SYMBOLS
 from symbody.model.uses import Scope, Use
 
@@ -52,16 +53,17 @@ def collect_symbols(entries: Iterable[tuple[str, Meaning]]) -> tuple[Symbols, li
     found: dict[str, list[Meaning]] = {}
     for name, meaning in entries:
         found.setdefault(name, []).append(meaning)
-    problems = [_duplicate(name, meanings) for name, meanings in found.items() if len(meanings) > 1]
+    problems = [_duplicate(name, meanings) for name, meanings in found.items() if _is_clash(meanings)]
     return Symbols({name: meanings[0] for name, meanings in found.items()}), problems
 
 
-def coordinate_entries(names: Iterable[str], where: str) -> Iterator[tuple[str, Meaning]]:
+def joint_entries(joint: Joint, label: str) -> Iterator[tuple[str, Meaning]]:
     """Return what a joint adds to the symbols: its coordinates, their rates and accelerations."""
-    for name in names:
-        yield name, Meaning("coordinate", where)
-        yield f"{name}_dot", Meaning("rate", where)
-        yield f"{name}_ddot", Meaning("acceleration", where)
+    given = joint.names_given
+    for k, name in enumerate(joint.coordinates):
+        path = "name" if given[k] is None else "coordinate" if len(given) == 1 else f"coordinates[{k}]"
+        for suffix, word in (("", "coordinate"), ("_dot", "rate"), ("_ddot", "acceleration")):
+            yield f"{name}{suffix}", Meaning(word, f"{label}, {path}")
 
 
 def scope_problems(label: str, uses: Iterable[Use], symbols: Symbols) -> list[Problem]:
@@ -103,6 +105,11 @@ _ARTICLES = {"input": "an", "acceleration": "an"}
 
 def _column(formula: Formula, name: str) -> int:
     return next(step.column for step in formula.program if step.kind == "name" and step.payload == name)
+
+
+def _is_clash(meanings: list[Meaning]) -> bool:
+    """Return whether a name has several meanings, not only as rate of coordinates that clash themselves."""
+    return len(meanings) > 1 and {meaning.word for meaning in meanings} not in ({"rate"}, {"acceleration"})
 
 
 def _duplicate(name: str, meanings: list[Meaning]) -> Problem:

@@ -17,7 +17,7 @@ from symbody.model.lookup import element_labels, places_of, with_places
 from symbody.model.parameters import cycle_problems, known_values
 from symbody.model.physics import check_body, check_coefficients, check_frames, check_joint
 from symbody.model.structure import duplicate_elements, floating_problems, free_bodies, joint_problems
-from symbody.model.symbols import Meaning, Symbols, collect_symbols, coordinate_entries, scope_problems
+from symbody.model.symbols import Meaning, Symbols, collect_symbols, joint_entries, scope_problems
 from symbody.model.table import Table
 from symbody.model.uses import Scope, Triple, Use, triple_uses
 
@@ -71,7 +71,7 @@ def _name_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
     problems += scope_problems("model", _model_uses(draft), symbols)
     for label, element in zip(labels, draft.elements, strict=True):
         problems += scope_problems(label, element.uses(), symbols)
-    return problems + _initial_problems(draft, symbols)
+    return problems + _initial_problems(draft, symbols) + _degree_problems(draft, labels)
 
 
 def _symbol_entries(draft: Draft, labels: Sequence[str]) -> Iterator[tuple[str, Meaning]]:
@@ -81,7 +81,7 @@ def _symbol_entries(draft: Draft, labels: Sequence[str]) -> Iterator[tuple[str, 
         yield name, Meaning("input", f"model, inputs[{k}]")
     for label, element in zip(labels, draft.elements, strict=True):
         if isinstance(element, Joint):
-            yield from coordinate_entries(element.coordinates, label)
+            yield from joint_entries(element, label)
 
 
 def _model_uses(draft: Draft) -> Iterator[Use]:
@@ -97,34 +97,44 @@ def _model_uses(draft: Draft) -> Iterator[Use]:
 
 
 def _initial_problems(draft: Draft, symbols: Symbols) -> list[Problem]:
-    """Return the initial values of what has none, and lengths given in degrees."""
+    """Return a problem for each initial value of what has none."""
     known = [name for name, meaning in symbols.meanings.items() if meaning.word in ("coordinate", "rate")]
-    joints = [element for element in draft.elements if isinstance(element, Joint)]
-    angles = {name for joint in joints for name in joint.rotation_coordinates}
-    problems = []
-    for name, formula in draft.initial.items():
-        where = f"model, initial.{name}"
-        if name not in known:
-            problems.append(
-                Problem(
-                    "initial.unknown",
-                    where,
-                    f"there is no coordinate or rate {name!r}",
-                    "initial values belong to coordinates and their rates, x and x_dot",
-                    nearest(name, known),
-                )
-            )
-        elif formula.text.endswith("deg") and "deg" not in formula.names and name not in angles:
-            problems.append(
-                Problem(
-                    "initial.not_an_angle",
-                    where,
-                    f"{name} is given in degrees and is no angle",
-                    "deg is understood for angles alone",
-                    "write the value in m, m/s or rad/s",
-                )
-            )
-    return problems
+    return [
+        Problem(
+            "initial.unknown",
+            f"model, initial.{name}",
+            f"there is no coordinate or rate {name!r}",
+            "initial values belong to coordinates and their rates, x and x_dot",
+            nearest(name, known),
+        )
+        for name in draft.initial
+        if name not in known
+    ]
+
+
+def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
+    """Return a problem for each value in degrees that is no angle."""
+    angles: set[str] = set()
+    others: set[str] = set()
+    values = {f"model, initial.{name}": (name, formula) for name, formula in draft.initial.items()}
+    for label, joint in zip(labels, draft.elements, strict=True):
+        if isinstance(joint, Joint):
+            angles.update(joint.rotation_coordinates)
+            others.update(joint.coordinates)
+            others.update(f"{name}_dot" for name in joint.coordinates)
+            for name, drive in joint.drives.items():
+                values[f"{label}, force"] = (name, drive.free)
+    return [
+        Problem(
+            "model.not_an_angle",
+            where,
+            f"{formula} belongs to {name}, which is no angle",
+            "deg is understood for angles alone",
+            "write the value in SI units",
+        )
+        for where, (name, formula) in values.items()
+        if name in others - angles and formula.text.endswith("deg") and "deg" not in formula.names
+    ]
 
 
 def _numbers(draft: Draft, labels: Iterable[str]) -> Checker:

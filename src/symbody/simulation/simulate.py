@@ -37,8 +37,6 @@ def simulate(
 
     Parameters
     ----------
-    eqs : EquationSet
-        The equations.
     t_end : float or (t0, t_end)
         End time [s], or both ends; initial values hold at the first.
     initial : mapping of name to number or formula in parameters
@@ -62,8 +60,7 @@ def simulate(
         If initial values or times make no sense. Failures on the way do not raise: `status` tells.
     """
     task = _Task(eqs, dict(parameters or {}), dict.fromkeys(eqs.input_names, 0) | dict(inputs or {}))
-    start, end = t_end if isinstance(t_end, tuple) else (0.0, t_end)
-    # The work is one more state behind the coordinates: the function writes its rate, the power, last.
+    # The work is one more state: the function writes its rate, the power, behind xdot.
     function = task.compiled(("xdot", "power"))
     raw = integrate(
         function.address,
@@ -71,7 +68,7 @@ def simulate(
         len(eqs.speed_names),
         len(eqs.coordinate_names) + 1,
         np.append(_initial_state(task, initial or {}), 0.0),
-        (float(start), float(end)),
+        t_end if isinstance(t_end, tuple) else (0.0, t_end),
         constants=function.constants(),
         method=Explicit() if integrator is None else integrator,
         times=times,
@@ -80,7 +77,7 @@ def simulate(
         max_steps=max_steps,
         progress=progress,
     )
-    silent = [name for name in eqs.input_names if name not in (inputs or {})]
+    silent = sorted(set(eqs.input_names).difference(inputs or {}))
     return _trajectory(task, raw, tuple(f"input {name} has no value and is 0" for name in silent))
 
 

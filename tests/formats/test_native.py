@@ -1,0 +1,358 @@
+"""The model file: read, written, the same again."""
+
+from __future__ import annotations
+
+import json
+import string
+import time
+import tomllib
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from symbody.errors import FormatError, ModelError, SymbodyError
+from symbody.formats import (
+    from_data,
+    layout_of,
+    load_model,
+    model_from_toml,
+    model_to_toml,
+    save_model,
+    to_data,
+)
+from symbody.model import Body, Drive, Force, Frame, Model, Prismatic, Revolute, SpringDamper, Torque, Weld
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "spring_mass_damper" / "spring_mass_damper.toml"
+
+
+def spring_mass_damper() -> Model:
+    mass = Body("Mass", mass="m")
+    drive = Drive(applied="F", stiffness="k", damping="d")
+    return Model(
+        "spring-mass-damper",
+        [Prismatic("slider", "ground", mass, axis="x", coordinate="x", force=drive)],
+        parameters={"m": 1.0, "d": 0.5, "k": 1.0},
+        inputs=["F"],
+        initial={"x": 1.0},
+    )
+
+
+def everything() -> Model:
+    """Every class and every field away from its default."""
+    frames = {
+        "tip": Frame(at=("L", 0.25, "-1e-3"), rotate=[("z", "30 deg"), (("a", 0, 1), "phi")]),
+        "flat end": Frame(matrix=[[0, -1, 0], [1, 0, 0], [0, 0, 1]]),
+        "plain": Frame(),
+    }
+    link = Body("upper arm", mass="m", inertia=(1, "2*m", 1.50), products=("0.1", 0, -0.2), frames=frames)
+    wheel = Body("🙂 wheel", mass=1e-30)
+    drive = Drive(applied="T*sin(t) - q_dot", stiffness=1e22, damping="if(q < 0, d, 2*d)", free="-90 deg")
+    return Model(
+        "everything, \"quoted\" 'twice'\n∅",
+        [
+            link,
+            wheel,
+            Revolute(
+                "pin", "ground.post", link["tip"], axis=("a", 0, -2), coordinate="q", torque=drive, tree=True
+            ),
+            Prismatic("rail", "upper arm.flat end", wheel, motion="0.1*t", tree={"rotation": False}),
+            Weld("seam", link["plain"], "🙂 wheel", tree={"rotation": True, "translation": False}),
+            SpringDamper("s", "post", "tip", stiffness="k", damping=0.5, free="l0", applied="T"),
+            Force("push", link, (0, "-T", 1.5), resolved_in="tip", reaction_on="🙂 wheel"),
+            Torque("twist", "🙂 wheel", ("T", 0, 0)),
+        ],
+        gravity=(0, "-g", "1/3"),
+        parameters={
+            "g": 9.81,
+            "m": "2*k",
+            "k": None,
+            "L": "0.50",
+            "a": 1,
+            "phi": "15 deg",
+            "d": 10**20,
+            "l0": "1e-3",
+        },
+        inputs=["T", "λ"],
+        initial={"q": "pi/2", "q_dot": "k", "rail": 0.3},
+        ground={"post": Frame(at=(1, 2, 3))},
+    )
+
+
+MODELS = {"example": spring_mass_damper, "everything": everything, "empty": lambda: Model("")}
+
+
+def test_script_and_file_are_the_same_model() -> None:
+    assert load_model(EXAMPLE) == spring_mass_damper()
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_model_to_file_to_model(name: str, tmp_path: Path) -> None:
+    model = MODELS[name]()
+    path = tmp_path / "model.toml"
+    save_model(model, path)
+    assert load_model(path) == model
+    assert list(load_model(path).parameters) == list(model.parameters)
+    assert model_to_toml(load_model(path)) == path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_model_to_json_to_model(name: str) -> None:
+    model = MODELS[name]()
+    assert from_data(json.loads(json.dumps(to_data(model)))) == model
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_file_and_json_have_one_structure(name: str) -> None:
+    model = MODELS[name]()
+
+    def texts(value: object) -> object:
+        if isinstance(value, dict):
+            return {key: texts(item) for key, item in value.items()}
+        if isinstance(value, list):
+            return [texts(item) for item in value]
+        return value if isinstance(value, bool) else str(value)
+
+    assert texts(tomllib.loads(model_to_toml(model), parse_float=str)) == to_data(model)
+
+
+def test_text_of_a_new_file() -> None:
+    assert (
+        model_to_toml(spring_mass_damper())
+        == """name = "spring-mass-damper"
+gravity = [0, 0, 0]
+inputs = ["F"]
+
+[parameters]
+m = 1.0
+d = 0.5
+k = 1.0
+
+[[body]]
+name = "Mass"
+mass = "m"
+
+[[joint]]
+name = "slider"
+type = "prismatic"
+between = ["ground", "Mass"]
+axis = "x"
+coordinate = "x"
+force = {applied = "F", stiffness = "k", damping = "d"}
+
+[initial]
+x = 1.0
+"""
+    )
+
+
+NAMES = st.text(string.ascii_letters + "äλ _-", min_size=1, max_size=8).filter(
+    lambda name: name == name.strip()
+)
+NUMBERS = st.one_of(
+    st.integers(0, 10**20),
+    st.floats(0, 1e300, allow_nan=False),
+    st.decimals(0, 1000, places=3),
+    st.sampled_from(["k", "2*k", " k", "1.", ".5", "1e3", "1E-3", "0.10", "+1", "--1", "007", "30*pi/180"]),
+)
+
+
+@given(st.lists(st.tuples(NAMES, NUMBERS, NUMBERS), max_size=4, unique_by=lambda body: body[0].lower()))
+def test_any_numbers_survive(bodies: list[tuple[str, object, object]]) -> None:
+    elements = [
+        Body(name, mass=mass, frames={"f": Frame(at=(length, 0, 0))})
+        for name, mass, length in bodies
+        if name != "-"
+    ]
+    model = Model("any", elements, parameters={"k": 1})
+    assert model_from_toml(model_to_toml(model)) == model
+    assert from_data(json.loads(json.dumps(to_data(model)))) == model
+
+
+# --- saving on top of a file -----------------------------------------------------------------------------
+
+
+def test_saving_unchanged_keeps_every_byte(tmp_path: Path) -> None:
+    path = tmp_path / "model.toml"
+    path.write_bytes(EXAMPLE.read_bytes())
+    save_model(load_model(path), path)
+    assert path.read_bytes() == EXAMPLE.read_bytes()
+
+
+COMMENTED = """# head
+name = "arm"    # title
+gravity = [0, 0, 0]
+[parameters]
+m = 1.0         # kg
+k = "2*m"       # N/m
+[[body]]        # first
+name = "A"
+mass = "m"      # mass of A
+[body.frames]
+tip = { at = [1, 0, 0] }   # tip of A
+# second
+[[body]]
+name = "B"
+[[joint]]
+name = "j"      # hinge
+type = "revolute"
+axis = "z"
+between = ["ground", "A"]
+torque = { stiffness = "k", damping = 1 }   # drive
+[layout]
+A = { x = 10, y = 20.5 }
+shapes = [ { name = "A", at = 1979-05-27 } ]
+"""
+
+CHANGES: dict[str, tuple[Callable[[Model], Model], list[str]]] = {
+    "mass": (lambda m: replace(m, elements=[replace(m.body("A"), mass=3), *m.elements[1:]]), ["# mass of A"]),
+    "parameter": (lambda m: replace(m, parameters={"m": 2, "k": "2*m", "d": 1}), []),
+    "frame": (
+        lambda m: replace(
+            m,
+            elements=[
+                replace(m.body("A"), frames={"tip": Frame(at=(2, 0, 0)), "new": Frame()}),
+                *m.elements[1:],
+            ],
+        ),
+        [],
+    ),
+    "drive": (
+        lambda m: replace(m, elements=[*m.bodies, replace(m.joint("j"), torque=Drive(stiffness="m"))]),
+        ["# drive"],
+    ),
+    "renamed": (lambda m: replace(m, elements=[m.body("A"), Body("C"), *m.joints]), []),
+    "added": (lambda m: replace(m, elements=[*m.elements, Body("C"), Weld("w", "A", "C")]), []),
+    "removed": (lambda m: replace(m, elements=[m.body("A"), *m.joints]), []),
+    "new tables": (
+        lambda m: replace(m, inputs=["F"], initial={"j": "F_0"}, parameters={**m.parameters, "F_0": 1}),
+        [],
+    ),
+    "ground": (lambda m: replace(m, ground={"post": Frame(at=(1, 0, 0))}, name="other"), ["# title"]),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_comments_and_layout_are_kept(change: str, tmp_path: Path) -> None:
+    path = tmp_path / "model.toml"
+    path.write_text(COMMENTED)
+    model = CHANGES[change][0](load_model(path))
+    save_model(model, path)
+    text = path.read_text()
+    assert load_model(path) == model
+    kept = ["# head", "# first", "# hinge", "# kg", *CHANGES[change][1]]
+    assert [comment for comment in kept if comment not in text] == []
+    assert tomllib.loads(text)["layout"] == tomllib.loads(COMMENTED)["layout"]
+    assert path.with_name("model.toml.bak").read_text() == COMMENTED
+
+
+def test_saving_on_something_else_writes_anew_and_keeps_it_aside(tmp_path: Path) -> None:
+    for old in (b"no model", b"\xff\xfe\0", b'name = "a"\nunknown = 1\n', b""):
+        path = tmp_path / "model.toml"
+        path.write_bytes(old)
+        save_model(spring_mass_damper(), path)
+        assert load_model(path) == spring_mass_damper()
+        assert path.with_name("model.toml.bak").read_bytes() == old
+
+
+def test_line_ends_of_windows(tmp_path: Path) -> None:
+    path = tmp_path / "model.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + COMMENTED.replace("\n", "\r\n").encode())
+    assert load_model(path) == model_from_toml(COMMENTED)
+    with pytest.raises(ModelError, match="model.toml:9, body A, mass"):
+        path.write_bytes(COMMENTED.replace('mass = "m"', 'mass = "M"').replace("\n", "\r\n").encode())
+        load_model(path)
+
+
+def test_layout_is_replaced_on_request() -> None:
+    text = model_to_toml(
+        model_from_toml(COMMENTED), onto=COMMENTED, layout={"B": {"x": 1, "path": [[0, 1], [2, 3]]}}
+    )
+    assert layout_of(text) == {"B": {"x": 1, "path": [[0, 1], [2, 3]]}}
+    assert "# mass of A" in text
+    assert layout_of(model_to_toml(spring_mass_damper(), layout={})) == {}
+    assert to_data(spring_mass_damper(), layout={"a": 1})["layout"] == {"a": 1}
+
+
+def test_layout_that_toml_cannot_say() -> None:
+    deep: dict[str, object] = {}
+    for _ in range(5000):
+        deep = {"a": deep}
+    for layout in ({"x": None}, {"x": object()}, deep):
+        with pytest.raises(FormatError, match="file.layout"):
+            model_to_toml(spring_mass_damper(), layout=layout)
+
+
+# --- data ------------------------------------------------------------------------------------------------
+
+
+def test_null_is_left_out_and_numbers_are_numbers() -> None:
+    data = {
+        "name": "a",
+        "gravity": None,
+        "body": [{"name": "A", "mass": 1.5, "inertia": [1, 1.0, "m"], "frames": None}],
+        "joint": [{"name": "j", "type": "weld", "between": ["ground", "A"], "tree": None}],
+        "parameters": {"m": None, "k": 9.81},
+    }
+    model = from_data(data)
+    assert model.body("A").mass.text == "1.5" and model.parameters["m"] is None
+    assert model == Model(
+        "a", [Body("A", 1.5, (1, 1.0, "m")), Weld("j", "ground", "A")], parameters={"m": None, "k": 9.81}
+    )
+
+
+@pytest.mark.parametrize(
+    ("data", "where"),
+    [
+        ({"name": "a", "body": [{"name": "A", "mas": 1}]}, "#/body/0/mas, body A, mas"),
+        ({"name": "a", "body": [{"name": "A", "mass": "1+"}]}, "#/body/0/mass, body A, mass, column 3"),
+        ({"name": "a", "gravity": [0, "G", 0]}, "#/gravity/1, gravity[1], column 1"),
+        ({"name": "a", "parameters": {"m": float("inf")}}, "#/parameters/m, parameters.m"),
+        ({}, "#/name, name"),
+        ([], "#"),
+        (None, "#"),
+        ("name", "#"),
+    ],
+)
+def test_faults_of_data_have_pointers(data: object, where: str) -> None:
+    with pytest.raises(SymbodyError) as caught:
+        from_data(data)
+    assert caught.value.problems[0].where == where
+
+
+# --- texts that are too much -----------------------------------------------------------------------------
+
+
+TOO_MUCH = {
+    "deep list": "x = " + "[" * 100_000,
+    "deep closed list": "x = " + "[" * 20_000 + "]" * 20_000,
+    "deep tables": "x = " + "{a = " * 20_000 + "1" + "}" * 20_000,
+    "deep layout": "name = 'a'\nlayout.x = " + "[" * 20_000 + "]" * 20_000,
+    "long key": "name = 'a'\n" + "a." * 3_000 + "b = 1",
+    "long header": "[" + "a." * 3_000 + "b]",
+    "digits": "name = 'a'\n[parameters]\nm = " + "9" * 5_000,
+    "decimal digits": "name = 'a'\n[parameters]\nm = 1." + "9" * 5_000,
+    "huge exponent": "name = 'a'\n[parameters]\nm = 1e400",
+    "monstrous exponent": "name = 'a'\n[parameters]\nm = 1e99999999999999999999",
+    "deep formula": "name = 'a'\n[parameters]\nm = '" + "(" * 3_000 + "1" + ")" * 3_000 + "'",
+    "long formula": "name = 'a'\n[parameters]\nm = '1" + "+1" * 20_000 + "'",
+    "power tower": "name = 'a'\n[parameters]\nm = '9**9**9'",
+    "unclosed string": "name = 'a'\nx = \"" + "a" * 1_000_000,
+    "unclosed long string": "name = 'a'\nx = '''" + "\\n" * 500_000,
+    "carriage returns": "name = 'a'\rx = 1",
+    "many unknown keys": "name = 'a'\n" + "".join(f"k{k} = 1\n" for k in range(5_000)),
+    "many bad bodies": "name = 'a'\n" + "[[body]]\n" * 5_000,
+}
+
+
+@pytest.mark.parametrize("kind", TOO_MUCH)
+def test_too_much_is_refused_quickly(kind: str) -> None:
+    start = time.monotonic()
+    with pytest.raises(SymbodyError) as caught:
+        model_from_toml(TOO_MUCH[kind], where="model.toml")
+    assert len(str(caught.value)) < 100_000
+    # Promised for any input: 2 s; every case takes a tenth of it on a slow machine.
+    assert time.monotonic() - start < 2.0
