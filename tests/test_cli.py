@@ -88,7 +88,7 @@ def test_code_goes_to_a_file_that_is_not_overwritten(model: Path, capsys: pytest
     [
         (["simulate", "MISSING.toml"], 3, "MISSING.toml"),
         (["frobnicate"], 2, "frobnicate"),
-        (["simulate", "MODEL", "--end", "soon"], 2, "soon"),
+        (["simulate", "MODEL", "--end", "soon"], 2, "--end"),
         (["simulate", "MODEL", "-p", "k"], 2, "cli.assignment"),
         (["simulate", "MODEL", "-p", "kk=3"], 3, "did you mean 'k'"),
         (["simulate", "MODEL", "-i", "F=sin(omega*t)"], 3, "omega"),

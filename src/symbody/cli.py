@@ -225,6 +225,7 @@ def run(arguments: Sequence[str]) -> int:
     """Run the command line and return its exit code."""
     try:
         app(list(arguments))
+        return 0
     except SystemExit as done:  # typer ends this way, after telling faults of usage
         return done.code if isinstance(done.code, int) else 0
     except SymbodyError as error:

@@ -37,8 +37,8 @@ def rr_robot() -> Model:
         Revolute("elbow", "Link1.tip", "Link2.base", coordinate="beta_2", torque=Drive(applied="T2")),
     ]
     names = ["m1", "m2", "I1", "I2", "L3", "L4", "L5", "G"]
-    return Model("RR", [link1, link2, *joints], gravity=(0, "-G", 0),
-                 parameters={name: 1 + k / 7 for k, name in enumerate(names)}, inputs=["T1", "T2"])  # fmt: skip
+    values = {name: 1 + k / 7 for k, name in enumerate(names)}
+    return Model("RR", [link1, link2, *joints], (0, "-G", 0), values, inputs=["T1", "T2"])
 
 
 def test_rr_robot_has_the_textbook_mass_matrix() -> None:

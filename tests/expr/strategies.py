@@ -8,7 +8,8 @@ becomes the sine of its operand, so nothing has to be thrown away.
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
+from collections.abc import Sequence as Items
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -60,22 +61,36 @@ class Sample(NamedTuple):
 
 
 @st.composite
-def samples(draw: st.DrawFn, ops: Sequence[int] = EVERY, steps: int = 12) -> Sample:
+def samples(draw: st.DrawFn, ops: Items[int] = EVERY, steps: int = 12) -> Sample:
     point = tuple(Fraction(draw(st.integers(-128, 128)), 64) for _ in NAMES)  # floats hold these
+    return Sample(draw(_programs(ops, steps, [exact(x) for x in point])), point)
+
+
+@st.composite
+def compositions(draw: st.DrawFn) -> tuple[Sample, Program]:
+    """Return an inner sample, and a program that is tame with its result in the place of x."""
+    inner = draw(samples(steps=6))
+    with mpmath.workdps(DIGITS):
+        result = mpmath_values(inner.program, [exact(x) for x in inner.point])[-1]
+        return inner, draw(_programs(EVERY, 6, [result, *(exact(x) for x in inner.point[1:])]))
+
+
+@st.composite
+def _programs(draw: st.DrawFn, ops: Items[int], steps: int, point: Items[Any]) -> Program:
     program = [Step(op.SYMBOL, (), Fraction(k)) for k in range(len(NAMES))]
     with mpmath.workdps(DIGITS):
-        values = [exact(x) for x in point]
+        values = list(point)
         for _ in range(draw(st.integers(1, steps))):
             step = draw(_steps(ops, len(values)))
             if not is_tame(step, values):
                 step = Step(op.SIN, step.operands[:1])
             program.append(step)
             values.append(mpmath_value(step, values))
-    return Sample(tuple(program), point)
+    return tuple(program)
 
 
 @st.composite
-def _steps(draw: st.DrawFn, ops: Sequence[int], count: int) -> Step:
+def _steps(draw: st.DrawFn, ops: Items[int], count: int) -> Step:
     place = st.integers(0, count - 1)
     if draw(st.integers(0, 5)) == 0:
         return Step(op.RATIONAL, (), draw(st.fractions(-5, 5, max_denominator=6)))
@@ -87,7 +102,7 @@ def _steps(draw: st.DrawFn, ops: Sequence[int], count: int) -> Step:
     return Step(code, tuple(draw(place) for _ in range(arity)))
 
 
-def is_tame(step: Step, values: Sequence[Any]) -> bool:
+def is_tame(step: Step, values: Items[Any]) -> bool:
     """Tell whether the step has a moderate value, away from where it or its derivative is undefined."""
     a = [values[k] for k in step.operands]
     edges: dict[int, Callable[[], bool]] = {
@@ -135,7 +150,7 @@ _SYMPY: Mapping[int, Callable[..., Any]] = {
 }  # fmt: skip
 
 
-def mpmath_value(step: Step, values: Sequence[Any]) -> Any:
+def mpmath_value(step: Step, values: Items[Any]) -> Any:
     """Return the value of one step, by mpmath alone."""
     if step.op == op.RATIONAL:
         return exact(step.number)
@@ -143,7 +158,7 @@ def mpmath_value(step: Step, values: Sequence[Any]) -> Any:
     return mpmath.power(a[0], exact(step.number)) if step.op == op.POW else _MPMATH[step.op](*a)
 
 
-def mpmath_values(program: Program, point: Sequence[Any]) -> list[Any]:
+def mpmath_values(program: Program, point: Items[Any]) -> list[Any]:
     """Return the value of every step at the precision of mpmath."""
     values: list[Any] = []
     for step in program:
@@ -166,7 +181,7 @@ def sympy_expression(program: Program) -> sp.Expr:
     return values[-1]
 
 
-def sympy_value(expression: sp.Expr, point: Sequence[Fraction]) -> Any:
+def sympy_value(expression: sp.Expr, point: Items[Fraction]) -> Any:
     """Return the value of an expression of `SYMPY_SYMBOLS` to `DIGITS` digits."""
     numbers = [sp.Rational(x.numerator, x.denominator) for x in point]
     value = expression.subs(dict(zip(SYMPY_SYMBOLS, numbers, strict=True))).evalf(DIGITS)
@@ -211,7 +226,7 @@ def _node(step: Step, operands: list[int], graph: Graph) -> int:
     return make(graph, step.op, tuple(operands))
 
 
-def sequence_of(graph: Graph, nodes: Sequence[int], *, merge: bool = True, contract: bool = True) -> Sequence:
+def sequence_of(graph: Graph, nodes: Items[int], *, merge: bool = True, contract: bool = True) -> Sequence:
     """Return the sequence of `nodes`, reading `SYMBOLS` and their rates from the groups q and u."""
     inputs = {}
     for k, symbol in enumerate(SYMBOLS):

@@ -48,6 +48,10 @@ EQUAL: dict[str, tuple[Rule, Rule]] = {
         lambda p: add(p.g, mul(p.g, TWO, p.x), mul(p.g, p.c(3), p.x)),
         lambda p: mul(p.g, p.c(5), p.x),
     ),
+    "3x+3x": (
+        lambda p: add(p.g, mul(p.g, p.c(3), p.x), mul(p.g, p.c(3), p.x)),
+        lambda p: mul(p.g, p.c(6), p.x),
+    ),
     "2x-2x": (lambda p: sub(p.g, mul(p.g, TWO, p.x), mul(p.g, TWO, p.x)), lambda p: ZERO),
     "2x-x": (lambda p: sub(p.g, mul(p.g, TWO, p.x), p.x), lambda p: p.x),
     "x+(-y)": (lambda p: add(p.g, p.x, neg(p.g, p.y)), lambda p: sub(p.g, p.x, p.y)),

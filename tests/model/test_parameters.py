@@ -58,6 +58,7 @@ def test_numbers_of_other_libraries(number: object) -> None:
     "value",
     [
         True,
+        np.True_,
         1j,
         np.complex128(1),
         np.array([1.0, 2.0]),

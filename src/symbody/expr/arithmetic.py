@@ -30,7 +30,7 @@ def add(g: Graph, a: int, b: int) -> int:
     if oa <= NEG or ob <= NEG:
         return _add_special(g, a, b)
     if a == b:
-        return g.node(MUL, TWO, a)
+        return mul(g, TWO, a)
     if (oa == MUL or ob == MUL) and (merged := _merge_terms(g, a, b, 1)) is not None:
         return merged
     hashes = g.hashes

@@ -45,7 +45,7 @@ SympyMatrix: TypeAlias = sp.Matrix
 
 # Heights up to which SymPy's rules stay on. At these it takes at most some milliseconds an operation,
 # and a nest of 5,000 sines or roots, built without its rules, takes under a second.
-_FUNCTION_HEIGHT: Final = 10
+_FUNCTION_HEIGHT: Final = 4
 _HEIGHT: Final = 30
 # What SymPy looks into most eagerly counts for several levels.
 _STEEP: Final = frozenset({op.SINH, op.COSH, op.TANH, op.SQRT, op.POW})

@@ -144,6 +144,8 @@ class Door:
 def _plain(value: object) -> FormulaLike:
     """Return a scalar of another library as float; anything else as it is, to be told what is wrong."""
     is_known = isinstance(value, str | Formula | Real | Decimal | complex)
+    if type(value).__name__ in ("bool", "bool_"):  # NumPy's does what bool does, and is no number either
+        return cast(FormulaLike, bool(value))
     if not is_known and isinstance(value, SupportsFloat):
         try:
             return float(value)

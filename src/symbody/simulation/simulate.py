@@ -104,7 +104,8 @@ class _Evaluator:
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the output with time last; q is (n_q, N), u is (n_u, N)."""
         if name == "work" and self.work is not None:
-            return self.work(t)[0]
+            done: Floats = self.work(t)[0]
+            return done
         if name == "constraint_violation":  # a tree has no constraints
             return np.zeros_like(t)
         values: Floats = self.task.compiled(name)(t, q.T, u.T)
