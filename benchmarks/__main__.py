@@ -18,6 +18,8 @@ BENCHMARKS: Final[Mapping[str, Callable[[Settings], Iterator[Table]]]] = Mapping
     {"nodes": nodes.tables, "expressions": expressions.tables}
 )
 
+_WIDTH: Final = 150
+
 
 def main() -> None:
     """Print the tables of the benchmarks named on the command line, or of all."""
@@ -39,6 +41,8 @@ def main() -> None:
     if chosen.rounds < 1 or chosen.limit <= 0:
         parser.error("--rounds must be at least 1 and --limit above 0")
     console = Console()
+    if not console.is_terminal:  # a file is as wide as it has to be
+        console = Console(width=_WIDTH)
     console.print(
         f"{platform.machine()}, Python {platform.python_version()}; in brackets: times symbody's figure\n"
     )

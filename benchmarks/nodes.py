@@ -10,13 +10,12 @@ import tracemalloc
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from time import perf_counter
 from typing import Final
 
 from benchmarks.engines.ours import Engine
 from benchmarks.problems import Step, random_program, serial_chain
 from benchmarks.table import Table
-from benchmarks.timing import Settings, in_turns, medians, seconds
+from benchmarks.timing import Settings, in_turns, medians, processor_seconds
 from symbody.expr.canonical import add, apply, mul, sub
 from symbody.expr.fingerprint import fingerprints
 from symbody.expr.graph import Graph, Symbol
@@ -24,9 +23,9 @@ from symbody.expr.opcodes import COS, SIN
 from symbody.expr.sequence import Input, Roots, build_sequence
 
 _COUNT: Final = 1_000_000
-_MOST_ROUNDS: Final = 3  # a round takes a minute
 _INPUTS: Final = 8
 _LANES: Final = 60
+_NODES_OF_A_STEP: Final = 1.44  # differences bring signs with them
 _NODES_OF_A_LINK: Final = 89
 
 BUILD_BAR: Final = 4.0  # us a node, folding included
@@ -42,32 +41,23 @@ class Grown:
     inputs: Mapping[int, Input]
 
 
+Grower = Callable[[], Grown]
+
+
 def tables(settings: Settings, count: int = _COUNT) -> Iterator[Table]:
-    """Yield the table for graphs of about `count` nodes."""
-    rounds = min(settings.rounds, _MOST_ROUNDS)
-    steps = random_program(count, _INPUTS, _LANES)
-    yardstick = (
-        medians(in_turns({"": partial(seconds, partial(fill_plain_lists, count))}, rounds))[""] / count * 1e6
-    )
+    """Yield the table for graphs of about `count` nodes; the passes run over a fifth of that."""
+    yardstick = _microseconds({"": partial(fill_plain_lists, count)}, settings.rounds)[""] / count
     rows = [("yardstick: a dictionary and four lists", f"{yardstick:.2f} us", "", "", "1")]
-    notes = []
-    for name, grow in (
-        ("random operations", partial(grow_random, steps)),
-        ("4x4 products, by operators", partial(grow_chain, count)),
-    ):
-        figures, size = _measured(grow, rounds)
-        notes.append(f"{name}: {size} nodes; medians of {rounds} rounds")
-        for what, figure in figures.items():
+    notes = [f"processor time, medians of {settings.rounds} rounds"]
+    for name, grow in (("random operations", grow_random), ("4x4 products by operators", grow_chain)):
+        prepared, smaller = grow(count), grow(count // 5)
+        size, nodes = len(prepared().graph), _nodes_of(smaller())
+        notes.append(f"{name}: {size} nodes made, passes over {nodes}")
+        for what, figure in _figures(prepared, smaller, settings.rounds).items():
             bar = BUILD_BAR if what == "build" else None
-            rows.append(
-                (
-                    f"{name}: {what}",
-                    f"{figure:.2f} us",
-                    *_judged(figure, bar, "us"),
-                    f"{figure / yardstick:.1f}",
-                )
-            )
-        memory = bytes_per_node(grow)
+            cells = (f"{figure:.2f} us", *_judged(figure, bar, "us"), f"{figure / yardstick:.1f}")
+            rows.append((f"{name}: {what}", *cells))
+        memory = bytes_per_node(prepared)
         rows.append((f"{name}: memory", f"{memory:.0f} bytes", *_judged(memory, MEMORY_BAR, "bytes"), ""))
     columns = ("per node", "measured", "bar", "of the bar", "of the yardstick")
     yield Table("the expression graph", columns, tuple(rows), tuple(notes))
@@ -77,31 +67,33 @@ def _judged(figure: float, bar: float | None, unit: str) -> tuple[str, str]:
     return ("", "") if bar is None else (f"{bar:g} {unit}", f"{100 * figure / bar:.0f} %")
 
 
-def _measured(grow: Callable[[], Grown], rounds: int) -> tuple[dict[str, float], int]:
-    """Return microseconds a node by what was done, and the number of nodes."""
-    grown = grow()
-    nodes = grown.graph.reachable(grown.roots)
-    roots = [Roots("all", (len(grown.roots),), grown.roots)]
-    tasks: dict[str, Callable[[], float]] = {
-        "build": partial(_seconds_to_grow, grow),
-        "fingerprints": partial(seconds, lambda: fingerprints(grown.graph, nodes)),
-        "build_sequence": partial(seconds, lambda: build_sequence(grown.graph, roots, grown.inputs)),
-    }
-    size = len(grown.graph)
-    per = {"build": size, "fingerprints": len(nodes), "build_sequence": len(nodes)}
-    found = medians(in_turns(tasks, rounds))
-    return {name: figure / per[name] * 1e6 for name, figure in found.items()}, size
+def _figures(grow: Grower, grow_smaller: Grower, rounds: int) -> dict[str, float]:
+    """Return microseconds a node by what was done."""
+    small = grow_smaller()
+    nodes = small.graph.reachable(small.roots)
+    roots = [Roots("all", (len(small.roots),), small.roots)]
+    found = _microseconds(
+        {
+            "build": grow,
+            "fingerprints": lambda: fingerprints(small.graph, nodes),
+            "build_sequence": lambda: build_sequence(small.graph, roots, small.inputs),
+        },
+        rounds,
+    )
+    size = len(grow().graph)
+    return {name: figure / (size if name == "build" else len(nodes)) for name, figure in found.items()}
 
 
-def _seconds_to_grow(grow: Callable[[], Grown]) -> float:
-    start = perf_counter()
-    grown = grow()
-    spent = perf_counter() - start
-    del grown  # to free a graph takes time too, which belongs to nobody here
-    return spent
+def _microseconds(tasks: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float]:
+    timed = {name: partial(processor_seconds, task) for name, task in tasks.items()}
+    return {name: 1e6 * figure for name, figure in medians(in_turns(timed, rounds)).items()}
 
 
-def bytes_per_node(grow: Callable[[], Grown]) -> float:
+def _nodes_of(grown: Grown) -> int:
+    return len(grown.graph.reachable(grown.roots))
+
+
+def bytes_per_node(grow: Grower) -> float:
     """Return the memory that a graph keeps, divided by its nodes."""
     tracemalloc.start()
     try:
@@ -111,8 +103,12 @@ def bytes_per_node(grow: Callable[[], Grown]) -> float:
         tracemalloc.stop()
 
 
-def grow_random(steps: Sequence[Step]) -> Grown:
-    """Return the graph of a random program, all ends of its lanes being roots."""
+def grow_random(count: int) -> Grower:
+    """Return what makes the graph of a random program, about `count` nodes; lanes end in roots."""
+    return partial(_run, random_program(round(count / _NODES_OF_A_STEP), _INPUTS, _LANES))
+
+
+def _run(steps: Sequence[Step]) -> Grown:
     graph = Graph()
     values = [graph.symbol(Symbol(f"x{k}")) for k in range(_INPUTS)]
     inputs = {node: Input(f"x{k}", "q", k) for k, node in enumerate(values)}
@@ -130,9 +126,12 @@ def grow_random(steps: Sequence[Step]) -> Grown:
     return Grown(graph, tuple(values[-_LANES:]), inputs)
 
 
-def grow_chain(count: int) -> Grown:
-    """Return the graph of the transform of a chain so long that it has about `count` nodes."""
-    links = count // _NODES_OF_A_LINK + 1
+def grow_chain(count: int) -> Grower:
+    """Return what makes the graph of a chain's transform, about `count` nodes."""
+    return partial(_multiply, count // _NODES_OF_A_LINK + 1)
+
+
+def _multiply(links: int) -> Grown:
     engine = Engine()
     chain = serial_chain(links)
     entries = chain.build(engine, engine.inputs(chain.inputs))

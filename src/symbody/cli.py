@@ -128,7 +128,8 @@ def _motion(
     eqs: EquationSet, end: float, given: Sequence[Mapping[str, str]], rtol: float, atol: float
 ) -> Trajectory:
     parameters, inputs, initial = given
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("simulating", total=1.0)
         return symbody.simulate(
             eqs,

@@ -46,7 +46,7 @@ class Circle:
         return result
 
     def _nodes_in_angles(self, nodes: Sequence[int]) -> list[int]:
-        """Return, ascending, the nodes that stand linearly inside an angle."""
+        """Return, the oldest last, the nodes that stand linearly inside an angle."""
         graph = self._graph
         found: set[int] = set()
         for node in reversed(nodes):
@@ -54,7 +54,7 @@ class Circle:
                 found.add(graph.left[node])
             elif node in found:
                 found.update(operand for operand, _ in self._terms(node))
-        return sorted(found)
+        return sorted(found, reverse=True)
 
     def _terms(self, node: int) -> Iterator[tuple[int, Fraction]]:
         """Yield operand and factor if `node` is a linear operation."""
@@ -69,8 +69,8 @@ class Circle:
             yield b, Fraction(graph.constants[graph.left[a]])
 
     def _form(self, angle: int) -> Form:
-        while self._angular and self._angular[0] <= angle:
-            node = self._angular.pop(0)
+        while self._angular and self._angular[-1] <= angle:
+            node = self._angular.pop()
             self._forms[node] = self._computed_form(node)
         return self._forms[angle]
 
