@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
+from functools import reduce
+from operator import add, mul
 from typing import Final
 
 import numpy as np
@@ -47,14 +49,12 @@ class Engine:
 
     def matrix(self, rows: Sequence[Sequence[Scalar]]) -> Rows:
         """Return a matrix as a list of rows."""
-        return [list(row) for row in rows]
+        return [[self._expression(x) for x in row] for row in rows]
 
     def product(self, a: Rows, b: Rows) -> Rows:
         """Return the product of two matrices."""
-        return [
-            [sum(x * y for x, y in zip(row, column, strict=True)) for column in zip(*b, strict=True)]
-            for row in a
-        ]
+        columns = list(zip(*b, strict=True))
+        return [[_dot(row, column) for column in columns] for row in a]
 
     def rows(self, a: Rows) -> Rows:
         """Return the entries."""
@@ -74,7 +74,15 @@ class Engine:
         return Compiled(_one(native, *size), _many(native, *size), lambda: sequence.operation_count)
 
     def _nodes(self, values: Sequence[Scalar]) -> list[int]:
-        return [x.index if isinstance(x, Expr) else number(self.graph, x).index for x in values]
+        return [self._expression(x).index for x in values]
+
+    def _expression(self, value: Scalar) -> Expr:
+        return value if isinstance(value, Expr) else number(self.graph, value)
+
+
+def _dot(a: Sequence[Expr], b: Sequence[Expr]) -> Expr:
+    total: Expr = reduce(add, map(mul, a, b))
+    return total
 
 
 def _one(native: NativeFunction, inputs: int, outputs: int) -> Callable[[Floats], Floats]:

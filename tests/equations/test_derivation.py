@@ -79,3 +79,19 @@ def test_results_are_frozen() -> None:
         eqs.model = chain(2)  # type: ignore[misc]
     with pytest.raises(FrozenInstanceError):
         eqs.model.name = "other"  # type: ignore[misc]
+
+
+def test_formulas_too_long_to_write_come_with_definitions() -> None:
+    # Five links about alternating axes: entries of more than 20,000 operations written out.
+    eqs = sb.form_equations(chain(6))
+    values = {symbol: 0.3 + k / 10 for k, symbol in enumerate((*eqs.parameters, *eqs.states))}
+    assert eqs.definitions
+    known = dict(values)
+    for symbol, expression in eqs.definitions:
+        known[symbol] = expression.xreplace(known).evalf(30)
+    found = eqs.mass_matrix.xreplace(known).evalf(30)
+    f = sb.compile(eqs, "mass_matrix", parameters={str(p): values[p] for p in eqs.parameters})
+    states = [values[x] for x in eqs.states]
+    expected = f.of_state(0.0, states)
+    # Entries are sums of some hundred products of numbers below 10.
+    assert max(abs(float(found[i, j]) - expected[i, j]) for i in range(6) for j in range(6)) < 1e-11

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Final
 
 from symbody.equations.formed import Formed
 from symbody.equations.outputs import output_roots
+from symbody.expr.closed_form import ClosedForms, closed_forms
+from symbody.expr.definitions import EXPAND_LIMIT
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol
 from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Roots
-from symbody.expr.sympy_bridge import (
-    SympyEquation,
-    SympyExpr,
-    SympyMatrix,
-    sympy_equations,
-    sympy_matrix,
-    to_sympy,
-)
+from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.model.model import Model
+
+# The outputs that properties show as formulas.
+_SHOWN: Final = (
+    "mass_matrix", "forcing", "constraints", "jacobian", "kinetic_energy", "potential_energy", "qdot",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -44,6 +45,7 @@ class EquationSet:
     notes: tuple[str, ...] = ()
     # Roots already made; a pure function of `formed`, so it cannot go stale.
     _roots: dict[str, Roots] = field(default_factory=dict, repr=False)
+    _forms: dict[str, ClosedForms] = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
         return f"EquationSet of {self.model.name!r}: {self.degrees_of_freedom} degrees of freedom"
@@ -128,47 +130,49 @@ class EquationSet:
     @property
     def mass_matrix(self) -> SympyMatrix:
         """M, (n_u, n_u), symmetric."""
-        return self._matrix("mass_matrix")
+        return self._closed.matrices["mass_matrix"].copy()
 
     @property
     def forcing(self) -> SympyMatrix:
         """F, (n_u, 1): everything but ``M u'``, on the right-hand side."""
-        return self._matrix("forcing")
+        return self._closed.matrices["forcing"].copy()
 
     @property
     def constraints(self) -> SympyMatrix:
         """Position constraints Phi, (n_h, 1); none in a tree."""
-        return self._matrix("constraints")
+        return self._closed.matrices["constraints"].copy()
 
     @property
     def constraint_jacobian(self) -> SympyMatrix:
         """J in the speeds, (n_c, n_u); no rows in a tree."""
-        return self._matrix("jacobian")
+        return self._closed.matrices["jacobian"].copy()
 
     @property
     def kinetic_energy(self) -> SympyExpr:
         """Kinetic energy relative to ground [J]."""
-        return self._matrix("kinetic_energy")[0]
+        return self._closed.matrices["kinetic_energy"][0]
 
     @property
     def potential_energy(self) -> SympyExpr:
         """Potential energy of gravity and springs [J], zero at the origin and at the free lengths."""
-        return self._matrix("potential_energy")[0]
+        return self._closed.matrices["potential_energy"][0]
 
     @property
     def kinematic_equations(self) -> list[SympyEquation]:
         """``q' = N u + nu``, one equation a coordinate."""
-        formed = self.formed
-        rates = [formed.graph.symbol(symbol.derivative) for symbol in formed.q]
-        return sympy_equations(formed.graph, rates, self.roots("qdot").nodes)
+        return self._closed.equations("rates", "qdot")
 
     def dynamic_equations(self) -> list[SympyEquation]:
         """Return ``M u' = F``, one equation a speed, in the order of `speeds`."""
-        formed = self.formed
-        rates = formed.expressions(tuple(symbol.derivative for symbol in formed.u))
-        left = [_sum_of_products(row, rates) for row in formed.projection.mass_matrix]
-        nodes = [side.index for side in left]
-        return sympy_equations(formed.graph, nodes, [side.index for side in formed.projection.forcing])
+        return self._closed.equations("inertial", "forcing")
+
+    @property
+    def definitions(self) -> tuple[tuple[SympyExpr, SympyExpr], ...]:
+        """Pairs (z1, expression), ... that all formulas of this set are written in, each by earlier ones.
+
+        Empty while no entry exceeds 20,000 operations written out.
+        """
+        return self._closed.definitions
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -188,14 +192,26 @@ class EquationSet:
             self._roots[name] = found
         return found
 
+    @property
+    def _closed(self) -> ClosedForms:
+        """All closed forms together, so that they share one list of definitions."""
+        found = self._forms.get("closed")
+        if found is None:
+            formed = self.formed
+            accelerations = formed.expressions(tuple(symbol.derivative for symbol in formed.u))
+            left = [_sum_of_products(row, accelerations) for row in formed.projection.mass_matrix]
+            rates = formed.expressions(tuple(symbol.derivative for symbol in formed.q))
+            sides = [
+                Roots("inertial", (len(left),), tuple(side.index for side in left)),
+                Roots("rates", (len(rates),), tuple(rate.index for rate in rates)),
+            ]
+            found = closed_forms(formed.graph, [*map(self.roots, _SHOWN), *sides], EXPAND_LIMIT)
+            self._forms["closed"] = found
+        return found
+
     def _symbols(self, symbols: tuple[Symbol, ...]) -> tuple[SympyExpr, ...]:
         graph = self.formed.graph
         return tuple(to_sympy(graph, [graph.symbol(symbol) for symbol in symbols]))
-
-    def _matrix(self, name: str) -> SympyMatrix:
-        roots = self.roots(name)
-        rows, columns = (*roots.shape, 1, 1)[:2]
-        return sympy_matrix(self.formed.graph, rows, columns, roots.nodes)
 
 
 def _sum_of_products(row: Sequence[Expr], column: Sequence[Expr]) -> Expr:
