@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import platform
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Final
 
@@ -21,7 +21,7 @@ BENCHMARKS: Final[Mapping[str, Callable[[Settings], Iterator[Table]]]] = Mapping
 _WIDTH: Final = 150
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Print the tables of the benchmarks named on the command line, or of all."""
     default = Settings()
     parser = argparse.ArgumentParser(
@@ -34,7 +34,7 @@ def main() -> None:
     parser.add_argument(
         "--rounds", type=int, default=default.rounds, help="rounds, of which medians are taken"
     )
-    chosen = parser.parse_args()
+    chosen = parser.parse_args(arguments)
     unknown = [name for name in chosen.name if name not in BENCHMARKS]
     if unknown:
         parser.error(f"there is no benchmark {', '.join(unknown)}; there are {', '.join(BENCHMARKS)}")

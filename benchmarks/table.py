@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from rich.console import Console
 from rich.table import Table as RichTable
+from rich.text import Text
 
 _UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns"))
 
@@ -27,7 +28,7 @@ def show(table: Table, console: Console) -> None:
     for k, column in enumerate(table.columns):
         drawn.add_column(column, justify="right" if k else "left", no_wrap=True)
     for row in table.rows:
-        drawn.add_row(*row)
+        drawn.add_row(*map(Text, row))  # as text: brackets are not markup
     console.print(drawn)
     for note in table.notes:
         console.print(f"  {note}", markup=False, highlight=False)

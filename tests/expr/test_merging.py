@@ -145,14 +145,16 @@ def test_the_same_numbers_at_a_hundred_states_with_and_without_merging(contract:
         for _ in range(100):
             point = [Fraction(rng.randrange(-(2**20), 2**20), 2**18) for _ in SYMBOLS]
             inputs = {"q": [interval(x) for x in point]}
-            for sequence in (with_merging, without):
-                allowed = evaluate_sequence(sequence, inputs, interval_arithmetic(FLOAT_UNIT))[0]
-                for other in (with_merging, without):
-                    both = evaluate_sequence(other, inputs, interval_arithmetic(FLOAT_UNIT))[0]
-                    assert all(a.low <= b.high and b.low <= a.high for a, b in zip(allowed, both, strict=True))
+            left, right = (
+                evaluate_sequence(sequence, inputs, interval_arithmetic(FLOAT_UNIT))[0]
+                for sequence in (with_merging, without)
+            )
+            assert all(a.low <= b.high and b.low <= a.high for a, b in zip(left, right, strict=True))
+            for sequence, allowed in ((with_merging, left), (without, right)):
                 found = evaluate_sequence(sequence, {"q": [float(x) for x in point]})[0]
                 assert all(value in entry for value, entry in zip(found, allowed, strict=True))
-                assert all(entry.width < 1e-14 for entry in allowed)
+                # fewer than 80 operations on values below 6, a few roundoffs each
+                assert all(entry.width < 80 * 6 * 10 * float(FLOAT_UNIT) for entry in allowed)
 
 
 def test_identities_shrink_to_their_value() -> None:

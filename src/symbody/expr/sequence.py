@@ -9,15 +9,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from collections.abc import Sequence as Items
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from symbody.errors import CompileError, Problem
 from symbody.expr.graph import Constant, Graph, Kernel, UserFunction, copy_nodes
 from symbody.expr.merging import contract_products, merge_equal
-from symbody.expr.opcodes import COST, FLOAT, LEAVES, POW, RATIONAL, SADDLE, SYMBOL
+from symbody.expr.opcodes import CONDITIONS, COST, FLOAT, LEAVES, POW, RATIONAL, SADDLE, SYMBOL
 from symbody.expr.rewrite import multiplications
 
 __all__ = ["Input", "Kernel", "Operation", "Output", "Roots", "Sequence", "build_sequence"]
+
+# Values that only certain operations can read: they are not handed from one sequence to another.
+_NO_NUMBERS: Final = CONDITIONS | {SADDLE}
 
 
 class Operation(NamedTuple):
@@ -108,8 +111,11 @@ class Sequence:
         late = (operation for j, operation in enumerate(self.operations) if not early[j])
         wanted = {k for operation in late for k in operation.operands}
         wanted.update(k for output in self.outputs for k in output.values)
-        cut = [k for k in sorted(wanted) if early[k] and self.operations[k].op not in LEAVES]
-        cut = [k for k in cut if self.operations[k].op != SADDLE]
+        for k in range(len(self.operations) - 1, -1, -1):
+            if k in wanted and self.operations[k].op in _NO_NUMBERS:
+                wanted.update(self.operations[k].operands)
+        whole = LEAVES | _NO_NUMBERS
+        cut = [k for k in sorted(wanted) if early[k] and self.operations[k].op not in whole]
         head = self._with_outputs((Output("c", (len(cut),), tuple(cut)),))
         return head, self._reading_from(cut)
 

@@ -38,9 +38,9 @@ from symbody.expr.printing import (
 )
 from symbody.expr.rewrite import node_cost
 
-# Single letters that books put first in a product, in their order: masses and inertias, stiffness and
-# damping, gravity. Other names follow alphabetically.
-_FIRST_LETTERS: Final = "mMIJkKcdbg"
+# Single letters that books put first in a product: masses, inertias, stiffness, gravity. Other names follow
+# alphabetically.
+_FIRST_LETTERS: Final = "mMIJkKg"
 _LINEAR: Final = SUMS | {op.MUL, op.DIV, op.POW}
 
 NameKey: TypeAlias = tuple[int | str, ...]
