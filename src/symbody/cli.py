@@ -56,7 +56,7 @@ def equations(
 ) -> None:
     """Print the equations of motion."""
     eqs = form_equations(load_model(model))
-    _print(latex_equations(eqs.formed) if latex else display_equations(eqs.formed))
+    _print(latex_equations(eqs) if latex else display_equations(eqs))
 
 
 @app.command()
@@ -112,7 +112,7 @@ def simulate(
     given = [_assigned(parameters, "--set"), _assigned(inputs, "--input"), _assigned(initial, "--initial")]
     eqs = form_equations(load_model(model))
     if not as_json:
-        _print(display_equations(eqs.formed))
+        _print(display_equations(eqs))
     motion = _motion(eqs, end, given, rtol, atol)
     # Without --out the picture is ours: it bears the model's name and is made anew each time.
     picture = model.with_suffix(".png") if out is None else out

@@ -182,3 +182,14 @@ def test_sizes_zero_work() -> None:
     f = compile(eqs, "xdot")
     assert f(0.0, [], []).shape == (0,)
     assert f(0.0, np.zeros((4, 0)), np.zeros((4, 0))).shape == (4, 0)
+
+
+def test_equations_of_the_rr_robot_print_as_in_a_textbook() -> None:
+    eqs = form_equations(rr_robot())
+    b2 = dynamicsymbols("beta_2")
+    m1, m2, i1, i2, l3, l4, l5 = sp.symbols("m1 m2 I1 I2 L3 L4 L5")
+    # No simplification by SymPy: the entries come as they are compared here, up to order of terms.
+    expected = i1 + i2 + l3**2 * m1 + m2 * (l5**2 + 2 * l5 * (l3 + l4) * sp.cos(b2) + (l3 + l4) ** 2)
+    assert eqs.mass_matrix[0, 0] == expected
+    assert eqs.mass_matrix[1, 1] == i2 + m2 * l5**2
+    assert eqs.mass_matrix[0, 1] == i2 + l5 * m2 * (l5 + (l3 + l4) * sp.cos(b2))

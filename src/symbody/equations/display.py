@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from symbody.equations.formed import Formed
+from symbody.equations.equation_set import EquationSet
 from symbody.expr.canonical import ZERO, add, sub
 from symbody.expr.graph import Graph, Kind
 from symbody.expr.latex import to_display, to_latex
@@ -14,25 +14,21 @@ from symbody.expr.rewrite import dependence
 _MOVING = frozenset({Kind.COORDINATE, Kind.SPEED, Kind.MULTIPLIER})
 
 
-def display_equations(formed: Formed) -> list[str]:
+def display_equations(eqs: EquationSet) -> list[str]:
     """Return one line an equation, for instance ``m x'' + d x' + k x = F``."""
-    return [f"{left} = {right}" for left, right in _printed(formed, to_display)]
+    return [f"{left} = {right}" for left, right in _printed(eqs, to_display)]
 
 
-def latex_equations(formed: Formed) -> list[str]:
+def latex_equations(eqs: EquationSet) -> list[str]:
     """Return one LaTeX formula an equation, without delimiters."""
-    return [f"{left} = {right}" for left, right in _printed(formed, to_latex)]
+    return [f"{left} = {right}" for left, right in _printed(eqs, to_latex)]
 
 
-def _printed(formed: Formed, show: Callable[[Graph, int], str]) -> list[tuple[str, str]]:
-    graph = formed.graph
-    rates = formed.expressions(tuple(symbol.derivative for symbol in formed.u))
+def _printed(eqs: EquationSet, show: Callable[[Graph, int], str]) -> list[tuple[str, str]]:
+    graph = eqs.formed.graph
     lines = []
-    for row, forcing in zip(formed.projection.mass_matrix, formed.projection.forcing, strict=True):
-        total = -forcing
-        for entry, rate in zip(row, rates, strict=True):
-            total = total + entry * rate
-        left, right = _sides(graph, total.index)
+    for inertial, forcing in zip(eqs.inertial.nodes, eqs.readable("forcing").nodes, strict=True):
+        left, right = _sides(graph, sub(graph, inertial, forcing))
         lines.append((show(graph, left), show(graph, right)))
     return lines
 

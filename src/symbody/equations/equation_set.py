@@ -8,7 +8,7 @@ from typing import Final
 
 from symbody.equations.formed import Formed
 from symbody.equations.outputs import output_roots
-from symbody.expr.closed_form import ClosedForms, closed_forms
+from symbody.expr.closed_form import ClosedForms, closed_forms, readable
 from symbody.expr.definitions import EXPAND_LIMIT
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol
@@ -197,17 +197,32 @@ class EquationSet:
         """All closed forms together, so that they share one list of definitions."""
         found = self._forms.get("closed")
         if found is None:
-            formed = self.formed
-            accelerations = formed.expressions(tuple(symbol.derivative for symbol in formed.u))
-            left = [_sum_of_products(row, accelerations) for row in formed.projection.mass_matrix]
-            rates = formed.expressions(tuple(symbol.derivative for symbol in formed.q))
-            sides = [
-                Roots("inertial", (len(left),), tuple(side.index for side in left)),
-                Roots("rates", (len(rates),), tuple(rate.index for rate in rates)),
-            ]
-            found = closed_forms(formed.graph, [*map(self.roots, _SHOWN), *sides], EXPAND_LIMIT)
+            graph = self.formed.graph
+            shown = [self.readable(name) for name in _SHOWN]
+            rates = tuple(graph.symbol(symbol.derivative) for symbol in self.formed.q)
+            sides = [self.inertial, Roots("rates", (len(rates),), rates)]
+            found = closed_forms(graph, [*shown, *sides], EXPAND_LIMIT)
             self._forms["closed"] = found
         return found
+
+    def readable(self, name: str) -> Roots:
+        """Return the roots of an output in the form in which people read it; the same values."""
+        key = f"readable {name}"
+        found = self._roots.get(key)
+        if found is None:
+            roots = self.roots(name)
+            found = Roots(name, roots.shape, tuple(readable(self.formed.graph, roots.nodes)))
+            self._roots[key] = found
+        return found
+
+    @property
+    def inertial(self) -> Roots:
+        """``M u'`` in the expression graph, one root a speed."""
+        graph, n = self.formed.graph, len(self.formed.u)
+        accelerations = self.formed.expressions(tuple(symbol.derivative for symbol in self.formed.u))
+        mass = [Expr(graph, node) for node in self.readable("mass_matrix").nodes]
+        rows = [_sum_of_products(mass[i * n : i * n + n], accelerations).index for i in range(n)]
+        return Roots("inertial", (n,), tuple(rows))
 
     def _symbols(self, symbols: tuple[Symbol, ...]) -> tuple[SympyExpr, ...]:
         graph = self.formed.graph

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import sympy as sp
 
 from symbody.expr.graph import Graph
+from symbody.expr.rewrite import tree_size
 from symbody.expr.sequence import Roots
 from symbody.expr.sympy_bridge import (
     SympyEquation,
@@ -15,6 +17,11 @@ from symbody.expr.sympy_bridge import (
     SympyMatrix,
     to_sympy_with_definitions,
 )
+from symbody.expr.trigonometry import trigonometric_form
+
+# Operations of a formula that somebody will read, and of all such formulas together.
+_READABLE: Final = 500
+_READABLE_TOGETHER: Final = 4_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +43,23 @@ class ClosedForms:
         """Return ``left = right``, entry by entry, unevaluated."""
         pairs = zip(self.matrices[left], self.matrices[right], strict=True)
         return [sp.Eq(a, b, evaluate=False) for a, b in pairs]
+
+
+def readable(graph: Graph, nodes: Sequence[int]) -> list[int]:
+    """Return nodes in the trigonometric normal form, as far as they are short enough to be read.
+
+    Shorter ones come first; together they may have `_READABLE_TOGETHER` operations written out, which
+    bounds the time to about a second.
+    """
+    result = list(nodes)
+    left = _READABLE_TOGETHER
+    for size, node in sorted({(tree_size(graph, node), node) for node in nodes}):
+        left -= size
+        if size > _READABLE or left < 0:
+            break
+        (form,) = trigonometric_form(graph, [node])
+        result = [form if old == node else new for old, new in zip(nodes, result, strict=True)]
+    return result
 
 
 def closed_forms(graph: Graph, outputs: Sequence[Roots], limit: int) -> ClosedForms:

@@ -8,12 +8,14 @@ gamma)``, all matrices row by row.
 
 SymPy flattens, sorts and evaluates as it builds, so going out and coming in again gives the same function,
 not always the same node; doing both once more gives the same node. Coming in and going out gives the
-same SymPy object, but for what the graph writes otherwise: ``a > b`` as ``b < a`` (``0 < a`` as ``a > 0``),
-``sec, csc, cot, sech, csch, coth, ceiling, frac, Mod, Heaviside`` by other functions, whole rounded exponents
-as integers, rounded numbers in double precision.
+same SymPy object, but for what the graph writes otherwise: comparisons turned round, choices with ``Ne`` or
+``Not`` turned round too, products of sums that are each other's negatives, ``sec, csc, cot, sech, csch,
+coth, ceiling, frac, Mod, Heaviside, ITE`` by other functions, whole rounded exponents as integers, rounded
+numbers in double precision.
 
 SymPy's rules look deep into their operands, recursively and for hyperbolic functions in exponential time.
-They are left on for operands of small height; higher ones are put together as they are.
+They are left on for operands of small height; higher ones are put together as they are, and the two
+statements above then hold for values only.
 """
 
 from __future__ import annotations
@@ -219,11 +221,8 @@ class _Writer:
         compared = graph.left[node] if is_negated else node
         if graph.ops[compared] not in _COMPARISONS:
             return _Plan((compared,), partial(_applied, sp.Not))
-        a, b = graph.operands(compared)
-        kinds = _COMPARISONS[graph.ops[compared]][2 * is_negated :]
-        if graph.number(a) is not None:  # x > 0 rather than 0 < x
-            return _Plan((b, a), partial(_compared, kinds[1]))
-        return _Plan((a, b), partial(_compared, kinds[0]))
+        kinds = _COMPARISONS[graph.ops[compared]][2 * is_negated :][:2]
+        return _Plan(graph.operands(compared), partial(_compared, kinds))
 
     def _choice(self, node: int) -> _Plan:
         graph = self._graph
@@ -274,8 +273,15 @@ def _applied(kind: Callable[..., sp.Basic], parts: Sequence[sp.Basic], rules: bo
     return kind(*parts, evaluate=rules)
 
 
-def _compared(kind: Callable[..., sp.Basic], parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
-    return kind(*parts, evaluate=all(part.is_Number for part in parts))
+def _compared(kinds: Sequence[type], parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
+    """Return a comparison, turned round as SymPy does inside Piecewise: numbers stand right."""
+    a, b = parts
+    if b.is_number:
+        turned = False
+    else:
+        turned = a.is_number or (rules and next(iter(sp.ordered(parts))) is not a)
+    kind = kinds[turned]
+    return kind(*((b, a) if turned else (a, b)), evaluate=a.is_Number and b.is_Number)
 
 
 def _root(parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:

@@ -97,7 +97,10 @@ class _Reader:
             return [part for pair in item.args for part in pair.args]
         if isinstance(item, AppliedUndef):
             return () if self._place(item) is None and self._is_of_time(item) else item.args
-        return () if isinstance(item, sp.Derivative) else item.args
+        if isinstance(item, sp.Derivative | sp.Symbol | sp.Number):
+            return ()
+        _kind(item)  # before its arguments are read: what cannot stand here is named as a whole
+        return item.args
 
     def _node(self, item: sp.Basic, arguments: Sequence[sp.Basic], operands: list[int]) -> int:
         if isinstance(item, sp.Number):
@@ -108,9 +111,7 @@ class _Reader:
             return self._applied(item, operands)
         if isinstance(item, sp.Derivative):
             return self._derivative(item)
-        kind = next((kind for kind in type(item).__mro__ if kind in _RULES), None)
-        if kind is None:
-            raise _refused(item)
+        kind = _kind(item)
         is_choice = kind is sp.Piecewise
         for place, argument in enumerate(arguments):
             self._check_truth(item, argument, place % 2 == 1 if is_choice else kind in _CONNECTIVES)
@@ -188,6 +189,14 @@ class _Reader:
 def _is_condition(item: sp.Basic) -> bool:
     # SymPy lets symbols stand for truth values too; here they are numbers.
     return isinstance(item, Boolean) and not isinstance(item, sp.Symbol)
+
+
+def _kind(item: sp.Basic) -> type:
+    """Return the class by which `item` is read."""
+    for kind in type(item).__mro__:
+        if kind in _RULES:
+            return kind
+    raise _refused(item)
 
 
 def _accepted(expression: object) -> sp.Basic:
