@@ -96,7 +96,9 @@ def _steps(draw: st.DrawFn, ops: Items[int], count: int) -> Step:
         return Step(op.RATIONAL, (), draw(st.fractions(-5, 5, max_denominator=6)))
     code = draw(st.sampled_from(ops))
     if code == op.POW:
-        exponents = st.one_of(st.integers(2, 4), st.sampled_from([Fraction(1, 2), Fraction(1, 3), Fraction(-3, 2), -1]))
+        exponents = st.one_of(
+            st.integers(2, 4), st.sampled_from([Fraction(1, 2), Fraction(1, 3), Fraction(-3, 2), -1])
+        )
         return Step(code, (draw(place),), Fraction(draw(exponents)))
     arity = 4 if code == op.SELECT else op.ARITY[code]
     return Step(code, tuple(draw(place) for _ in range(arity)))
@@ -232,4 +234,6 @@ def sequence_of(graph: Graph, nodes: Items[int], *, merge: bool = True, contract
     for k, symbol in enumerate(SYMBOLS):
         inputs[graph.symbol(symbol)] = Input(symbol.label, "q", k)
         inputs[graph.symbol(symbol.derivative)] = Input(symbol.derivative.label, "u", k)
-    return build_sequence(graph, [Roots("f", (len(nodes),), tuple(nodes))], inputs, merge=merge, contract=contract)
+    return build_sequence(
+        graph, [Roots("f", (len(nodes),), tuple(nodes))], inputs, merge=merge, contract=contract
+    )

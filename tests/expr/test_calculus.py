@@ -60,7 +60,10 @@ def check(
         except Undecided:
             assume(False)
         assume(all(entry.width < 1e-30 for entry in allowed))
-        exact = {group: [mpmath.mpf(x.numerator) / x.denominator for x in numbers] for group, numbers in groups.items()}
+        exact = {
+            group: [mpmath.mpf(x.numerator) / x.denominator for x in numbers]
+            for group, numbers in groups.items()
+        }
         with mpmath.workdps(PRECISION):
             found = evaluate_sequence(sequence, exact, MPMATH)[0]
         for entry, value, target in zip(allowed, found, expected, strict=True):
@@ -269,7 +272,9 @@ def test_nodes_are_varied_with_the_others_held_fixed() -> None:
 
 
 @pytest.mark.parametrize(("x", "y", "expected"), [(1.0, 2.0, [1, 0, 0, 1]), (2.0, 1.0, [0, 1, 1, 0])])
-def test_smaller_and_larger_pass_on_the_slope_of_the_one_taken(x: float, y: float, expected: list[int]) -> None:
+def test_smaller_and_larger_pass_on_the_slope_of_the_one_taken(
+    x: float, y: float, expected: list[int]
+) -> None:
     pen = Pen()
     both = [*gradient(pen.g, apply(pen.g, op.MIN, pen.x, pen.y), [pen.x, pen.y])]
     both += gradient(pen.g, apply(pen.g, op.MAX, pen.x, pen.y), [pen.x, pen.y])

@@ -64,7 +64,9 @@ def test_processes_agree_whatever_their_hash_seed(seed: int) -> None:
 
 @both_tiers
 @given(samples())
-def test_sequences_depend_neither_on_the_order_of_building_nor_on_what_else_the_graph_holds(sample: Sample) -> None:
+def test_sequences_depend_neither_on_the_order_of_building_nor_on_what_else_the_graph_holds(
+    sample: Sample,
+) -> None:
     found = []
     for seed in range(2):
         graph = Graph()

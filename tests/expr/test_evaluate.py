@@ -47,7 +47,9 @@ def test_floats_and_mpmath_agree_with_mpmath_alone(sample: Sample) -> None:
     graph = Graph()
     root = built(sample.program, graph)[-1]
     with mpmath.workdps(DIGITS):
-        exact = mpmath_values(sample.program, [mpmath.mpf(x.numerator) / x.denominator for x in sample.point])[-1]
+        exact = mpmath_values(
+            sample.program, [mpmath.mpf(x.numerator) / x.denominator for x in sample.point]
+        )[-1]
         for merge, contract in CHOICES:
             sequence = sequence_of(graph, [root], merge=merge, contract=contract)
             allowed = bounds(sequence, sample.point, FLOAT_UNIT)[0]

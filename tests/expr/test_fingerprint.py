@@ -203,7 +203,8 @@ def test_an_orthogonal_matrix_leaves_a_spherical_tensor_alone() -> None:
     about_z = [[c(pen.a), neg(g, s(pen.a)), ZERO], [s(pen.a), c(pen.a), ZERO], [ZERO, ZERO, ONE]]
     about_x = [[ONE, ZERO, ZERO], [ZERO, c(pen.b), neg(g, s(pen.b))], [ZERO, s(pen.b), c(pen.b)]]
     R = [
-        [pen.sum(*(mul(g, about_z[i][k], about_x[k][j]) for k in range(3))) for j in range(3)] for i in range(3)
+        [pen.sum(*(mul(g, about_z[i][k], about_x[k][j]) for k in range(3))) for j in range(3)]
+        for i in range(3)
     ]
     for i in range(3):
         for j in range(3):

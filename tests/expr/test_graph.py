@@ -17,7 +17,6 @@ from symbody.expr import opcodes as op
 from symbody.expr.calculus import jacobian
 from symbody.expr.canonical import add, apply, mul, sub
 from symbody.expr.expression import (
-    Expr,
     atan2,
     common_graph,
     cos,
@@ -126,7 +125,9 @@ def test_copies_keep_functions_and_kernels() -> None:
     choice = source.many(op.SELECT, (apply(source, op.LT, x, call), pick, source.pi()))
     copy = copy_nodes(source, target, [choice], {})[0]
     assert target.hashes[copy] == source.hashes[choice]
-    names = [target.functions[target.datum(k)].name for k in target.reachable([copy]) if target.ops[k] == op.CALL]
+    names = [
+        target.functions[target.datum(k)].name for k in target.reachable([copy]) if target.ops[k] == op.CALL
+    ]
     assert names == ["square"]
     assert Kernel(1, 0) in target.kernels
 
@@ -259,9 +260,7 @@ def test_threads_building_in_two_graphs_give_the_serial_result() -> None:
     expected = [grow(graph, seed, 3_000) for seed, graph in enumerate(alone)]
     graphs = [Graph(), Graph()]
     found: dict[int, list[int]] = {}
-    in_threads(
-        *[lambda k=k: found.update({k: grow(graphs[k], k, 3_000)}) for k in range(2)]
-    )
+    in_threads(*[lambda k=k: found.update({k: grow(graphs[k], k, 3_000)}) for k in range(2)])
     assert [found[k] for k in range(2)] == expected
     assert [graph.ops for graph in graphs] == [graph.ops for graph in alone]
     assert [graph.left for graph in graphs] == [graph.left for graph in alone]

@@ -108,7 +108,9 @@ def test_outputs_have_the_same_bits_alone_or_together(one: Sample, two: Sample) 
 
 def _inputs() -> list[object]:
     graph = Graph()
-    root = add(graph, graph.symbol(SYMBOLS[0]), add(graph, graph.symbol(SYMBOLS[1]), graph.symbol(SYMBOLS[2])))
+    root = add(
+        graph, graph.symbol(SYMBOLS[0]), add(graph, graph.symbol(SYMBOLS[1]), graph.symbol(SYMBOLS[2]))
+    )
     return sorted(sequence_of(graph, [root]).inputs, key=lambda entry: entry.position)
 
 
@@ -118,7 +120,9 @@ def turned_tensor(graph: Graph) -> list[Expr]:
     zero, one, two, three = (number(graph, k) for k in range(4))
 
     def times(P: list[list[Expr]], Q: list[list[Expr]]) -> list[list[Expr]]:
-        return [[P[i][0] * Q[0][j] + P[i][1] * Q[1][j] + P[i][2] * Q[2][j] for j in range(3)] for i in range(3)]
+        return [
+            [P[i][0] * Q[0][j] + P[i][1] * Q[1][j] + P[i][2] * Q[2][j] for j in range(3)] for i in range(3)
+        ]
 
     R = [[one, zero, zero], [zero, one, zero], [zero, zero, one]]
     for k, angle in enumerate(angles):
@@ -136,7 +140,9 @@ def test_the_same_numbers_at_a_hundred_states_with_and_without_merging(contract:
     """Both lie in intervals that rounding alone explains, and so does the exact value."""
     graph = Graph()
     roots = [entry.index for entry in turned_tensor(graph)]
-    with_merging, without = (sequence_of(graph, roots, merge=merge, contract=contract) for merge in (True, False))
+    with_merging, without = (
+        sequence_of(graph, roots, merge=merge, contract=contract) for merge in (True, False)
+    )
     assert with_merging.operation_count < without.operation_count
     values = with_merging.outputs[0].values
     assert [values[k] for k in (1, 2, 5)] == [values[k] for k in (3, 6, 7)]  # symmetric halves
@@ -261,7 +267,9 @@ def test_products_are_fused_with_sums(sign: int, other: int, expected: tuple[int
     left = product if sign > 0 else neg(g, product)
     root = add(g, left, pen.z if other > 0 else neg(g, pen.z))
     (fused,) = contract_products(g, [root])
-    values = evaluate_sequence(sequence_of(g, [fused], merge=False, contract=False), {"q": [3.0, 5.0, 7.0]})[0]
+    values = evaluate_sequence(sequence_of(g, [fused], merge=False, contract=False), {"q": [3.0, 5.0, 7.0]})[
+        0
+    ]
     assert values == [expected[0] * 15.0 + expected[1] * 7.0]
     assert op.FMA in {g.ops[k] for k in g.reachable([fused])}
     assert op.MUL not in {g.ops[k] for k in g.reachable([fused])}

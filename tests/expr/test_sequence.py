@@ -188,8 +188,16 @@ def test_outputs_keep_name_shape_and_order() -> None:
         Roots("scalar", (), (mul(g, pen.x, pen.y),)),
     ]
     sequence = build_sequence(g, outputs, pen.inputs)
-    assert [(o.name, o.shape) for o in sequence.outputs] == [("matrix", (2, 2)), ("empty", (0,)), ("scalar", ())]
-    assert evaluate_sequence(sequence, {"q": [2.0], "p": [3.0], "u": [0.0]}) == [[2.0, 3.0, 3.0, 0.0], [], [6.0]]
+    assert [(o.name, o.shape) for o in sequence.outputs] == [
+        ("matrix", (2, 2)),
+        ("empty", (0,)),
+        ("scalar", ()),
+    ]
+    assert evaluate_sequence(sequence, {"q": [2.0], "p": [3.0], "u": [0.0]}) == [
+        [2.0, 3.0, 3.0, 0.0],
+        [],
+        [6.0],
+    ]
 
 
 def test_operations_are_counted_as_in_the_graph() -> None:
@@ -241,7 +249,9 @@ def test_random_graphs_split_at_every_group_alike() -> None:
     pen = Pen()
     nodes = [pen.x, pen.y, pen.z, pen.g.constant(Fraction(1, 3))]
     for _ in range(400):
-        rule = rng.choice([add, sub, mul, lambda g, a, b: apply(g, op.SIN, a), lambda g, a, b: apply(g, op.ATAN, a)])
+        rule = rng.choice(
+            [add, sub, mul, lambda g, a, b: apply(g, op.SIN, a), lambda g, a, b: apply(g, op.ATAN, a)]
+        )
         nodes.append(rule(pen.g, rng.choice(nodes[-40:]), rng.choice(nodes[-40:])))
     bounded = [apply(pen.g, op.TANH, node) for node in nodes[-20:]]
     sequence = pen.sequence(*bounded)

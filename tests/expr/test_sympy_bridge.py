@@ -34,8 +34,8 @@ x, y = dynamicsymbols("x y")
 m, k, d, l = sp.symbols("m k d l")
 NAMES = "I E S N O Q pi lambda Lambda beta gamma zeta re im sign test sum max True None nan oo e j".split()
 
-# Operations that SymPy rearranges by identities of fields and circles only, which fingerprints know.
-FIELD = (op.NEG, op.ADD, op.SUB, op.MUL, op.DIV, op.SIN, op.COS)
+# Operations that SymPy rearranges by identities of rings and circles only, which fingerprints know.
+RING = (op.NEG, op.ADD, op.SUB, op.MUL, op.SIN, op.COS)
 
 
 @pytest.fixture
@@ -55,7 +55,7 @@ def fingerprint(graph: Graph, node: int) -> tuple[int, int]:
 
 
 @both_tiers
-@given(samples(FIELD))
+@given(samples(RING))
 def test_out_and_in_again_is_the_same_function_and_then_the_same_node(sample: Sample) -> None:
     graph = Graph()
     node = built(sample.program, graph)[-1]
@@ -65,12 +65,13 @@ def test_out_and_in_again_is_the_same_function_and_then_the_same_node(sample: Sa
 
 
 @both_tiers
-@given(samples(FIELD))
-def test_in_and_out_again_is_the_same_object(sample: Sample) -> None:
-    graph = Graph()
+@given(samples(RING))
+def test_in_and_out_again_is_the_same_object_but_for_signs_of_factors(sample: Sample) -> None:
+    graph, other, third = Graph(), Graph(), Graph()
     expression = out(graph, built(sample.program, graph)[-1])
-    other = Graph()
-    assert out(other, from_sympy(expression, other)) == expression
+    once = out(other, from_sympy(expression, other))
+    assert expression == once or sp.expand(expression - once) == 0
+    assert out(third, from_sympy(once, third)) == once
 
 
 @both_tiers
@@ -209,12 +210,18 @@ def test_matrices_and_equations(graph: Graph) -> None:
 @pytest.mark.parametrize(
     "expression",
     [
-        m * x.diff(t, 2) + d * x.diff(t) + k * x - dynamicsymbols("F"), (x + y) ** 2 / (m * l), sp.sqrt(x) ** 3, sp.E,
-        sp.E**x + sp.exp(2) + sp.pi, sp.tan(x) / sp.cosh(y) ** 2, sp.log(x) * sp.asin(m) * sp.acos(k) * sp.atan(l),
-        sp.atan2(y, x), sp.Abs(x) * sp.sign(y), sp.floor(x / l), sp.sinh(x) + sp.tanh(y), sp.Max(x, y, l) - sp.Min(x, 3),
-        sp.Piecewise((x, x > 0), (y, sp.Or(x < y, y < -1)), (0, True)), sp.Piecewise((1, sp.Eq(x, y)), (2, True)),
-        x**m, 2**x, x ** sp.Rational(-1, 3), x**-2, 0.5 * x + sp.Rational(1, 3), sp.cos(x + sp.pi / 5), x / 3 - y * sp.pi,
-        sp.Piecewise((x, sp.Or(sp.Not(sp.And(x < y, m < k)), y > 3)), (1, True)), dynamicsymbols("z").diff(t, 7), t**2 * sp.sin(3 * t),
+        m * x.diff(t, 2) + d * x.diff(t) + k * x - dynamicsymbols("F"), (x + y) ** 2 / (m * l),
+        sp.sqrt(x) ** 3, sp.E,
+        sp.E**x + sp.exp(2) + sp.pi, sp.tan(x) / sp.cosh(y) ** 2,
+        sp.log(x) * sp.asin(m) * sp.acos(k) * sp.atan(l),
+        sp.atan2(y, x), sp.Abs(x) * sp.sign(y), sp.floor(x / l), sp.sinh(x) + sp.tanh(y),
+        sp.Max(x, y, l) - sp.Min(x, 3),
+        sp.Piecewise((x, x > 0), (y, sp.Or(x < y, y < -1)), (0, True)),
+        sp.Piecewise((1, sp.Eq(x, y)), (2, True)),
+        x**m, 2**x, x ** sp.Rational(-1, 3), x**-2, 0.5 * x + sp.Rational(1, 3), sp.cos(x + sp.pi / 5),
+        x / 3 - y * sp.pi,
+        sp.Piecewise((x, sp.Or(sp.Not(sp.And(x < y, m < k)), y > 3)), (1, True)),
+        dynamicsymbols("z").diff(t, 7), t**2 * sp.sin(3 * t),
         1 / (x * sp.sqrt(m)), sp.exp(-x / l) * sp.exp(y),
     ],
     ids=str,
@@ -228,7 +235,8 @@ def test_in_and_out_again_for_what_users_write(expression: sp.Expr, graph: Graph
     [
         (sp.sec(x), 1 / sp.cos(x)), (sp.csc(x), 1 / sp.sin(x)), (sp.cot(x), sp.cos(x) / sp.sin(x)),
         (sp.sech(x), 1 / sp.cosh(x)), (sp.csch(x), 1 / sp.sinh(x)), (sp.coth(x), sp.cosh(x) / sp.sinh(x)),
-        (sp.Mod(x, m), x - m * sp.floor(x / m)), (sp.ceiling(x), -sp.floor(-x)), (sp.frac(x), x - sp.floor(x)),
+        (sp.Mod(x, m), x - m * sp.floor(x / m)), (sp.ceiling(x), -sp.floor(-x)),
+        (sp.frac(x), x - sp.floor(x)),
         (sp.Heaviside(x), sp.Piecewise((0, x < 0), (1, x > 0), (sp.S.Half, True))),
         (x**2.0, x**2), (x**0.5, sp.sqrt(x)), (sp.Float("0.3", 40) * x, sp.Float(0.3) * x),
         (sp.Piecewise((x, sp.Ne(x, y)), (0, True)), sp.Piecewise((0, sp.Eq(x, y)), (x, True))),
@@ -289,9 +297,11 @@ def test_names_are_looked_up_and_derivatives_follow(graph: Graph) -> None:
         (sp.Integral(x, t), r"Integral\(x\(t\), t\)' \(Integral\)"), (sp.gamma(x), r"'gamma\(x\(t\)\)'"),
         (sp.Function("f")(m), r"'f\(m\)' \(f\) is a function of something else(.|\n)*dynamicsymbols"),
         (sp.Function("f")(x, t), "function of something else"), (sp.MatrixSymbol("A", 2, 2), "'A'"),
-        (sp.Derivative(x * y, t), r"composed(.|\n)*doit"), (sp.Derivative(x, (t, m)), "not a derivative by time"),
+        (sp.Derivative(x * y, t), r"composed(.|\n)*doit"),
+        (sp.Derivative(x, (t, m)), "not a derivative by time"),
         (sp.Derivative(sp.Function("f")(m), m), "composed"),
-        (sp.Eq(x, y), r"is true or false(.|\n)*a - b"), (x < y, "is true or false"), (sp.true, "is true or false"),
+        (sp.Eq(x, y), r"is true or false(.|\n)*a - b"),
+        (x < y, "is true or false"), (sp.true, "is true or false"),
         (sp.And(sp.Symbol("p"), x < y), r"'p' \(Symbol\) is not a condition, as And needs"),
         (sp.Piecewise((x, sp.Symbol("p")), (y, True)), r"'p' \(Symbol\) is not a condition"),
         (sp.Piecewise((x, x < y)), r"no value for the remaining cases(.|\n)*\(value, True\)"),

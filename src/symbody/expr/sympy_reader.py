@@ -100,7 +100,8 @@ class _Reader:
         if isinstance(item, sp.Derivative | sp.Symbol | sp.Number):
             return ()
         _kind(item)  # before its arguments are read: what cannot stand here is named as a whole
-        return item.args
+        arguments: Sequence[sp.Basic] = item.args
+        return arguments
 
     def _node(self, item: sp.Basic, arguments: Sequence[sp.Basic], operands: list[int]) -> int:
         if isinstance(item, sp.Number):
