@@ -1,6 +1,6 @@
 """Benchmarks: symbody beside its peers, in one run, on one machine.
 
-    python -m benchmarks                  all
+    python -m benchmarks                  all, ten minutes with all peers
     python -m benchmarks expressions      one
     python -m benchmarks --help           sizes, time limit, number of rounds
 
@@ -21,8 +21,9 @@ brings those on the package index.
 All engines are given the same problem, written once in `problems.py` for any algebra, and are used as their
 documentation advises for speed: SymPy with common subexpressions and NumPy, SymEngine with its LLVM backend,
 CasADi with matrix products in C++, buffers instead of conversions, and a C compiler where there is one.
-The numbers they return are compared: "difference" is the largest deviation from symbody's, relative to the
-largest result at the same point.
+"One call" is a call from Python for one point, with what the way from Python into the engine costs; "in a
+loop" is one point of many in the engine's own loop. The numbers returned are compared: "difference" is the
+largest deviation from symbody's, relative to the largest result at the same point.
 
 Operations are counted alike for all: + - * / and functions 1, signs 0, whole powers by squaring, a fused
 multiply-add 2.

@@ -54,7 +54,8 @@ def ratio_text(value: float, reference: float | None) -> str:
     if not reference:
         return ""
     ratio = value / reference
-    return f" ({ratio:.0f}x)" if ratio >= 10 else f" ({ratio:.{1 if ratio >= 1 else 2}f}x)"
+    places = 0 if ratio >= 9.95 else 1 if ratio >= 0.995 else 2
+    return f" ({ratio:.{places}f}x)"
 
 
 def difference_text(value: float) -> str:

@@ -193,7 +193,9 @@ def test_figures_are_written_to_three_digits() -> None:
         "56.7 ms",
         "61.2 s",
     ]
-    assert [ratio_text(x, 2.0) for x in (0.5, 3.0, 40.0)] == [" (0.25x)", " (1.5x)", " (20x)"]
+    assert [ratio_text(x, 2.0) for x in (0.5, 3.0, 19.94, 40.0)] == [
+        " (0.25x)", " (1.5x)", " (10x)", " (20x)",
+    ]  # fmt: skip
     assert ratio_text(1.0, None) == ""
 
 

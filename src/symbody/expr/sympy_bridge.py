@@ -9,9 +9,9 @@ gamma)``, all matrices row by row.
 SymPy flattens, sorts and evaluates as it builds, so going out and coming in again gives the same function,
 not always the same node; doing both once more gives the same node. Coming in and going out gives the
 same SymPy object, but for what the graph writes otherwise: comparisons turned round, choices with ``Ne`` or
-``Not`` turned round too, products of sums that are each other's negatives, ``sec, csc, cot, sech, csch,
-coth, ceiling, frac, Mod, Heaviside, ITE`` by other functions, whole rounded exponents as integers, rounded
-numbers in double precision.
+``Not`` turned round too, signs of sums before the product they are in, ``sec, csc, cot, sech, csch, coth,
+ceiling, frac, Mod, Heaviside, ITE`` by other functions, whole rounded exponents as integers, rounded numbers
+in double precision.
 
 SymPy's rules look deep into their operands, recursively and for hyperbolic functions in exponential time.
 They are left on for operands of small height; higher ones are put together as they are, and the two
@@ -276,12 +276,9 @@ def _applied(kind: Callable[..., sp.Basic], parts: Sequence[sp.Basic], rules: bo
 def _compared(kinds: Sequence[type], parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
     """Return a comparison, turned round as SymPy does inside Piecewise: numbers stand right."""
     a, b = parts
-    if b.is_number:
-        turned = False
-    else:
-        turned = a.is_number or (rules and next(iter(sp.ordered(parts))) is not a)
-    kind = kinds[turned]
-    return kind(*((b, a) if turned else (a, b)), evaluate=a.is_Number and b.is_Number)
+    turned = a.is_number or (rules and next(iter(sp.ordered(parts))) is not a)
+    turned = turned and not b.is_number
+    return kinds[turned](*((b, a) if turned else (a, b)), evaluate=a.is_Number and b.is_Number)
 
 
 def _root(parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
