@@ -386,42 +386,45 @@ def test_values_stay_with_every_function(sample: Sample) -> None:
         assert mpmath_values(sample.program, [exact(value) for value in sample.point])[-1] in allowed
 
 
-@st.composite
-def angular_sums(draw: st.DrawFn) -> Callable[[Pen], Expr]:
-    """Sums of products of a parameter with sines and cosines of sums of three angles."""
-    term = st.tuples(
-        st.integers(-3, 3), st.integers(0, 2),
-        st.lists(st.tuples(st.sampled_from([sin, cos]), st.tuples(*[st.integers(-2, 2)] * 3)), max_size=3),
-    )  # fmt: skip
-    terms = draw(st.lists(term, min_size=1, max_size=8))
+Term = tuple[int, int, list[tuple[int, tuple[int, ...]]]]
 
-    def write(p: Pen) -> Expr:
-        total, axes, masses = p.zero, p.angles("a b c"), p.parameters("l m n")
-        for factor, mass, functions in terms:
-            product = factor * masses[mass]
-            for function, multiples in functions:
-                product = product * function(dot(axes, multiples))
-            total = total + product
-        return total
+# Factor, mass, and sines (0) and cosines (1) of sums of three angles.
+TERMS = st.lists(
+    st.tuples(
+        st.integers(-3, 3),
+        st.integers(0, 2),
+        st.lists(st.tuples(st.integers(0, 1), st.tuples(*[st.integers(-2, 2)] * 3)), max_size=2),
+    ),
+    min_size=1,
+    max_size=6,
+)
 
-    return write
+
+def angular_sum(p: Pen, terms: list[Term]) -> Expr:
+    total, axes, masses = p.zero, p.angles("a b c"), p.parameters("l m n")
+    for factor, mass, functions in terms:
+        product = factor * masses[mass]
+        for kind, multiples in functions:
+            product = product * (sin, cos)[kind](dot(axes, multiples))
+        total = total + product
+    return total
 
 
 @both_tiers
-@given(angular_sums())
-def test_equal_sums_of_harmonics_vanish_when_subtracted(write: Callable[[Pen], Expr]) -> None:
+@given(TERMS)
+def test_equal_sums_of_harmonics_vanish_when_subtracted(terms: list[Term]) -> None:
     """The form is normal: the difference of an expression and its own form is written as 0."""
     p = Pen()
-    expression = write(p)
+    expression = angular_sum(p, terms)
     form = p.form(expression)
     assert p.form(expression * 3 - form * 3).is_zero
 
 
 @both_tiers
-@given(angular_sums(), st.integers(1, 12))
-def test_an_angle_that_makes_no_difference_disappears(write: Callable[[Pen], Expr], twelfths: int) -> None:
+@given(TERMS, st.integers(1, 12))
+def test_an_angle_that_makes_no_difference_disappears(terms: list[Term], twelfths: int) -> None:
     p = Pen()
-    expression = write(p)
+    expression = angular_sum(p, terms)
     angle = p.angles("other")[0] + Expr(p.graph, p.graph.pi()) * Fraction(twelfths, 12)
     spread = expression * sin(angle) ** 2 + expression * cos(angle) ** 2
     for roundabout in (spread, expression * (sin(angle) ** 2 + cos(angle) ** 2)):

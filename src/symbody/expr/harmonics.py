@@ -25,8 +25,10 @@ Vector = tuple[int, ...]
 # Ways to write the functions of one angle; groups of angles written as sums are numbered from 0.
 _BY_COSINE: Final = -1
 _BY_SINE: Final = -2
-_MAX_EFFORT: Final = 20_000  # terms made while searching, for all polynomials of one root: about a second
-_MAX_DEGREE: Final = 12  # of monomials turned into sums: each degree doubles the terms
+_MAX_EFFORT: Final = (
+    30_000  # terms made while searching, for all polynomials of one root: a third of a second
+)
+_MAX_SUMS: Final = 30_000  # terms made of one polynomial when products are turned into sums
 
 
 class Harmonic(NamedTuple):
@@ -97,10 +99,10 @@ class Harmonics:
 
     def _shortest_of_class(self, p: Polynomial) -> Polynomial:
         angles = sorted({angle_of(name) for monomial in p for name, _ in monomial})
-        if len(p) == 1 and all(factors == 1 for factors in _degrees(p).values()):
+        if len(p) == 1 and all(degree == 1 for degree in _degrees(p).values()):
             return p
         best = p
-        for start in (_BY_COSINE, _BY_SINE, 0) if self._effort <= _MAX_EFFORT else ():
+        for start in (_BY_COSINE, _BY_SINE, 0):
             best = min(best, self._descended(p, dict.fromkeys(angles, start)), key=self.length)
         return best
 
@@ -129,7 +131,8 @@ class Harmonics:
 
     def _as_sums(self, p: Polynomial, angles: set[int]) -> Polynomial:
         """Write the functions of a group of angles as sines and cosines of their sums."""
-        if any(sum(e for k, e in monomial if angle_of(k) in angles) > _MAX_DEGREE for monomial in p):
+        # Each degree doubles the terms.
+        if sum(2 ** sum(e for k, e in monomial if self._inside(k, angles)) for monomial in p) > _MAX_SUMS:
             return p
         result: Polynomial = {}
         for monomial, coefficient in p.items():

@@ -79,10 +79,13 @@ class _Writer:
         self.form = self._new[root]
 
     def _written_by_themselves(self, nodes: Sequence[int]) -> set[int]:
-        """Return the operands of what is not expanded, and what angles are linear in."""
+        """Return what angles are linear in, and all operands but those of sums.
+
+        Factors of a product are among them because it may be best not to multiply out.
+        """
         result = set(self._angles.axes)
         for node in nodes:
-            if not self._is_expanded(node):
+            if self._graph.ops[node] not in (ADD, SUB, NEG):
                 result.update(self._graph.operands(node))
         return result
 
