@@ -16,8 +16,8 @@ from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, TWO, ZERO, add, apply, div, mul, neg, power, sub
 from symbody.expr.constants import fold_function, fold_power, fold_product, fold_quotient, fold_sum
 from symbody.expr.evaluate import MPMATH, evaluate_sequence
-from symbody.expr.formula import build
 from symbody.expr.graph import Constant, Graph
+from symbody.expr.language.formula import build
 from symbody.expr.parser import parse
 from tests.expr.strategies import both_tiers, sequence_of
 

@@ -17,7 +17,7 @@ from symbody.expr.canonical import add, apply, div, mul, select, sub
 from symbody.expr.fingerprint import fingerprints
 from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.expr.sequence import Input, Roots, build_sequence
-from symbody.expr.trigonometry import trigonometric_form
+from symbody.expr.trigonometry.normal_form import trigonometric_form
 from tests.expr.strategies import Sample, both_tiers, built_shuffled, samples, sequence_of
 
 ROOT = Path(__file__).parents[2]

@@ -12,10 +12,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from symbody.errors import ExpressionError, Problem
-from symbody.expr.formula import Formula
+from symbody.expr.language.formula import Formula
+from symbody.expr.language.program import FUNCTIONS
+from symbody.expr.language.tokens import MAX_LENGTH, is_name, normalize
 from symbody.expr.parser import parse, parse_angle
-from symbody.expr.program import FUNCTIONS
-from symbody.expr.tokens import MAX_LENGTH, is_name, normalize
 
 
 def payloads(text: str) -> list[object]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from symbody.expr.formula import Formula
+from symbody.expr.language.formula import Formula
 from symbody.model.naming import element_problem, symbol_from, symbol_problem
 
 # Words of Python, C, SymPy and of the expression language's functions: only names here.

@@ -12,8 +12,8 @@ from symbody.codegen.function import CompiledFunction, Signature, source_text
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import CompileError, Problem, nearest
 from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.formula import Formula
 from symbody.expr.graph import TIME
+from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import substitute
 from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
 

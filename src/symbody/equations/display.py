@@ -7,8 +7,8 @@ from collections.abc import Callable
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.canonical import ZERO, add, sub
 from symbody.expr.graph import Graph, Kind
-from symbody.expr.latex import to_display, to_latex
 from symbody.expr.opcodes import ADD, NEG, SUB
+from symbody.expr.printing.latex import to_display, to_latex
 from symbody.expr.rewrite import dependence
 
 _MOVING = frozenset({Kind.COORDINATE, Kind.SPEED, Kind.MULTIPLIER})

@@ -9,9 +9,9 @@ from typing import Final
 from symbody.equations.formed import Formed
 from symbody.equations.outputs import output_roots
 from symbody.expr.closed_form import ClosedForms, closed_forms, readable
-from symbody.expr.definitions import EXPAND_LIMIT
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol
+from symbody.expr.printing.definitions import EXPAND_LIMIT
 from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Roots
 from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy

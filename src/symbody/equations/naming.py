@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from symbody.errors import ExpressionError, nearest
 from symbody.expr.expression import Expr
-from symbody.expr.formula import Formula, build
 from symbody.expr.graph import TIME, Graph, Kind, Symbol
+from symbody.expr.language.formula import Formula, build
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from symbody.equations.formed import Formed
 from symbody.equations.linear_solve import solve_positive_definite
 from symbody.errors import ExpressionError, FormulationError, Problem, nearest
 from symbody.expr.expression import Expr
-from symbody.expr.formula import Formula
+from symbody.expr.language.formula import Formula
 from symbody.expr.sequence import Roots
 
 

@@ -17,7 +17,7 @@ from symbody.expr.sympy_bridge import (
     SympyMatrix,
     to_sympy_with_definitions,
 )
-from symbody.expr.trigonometry import trigonometric_form
+from symbody.expr.trigonometry.normal_form import trigonometric_form
 
 # Operations of a formula that somebody will read, and of all such formulas together.
 _READABLE: Final = 500

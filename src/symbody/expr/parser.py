@@ -1,7 +1,7 @@
 """Text of the expression language to formulas.
 
 The grammar: numbers, names, ``+ - * / ^ **``, signs, ``if(condition, a, b)`` with comparisons, ``and``,
-``or`` and ``not`` in the condition, and the functions of `symbody.expr.program.FUNCTIONS`. Names
+``or`` and ``not`` in the condition, and the functions of `symbody.expr.language.program.FUNCTIONS`. Names
 mean nothing here: whatever reads as an identifier is one, ``I``, ``lambda`` and ``max`` too.
 """
 
@@ -10,11 +10,11 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from symbody.expr.caret import Source
-from symbody.expr.formula import Formula, FormulaLike
-from symbody.expr.grammar import read_program
-from symbody.expr.program import Instruction
-from symbody.expr.tokens import normalize
+from symbody.expr.language.caret import Source
+from symbody.expr.language.formula import Formula, FormulaLike
+from symbody.expr.language.grammar import read_program
+from symbody.expr.language.program import Instruction
+from symbody.expr.language.tokens import normalize
 
 # Digits are bounded so that a text that is no angle costs one pass.
 _DEGREES: Final = re.compile(r"([ \t]*[-+]?[ \t]*[0-9.]{1,400}(?:[eE][-+]?[0-9]{1,3})?)[ \t]*deg[ \t]*")

@@ -30,9 +30,9 @@ from sympy.physics.vector import dynamicsymbols
 
 from symbody.errors import ExpressionError, Problem
 from symbody.expr import opcodes as op
-from symbody.expr.definitions import EXPAND_LIMIT, definitions
-from symbody.expr.flattening import SUMS, linear_terms, nested_operands, power_factors
 from symbody.expr.graph import Exact, Graph, Kind, Symbol
+from symbody.expr.printing.definitions import EXPAND_LIMIT, definitions
+from symbody.expr.printing.flattening import SUMS, linear_terms, nested_operands, power_factors
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sympy_reader import KERNEL_NAME, Lookup, from_sympy, nodes_from_sympy
 

@@ -17,8 +17,8 @@ from sympy.physics.vector import dynamicsymbols
 from symbody.errors import ExpressionError, Problem
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, ZERO, add, apply, div, mul, neg, power, select, sub
-from symbody.expr.caret import shown
 from symbody.expr.graph import TIME, Graph, Kernel, Kind, Symbol
+from symbody.expr.language.caret import shown
 
 Lookup: TypeAlias = Callable[[str, bool], Symbol]
 _Rule: TypeAlias = Callable[..., int]

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Final, TypeVar
 
 from symbody.errors import ModelError, Problem, SymbodyError
-from symbody.expr.formula import Formula
+from symbody.expr.language.formula import Formula
 from symbody.formats.places import words
 from symbody.model.body import Body
 from symbody.model.element import Address, Element

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from symbody.errors import FormatError, ModelError, Problem, SymbodyError
-from symbody.expr.formula import Formula
+from symbody.expr.language.formula import Formula
 from symbody.formats.checking import check_structure
 from symbody.formats.entries import Node, element_from, entry_of, ground_frames, node_of
 from symbody.formats.lines import Path

@@ -8,7 +8,7 @@ from decimal import Decimal
 from typing import Any, Final
 
 from symbody.errors import FormatError, Problem
-from symbody.expr.caret import Source
+from symbody.expr.language.caret import Source
 
 _PLACE: Final = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 

@@ -10,7 +10,7 @@ from typing import Any, Final, cast
 import tomlkit
 from tomlkit.items import AoT, Array, Float, InlineTable, Item, Table, Trivia
 
-from symbody.expr.formula import Formula
+from symbody.expr.language.formula import Formula
 from symbody.formats.entries import Node
 
 # Keys whose value is a table under a header of its own; other tables stand in the line of their key.

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from symbody.expr.formula import Formula
-from symbody.expr.tokens import normalize
+from symbody.expr.language.formula import Formula
+from symbody.expr.language.tokens import normalize
 from symbody.model.door import Door, Value
 from symbody.model.element import Address, Element, address_of
 from symbody.model.frame import Frame

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable, Mapping
 
 from symbody.errors import ExpressionError, Problem
-from symbody.expr.formula import Formula
 from symbody.expr.graph import Constant
+from symbody.expr.language.formula import Formula
 from symbody.model.numbers import as_float, value_of
 
 

@@ -12,9 +12,9 @@ from numbers import Real
 from typing import Final, SupportsFloat, TypeVar, cast
 
 from symbody.errors import ExpressionError, ModelError, Problem, SymbodyError
-from symbody.expr.formula import Formula, FormulaLike
+from symbody.expr.language.formula import Formula, FormulaLike
+from symbody.expr.language.tokens import normalize
 from symbody.expr.parser import parse_angle
-from symbody.expr.tokens import normalize
 from symbody.model.naming import element_problem, symbol_problem
 from symbody.model.table import Table
 from symbody.model.uses import Triple

@@ -6,7 +6,7 @@ import math
 from fractions import Fraction
 from typing import Final
 
-from symbody.expr.formula import Formula
+from symbody.expr.language.formula import Formula
 from symbody.model.numbers import value_of
 from symbody.model.turn import LETTERS, Turn
 from symbody.model.uses import Triple

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from symbody.expr.formula import Formula
+from symbody.expr.language.formula import Formula
 from symbody.model.body import Place, address_from
 from symbody.model.door import Door, Value
 from symbody.model.element import Address, Element

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from symbody.expr.formula import Formula
+from symbody.expr.language.formula import Formula
 from symbody.model.door import ZERO, Door, Value
 from symbody.model.euler_angles import euler_turns
 from symbody.model.turn import Axis, Turn, axis_from, unit_axis

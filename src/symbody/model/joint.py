@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from symbody.expr.formula import Formula
+from symbody.expr.language.formula import Formula
 from symbody.model.door import Door
 from symbody.model.element import Address, Element
 from symbody.model.forces import Drive

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Final, TypeVar, final
 
 from symbody.errors import ModelError, Problem, nearest
-from symbody.expr.formula import Formula
 from symbody.expr.graph import Constant
+from symbody.expr.language.formula import Formula
 from symbody.model.body import Body, frame_table
 from symbody.model.door import Door, Value
 from symbody.model.element import Element

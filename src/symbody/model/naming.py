@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.errors import Problem
-from symbody.expr.tokens import KEYWORDS, MAX_NAME, is_name, normalize
+from symbody.expr.language.tokens import KEYWORDS, MAX_NAME, is_name, normalize
 
 GROUND: Final = "ground"
 CENTRE: Final = "CoM"

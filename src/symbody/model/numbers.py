@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.formula import Formula, build
 from symbody.expr.graph import Constant, Graph
+from symbody.expr.language.formula import Formula, build
 from symbody.expr.sequence import Roots, build_sequence
 
 

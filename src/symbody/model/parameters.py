@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from typing import Final
 
 from symbody.errors import ExpressionError, ModelError, Problem, nearest
-from symbody.expr.formula import Formula
 from symbody.expr.graph import Constant
+from symbody.expr.language.formula import Formula
 from symbody.model.door import Door, Value
 from symbody.model.numbers import value_of
 

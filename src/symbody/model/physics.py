@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from symbody.expr.formula import Formula
+from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
 from symbody.model.checker import Checker
 from symbody.model.forces import Drive, SpringDamper

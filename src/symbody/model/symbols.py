@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from symbody.errors import Problem, nearest
-from symbody.expr.formula import Formula
+from symbody.expr.language.formula import Formula
 from symbody.model.joint import Joint
 from symbody.model.naming import RESERVED_SYMBOLS
 from symbody.model.uses import Scope, Use

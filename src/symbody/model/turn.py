@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from symbody.expr.formula import Formula
+from symbody.expr.language.formula import Formula
 from symbody.model.door import ZERO, Door
 from symbody.model.numbers import square_root, value_of
 from symbody.model.uses import Triple

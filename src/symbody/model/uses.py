@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from enum import StrEnum
 from typing import NamedTuple
 
-from symbody.expr.formula import Formula
+from symbody.expr.language.formula import Formula
 
 Triple = tuple[Formula, Formula, Formula]
 

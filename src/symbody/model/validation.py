@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from symbody.errors import ModelError, Problem, nearest
-from symbody.expr.formula import Formula
+from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
 from symbody.model.checker import Checker
 from symbody.model.element import Element

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from symbody.expr.canonical import add, apply, mul, neg, select
-from symbody.expr.definitions import definitions
 from symbody.expr.graph import Graph, Kernel, Kind, Symbol
 from symbody.expr.opcodes import LT, PICK, SADDLE, SIN
+from symbody.expr.printing.definitions import definitions
 from symbody.expr.rewrite import operation_count, substitute, symbols_of, tree_size
 
 

@@ -6,7 +6,7 @@ import unicodedata
 from typing import Final
 
 from symbody.errors import Problem
-from symbody.expr.caret import Source, shown
+from symbody.expr.language.caret import Source, shown
 
 _DATA: Final = "an expression is data, never code: only numbers, names, operators and the listed functions"
 

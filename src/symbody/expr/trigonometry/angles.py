@@ -15,11 +15,11 @@ from math import floor, gcd
 from typing import Final
 
 from symbody.expr.canonical import ZERO, add, mul, neg
-from symbody.expr.flattening import linear_terms
 from symbody.expr.graph import Graph
-from symbody.expr.harmonics import Vector
 from symbody.expr.opcodes import COS, PI, RATIONAL, SIN
+from symbody.expr.printing.flattening import linear_terms
 from symbody.expr.rewrite import node_cost, tree_size
+from symbody.expr.trigonometry.harmonics import Vector
 
 # Functions of an angle of more basis angles are not expanded: each one doubles the terms.
 _MAX_MULTIPLE: Final = 8

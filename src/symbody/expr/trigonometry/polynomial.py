@@ -107,7 +107,7 @@ def names_of(p: Polynomial) -> set[int]:
     return {name for monomial in p for name, _ in monomial}
 
 
-def parts(p: Polynomial, chosen: Callable[[int], bool]) -> dict[Monomial, Polynomial]:
+def coefficients(p: Polynomial, chosen: Callable[[int], bool]) -> dict[Monomial, Polynomial]:
     """Write `p` as a polynomial in the other variables whose coefficients are in the `chosen` ones."""
     result: dict[Monomial, Polynomial] = {}
     for monomial, coefficient in p.items():

@@ -13,10 +13,11 @@ from typing import Final
 
 from symbody.errors import ExpressionError, Problem
 from symbody.expr import opcodes as op
-from symbody.expr.caret import shown
-from symbody.expr.definitions import EXPAND_LIMIT
 from symbody.expr.graph import Graph
-from symbody.expr.printing import (
+from symbody.expr.language.caret import shown
+from symbody.expr.language.tokens import is_name, normalize
+from symbody.expr.printing.definitions import EXPAND_LIMIT
+from symbody.expr.printing.layout import (
     ATOM,
     BOTH,
     CHOICE,
@@ -34,7 +35,6 @@ from symbody.expr.printing import (
     printed,
     printed_with_definitions,
 )
-from symbody.expr.tokens import is_name, normalize
 
 # Operations between two operands: the sign, and how tightly it binds.
 _INFIX: Final[Mapping[int, tuple[str, int]]] = {

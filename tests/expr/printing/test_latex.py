@@ -17,14 +17,14 @@ from symbody.expr import opcodes as op
 from symbody.expr.canonical import add, apply, make, mul, neg, power, select
 from symbody.expr.expression import Expr, atan2, cos, maximum, sin, sqrt, symbol
 from symbody.expr.graph import TIME, Graph, Kernel, Kind, Symbol
-from symbody.expr.latex import (
+from symbody.expr.printing.latex import (
     latex_name,
     to_display,
     to_display_with_definitions,
     to_latex,
     to_latex_with_definitions,
 )
-from symbody.expr.textbook import name_key
+from symbody.expr.printing.textbook import name_key
 from tests.expr.strategies import Sample, both_tiers, built, built_shuffled, samples
 
 HALF = Fraction(1, 2)

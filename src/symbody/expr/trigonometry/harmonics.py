@@ -18,7 +18,16 @@ from typing import Final, NamedTuple
 
 from symbody.expr.graph import Exact
 from symbody.expr.opcodes import COS, SIN
-from symbody.expr.polynomial import UNIT, Monomial, Polynomial, accumulate, cost, product, term_cost, times
+from symbody.expr.trigonometry.polynomial import (
+    UNIT,
+    Monomial,
+    Polynomial,
+    accumulate,
+    cost,
+    product,
+    term_cost,
+    times,
+)
 
 Vector = tuple[int, ...]
 

@@ -12,13 +12,13 @@ from symbody.errors import ExpressionError
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import add, apply, make, mul, neg, power, select
 from symbody.expr.expression import Expr, cos, maximum, sin, sqrt, symbol
-from symbody.expr.formula import build
 from symbody.expr.graph import TIME, Constant, Graph, Kernel, Kind, Symbol
-from symbody.expr.literals import read_number
+from symbody.expr.language.formula import build
+from symbody.expr.language.literals import read_number
 from symbody.expr.parser import parse
-from symbody.expr.printing import number_text
+from symbody.expr.printing.layout import number_text
+from symbody.expr.printing.text import to_text, to_text_with_definitions
 from symbody.expr.rewrite import operation_count, substitute, symbols_of
-from symbody.expr.text import to_text, to_text_with_definitions
 from tests.expr.strategies import Sample, both_tiers, built, samples
 
 HALF = Fraction(1, 2)

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import ClassVar, Final
 
-from symbody.expr.caret import shown
-from symbody.expr.definitions import EXPAND_LIMIT
 from symbody.expr.graph import Constant, Graph, Symbol
-from symbody.expr.printing import (
+from symbody.expr.language.caret import shown
+from symbody.expr.printing.definitions import EXPAND_LIMIT
+from symbody.expr.printing.layout import (
     ATOM,
     CHOICE,
     POWER,
@@ -26,7 +26,7 @@ from symbody.expr.printing import (
     printed,
     printed_with_definitions,
 )
-from symbody.expr.textbook import Factor, Style, textbook
+from symbody.expr.printing.textbook import Factor, Style, textbook
 
 # Letters that LaTeX has commands for; Alpha, Beta and the like are Latin capitals there. A parameter
 # called pi is not among them: it is not the constant.

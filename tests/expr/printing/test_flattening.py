@@ -7,9 +7,9 @@ from fractions import Fraction
 import pytest
 
 from symbody.expr.canonical import add, apply, div, mul, neg, power, sub
-from symbody.expr.flattening import linear_terms, nested_operands, power_factors
 from symbody.expr.graph import Graph, Symbol
 from symbody.expr.opcodes import MAX, MIN
+from symbody.expr.printing.flattening import linear_terms, nested_operands, power_factors
 
 
 @pytest.fixture

@@ -13,18 +13,29 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Final
 
-from symbody.expr.angles import Angle, Angles
 from symbody.expr.canonical import apply, make
-from symbody.expr.collecting import collected
 from symbody.expr.graph import Graph
-from symbody.expr.harmonics import Harmonics, reduced, sine
 from symbody.expr.opcodes import ADD, COS, DIV, FLOAT, MUL, NEG, POW, RATIONAL, SIN, SUB
-from symbody.expr.polynomial import UNIT, Polynomial, names_of, parts, plus, product, size, times, variable
 from symbody.expr.rewrite import node_cost, operation_count, tree_size
+from symbody.expr.trigonometry.angles import Angle, Angles
+from symbody.expr.trigonometry.collecting import collected
+from symbody.expr.trigonometry.harmonics import Harmonics, reduced, sine
+from symbody.expr.trigonometry.polynomial import (
+    UNIT,
+    Polynomial,
+    coefficients,
+    names_of,
+    plus,
+    product,
+    size,
+    times,
+    variable,
+)
 
 _MAX_OPERATIONS: Final = 2000
 _MAX_SIZE: Final = 10_000  # factors of all terms of a polynomial
 _MAX_EFFORT: Final = 400_000  # factors multiplied for one root: about a second
+_MAX_WRITTEN: Final = 20_000  # factors of all parts of one root that are written by themselves
 _MAX_EXPONENT: Final = 16  # of what is multiplied out
 _MAX_KERNEL: Final = 6  # terms of a sum that is tried as a variable
 
@@ -69,13 +80,17 @@ class _Writer:
         self._kernels: list[Polynomial] = []
         self._sizes: dict[int, int] = {}
         self._effort = 0
-        written = self._written_by_themselves(nodes) | {root}
+        self._written_size = 0
+        parts = self._written_by_themselves(nodes)
         for node in nodes:
-            plain = self._plain(node)
+            plain = self._new[node] = self._plain(node)
             p = self._polynomials[node] = self._polynomial(node, plain)
-            if p is not None and graph.ops[node] in (ADD, SUB) and 1 < len(p) <= _MAX_KERNEL:
+            if p is None:
+                continue
+            if graph.ops[node] in (ADD, SUB) and 1 < len(p) <= _MAX_KERNEL:
                 self._kernels.append(self._shortened(p))
-            self._new[node] = plain if p is None or node not in written else self._written(p, plain)
+            if node == root or (node in parts and self._is_affordable(p)):
+                self._new[node] = self._written(p, plain)
         self.form = self._new[root]
 
     def _written_by_themselves(self, nodes: Sequence[int]) -> set[int]:
@@ -88,6 +103,10 @@ class _Writer:
             if self._graph.ops[node] not in (ADD, SUB, NEG):
                 result.update(self._graph.operands(node))
         return result
+
+    def _is_affordable(self, p: Polynomial) -> bool:
+        self._written_size += size(p)
+        return self._written_size <= _MAX_WRITTEN
 
     def _is_expanded(self, node: int) -> bool:
         return self._graph.ops[node] in _EXPANDED or self._whole_exponent(node) > 0
@@ -175,7 +194,7 @@ class _Writer:
     def _shortened(self, p: Polynomial) -> Polynomial:
         """Return `p` with the trigonometric part of each coefficient written in its shortest form."""
         result: Polynomial = {}
-        for outer, inner in parts(p, lambda name: name < 0).items():
+        for outer, inner in coefficients(p, lambda name: name < 0).items():
             for monomial, coefficient in self._harmonics.shortest(inner).items():
                 result[product(monomial, outer)] = coefficient
         return result

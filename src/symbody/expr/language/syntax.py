@@ -6,9 +6,9 @@ from types import MappingProxyType
 from typing import Final
 
 from symbody.errors import Problem, nearest
-from symbody.expr.caret import Source, shown
-from symbody.expr.program import FUNCTIONS
-from symbody.expr.tokens import Token
+from symbody.expr.language.caret import Source, shown
+from symbody.expr.language.program import FUNCTIONS
+from symbody.expr.language.tokens import Token
 
 # Functions of other languages -> what to write.
 _ELSEWHERE: Final = MappingProxyType(

@@ -7,8 +7,8 @@ import unicodedata
 from typing import Final, NamedTuple
 
 from symbody.errors import ExpressionError, Problem
-from symbody.expr.caret import Source, shown
-from symbody.expr.foreign import character_problem, mark_problem
+from symbody.expr.language.caret import Source, shown
+from symbody.expr.language.foreign import character_problem, mark_problem
 
 MAX_LENGTH: Final = 65_536  # characters
 MAX_TOKENS: Final = 20_000

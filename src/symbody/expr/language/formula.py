@@ -11,13 +11,13 @@ from typing import TypeAlias
 
 from symbody.errors import ExpressionError, Problem
 from symbody.expr.canonical import constant
-from symbody.expr.caret import Source, shown
-from symbody.expr.grammar import read_program
 from symbody.expr.graph import Constant, Graph
-from symbody.expr.literals import MAX_DIGITS, fold
-from symbody.expr.lowering import applied_node
-from symbody.expr.program import Instruction
-from symbody.expr.tokens import is_name, normalize
+from symbody.expr.language.caret import Source, shown
+from symbody.expr.language.grammar import read_program
+from symbody.expr.language.literals import MAX_DIGITS, fold
+from symbody.expr.language.lowering import applied_node
+from symbody.expr.language.program import Instruction
+from symbody.expr.language.tokens import is_name, normalize
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class Formula:
     Attributes
     ----------
     text : str
-        As written, up to `symbody.expr.tokens.normalize`.
+        As written, up to `symbody.expr.language.tokens.normalize`.
     program : tuple of Instruction
         Steps of a stack machine that leave one number.
     """

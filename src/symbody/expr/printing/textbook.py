@@ -16,9 +16,9 @@ from fractions import Fraction
 from typing import ClassVar, Final, NamedTuple, TypeAlias
 
 from symbody.expr import opcodes as op
-from symbody.expr.flattening import SUMS, linear_terms, power_factors
 from symbody.expr.graph import Constant, Exact, Graph, Kind, Symbol
-from symbody.expr.printing import (
+from symbody.expr.printing.flattening import SUMS, linear_terms, power_factors
+from symbody.expr.printing.layout import (
     ATOM,
     BOTH,
     CHOICE,

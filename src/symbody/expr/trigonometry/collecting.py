@@ -14,7 +14,16 @@ from typing import Final
 
 from symbody.expr.canonical import ONE, ZERO, add, mul, power
 from symbody.expr.graph import Exact, Graph
-from symbody.expr.polynomial import Monomial, Polynomial, content, cost, quotient, replaced, size, term_cost
+from symbody.expr.trigonometry.polynomial import (
+    Monomial,
+    Polynomial,
+    content,
+    cost,
+    quotient,
+    replaced,
+    size,
+    term_cost,
+)
 
 # Nobody reads sums longer than these (in factors, in terms), and the search grows with their square.
 _MAX_SIZE_PULLED: Final = 3000

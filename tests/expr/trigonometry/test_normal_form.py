@@ -20,7 +20,7 @@ from symbody.expr.fingerprint import fingerprints
 from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.expr.rewrite import symbols_of, tree_size
 from symbody.expr.sequence import Input, Roots, build_sequence
-from symbody.expr.trigonometry import trigonometric_form
+from symbody.expr.trigonometry.normal_form import trigonometric_form
 from tests.expr.intervals import Undecided, interval, interval_arithmetic
 from tests.expr.strategies import (
     DIGITS,

@@ -18,8 +18,8 @@ from hypothesis import strategies as st
 
 from symbody.errors import ExpressionError, Problem
 from symbody.expr import opcodes
-from symbody.expr.formula import Formula, build
 from symbody.expr.graph import Graph, Symbol
+from symbody.expr.language.formula import Formula, build
 from symbody.expr.parser import parse, parse_angle
 
 # --- values -----------------------------------------------------------------------------------

@@ -10,11 +10,11 @@ from types import MappingProxyType
 from typing import Final, NamedTuple, NoReturn
 
 from symbody.errors import ExpressionError, Problem
-from symbody.expr.caret import Source
-from symbody.expr.checks import Value, applied, condition_problem
-from symbody.expr.literals import read_number
-from symbody.expr.program import FOLDED, FUNCTIONS, Instruction
-from symbody.expr.syntax import (
+from symbody.expr.language.caret import Source
+from symbody.expr.language.checks import Value, applied, condition_problem
+from symbody.expr.language.literals import read_number
+from symbody.expr.language.program import FOLDED, FUNCTIONS, Instruction
+from symbody.expr.language.syntax import (
     adjacent_problem,
     arguments_problem,
     comma_problem,
@@ -22,7 +22,7 @@ from symbody.expr.syntax import (
     missing_problem,
     unknown_function_problem,
 )
-from symbody.expr.tokens import MAX_PROBLEMS, Token, tokenize
+from symbody.expr.language.tokens import MAX_PROBLEMS, Token, tokenize
 
 MAX_NESTING: Final = 200
 

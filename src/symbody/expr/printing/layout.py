@@ -11,9 +11,9 @@ from fractions import Fraction
 from typing import Final, NamedTuple, TypeAlias
 
 from symbody.errors import ExpressionError, Problem
-from symbody.expr.definitions import EXPAND_LIMIT, definitions
 from symbody.expr.graph import Constant, Graph
-from symbody.expr.literals import EXACT_DIGITS
+from symbody.expr.language.literals import EXACT_DIGITS
+from symbody.expr.printing.definitions import EXPAND_LIMIT, definitions
 from symbody.expr.rewrite import tree_size
 
 # How tightly a piece of text binds, weakest first.
