@@ -23,9 +23,12 @@ from .model import Body as Body
 from .model import Drive as Drive
 from .model import Force as Force
 from .model import Frame as Frame
+from .model import Free as Free
 from .model import Model as Model
+from .model import Planar as Planar
 from .model import Prismatic as Prismatic
 from .model import Revolute as Revolute
+from .model import Spherical as Spherical
 from .model import SpringDamper as SpringDamper
 from .model import Torque as Torque
 from .model import Weld as Weld

@@ -38,6 +38,9 @@ class Interval:
     def __contains__(self, value: Any) -> bool:
         return bool(self.low <= value <= self.high)
 
+    def meets(self, other: Interval) -> bool:
+        return bool(self.low <= other.high and other.low <= self.high)
+
     @property
     def width(self) -> Any:
         return self.high - self.low

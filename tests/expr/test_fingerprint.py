@@ -8,6 +8,7 @@ from itertools import combinations
 
 import mpmath
 import pytest
+import sympy as sp
 from hypothesis import assume, given
 
 from symbody.expr import opcodes as op
@@ -252,3 +253,14 @@ def test_opposite_fingerprints_share_one_key() -> None:
     assert unsigned((0, 0)) == ((0, 0), False)
     assert unsigned((PRIME - 1, 5)) == ((1, PRIME - 5), True)
     assert unsigned((1, PRIME - 5)) == ((1, PRIME - 5), False)
+
+
+def test_powers_of_two_are_distinct() -> None:
+    graph = Graph()
+    nodes = [graph.constant(sign * 2.0**k) for k in range(-1074, 1024) for sign in (1, -1)]
+    values = fingerprints(graph, graph.reachable(nodes))
+    assert len({values[node] for node in nodes}) == len(nodes)
+
+
+def test_the_prime_has_what_the_field_needs() -> None:
+    assert sp.isprime(PRIME) and sp.isprime((PRIME - 1) // 2) and PRIME % 4 == 3

@@ -152,7 +152,14 @@ KEYS = st.sampled_from(
         "layout",
         "version",
         "tree",
+        "angles",
+        "armature",
+        "as_constraint",
+        "coordinates",
+        "motion",
         "on",
+        "speed_names",
+        "speeds",
         "vector",
     ]
 ) | st.text(max_size=3)

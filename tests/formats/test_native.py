@@ -24,7 +24,22 @@ from symbody.formats import (
     save_model,
     to_data,
 )
-from symbody.model import Body, Drive, Force, Frame, Model, Prismatic, Revolute, SpringDamper, Torque, Weld
+from symbody.model import (
+    Body,
+    Drive,
+    Force,
+    Frame,
+    Free,
+    Model,
+    Planar,
+    Prismatic,
+    Revolute,
+    Spherical,
+    SpringDamper,
+    Torque,
+    Weld,
+)
+from symbody.model.joint import Joint
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "spring_mass_damper" / "spring_mass_damper.toml"
 
@@ -59,7 +74,14 @@ def everything() -> Model:
             Revolute(
                 "pin", "ground.post", link["tip"], axis=("a", 0, -2), coordinate="q", torque=drive, tree=True
             ),
-            Prismatic("rail", "upper arm.flat end", wheel, motion="0.1*t", tree={"rotation": False}),
+            Prismatic(
+                "rail",
+                "upper arm.flat end",
+                wheel,
+                motion="0.1*t",
+                tree={"rotation": False},
+                as_constraint=True,
+            ),
             Weld("seam", link["plain"], "🙂 wheel", tree={"rotation": True, "translation": False}),
             SpringDamper("s", "post", "tip", stiffness="k", damping=0.5, free="l0", applied="T"),
             Force("push", link, (0, "-T", 1.5), resolved_in="tip", reaction_on="🙂 wheel"),
@@ -82,7 +104,59 @@ def everything() -> Model:
     )
 
 
-MODELS = {"example": spring_mass_damper, "everything": everything, "empty": lambda: Model("")}
+def joints() -> Model:
+    """Every joint, with every word away from its default, and with defaults only."""
+    bodies = [Body(name, mass=1) for name in "ABCDEFGH"]
+    drive = Drive(stiffness="k", free="30 deg")
+    return Model(
+        "joints",
+        [
+            *bodies,
+            Revolute("r", "ground", "A", coordinate="q", motion="30 deg", as_constraint=True, armature="J/2"),
+            Prismatic("p", "A", "B", armature=1.5),
+            Planar("p1", "ground", "C"),
+            Planar(
+                "p2",
+                "ground",
+                "C",
+                axis="y",
+                coordinates=["X", "Y", "theta"],
+                tree=False,
+                force={"X": Drive(applied="F"), "Y": Drive()},
+                torque={"theta": drive},
+                motion={"Y": "2*t", "theta": "10 deg"},
+                as_constraint=True,
+            ),
+            Spherical("s1", "C", "D"),
+            Spherical("s2", "D", "E", angles="313", torque={"s2_1": drive}, motion={"s2_3": "t"}),
+            Spherical(
+                "s3",
+                "E",
+                "F",
+                angles="space xyz",
+                coordinates=["a", "b", "c"],
+                speeds="start",
+                speed_names=["wa", "wb", "wc"],
+                tree={"translation": True},
+            ),
+            Free("f1", "ground", "G"),
+            Free(
+                "f2", "ground", "H", angles="zyx", force={"f2_x": Drive(applied="F")}, torque={"f2_1": drive}
+            ),
+            Free("f3", "G", "H", speeds="twist", speed_names=["v1", "v2", "v3", "w1", "w2", "w3"]),
+        ],
+        parameters={"k": 1, "J": 0.5},
+        inputs=["F"],
+        initial={"q": 0.5, "wa": "k", "a_dot": 1, "f1_qw": 1, "w3": 2, "s2_1": "5 deg"},
+    )
+
+
+MODELS = {
+    "example": spring_mass_damper,
+    "everything": everything,
+    "joints": joints,
+    "empty": lambda: Model(""),
+}
 
 
 def test_script_and_file_are_the_same_model() -> None:
@@ -180,6 +254,84 @@ def test_saving_unchanged_keeps_every_byte(tmp_path: Path) -> None:
     path.write_bytes(EXAMPLE.read_bytes())
     save_model(load_model(path), path)
     assert path.read_bytes() == EXAMPLE.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("joint", "text"),
+    [
+        (Weld("j", "ground", "A"), 'type = "weld"\n'),
+        (Revolute("j", "ground", "A"), 'type = "revolute"\naxis = "z"\n'),
+        (Planar("j", "ground", "A"), 'type = "planar"\naxis = "z"\n'),
+        (Spherical("j", "ground", "A"), 'type = "spherical"\nangles = "quaternion"\n'),
+        (Spherical("j", "ground", "A", "zxz"), 'type = "spherical"\nangles = "313"\n'),
+        (
+            Spherical("j", "ground", "A", "zxz", speeds="end"),
+            'type = "spherical"\nangles = "313"\nspeeds = "end"\n',
+        ),
+        (Free("j", "ground", "A", speeds="end"), 'type = "free"\nangles = "quaternion"\n'),
+        (
+            Free("j", "ground", "A", "123", motion={"j_x": "t", "j_1": 1}),
+            'type = "free"\nangles = "123"\nmotion = {j_x = "t", j_1 = 1}\n',
+        ),
+        (
+            Revolute("j", "ground", "A", torque=Drive(damping="d"), armature="J"),
+            'type = "revolute"\naxis = "z"\ntorque = {damping = "d"}\narmature = "J"\n',
+        ),
+    ],
+)
+def test_defaults_are_left_out(joint: Joint, text: str) -> None:
+    model = Model("a", [Body("A"), joint], parameters={"d": 1, "J": 1})
+    written = model_to_toml(model).partition('[[joint]]\nname = "j"\n')[2]
+    head, _, rest = written.partition('between = ["ground", "A"]\n')
+    assert head + rest == text
+    assert model_from_toml(model_to_toml(model)) == model
+
+
+DRIVES = st.builds(
+    Drive, applied=st.sampled_from([0, "F"]), stiffness=st.integers(0, 3), free=st.just("1 deg")
+)
+MOTIONS = st.sampled_from(["t", 0.5, "sin(t)", "30 deg"])
+
+
+@st.composite
+def spatial_joints(draw: st.DrawFn) -> Joint:
+    """A planar, spherical or free joint with any words that go together."""
+    kind = draw(st.sampled_from([Planar, Spherical, Free]))
+    angles = draw(st.sampled_from(["quaternion", "313", "xyz", "space 231"]))
+    plain = kind("j", "ground", "A", **({} if kind is Planar else {"angles": angles}))
+    words: dict[str, object] = {"tree": draw(st.sampled_from([None, True, {"rotation": False}]))}
+    if kind is Planar:
+        words["axis"] = draw(st.sampled_from("xyz"))
+    else:
+        rates = [] if angles == "quaternion" else ["rates"]
+        twist = ["twist"] if kind is Free else []
+        words |= {"angles": angles, "speeds": draw(st.sampled_from([None, "start", "end", *rates, *twist]))}
+    if draw(st.booleans()):
+        words["coordinates"] = [f"x{k}" for k in range(len(plain.coordinates))]
+    joint = kind("j", "ground", "A", **words)
+    if joint.quasi_speed_names and draw(st.booleans()):
+        words["speed_names"] = [f"u{k}" for k in range(len(joint.quasi_speed_names))]
+    words["torque"] = (
+        draw(st.dictionaries(st.sampled_from(joint.angle_coordinates), DRIVES))
+        if joint.angle_coordinates
+        else None
+    )
+    if kind is not Spherical:
+        drives = DRIVES.map(lambda drive: replace(drive, free=0))
+        words["force"] = draw(st.dictionaries(st.sampled_from(joint.translation_coordinates), drives))
+    if joint.angle_coordinates:
+        words["motion"] = draw(st.dictionaries(st.sampled_from(joint.angle_coordinates), MOTIONS))
+        words["as_constraint"] = bool(joint.quasi_speed_names) or draw(st.booleans())
+    return kind("j", "ground", "A", **words)
+
+
+@given(spatial_joints())
+def test_any_spatial_joint_comes_back(joint: Joint) -> None:
+    model = Model("a", [Body("A"), joint], inputs=["F"])
+    text = model_to_toml(model)
+    assert model_from_toml(text) == model
+    assert model_to_toml(model_from_toml(text)) == text
+    assert from_data(json.loads(json.dumps(to_data(model)))) == model
 
 
 COMMENTED = """# head

@@ -11,7 +11,7 @@ import pytest
 from pydantic import ValidationError
 
 from symbody import formats
-from symbody.formats import schema
+from symbody.formats import schema, schema_joints
 from symbody.formats.entries import ELEMENTS, JOINTS
 from symbody.formats.schema import ModelFile
 from symbody.model import Drive, Frame, Model
@@ -44,12 +44,12 @@ def test_keys_of_elements_are_their_arguments(kind: str) -> None:
 
 @pytest.mark.parametrize("word", JOINTS)
 def test_keys_of_joints_are_their_arguments(word: str) -> None:
-    assert words(getattr(schema, f"{word.title()}Entry")) == arguments(JOINTS[word]) | {"type"}
+    assert words(getattr(schema_joints, f"{word.title()}Entry")) == arguments(JOINTS[word]) | {"type"}
 
 
 def test_keys_of_parts_and_of_the_model() -> None:
     assert words(schema.FrameEntry) == arguments(Frame)
-    assert words(schema.DriveEntry) == arguments(Drive)
+    assert words(schema_joints.DriveEntry) == arguments(Drive)
     kinds = set(KINDS) & words(ModelFile)
     assert words(ModelFile) - kinds == (arguments(Model) - {"elements"}) | {"layout", "version"}
 

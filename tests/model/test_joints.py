@@ -143,8 +143,8 @@ def test_every_fault_of_a_joint_is_told() -> None:
         "model.not_a_place",
         "model.bad_address",
         "model.bad_tree",
-        "names.reserved",
         "model.axis_letter",
+        "names.reserved",
         "model.not_a_drive",
         "expression.missing_operand",
     ]

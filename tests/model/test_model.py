@@ -91,7 +91,8 @@ def test_empty_models_are_legal(rest: dict[str, object]) -> None:
 
 def test_one_free_body_and_a_welded_one() -> None:
     model = Model("two", [Body("Free", mass=1), Body("Fixed"), Weld("w", "ground", "Fixed")])
-    assert "body Free has no joint and moves freely" in model.notes
+    assert "body Free has no joint and moves freely, with coordinates Free_x to Free_qz" in model.notes
+    assert [joint.name for joint in model.free_joints] == ["Free"]
 
 
 def test_missing_body_and_joint() -> None:

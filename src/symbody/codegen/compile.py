@@ -14,7 +14,7 @@ from symbody.errors import CompileError, Problem, nearest
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME
 from symbody.expr.language.formula import Formula
-from symbody.expr.rewrite import substitute
+from symbody.expr.rewrite import substitute, symbols_of
 from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
 
 Value = int | float | str | Formula
@@ -86,6 +86,7 @@ def form_sequence(
     names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     kept = tuple(free)
     replacements = _parameter_nodes(eqs, parameters or {}, kept)
+    eqs = eqs.for_values(_known_values(eqs, replacements)) if eqs.multiplier_names else eqs
     replacements |= _input_nodes(eqs, inputs or {}, replacements)
     left = tuple(name for name in eqs.input_names if name not in (inputs or {}))
     roots = [_replaced(eqs, eqs.roots(name), replacements) for name in names]
@@ -102,7 +103,7 @@ def _places(eqs: EquationSet, signature: Signature) -> dict[int, Input]:
     places = {graph.symbol(TIME): Input("t", "t", 0)}
     for group in ("q", "u", "r", "p"):
         for k, name in enumerate(signature.names(group)):
-            places[names.symbol(name).index] = Input(name, group, k)
+            places[names.value(name).index] = Input(name, group, k)
     return places
 
 
@@ -110,7 +111,7 @@ def _parameter_nodes(eqs: EquationSet, given: Mapping[str, Value], free: Items[s
     """Return the nodes that take the place of parameters, computed in the order of their dependence."""
     model, names, graph = eqs.model, eqs.formed.names, eqs.formed.graph
     _check_names(eqs, given, free)
-    nodes: dict[str, int] = {name: names.symbol(name).index for name in free}
+    nodes: dict[str, int] = {name: names.value(name).index for name in free}
     missing = []
     for name in model.parameter_order():
         if name in nodes:
@@ -120,10 +121,21 @@ def _parameter_nodes(eqs: EquationSet, given: Mapping[str, Value], free: Items[s
             missing.append(name)
         else:
             node = names.expression(formula, f"parameter {name}").index
-            nodes[name] = substitute(graph, [node], {names.symbol(k).index: v for k, v in nodes.items()})[0]
+            nodes[name] = substitute(graph, [node], {names.value(k).index: v for k, v in nodes.items()})[0]
     if missing:
         raise CompileError(_missing(missing))
-    return {names.symbol(name).index: node for name, node in nodes.items() if name not in free}
+    return {names.value(name).index: node for name, node in nodes.items() if name not in free}
+
+
+def _known_values(eqs: EquationSet, nodes: Mapping[int, int]) -> dict[str, float]:
+    """Return the values of the parameters that have been given nodes without symbols."""
+    graph = eqs.formed.graph
+    known = {node: made for node, made in nodes.items() if not symbols_of(graph, [made])}
+    roots = [Roots("values", (len(known),), tuple(known.values()))]
+    values = evaluate_sequence(build_sequence(graph, roots, {}), {})[0]
+    return {
+        graph.symbols[graph.left[node]].name: float(value) for node, value in zip(known, values, strict=True)
+    }
 
 
 def _input_nodes(eqs: EquationSet, given: Mapping[str, Value], known: Mapping[int, int]) -> dict[int, int]:
@@ -134,7 +146,7 @@ def _input_nodes(eqs: EquationSet, given: Mapping[str, Value], known: Mapping[in
     result = {}
     for name, value in given.items():
         node = names.expression(Formula.of(value, where=f"input {name}"), f"input {name}").index
-        result[names.symbol(name).index] = substitute(graph, [node], known)[0]
+        result[names.value(name).index] = substitute(graph, [node], known)[0]
     return result
 
 

@@ -2,30 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, NamedTuple
 
 from symbody.equations.formed import Formed
+from symbody.equations.frame_motion import frame_motion_entries
+from symbody.equations.joint_outputs import reaction_wrench
+from symbody.equations.mobility import degrees_of_freedom
+from symbody.equations.noise import without_noise
 from symbody.equations.outputs import output_roots
 from symbody.expr.closed_form import ClosedForms, closed_forms, readable
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Symbol
+from symbody.expr.graph import Graph, Symbol
 from symbody.expr.printing.definitions import EXPAND_LIMIT
 from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Roots
 from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.model.model import Model
+from symbody.vectors.vector import components
 
 # The outputs that properties show as formulas.
 _SHOWN: Final = (
-    "mass_matrix", "forcing", "constraints", "jacobian", "kinetic_energy", "potential_energy", "qdot",
+    "mass_matrix", "forcing", "constraints", "velocity_constraints", "jacobian", "position_jacobian",
+    "kinetic_energy", "potential_energy", "qdot",
 )  # fmt: skip
+
+
+class Reaction(NamedTuple):
+    """A reaction as (3, 1) matrices: force [N], moment [N m]."""
+
+    force: SympyMatrix
+    moment: SympyMatrix
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class EquationSet:
-    """Equations of motion ``M u' = F``, ``q' = N u + nu`` of a model.
+    """Equations of motion ``M u' = F + J^T lambda``, ``J u' = gamma``, ``q' = N u + nu`` of a model.
 
     Every property that shows formulas returns SymPy objects in dynamicsymbols; the numbers come from
     the expression graph behind them, through `compile` and `simulate`.
@@ -48,7 +61,15 @@ class EquationSet:
     _forms: dict[str, ClosedForms] = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
-        return f"EquationSet of {self.model.name!r}: {self.degrees_of_freedom} degrees of freedom"
+        sizes = f"{len(self.formed.q)} coordinates, {len(self.formed.u)} speeds"
+        return f"EquationSet of {self.model.name!r}: {sizes}, {len(self.formed.rows)} constraints"
+
+    @property
+    def quaternions(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the four Euler parameters of each quaternion in q, scalar first."""
+        graph = self.formed.graph
+        names = {graph.symbol(symbol): symbol.label for symbol in self.formed.q}
+        return tuple(tuple(names[k] for k in nodes) for nodes in self.formed.variables.quaternions)
 
     @property
     def coordinate_names(self) -> tuple[str, ...]:
@@ -77,8 +98,8 @@ class EquationSet:
 
     @property
     def multiplier_names(self) -> tuple[str, ...]:
-        """Names of the multipliers; none in a tree."""
-        return ()
+        """Names of the multipliers, one a constraint; none in a tree."""
+        return tuple(row.name for row in self.formed.rows)
 
     @property
     def units(self) -> dict[str, str]:
@@ -91,10 +112,13 @@ class EquationSet:
             "work": "J",
             "power": "W",
         }
-        for joint in self.model.joints:
-            for name in joint.coordinates:
-                unit = "rad" if name in joint.rotation_coordinates else "m"
-                units |= {name: unit, f"{name}_dot": f"{unit}/s"}
+        for joint in self.formed.topology.joints:
+            for name in joint.translation_coordinates:
+                units |= {name: "m", f"{name}_dot": "m/s"}
+            for name in joint.rotation_coordinates if joint.quaternion is None else ():
+                units |= {name: "rad", f"{name}_dot": "rad/s"}
+            for speeds, unit in ((joint.translation_speeds, "m/s"), (joint.rotation_speeds, "rad/s")):
+                units |= dict.fromkeys(speeds.names if speeds else (), unit)
         return units
 
     @property
@@ -125,7 +149,7 @@ class EquationSet:
     @property
     def multipliers(self) -> tuple[SympyExpr, ...]:
         """Multipliers lambda; none in a tree."""
-        return ()
+        return self._symbols(self.formed.multipliers)
 
     @property
     def mass_matrix(self) -> SympyMatrix:
@@ -134,7 +158,7 @@ class EquationSet:
 
     @property
     def forcing(self) -> SympyMatrix:
-        """F, (n_u, 1): everything but ``M u'``, on the right-hand side."""
+        """F, (n_u, 1): everything but ``M u'`` and the multipliers, on the right-hand side."""
         return self._closed.matrices["forcing"].copy()
 
     @property
@@ -146,6 +170,23 @@ class EquationSet:
     def constraint_jacobian(self) -> SympyMatrix:
         """J in the speeds, (n_c, n_u); no rows in a tree."""
         return self._closed.matrices["jacobian"].copy()
+
+    @property
+    def velocity_constraints(self) -> SympyMatrix:
+        """``J u + b``, (n_c, 1), zero in every motion; none in a tree."""
+        return self._closed.matrices["velocity_constraints"].copy()
+
+    @property
+    def position_jacobian(self) -> SympyMatrix:
+        """Derivatives of Phi by the coordinates, (n_h, n_q)."""
+        return self._closed.matrices["position_jacobian"].copy()
+
+    @property
+    def invariants(self) -> tuple[SympyExpr, ...]:
+        """Quantities that are 1 in every motion: squared norms of quaternions."""
+        graph = self.formed.graph
+        norms = [_square(graph, nodes) for nodes in self.formed.variables.quaternions]
+        return tuple(to_sympy(graph, norms))
 
     @property
     def kinetic_energy(self) -> SympyExpr:
@@ -163,8 +204,8 @@ class EquationSet:
         return self._closed.equations("rates", "qdot")
 
     def dynamic_equations(self) -> list[SympyEquation]:
-        """Return ``M u' = F``, one equation a speed, in the order of `speeds`."""
-        return self._closed.equations("inertial", "forcing")
+        """Return ``M u' = F + J^T lambda``, one equation a speed, in the order of `speeds`."""
+        return self._closed.equations("inertial", "driving")
 
     @property
     def definitions(self) -> tuple[tuple[SympyExpr, SympyExpr], ...]:
@@ -176,8 +217,30 @@ class EquationSet:
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Independent speeds at a generic configuration."""
-        return len(self.formed.u)
+        """Independent speeds at a generic configuration, with the model's values of the parameters.
+
+        Raises
+        ------
+        AssemblyError
+            If the loops do not close from any of several starts.
+        ModelError
+            If a parameter that a loop needs has no value.
+        """
+        return degrees_of_freedom(self.formed)
+
+    def for_values(self, parameters: Mapping[str, float]) -> EquationSet:
+        """Return these equations with the constraints that some values of the parameters fulfil set to 0 = 0.
+
+        An exact row of zeros is left to the solver; one that is zero up to rounding would be taken for a
+        constraint. `compile` does this.
+
+        Parameters
+        ----------
+        parameters : mapping of name to float
+            Parameters not named may have any value.
+        """
+        formed = without_noise(self.formed, parameters)
+        return self if formed is self.formed else EquationSet(self.model, formed, self.notes)
 
     def operation_count(self, *outputs: str) -> int:
         """Return the operations of a shared evaluation of `outputs`, parameters as symbols."""
@@ -200,7 +263,7 @@ class EquationSet:
             graph = self.formed.graph
             shown = [self.readable(name) for name in _SHOWN]
             rates = tuple(graph.symbol(symbol.derivative) for symbol in self.formed.q)
-            sides = [self.inertial, Roots("rates", (len(rates),), rates)]
+            sides = [self.inertial, self.driving, Roots("rates", (len(rates),), rates)]
             found = closed_forms(graph, [*shown, *sides], EXPAND_LIMIT)
             self._forms["closed"] = found
         return found
@@ -221,16 +284,92 @@ class EquationSet:
         graph, n = self.formed.graph, len(self.formed.u)
         accelerations = self.formed.expressions(tuple(symbol.derivative for symbol in self.formed.u))
         mass = [Expr(graph, node) for node in self.readable("mass_matrix").nodes]
-        rows = [_sum_of_products(mass[i * n : i * n + n], accelerations).index for i in range(n)]
+        rows = [_sum_of_products(graph, mass[i * n : i * n + n], accelerations).index for i in range(n)]
         return Roots("inertial", (n,), tuple(rows))
+
+    @property
+    def driving(self) -> Roots:
+        """``F + J^T lambda`` in the expression graph, one root a speed."""
+        graph, n = self.formed.graph, len(self.formed.u)
+        multipliers = self.formed.expressions(self.formed.multipliers)
+        jacobian = [Expr(graph, node) for node in self.readable("jacobian").nodes]
+        forcing = self.readable("forcing").nodes
+        rows = [
+            (Expr(graph, forcing[i]) + _sum_of_products(graph, jacobian[i::n], multipliers)).index
+            for i in range(n)
+        ]
+        return Roots("driving", (n,), tuple(rows))
+
+    def frame_motion(
+        self, kind: str, end: str, reference: str = "ground", resolved_in: str = "ground"
+    ) -> SympyMatrix:
+        """Return the motion of one frame relative to another as formulas.
+
+        Parameters
+        ----------
+        kind : str
+            "r" position of end's origin [m], "v" and "vdot" its first and second time derivative as seen from
+            the reference; "R" the rotation matrix that takes components in end to components in the
+            reference; "w" and "wdot" the angular velocity and its time derivative as seen from the reference.
+        end, reference, resolved_in : str
+            "Body.Frame", "Body" or "ground"; components are along the axes of the last, which "R" has not.
+
+        Returns
+        -------
+        (3, 1) or (3, 3) Matrix
+            In coordinates, speeds and their derivatives.
+
+        Raises
+        ------
+        FormulationError
+            If the kind or a frame is unknown.
+        """
+        shape, values = frame_motion_entries(self.formed, kind, end, reference, resolved_in)
+        return self._matrix(f"frame {kind}", (3, 1) if shape == (3,) else shape, values)
+
+    def reaction(self, joint: str, on: str = "", at: str = "", frame: str = "") -> Reaction:
+        """Return the reaction of a joint as formulas in q, u, their derivatives and the multipliers.
+
+        Parameters
+        ----------
+        joint : str
+            Name of the joint.
+        on : str, optional
+            The body it acts on; by default the end body.
+        at : str, optional
+            The frame whose origin the moment is about; by default the end frame of the joint.
+        frame : str, optional
+            The axes of the components; by default the start frame of the joint.
+
+        Raises
+        ------
+        FormulationError
+            If a name is unknown, or the joint does not act on the body.
+        """
+        wrench = reaction_wrench(self.formed, joint, on, at)
+        tree = self.formed.kinematics.tree
+        axes = self.formed.frame(frame) if frame else self.formed.topology.joint(joint).start.frame
+        force = self._matrix("force", (3, 1), components(tree, wrench.force, axes))
+        moment = self._matrix("moment", (3, 1), components(tree, wrench.moment, axes))
+        return Reaction(force, moment)
+
+    def _matrix(self, name: str, shape: tuple[int, ...], values: Sequence[Expr]) -> SympyMatrix:
+        graph = self.formed.graph
+        roots = Roots(name, shape, tuple(readable(graph, [value.index for value in values])))
+        return closed_forms(graph, [roots], EXPAND_LIMIT).matrices[name]
 
     def _symbols(self, symbols: tuple[Symbol, ...]) -> tuple[SympyExpr, ...]:
         graph = self.formed.graph
         return tuple(to_sympy(graph, [graph.symbol(symbol) for symbol in symbols]))
 
 
-def _sum_of_products(row: Sequence[Expr], column: Sequence[Expr]) -> Expr:
-    total = Expr(column[0].graph, 0)
+def _sum_of_products(graph: Graph, row: Sequence[Expr], column: Sequence[Expr]) -> Expr:
+    total = Expr(graph, 0)
     for a, b in zip(row, column, strict=True):
         total = total + a * b
     return total
+
+
+def _square(graph: Graph, nodes: Sequence[int]) -> int:
+    values = [Expr(graph, node) for node in nodes]
+    return _sum_of_products(graph, values, values).index

@@ -3,25 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from collections.abc import Set as AbstractSet
 
+from symbody.equations.closings import Row, closing_rows, motion_rows
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.formed import Formed
-from symbody.equations.kinematics import Kinematics, Step, form_kinematics
-from symbody.equations.loads import Loads, form_loads
+from symbody.equations.inertia import form_inertia
+from symbody.equations.kinematics import Kinematics, form_kinematics
+from symbody.equations.loads import form_loads
+from symbody.equations.measured import measured_coordinates
 from symbody.equations.naming import Names, model_names
-from symbody.equations.virtual_work import Inertia, VirtualWork, kinetic_energy, project
+from symbody.equations.placing import shiftings, turnings
+from symbody.equations.solution import vanishing
+from symbody.equations.variables import Use, Variables, form_variables
+from symbody.equations.virtual_work import VirtualWork, kinetic_energy, project
+from symbody.errors import FormulationError, Problem
+from symbody.expr.calculus import time_derivative
+from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph, Kind, Symbol
-from symbody.graph.spanning_tree import Branch
+from symbody.expr.printing.text import to_text
 from symbody.graph.topology import Topology, choose_topology
-from symbody.model.element import Address
-from symbody.model.frame import Frame
-from symbody.model.joint import Turn as JointTurn
+from symbody.graph.trees import TreeChoice
+from symbody.model.joint import Joint
 from symbody.model.model import Model
-from symbody.vectors.rotation import Turn
-from symbody.vectors.vector import NULL, vector
+from symbody.model.uses import Scope
 
 
-def form_equations(model: Model, formulation: VirtualWork | None = None) -> EquationSet:
+def form_equations(
+    model: Model, formulation: VirtualWork | None = None, *, tree: TreeChoice = None
+) -> EquationSet:
     """Return the equations of motion of a model; all parameters stay symbols.
 
     Parameters
@@ -30,125 +40,211 @@ def form_equations(model: Model, formulation: VirtualWork | None = None) -> Equa
         The mechanism.
     formulation : VirtualWork, optional
         How the equations are formed; virtual work by default.
+    tree : Trees, "joints", "absolute" or None
+        Which joints give the coordinates: those named; those of spanning trees, whatever the model's flags
+        say; none, so that all bodies are free and all joints constraints; by default the flags of the
+        model, completed to spanning trees. The choice stands in `notes`.
 
     Raises
     ------
     FormulationError
-        If a body is joined to nothing, or the joints close a loop.
+        If the trees are no trees, a cut joint cannot do what is asked of it, or a loop can never close.
     """
-    topology = choose_topology(model)
+    topology = choose_topology(model, tree)
     graph = Graph()
-    names = _names(graph, model)
-    coordinates = _coordinates(topology)
-    rates = {graph.symbol(q): graph.symbol(q.derivative) for q in coordinates}
-    kinematics = form_kinematics(graph, _steps(topology, names), rates)
-    bodies = [_inertia(names, model, name) for name in (body.name for body in model.bodies)]
-    loads = form_loads(model, names, kinematics, bodies)
+    uses = _uses(topology)
+    names = _names(graph, topology, uses)
+    variables = form_variables(names, uses)
+    names = names.with_values(_rates_by_name(graph, variables))
+    speeds = [graph.symbol(u) for u in variables.u]
+    kinematics = form_kinematics(
+        graph, turnings(topology, names, uses), shiftings(topology, names), variables.rates, speeds
+    )
+    for use in uses:
+        names = names.with_values(measured_coordinates(names, kinematics, use))
+    rows, notes = _rows(names, kinematics, uses)
     return EquationSet(
-        model, _formed(model, names, coordinates, kinematics, bodies, loads), model.notes + topology.notes
+        model,
+        _formed(topology, names, uses, variables, kinematics, rows),
+        model.notes + topology.notes + notes + _singularities(graph, variables),
     )
 
 
 def _formed(
-    model: Model,
+    topology: Topology,
     names: Names,
-    coordinates: tuple[Symbol, ...],
+    uses: Sequence[Use],
+    variables: Variables,
     kinematics: Kinematics,
-    bodies: Sequence[Inertia],
-    loads: Loads,
+    rows: Sequence[Row],
 ) -> Formed:
-    graph = names.graph
-    speeds = tuple(q.derivative for q in coordinates)
+    model = topology.model
+    bodies = tuple(form_inertia(names, body) for body in model.bodies)
+    loads = form_loads(model, names, kinematics, bodies, uses)
+    armatures = {
+        names.value(f"{coordinate}_dot").index: names.expression(rotor, f"joint {use.joint.name}")
+        for use in uses
+        for coordinate, rotor in use.joint.armature.items()
+        if coordinate not in use.prescribed
+    }
     return Formed(
-        graph=graph,
         names=names,
-        q=coordinates,
-        u=speeds,
+        topology=topology,
+        uses=tuple(uses),
+        variables=variables,
         inputs=tuple(Symbol(name, Kind.INPUT) for name in model.inputs),
         parameters=tuple(Symbol(name, Kind.PARAMETER) for name in model.parameters),
         kinematics=kinematics,
-        projection=project(kinematics, [graph.symbol(u) for u in speeds], bodies, loads.loads),
-        kinetic_energy=kinetic_energy(kinematics, bodies),
-        potential_energy=loads.potential_energy,
-        power=loads.power,
-        efforts=loads.efforts,
+        bodies=bodies,
+        loads=loads,
+        armatures=armatures,
+        rows=tuple(rows),
+        projection=project(topology, kinematics, uses, bodies, loads.loads, armatures),
+        kinetic_energy=kinetic_energy(kinematics, bodies, armatures),
     )
 
 
-def _names(graph: Graph, model: Model) -> Names:
-    coordinates = [name for joint in model.joints for name in joint.coordinates]
-    return model_names(graph, model.parameters, model.inputs, coordinates)
+def _uses(topology: Topology) -> tuple[Use, ...]:
+    """Return every joint with the parts of its law in use.
 
-
-def _coordinates(topology: Topology) -> tuple[Symbol, ...]:
-    """Return the tree's coordinates in the order of its branches, root first."""
-    return tuple(
-        Symbol(name, Kind.COORDINATE)
-        for branch in topology.tree.branches
-        for name in topology.joint(branch.edge.name).coordinates
-    )
-
-
-def _steps(topology: Topology, names: Names) -> list[Step]:
-    """Return the steps that place all frames, outward from ground."""
-    model = topology.model
-    steps = [_frame_step(names, "ground", frame, place) for frame, place in model.ground.items()]
-    for branch in topology.tree.branches:
-        steps.extend(_branch_steps(topology, names, branch))
-        body = model.body(branch.child)
-        steps.extend(_frame_step(names, body.name, frame, place) for frame, place in body.frames.items())
-    return steps
-
-
-def _frame_step(names: Names, body: str, name: str, frame: Frame) -> Step:
-    """Return the step from a body to a frame fixed on it."""
-    where = f"frame {body}.{name}"
-    turns = _turns(names, frame.turns(), where)
-    return Step(f"{body}.{name}", body, turns, vector(body, names.triple(frame.at, where)))
-
-
-def _branch_steps(topology: Topology, names: Names, branch: Branch) -> list[Step]:
-    """Return the steps from the parent's joint frame across the joint to the child body.
-
-    A joint walked against its direction has its turns reversed; its shift is then seen from the far side.
+    Raises
+    ------
+    FormulationError
+        If a formula reads an Euler parameter of a joint outside the rotation tree.
     """
-    joint = topology.joint(branch.edge.name)
-    where = f"joint {joint.name}"
-    near, far = (joint.start, joint.end) if branch.forward else (joint.end, joint.start)
-    turns = _turns(names, joint.turns(), where)
-    shift = names.triple(joint.shift(), where)
-    mid, end = f"{joint.name}|across", f"{joint.name}|end"
-    if branch.forward:
-        across = [Step(mid, near.frame, (), vector(near.frame, shift)), Step(end, mid, turns, NULL)]
-    else:
-        back = (-shift[0], -shift[1], -shift[2])
-        across = [Step(mid, near.frame, _reversed(turns), NULL), Step(end, mid, (), vector(mid, back))]
-    return [*across, _body_step(names, topology.model, far, end)]
+    read = _names_read(topology.model)
+    uses = []
+    problems = []
+    for joint in topology.joints:
+        turning, sliding = joint.name in topology.turning, joint.name in topology.sliding
+        turns = turning or _needs_angles(joint, read)
+        slides = sliding or not set(joint.motions).isdisjoint(joint.translation_coordinates)
+        uses.append(Use(joint, turning, sliding, turns, slides))
+        if turns and not turning and joint.quaternion is not None:
+            problems.append(_quaternion_asked(joint))
+    if problems:
+        raise FormulationError(*problems)
+    return tuple(uses)
 
 
-def _body_step(names: Names, model: Model, address: Address, parent: str) -> Step:
-    """Return the step from a frame that coincides with a body's frame, at `address`, to the body itself."""
-    body = address.body
-    if not address.point:
-        return Step(body, parent, (), NULL)
-    place = model.body(body).frames[address.point]
-    turns = _reversed(_turns(names, place.turns(), address.frame))
-    x, y, z = names.triple(place.at, address.frame)
-    return Step(body, parent, turns, vector(body if turns else parent, (-x, -y, -z)))
+def _names_read(model: Model) -> set[str]:
+    """Return the names that the formulas of forces and springs contain."""
+    uses = (use for element in model.elements for use in element.uses())
+    return {name for use in uses if use.scope is Scope.LOAD for name in use.formula.names}
 
 
-def _turns(names: Names, turns: Iterable[JointTurn], where: str) -> tuple[Turn, ...]:
-    return tuple(Turn(names.triple(turn.axis, where), names.expression(turn.angle, where)) for turn in turns)
+def _needs_angles(joint: Joint, read: AbstractSet[str]) -> bool:
+    """Return whether a joint outside the rotation tree must still have its angles as variables.
+
+    Displacements, their rates and the rate of a single angle are measured on the bodies. An angle is not,
+    because a spring or a formula may count its turns.
+    """
+    angles = joint.rotation_coordinates
+    driven = [joint.drives[name] for name in angles if name in joint.drives]
+    if any(name in joint.motions or name in read for name in angles):
+        return True
+    if len(angles) == 1:
+        return any(drive.stiffness.constant() != 0 for drive in driven)
+    rates = {f"{name}_dot" for name in angles}
+    return bool(driven) or not read.isdisjoint(rates) or not set(joint.armature).isdisjoint(angles)
 
 
-def _reversed(turns: tuple[Turn, ...]) -> tuple[Turn, ...]:
-    return tuple(Turn(turn.axis, -turn.angle) for turn in reversed(turns))
+def _names(graph: Graph, topology: Topology, uses: Iterable[Use]) -> Names:
+    """Return the names of the model, prescribed coordinates as functions of time."""
+    model = topology.model
+    coordinates = [name for joint in topology.joints for name in joint.coordinates]
+    quasi = [
+        name
+        for joint in topology.joints
+        for speeds in (joint.translation_speeds, joint.rotation_speeds)
+        if speeds is not None
+        for name in speeds.names
+    ]
+    _check_clashes(topology, [*coordinates, *quasi])
+    names = model_names(graph, model.parameters, model.inputs, coordinates, quasi)
+    prescribed: dict[str, Expr] = {}
+    for use in uses:
+        for name in use.prescribed:
+            value = names.expression(use.joint.motions[name], f"joint {use.joint.name}")
+            for suffix in ("", "_dot", "_ddot"):
+                prescribed[f"{name}{suffix}"] = value
+                value = Expr(graph, time_derivative(graph, [value.index])[0])
+    return names.with_values(prescribed)
 
 
-def _inertia(names: Names, model: Model, name: str) -> Inertia:
-    body = model.body(name)
-    where = f"body {name}"
-    xx, yy, zz = names.triple(body.inertia, where)
-    xy, xz, yz = names.triple(body.products, where)
-    tensor = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
-    return Inertia(name, names.expression(body.mass, where), tensor)
+def _check_clashes(topology: Topology, names: Sequence[str]) -> None:
+    """Refuse symbols of the model that are called like a variable of a free body."""
+    model = topology.model
+    own = {*model.parameters, *model.inputs}
+    clashes = sorted({name for name in names if name in own or names.count(name) > 1})
+    if clashes:
+        raise FormulationError(
+            Problem("equations.name_clash", "tree", f"the names {', '.join(clashes)} stand for two things",
+                    "bodies with absolute coordinates bring the names BODY_x .. BODY_qz, BODY_vx .. BODY_wz",
+                    "rename these symbols of the model")
+        )  # fmt: skip
+
+
+def _rates_by_name(graph: Graph, variables: Variables) -> dict[str, Expr]:
+    """Return the rates that are no symbols: those of coordinates with quasi-speeds."""
+    found = {}
+    for q in variables.q:
+        rate = variables.rates[graph.symbol(q)]
+        if rate != graph.symbol(q.derivative):
+            found[q.derivative.label] = Expr(graph, rate)
+    return found
+
+
+def _rows(names: Names, kinematics: Kinematics, uses: Sequence[Use]) -> tuple[list[Row], tuple[str, ...]]:
+    """Return the constraints without those that hold identically, and what was dropped.
+
+    Raises
+    ------
+    FormulationError
+        If a row is a constant other than zero: the loop can never close.
+    """
+    rows = [
+        row
+        for use in uses
+        for row in (*closing_rows(names, kinematics, use), *motion_rows(names, kinematics, use))
+    ]
+    graph = kinematics.graph
+    gone = vanishing(graph, [row.value.index for row in rows])
+    pairs = list(zip(rows, gone, strict=True))
+    problems = [_never_closed(row) for row, zero in pairs if not zero and row.value.number is not None]
+    if problems:
+        raise FormulationError(*problems)
+    dropped: dict[str, list[str]] = {}
+    for row, zero in pairs:
+        if zero:
+            dropped.setdefault(row.element, []).append(row.name)
+    notes = tuple(
+        f"joint {element}: {len(lost)} closing equations hold identically and are dropped ({', '.join(lost)})"
+        for element, lost in dropped.items()
+    )
+    return [row for row, zero in pairs if not zero], notes
+
+
+def _singularities(graph: Graph, variables: Variables) -> tuple[str, ...]:
+    return tuple(
+        f"joint {joint}: the angle rates do not follow from the angular velocity where "
+        f"{to_text(graph, determinant.index)} = 0"
+        for joint, determinant in variables.singularities.items()
+    )
+
+
+def _never_closed(row: Row) -> Problem:
+    return Problem(
+        "equations.never_closed", f"joint {row.element}",
+        f"its closing equation {row.name} is the constant {row.value.number}, whatever the coordinates",
+        "the frames it connects are apart in a direction in which nothing can move",
+        "move the frames together, or let the loop move in this direction",
+    )  # fmt: skip
+
+
+def _quaternion_asked(joint: Joint) -> Problem:
+    return Problem(
+        "equations.cut_quaternion", f"joint {joint.name}", "its quaternion is needed, but the joint is cut",
+        "a formula or a motion reads it, and a quaternion cannot be measured without a choice of sign",
+        "put the joint into the rotation tree, or give it angles",
+    )  # fmt: skip

@@ -1,39 +1,105 @@
-"""Kinematics as a value: position, orientation and velocity of every frame, from a topology.
+"""Kinematics as a value: placement and motion of every frame relative to ground, from two trees of steps.
 
-Names: ``w`` angular velocity, ``v`` velocity, both relative to ground; ``partial`` velocities are
-the coefficients of the speeds (Kane & Levinson 1985, section 2.14). Accelerations with all u' = 0 are
-the bias accelerations.
+Names: ``w`` angular velocity, ``v`` velocity; ``partials`` are the coefficients of the speeds (Kane &
+Levinson 1985, section 2.14), ``rest`` what does not depend on them, ``bias`` the acceleration with u' = 0.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 
-from symbody.expr.calculus import time_derivative
+from symbody.expr.calculus import gradient, time_derivative
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Graph
+from symbody.expr.graph import Graph, Kind
+from symbody.expr.opcodes import SYMBOL
+from symbody.expr.rewrite import substitute, symbols_of
+from symbody.vectors.euler_parameters import EulerParameters
 from symbody.vectors.frame import FrameTree
 from symbody.vectors.rotation import Rotation, Turn, rotation_of
-from symbody.vectors.vector import NULL, Vector, cross, vector
+from symbody.vectors.vector import NULL, Vector, cross, drawn_near, vector
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
-    """How one frame stands in another: turns from parent to child, and the shift of the origin.
+class Velocity:
+    """A velocity or angular velocity, affine in the speeds.
 
     Attributes
     ----------
-    turns : tuple of Turn
+    partials : mapping of node to Vector
+        The coefficient of each speed that has one.
+    rest : Vector
+        What explicit time contributes.
+    value : Vector
+        The whole.
+    bias : Vector
+        Its time derivative as seen from ground with all u' = 0.
+    """
+
+    partials: Mapping[int, Vector]
+    rest: Vector
+    value: Vector
+    bias: Vector
+
+    def combined(self, other: Velocity, sign: int = 1) -> Velocity:
+        """Return this velocity plus, or minus, another."""
+        partials = dict(self.partials)
+        for u, partial in other.partials.items():
+            partials[u] = partials.get(u, NULL) + partial * sign
+        return Velocity(
+            partials,
+            self.rest + other.rest * sign,
+            self.value + other.value * sign,
+            self.bias + other.bias * sign,
+        )
+
+    def partial(self, u: int) -> Vector:
+        """Return the coefficient of a speed."""
+        return self.partials.get(u, NULL)
+
+
+AT_REST: Final = Velocity({}, NULL, NULL, NULL)
+
+
+@dataclass(frozen=True, slots=True)
+class Turning:
+    """How one frame is turned in another.
+
+    Attributes
+    ----------
+    steps : tuple of Turn or EulerParameters
         From the parent's axes to the child's.
-    shift : Vector
-        From the parent's origin to the child's, components in the parent.
+    angular_velocity : Vector or None
+        Of the child relative to the parent, in speeds, with components in frames that are entered by this
+        step or stood before; None: that of the turns.
     """
 
     child: str
     parent: str
-    turns: tuple[Turn, ...]
+    steps: tuple[Turn | EulerParameters, ...]
+    angular_velocity: Vector | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Shifting:
+    """Where one origin stands from another.
+
+    Attributes
+    ----------
+    axes : str
+        The frame in which terms far away are expressed.
+    shift : Vector
+        From the parent's origin to the child's.
+    velocity : (frame, Vector) or None
+        The rate of the shift as seen from a frame, in speeds; None: that of its components.
+    """
+
+    child: str
+    parent: str
+    axes: str
     shift: Vector
+    velocity: tuple[str, Vector] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,74 +110,211 @@ class Kinematics:
     ----------
     tree : FrameTree
         Orientations.
-    positions, velocities, angular_velocities : mapping of frame to Vector
-        Of each frame's origin, in terms of q and u.
     rates : mapping of node to node
         q' in terms of u, as `time_derivative` takes it.
+    speeds : tuple of int
+        Nodes of u.
+    shifts : mapping of frame to (frame, Vector)
+        From the origin of a frame nearer to ground to each frame's origin.
+    velocities, angular_velocities : mapping of frame
+        Of each frame's origin, and of the frame.
     """
 
     tree: FrameTree
-    positions: Mapping[str, Vector]
-    velocities: Mapping[str, Vector]
-    angular_velocities: Mapping[str, Vector]
     rates: Mapping[int, int]
+    speeds: tuple[int, ...]
+    shifts: dict[str, tuple[str, Vector]]
+    velocities: dict[str, Velocity]
+    angular_velocities: dict[str, Velocity]
+
+    @property
+    def graph(self) -> Graph:
+        """The graph of all expressions."""
+        return self.tree.graph
+
+    def arm(self, start: str, end: str) -> Vector:
+        """Return the vector from the origin of one frame to that of another."""
+        outward, inward = self._origins(end), self._origins(start)
+        while outward and inward and outward[-1] == inward[-1]:
+            outward.pop()
+            inward.pop()
+        total = NULL
+        for frame in reversed(outward):
+            total = total + self.shifts[frame][1]
+        for frame in inward:
+            total = total - self.shifts[frame][1]
+        return total
+
+    def _origins(self, frame: str) -> list[str]:
+        """Return the frames whose shifts lead from a frame's origin to that of ground."""
+        steps = []
+        while frame in self.shifts:
+            steps.append(frame)
+            frame = self.shifts[frame][0]
+        return steps
 
     def derivative(self, a: Vector, frame: str = "ground") -> Vector:
         """Return the time derivative of a vector as seen from `frame`, with u' as symbols of its own."""
-        return _derivative(self.tree, self.rates, self.angular_velocities, a, frame)
+        total = NULL
+        w_frame = self.angular_velocities[frame].value
+        for home, components in a.terms.items():
+            term = Vector({home: components})
+            relative = self.angular_velocities[home].value - w_frame
+            total = total + term.map(self.rate) + cross(self.tree, relative, term)
+        return total
+
+    def rate(self, x: Expr) -> Expr:
+        """Return the time derivative of a scalar, with q' in terms of u."""
+        return Expr(self.graph, time_derivative(self.graph, [x.index], self.rates)[0])
+
+    def bias(self, x: Expr) -> Expr:
+        """Return the time derivative of a scalar in q, u, t with all u' = 0."""
+        graph = self.graph
+        rate = self.rate(x)
+        zero = {node: 0 for node in symbols_of(graph, [rate.index]) if _is_acceleration(graph, node)}
+        return Expr(graph, substitute(graph, [rate.index], zero)[0]) if zero else rate
+
+    def slopes(self, x: Expr) -> dict[int, Expr]:
+        """Return the coefficient of each speed in a scalar, zeros left out."""
+        by = [u for u in self.speeds if u <= x.index]
+        found = gradient(self.graph, x.index, by) if by else []
+        return {u: Expr(self.graph, slope) for u, slope in zip(by, found, strict=True) if slope}
+
+    def affine(self, value: Vector, bias: Vector) -> Velocity:
+        """Return a velocity from its value in speeds and its bias."""
+        partials: dict[int, Vector] = {}
+        for home, parts in value.terms.items():
+            for k, part in enumerate(parts):
+                for u, slope in self.slopes(part).items():
+                    partials[u] = partials.get(u, NULL) + vector(home, _unit(self.graph, k, slope))
+        return Velocity(partials, value.map(self.without_speeds), value, bias)
+
+    def without_speeds(self, x: Expr) -> Expr:
+        """Return a scalar with all speeds zero."""
+        return Expr(self.graph, substitute(self.graph, [x.index], dict.fromkeys(self.speeds, 0))[0])
 
 
-def form_kinematics(graph: Graph, steps: Sequence[Step], rates: Mapping[int, int]) -> Kinematics:
-    """Return the kinematics of frames given outward from ground, each by a step from an earlier one."""
-    parents: dict[str, tuple[str, Rotation]] = {}
-    positions: dict[str, Vector] = {"ground": NULL}
-    velocities: dict[str, Vector] = {"ground": NULL}
-    angular: dict[str, Vector] = {"ground": NULL}
-    tree = FrameTree(graph, parents)
-    for step in steps:
-        _turn(graph, parents, angular, step, rates)
-        # Frames that are not turned share one set of components, so that terms can add up.
-        shift = Vector({tree.home(frame): components for frame, components in step.shift.terms.items()})
-        rate = shift.map(lambda x: _rate(graph, x, rates))
-        swing = cross(tree, angular[step.parent], shift)
-        positions[step.child] = positions[step.parent] + shift
-        velocities[step.child] = velocities[step.parent] + rate + swing
-    return Kinematics(tree, positions, velocities, angular, rates)
-
-
-def _turn(
+def form_kinematics(
     graph: Graph,
-    parents: dict[str, tuple[str, Rotation]],
-    angular: dict[str, Vector],
-    step: Step,
+    turnings: Iterable[Turning],
+    shiftings: Iterable[Shifting],
     rates: Mapping[int, int],
-) -> None:
+    speeds: Sequence[int],
+) -> Kinematics:
+    """Return the kinematics of frames given outward from ground, each by a step from an earlier one.
+
+    All turnings come before all shiftings, because the two trees need not be the same.
+    """
+    parents: dict[str, tuple[str, Rotation]] = {}
+    tree = FrameTree(graph, parents)
+    kinematics = Kinematics(tree, rates, tuple(speeds), {}, {"ground": AT_REST}, {"ground": AT_REST})
+    for turning in turnings:
+        _turn(kinematics, parents, turning)
+    for shifting in shiftings:
+        _shift(kinematics, shifting)
+    return kinematics
+
+
+def _turn(kinematics: Kinematics, parents: dict[str, tuple[str, Rotation]], turning: Turning) -> None:
     """Enter the frames of a step, one more for each turn, with their angular velocities."""
-    frame = step.parent
-    last = len(step.turns) - 1
-    for k, turn in enumerate(step.turns):
-        following = step.child if k == last else f"{step.child}#{k + 1}"
-        parents[following] = (frame, rotation_of((turn,)))
-        speed = _rate(graph, turn.angle, rates)
-        x, y, z = turn.axis
-        angular[following] = angular[frame] + vector(following, (x * speed, y * speed, z * speed))
+    angular = kinematics.angular_velocities
+    frame, last = turning.parent, len(turning.steps) - 1
+    for k, step in enumerate(turning.steps):
+        following = turning.child if k == last else f"{turning.child}#{k + 1}"
+        parents[following] = (frame, rotation_of((step,)))
+        if isinstance(step, Turn):
+            angular[following] = _turned(kinematics, angular[frame], following, step)
         frame = following
-    if not step.turns:
-        parents[step.child] = (frame, Rotation())
-        angular[step.child] = angular[frame]
+    if not turning.steps:
+        parents[turning.child] = (frame, Rotation())
+        angular[turning.child] = angular[frame]
+    if turning.angular_velocity is not None:
+        near = angular[turning.parent]
+        swing = cross(kinematics.tree, near.value, turning.angular_velocity)
+        relative = kinematics.affine(turning.angular_velocity, swing)
+        angular[turning.child] = near.combined(relative)
+    angular[turning.child] = _short(kinematics, angular[turning.child], turning.child)
 
 
-def _rate(graph: Graph, x: Expr, rates: Mapping[int, int]) -> Expr:
-    return Expr(graph, time_derivative(graph, [x.index], rates)[0])
+def _turned(kinematics: Kinematics, near: Velocity, frame: str, turn: Turn) -> Velocity:
+    """Return the angular velocity of a frame turned about an axis that is fixed in both."""
+    speed = kinematics.rate(turn.angle)
+    if speed.is_zero:
+        return near
+    axis = vector(kinematics.tree.home(frame), turn.axis)
+    spin = axis * speed
+    bias = axis * kinematics.bias(speed) + cross(kinematics.tree, near.value, spin)
+    return near.combined(kinematics.affine(spin, bias))
 
 
-def _derivative(
-    tree: FrameTree, rates: Mapping[int, int], angular: Mapping[str, Vector], a: Vector, frame: str
-) -> Vector:
-    graph = tree.graph
-    total = NULL
-    for home, components in a.terms.items():
-        term = Vector({home: components})
-        relative = angular[home] - angular[frame]
-        total = total + term.map(lambda x: _rate(graph, x, rates)) + cross(tree, relative, term)
-    return total
+def _shift(kinematics: Kinematics, shifting: Shifting) -> None:
+    """Enter the origin of a frame."""
+    tree, parent, child = kinematics.tree, shifting.parent, shifting.child
+    # Frames that are not turned share one set of components, so that terms can add up.
+    shift = Vector({tree.home(frame): parts for frame, parts in shifting.shift.terms.items()})
+    kinematics.shifts[child] = (parent, shift)
+    if shifting.velocity is None:
+        moved = kinematics.velocities[parent]
+        for frame, parts in shift.terms.items():
+            term = Vector({frame: parts})
+            slide = term.map(kinematics.rate)
+            moved = moved.combined(_carried(kinematics, frame, term, slide, slide.map(kinematics.bias)))
+    else:
+        frame, slide = shifting.velocity
+        homes = kinematics.angular_velocities
+        seen = NULL
+        for home, parts in slide.terms.items():
+            term = Vector({home: parts})
+            seen = seen + cross(tree, homes[home].value - homes[frame].value, term)
+        moved = kinematics.velocities[parent].combined(_carried(kinematics, frame, shift, slide, seen))
+    kinematics.velocities[child] = _short(kinematics, moved, shifting.axes)
+
+
+def _carried(kinematics: Kinematics, frame: str, arm: Vector, slide: Vector, change: Vector) -> Velocity:
+    """Return the velocity of an arm's end relative to its origin, the arm carried by a turning frame.
+
+    Parameters
+    ----------
+    slide, change : Vector
+        First and second rate of the arm as seen from the frame, the second with all u' = 0.
+    """
+    tree = kinematics.tree
+    w = kinematics.angular_velocities[frame]
+    swing = cross(tree, w.value, arm)
+    centripetal = cross(tree, w.value, swing + slide * 2)
+    sliding = kinematics.affine(slide, change + cross(tree, w.bias, arm) + centripetal)
+    turning = {u: cross(tree, partial, arm) for u, partial in w.partials.items()}
+    swinging = Velocity(_nonzero(turning), cross(tree, w.rest, arm), swing, NULL)
+    return swinging.combined(sliding)
+
+
+def _short(kinematics: Kinematics, a: Velocity, frame: str) -> Velocity:
+    """Return the velocity with what is far away expressed in a frame."""
+
+    def short(x: Vector) -> Vector:
+        return drawn_near(kinematics.tree, x, kinematics.tree.home(frame))
+
+    return Velocity(
+        {u: short(x) for u, x in a.partials.items()}, short(a.rest), short(a.value), short(a.bias)
+    )
+
+
+def _nonzero(partials: Mapping[int, Vector]) -> dict[int, Vector]:
+    return {u: partial for u, partial in partials.items() if not partial.is_zero}
+
+
+def _unit(graph: Graph, k: int, x: Expr) -> tuple[Expr, Expr, Expr]:
+    zero = Expr(graph, 0)
+    return (x if k == 0 else zero, x if k == 1 else zero, x if k == 2 else zero)
+
+
+def _is_acceleration(graph: Graph, node: int) -> bool:
+    if graph.ops[node] != SYMBOL:
+        return False
+    symbol = graph.symbols[graph.left[node]]
+    return (
+        symbol.kind == Kind.COORDINATE
+        and symbol.order == 2
+        or symbol.kind == Kind.SPEED
+        and symbol.order == 1
+    )

@@ -9,13 +9,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from symbody.equations.inertia import Inertia
 from symbody.equations.kinematics import Kinematics
+from symbody.equations.load import Effort, Load, Moment, PointForce, Pull
 from symbody.equations.naming import Names
-from symbody.equations.virtual_work import Effort, Inertia, Load, Moment, PointForce
+from symbody.equations.variables import Use
 from symbody.expr.expression import Expr, number, sqrt
 from symbody.expr.graph import Kind
 from symbody.expr.rewrite import dependence
 from symbody.model.forces import Drive, Force, SpringDamper, Torque
+from symbody.model.joint import Joint
 from symbody.model.model import Model
 from symbody.vectors.vector import cross, dot, vector
 
@@ -51,17 +54,23 @@ class _Law:
     power: Expr
 
 
-def form_loads(model: Model, names: Names, kinematics: Kinematics, bodies: Sequence[Inertia]) -> Loads:
-    """Return the loads of a model."""
+def form_loads(
+    model: Model, names: Names, kinematics: Kinematics, bodies: Sequence[Inertia], uses: Sequence[Use]
+) -> Loads:
+    """Return the loads of a model.
+
+    The drive of a prescribed coordinate does nothing here: it is part of the effort that holds the motion.
+    """
     zero = number(names.graph, 0)
     laws = _weights(model, names, kinematics, bodies)
     efforts: dict[str, Expr] = {}
-    for joint in model.joints:
-        several = len(joint.coordinates) > 1
-        for coordinate, drive in joint.drives.items():
-            x, rate = names.symbol(coordinate), names.symbol(f"{coordinate}_dot")
-            drive_law = _drive_law(names, drive, x, rate, f"joint {joint.name}")
-            key = f"{joint.name} {coordinate}" if several else joint.name
+    for use in uses:
+        for coordinate, drive in use.joint.drives.items():
+            if coordinate in use.prescribed:
+                continue
+            x, rate = names.value(coordinate), names.value(f"{coordinate}_dot")
+            drive_law = _drive_law(names, drive, x, rate, f"joint {use.joint.name}")
+            key = effort_name(use.joint, coordinate)
             efforts.update((key, load.effort) for load in drive_law.loads if isinstance(load, Effort))
             laws.append(drive_law)
     for element in model.elements:
@@ -77,13 +86,18 @@ def form_loads(model: Model, names: Names, kinematics: Kinematics, bodies: Seque
     return Loads(tuple(load for law in laws for load in law.loads), potential, power, efforts)
 
 
+def effort_name(joint: Joint, coordinate: str) -> str:
+    """Return the name of the effort along a coordinate: the joint, and the coordinate if it has several."""
+    return f"{joint.name} {coordinate}" if len(joint.coordinates) > 1 else joint.name
+
+
 def _weights(model: Model, names: Names, kinematics: Kinematics, bodies: Sequence[Inertia]) -> list[_Law]:
     gravity = vector("ground", names.triple(model.gravity, "gravity"))
     laws = []
     for body in bodies:
         weight = gravity * body.mass
         if not weight.is_zero:
-            fallen = dot(kinematics.tree, kinematics.positions[body.frame], weight)
+            fallen = dot(kinematics.tree, kinematics.arm("ground", body.frame), weight)
             laws.append(_Law((PointForce(body.frame, weight),), -fallen, number(names.graph, 0)))
     return laws
 
@@ -110,8 +124,8 @@ def _spring_law(names: Names, kinematics: Kinematics, spring: SpringDamper) -> _
     """
     tree, where = kinematics.tree, f"spring {spring.name}"
     start, end = spring.start.frame, spring.end.frame
-    arm = kinematics.positions[end] - kinematics.positions[start]
-    closing = dot(tree, arm, kinematics.velocities[end] - kinematics.velocities[start])
+    arm = kinematics.arm(start, end)
+    closing = dot(tree, arm, kinematics.velocities[end].value - kinematics.velocities[start].value)
     square = dot(tree, arm, arm)
     stiffness, free = names.expression(spring.stiffness, where), names.expression(spring.free, where)
     applied, damping = names.expression(spring.applied, where), names.expression(spring.damping, where)
@@ -119,29 +133,32 @@ def _spring_law(names: Names, kinematics: Kinematics, spring: SpringDamper) -> _
     length = sqrt(square)
     rate = zero if closing.is_zero else closing / length
     along = applied - damping * rate
+    factor = -stiffness if along.is_zero else along / length - stiffness
+    energy = stiffness * square / 2
     if not free.is_zero:
-        return _line_law(rate, stiffness, length - free, along, free)
-    spring_load = Effort(closing, -stiffness)
-    loads = (spring_load,) if along.is_zero else (spring_load, Effort(rate, along))
-    if _constant(stiffness):
-        return _Law(loads, stiffness * square / 2, along * rate)
-    return _Law(loads, zero, along * rate - stiffness * closing)
+        factor = (along - stiffness * (length - free)) / length
+        energy = stiffness * (length - free) ** 2 / 2
+    load = Pull(start, end, arm, factor)
+    if _constant(stiffness) and _constant(free):
+        return _Law((load,), energy, along * rate)
+    return _Law((load,), zero, factor * closing)
 
 
 def _force_law(names: Names, kinematics: Kinematics, force: Force) -> _Law:
     tree = kinematics.tree
     value = vector(force.resolved_in.frame, names.triple(force.vector, f"force {force.name}"))
     on, back = force.on.frame, force.reaction_on.body
-    arm = kinematics.positions[on] - kinematics.positions[back]
-    v_back = kinematics.velocities[back] + cross(tree, kinematics.angular_velocities[back], arm)
-    power = dot(tree, value, kinematics.velocities[on] - v_back)
+    arm = kinematics.arm(back, on)
+    turning = cross(tree, kinematics.angular_velocities[back].value, arm)
+    v_back = kinematics.velocities[back].value + turning
+    power = dot(tree, value, kinematics.velocities[on].value - v_back)
     return _Law((PointForce(on, value), PointForce(back, -value, arm)), number(names.graph, 0), power)
 
 
 def _torque_law(names: Names, kinematics: Kinematics, torque: Torque) -> _Law:
     value = vector(torque.resolved_in.frame, names.triple(torque.vector, f"torque {torque.name}"))
     on, back = torque.on.body, torque.reaction_on.body
-    turning = kinematics.angular_velocities[on] - kinematics.angular_velocities[back]
+    turning = kinematics.angular_velocities[on].value - kinematics.angular_velocities[back].value
     loads = (Moment(on, value), Moment(back, -value))
     return _Law(loads, number(names.graph, 0), dot(kinematics.tree, value, turning))
 

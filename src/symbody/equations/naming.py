@@ -13,21 +13,35 @@ from symbody.expr.language.formula import Formula, build
 
 @dataclass(frozen=True, slots=True)
 class Names:
-    """The symbols of a model by name: parameters, inputs, ``t``, coordinates and ``<coordinate>_dot``."""
+    """The symbols of a model by name: parameters, inputs, ``t``, coordinates, speeds, ``<coordinate>_dot``.
+
+    Attributes
+    ----------
+    values : mapping of name to Expr
+        Names that stand for expressions: prescribed motions, rates in quasi-speeds, measured coordinates.
+    """
 
     graph: Graph
     symbols: Mapping[str, Symbol]
+    values: Mapping[str, Expr]
 
     def node(self, name: str) -> int | None:
-        """Return the node of a name, or None if no symbol has this name."""
+        """Return the node of a name, or None if nothing has this name."""
+        if name in self.values:
+            return self.values[name].index
         if name == "pi":
             return self.graph.pi()
         symbol = self.symbols.get(name)
         return None if symbol is None else self.graph.symbol(symbol)
 
-    def symbol(self, name: str) -> Expr:
-        """Return the symbol of a name that exists."""
-        return Expr(self.graph, self.graph.symbol(self.symbols[name]))
+    def value(self, name: str) -> Expr:
+        """Return what a name that exists stands for."""
+        found = self.values.get(name)
+        return Expr(self.graph, self.graph.symbol(self.symbols[name])) if found is None else found
+
+    def with_values(self, values: Mapping[str, Expr]) -> Names:
+        """Return the names with more of them standing for expressions."""
+        return Names(self.graph, self.symbols, {**self.values, **values})
 
     def expression(self, formula: Formula, where: str = "") -> Expr:
         """Return a formula as an expression of the graph.
@@ -41,7 +55,7 @@ class Names:
         def look_up(name: str, column: int) -> int:
             node = self.node(name)
             if node is None:
-                cure = nearest(name, [*self.symbols, "pi"])
+                cure = nearest(name, [*self.symbols, *self.values, "pi"])
                 what = f"there is no symbol {name!r}"
                 raise ExpressionError(
                     formula.problem("equations.unknown_name", column, what, "", cure, where)
@@ -57,9 +71,13 @@ class Names:
 
 
 def model_names(
-    graph: Graph, parameters: Iterable[str], inputs: Iterable[str], coordinates: Iterable[str]
+    graph: Graph,
+    parameters: Iterable[str],
+    inputs: Iterable[str],
+    coordinates: Iterable[str],
+    speeds: Iterable[str] = (),
 ) -> Names:
-    """Return the names of a model."""
+    """Return the names of a model; `speeds` are quasi-speeds, which are no rates."""
     symbols = {"t": TIME}
     symbols.update((name, Symbol(name, Kind.PARAMETER)) for name in parameters)
     symbols.update((name, Symbol(name, Kind.INPUT)) for name in inputs)
@@ -67,4 +85,7 @@ def model_names(
         coordinate = Symbol(name, Kind.COORDINATE)
         for symbol in (coordinate, coordinate.derivative, coordinate.derivative.derivative):
             symbols[symbol.label] = symbol
-    return Names(graph, symbols)
+    for name in speeds:
+        speed = Symbol(name, Kind.SPEED)
+        symbols.update((symbol.label, symbol) for symbol in (speed, speed.derivative))
+    return Names(graph, symbols, {})

@@ -6,8 +6,11 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 from symbody.equations.formed import Formed
-from symbody.equations.linear_solve import solve_positive_definite
+from symbody.equations.frame_motion import frame_output
+from symbody.equations.joint_outputs import effort_names, joint_effort, reaction_output, total_power
+from symbody.equations.solution import solve, solved
 from symbody.errors import ExpressionError, FormulationError, Problem, nearest
+from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
 from symbody.expr.language.formula import Formula
 from symbody.expr.sequence import Roots
@@ -27,11 +30,13 @@ def output_roots(formed: Formed, name: str) -> Roots:
     maker = _MAKERS.get(name)
     if maker is not None:
         return maker(formed)
-    if name.startswith("effort "):
-        return _effort(formed, name)
+    first, _, rest = name.partition(" ")
+    if first in _ABOUT and rest:
+        shape, values = _ABOUT[first](formed, rest)
+        return _roots(name, shape, solved(formed, values))
     try:
         formula = Formula.of(name)
-        return _roots(name, (), [formed.names.expression(formula)])
+        return _roots(name, (), solved(formed, [formed.names.expression(formula)]))
     except (ExpressionError, FormulationError) as error:
         words = [*output_names(formed), *formed.names.symbols]
         raise FormulationError(
@@ -41,26 +46,18 @@ def output_roots(formed: Formed, name: str) -> Roots:
 
 
 def output_names(formed: Formed) -> tuple[str, ...]:
-    """Return the reserved output names of these equations."""
-    return (*_MAKERS, *(f"effort {joint}" for joint in formed.efforts))
-
-
-def _effort(formed: Formed, name: str) -> Roots:
-    joint = name.removeprefix("effort ").strip('" ')
-    if joint not in formed.efforts:
-        raise FormulationError(
-            Problem("equations.unknown_effort", name, f"there is no driven joint coordinate {joint!r}", "",
-                    nearest(joint, formed.efforts))
-        )  # fmt: skip
-    return _roots(name, (), [formed.efforts[joint]])
+    """Return the reserved output names of these equations; those of frames are made on demand."""
+    reactions = (f"reaction {joint.name}" for joint in formed.topology.joints)
+    efforts = (f"effort {name}" for name in effort_names(formed))
+    return (*_MAKERS, *efforts, *reactions)
 
 
 def _udot(formed: Formed) -> list[Expr]:
-    return solve_positive_definite(formed.projection.mass_matrix, formed.projection.forcing)
+    return solve(formed)[0]
 
 
 def _qdot(formed: Formed) -> list[Expr]:
-    rates = formed.kinematics.rates
+    rates = formed.variables.rates
     return [Expr(formed.graph, rates[q.index]) for q in formed.expressions(formed.q)]
 
 
@@ -83,25 +80,58 @@ def _scalar(name: str, compute: Callable[[Formed], Expr]) -> Callable[[Formed], 
 def _matrix(name: str, compute: Callable[[Formed], Sequence[Sequence[Expr]]]) -> Callable[[Formed], Roots]:
     def make(formed: Formed) -> Roots:
         rows = compute(formed)
-        return _roots(name, (len(rows), len(formed.u)), [entry for row in rows for entry in row])
+        width = len(rows[0]) if rows else len(formed.u)
+        return _roots(name, (len(rows), width), [entry for row in rows for entry in row])
 
     return make
 
 
-# Of a tree without constraints the last six are empty, but they exist, with their shapes.
+def _position_jacobian(formed: Formed) -> list[list[Expr]]:
+    graph = formed.graph
+    by = [q.index for q in formed.expressions(formed.q)]
+    rows = jacobian(graph, [row.value.index for row in formed.rows], by)
+    return [[Expr(graph, entry) for entry in row] for row in rows]
+
+
+def _velocity_constraints(formed: Formed) -> list[Expr]:
+    speeds = formed.expressions(formed.u)
+    found = []
+    for row in formed.rows:
+        total = row.rest
+        for u in speeds:
+            if u.index in row.slopes:
+                total = total + row.slopes[u.index] * u
+        found.append(total)
+    return found
+
+
+def _bias(formed: Formed) -> list[Expr]:
+    return [-force for force in formed.projection.forcing]
+
+
+# Of a tree without constraints those about them are empty, but they exist, with their shapes.
 _MAKERS: Final[dict[str, Callable[[Formed], Roots]]] = {
     "udot": _vector("udot", _udot),
     "qdot": _vector("qdot", _qdot),
     "xdot": _vector("xdot", lambda formed: [*_udot(formed), *_qdot(formed)]),
+    "lambda": _vector("lambda", lambda formed: solve(formed)[1]),
     "mass_matrix": _matrix("mass_matrix", lambda formed: formed.projection.mass_matrix),
     "forcing": _vector("forcing", lambda formed: formed.projection.forcing),
+    "bias": _vector("bias", _bias),
     "kinetic_energy": _scalar("kinetic_energy", lambda formed: formed.kinetic_energy),
-    "potential_energy": _scalar("potential_energy", lambda formed: formed.potential_energy),
-    "energy": _scalar("energy", lambda formed: formed.kinetic_energy + formed.potential_energy),
-    "power": _scalar("power", lambda formed: formed.power),
-    "lambda": _vector("lambda", lambda formed: []),
-    "constraints": _vector("constraints", lambda formed: []),
-    "velocity_constraints": _vector("velocity_constraints", lambda formed: []),
-    "gamma": _vector("gamma", lambda formed: []),
-    "jacobian": _matrix("jacobian", lambda formed: []),
+    "potential_energy": _scalar("potential_energy", lambda formed: formed.loads.potential_energy),
+    "energy": _scalar("energy", lambda formed: formed.kinetic_energy + formed.loads.potential_energy),
+    "power": _scalar("power", lambda formed: solved(formed, [total_power(formed)])[0]),
+    "constraints": _vector("constraints", lambda formed: [row.value for row in formed.rows]),
+    "velocity_constraints": _vector("velocity_constraints", _velocity_constraints),
+    "gamma": _vector("gamma", lambda formed: [row.gamma for row in formed.rows]),
+    "jacobian": _matrix("jacobian", lambda formed: formed.jacobian),
+    "position_jacobian": _matrix("position_jacobian", _position_jacobian),
+}
+
+# Words followed by names.
+_ABOUT: Final[dict[str, Callable[[Formed, str], tuple[tuple[int, ...], list[Expr]]]]] = {
+    "effort": lambda formed, rest: ((), [joint_effort(formed, rest)]),
+    "reaction": reaction_output,
+    "frame": frame_output,
 }

@@ -1,24 +1,25 @@
-"""Virtual work: Newton-Euler projected on the partial velocities of a tree.
+"""Virtual work: the wrenches that bodies need, times the free motions of the joints that carry them.
 
 ``sum over bodies of  dv_j . (m a - F) + dw_j . (I alpha + w x I w - T) = 0``  for every speed u_j, with
 partial velocities dv_j, dw_j (Kane & Levinson 1985, section 6.1; Roberson & Schwertassek 1988, chapter 8).
+The sum is taken joint by joint: a joint with the free motion dv, dw that carries the force and the moment of
+everything outward of it contributes ``dv . force + dw . moment``, so no body is met twice.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 
+from symbody.equations.balance import NOTHING, Wrench, balanced
+from symbody.equations.inertia import Inertia
 from symbody.equations.kinematics import Kinematics
-from symbody.expr.calculus import derivative
+from symbody.equations.load import Effort, Load, wrenches
+from symbody.equations.variables import Use
 from symbody.expr.expression import Expr, number
-from symbody.expr.graph import Graph
-from symbody.expr.rewrite import substitute
-from symbody.vectors.rotation import Triple
-from symbody.vectors.vector import NULL, Vector, cross, dot, express, vector
-
-Tensor = tuple[Triple, Triple, Triple]
+from symbody.graph.topology import Topology
+from symbody.vectors.dyadic import apply, gyroscopic, quadratic
+from symbody.vectors.vector import NULL, Vector, cross, dot
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,148 +28,160 @@ class VirtualWork:
 
 
 @dataclass(frozen=True, slots=True)
-class Inertia:
-    """Mass and inertia of a body about its centre of mass, in the body's axes.
-
-    Attributes
-    ----------
-    frame : str
-        The body's frame, origin at the centre of mass.
-    tensor : (3, 3) Expr
-        Products are tensor entries.
-    """
-
-    frame: str
-    mass: Expr
-    tensor: Tensor
-
-
-@dataclass(frozen=True, slots=True)
-class PointForce:
-    """A force on a body.
-
-    Attributes
-    ----------
-    frame : str
-        A frame of the body.
-    arm : Vector
-        From the frame's origin to the point the force acts in.
-    """
-
-    frame: str
-    force: Vector
-    arm: Vector = NULL
-
-
-@dataclass(frozen=True, slots=True)
-class Moment:
-    """A torque on a frame."""
-
-    frame: str
-    torque: Vector
-
-
-@dataclass(frozen=True, slots=True)
-class Effort:
-    """A force or torque along a scalar rate, for instance that of a driven joint coordinate."""
-
-    rate: Expr
-    effort: Expr
-
-
-Load = PointForce | Moment | Effort
-
-
-@dataclass(frozen=True, slots=True)
 class Projection:
-    """``mass_matrix u' = forcing``, one row a speed."""
+    """``mass_matrix u' = forcing``, one row a speed, without multipliers."""
 
     mass_matrix: tuple[tuple[Expr, ...], ...]
     forcing: tuple[Expr, ...]
 
 
 def project(
-    kinematics: Kinematics, speeds: Sequence[int], bodies: Sequence[Inertia], loads: Sequence[Load]
+    topology: Topology,
+    kinematics: Kinematics,
+    uses: Sequence[Use],
+    bodies: Sequence[Inertia],
+    loads: Sequence[Load],
+    armatures: Mapping[int, Expr],
 ) -> Projection:
-    """Return the equations of motion in the speeds (nodes of u)."""
-    graph = kinematics.tree.graph
-    zero = number(graph, 0)
-    n = len(speeds)
-    mass = [[zero] * n for _ in range(n)]
-    forcing = [zero] * n
-    for body in bodies:
-        _add_body(kinematics, speeds, body, mass, forcing)
+    """Return the equations of motion in the speeds.
+
+    Parameters
+    ----------
+    armatures : mapping of node to Expr
+        Inertia of rotors that turn with a rate; the rates are expressions in the speeds.
+    """
+    speeds, zero = kinematics.speeds, number(kinematics.graph, 0)
+    place = {u: j for j, u in enumerate(speeds)}
+    mass = [[zero] * len(speeds) for _ in speeds]
+    forcing = [zero] * len(speeds)
+    free = _free_motions(topology, kinematics, uses)
+    for u, j in place.items():
+        needed = {
+            body.frame: _unit_wrench(kinematics, body, u) for body in bodies if _moves(kinematics, body, u)
+        }
+        for other, force in _generalized(topology, kinematics, free, needed).items():
+            if place[other] >= j:
+                mass[j][place[other]] = mass[place[other]][j] = force
+    biases = {body.frame: _bias_wrench(kinematics, body) for body in bodies}
+    needed = without_loads(topology, kinematics, biases, loads)
+    for u, force in _generalized(topology, kinematics, free, needed).items():
+        forcing[place[u]] = forcing[place[u]] - force
     for load in loads:
-        for j, work in enumerate(_virtual_work(kinematics, speeds, load)):
-            forcing[j] = forcing[j] + work
-    for i in range(n):
-        for j in range(i + 1, n):
-            mass[i][j] = mass[j][i]
+        if isinstance(load, Effort):
+            for u, slope in kinematics.slopes(load.rate).items():
+                forcing[place[u]] = forcing[place[u]] + slope * load.effort
+    for rate, rotor in armatures.items():
+        _add_rotor(kinematics, Expr(kinematics.graph, rate), rotor, mass, forcing)
     return Projection(tuple(map(tuple, mass)), tuple(forcing))
 
 
-def kinetic_energy(kinematics: Kinematics, bodies: Sequence[Inertia]) -> Expr:
-    """Return the kinetic energy of the bodies relative to ground [J]."""
+def inertial(kinematics: Kinematics, body: Inertia, a: Vector, alpha: Vector) -> Wrench:
+    """Return ``m a`` and ``I alpha + w x I w`` of a body, about its centre of mass."""
+    tree = kinematics.tree
+    w = kinematics.angular_velocities[body.frame].value
+    return Wrench(a * body.mass, apply(tree, body.tensor, alpha) + gyroscopic(tree, w, body.tensor))
+
+
+def without_loads(
+    topology: Topology, kinematics: Kinematics, needed: Mapping[str, Wrench], loads: Iterable[Load]
+) -> dict[str, Wrench]:
+    """Return what the joints must give each body, from what it needs in all: loads give the rest."""
+    owners = frame_owners(topology)
+    result = dict(needed)
+    for load in loads:
+        for frame, force, torque in wrenches(kinematics, load):
+            owner = owners[frame]
+            if owner in result:
+                moment = torque + cross(kinematics.tree, kinematics.arm(owner, frame), force)
+                result[owner] = Wrench(result[owner].force - force, result[owner].moment - moment)
+    return result
+
+
+def frame_owners(topology: Topology) -> dict[str, str]:
+    """Return the body, or ground, that each frame of the model is fixed on."""
+    owners = {"ground": "ground"} | {f"ground.{name}": "ground" for name in topology.model.ground}
+    for body in topology.model.bodies:
+        owners[body.name] = body.name
+        owners |= {f"{body.name}.{name}": body.name for name in body.frames}
+    return owners
+
+
+def kinetic_energy(kinematics: Kinematics, bodies: Sequence[Inertia], armatures: Mapping[int, Expr]) -> Expr:
+    """Return the kinetic energy of the bodies relative to ground, and of rotors along their rates [J]."""
     tree = kinematics.tree
     total = number(tree.graph, 0)
     for body in bodies:
-        v = kinematics.velocities[body.frame]
-        w = kinematics.angular_velocities[body.frame]
-        total = total + body.mass * dot(tree, v, v) + dot(tree, w, _times(kinematics, body, w))
+        v = kinematics.velocities[body.frame].value
+        w = kinematics.angular_velocities[body.frame].value
+        total = total + body.mass * dot(tree, v, v) + quadratic(tree, w, body.tensor, w)
+    for rate, rotor in armatures.items():
+        total = total + rotor * Expr(tree.graph, rate) ** 2
     return total / 2
 
 
-def _add_body(
+def _free_motions(
+    topology: Topology, kinematics: Kinematics, uses: Sequence[Use]
+) -> list[tuple[str, int, Vector, Vector]]:
+    """Return (joint, speed, dv, dw): how the end of a joint moves relative to its start, seen from there."""
+    tree = kinematics.tree
+    motions = []
+    for use in uses:
+        start, end = use.joint.start.frame, use.joint.end.frame
+        v, v_start = kinematics.velocities[end], kinematics.velocities[start]
+        w, w_start = kinematics.angular_velocities[end], kinematics.angular_velocities[start]
+        arm = kinematics.arm(start, end)
+        for symbol in use.speeds:
+            u = kinematics.graph.symbol(symbol)
+            turn = w.partial(u) - w_start.partial(u) if use.in_rotation else NULL
+            slide = NULL
+            if use.in_translation:
+                slide = v.partial(u) - v_start.partial(u) - cross(tree, w_start.partial(u), arm)
+            motions.append((use.joint.name, u, slide, turn))
+    return motions
+
+
+def _generalized(
+    topology: Topology,
     kinematics: Kinematics,
-    speeds: Sequence[int],
-    body: Inertia,
-    mass: list[list[Expr]],
-    forcing: list[Expr],
-) -> None:
-    """Add one body's share to the lower triangle of the mass matrix and to the forcing."""
+    free: Iterable[tuple[str, int, Vector, Vector]],
+    needed: Mapping[str, Wrench],
+) -> dict[int, Expr]:
+    """Return the generalized force of each speed that gives the bodies what they need."""
     tree = kinematics.tree
+    carried = balanced(topology, kinematics, needed, {})
+    found = {}
+    for joint, u, slide, turn in free:
+        wrench = carried.get(joint, NOTHING)
+        force = dot(tree, slide, wrench.force) + dot(tree, turn, wrench.moment)
+        if not force.is_zero:
+            found[u] = force
+    return found
+
+
+def _moves(kinematics: Kinematics, body: Inertia, u: int) -> bool:
     v, w = kinematics.velocities[body.frame], kinematics.angular_velocities[body.frame]
-    dv, dw = _partials(v, speeds), _partials(w, speeds)
-    momenta = [_times(kinematics, body, partial) for partial in dw]
-    a0 = _without_accelerations(kinematics.derivative(v), kinematics, speeds)
-    alpha0 = _without_accelerations(kinematics.derivative(w), kinematics, speeds)
-    torque0 = _times(kinematics, body, alpha0) + cross(tree, w, _times(kinematics, body, w))
-    for i in range(len(speeds)):
-        forcing[i] = forcing[i] - body.mass * dot(tree, dv[i], a0) - dot(tree, dw[i], torque0)
-        for j in range(i + 1):
-            share = body.mass * dot(tree, dv[i], dv[j]) + dot(tree, dw[i], momenta[j])
-            mass[i][j] = mass[i][j] + share
+    return u in v.partials or u in w.partials
 
 
-def _virtual_work(kinematics: Kinematics, speeds: Sequence[int], load: Load) -> list[Expr]:
-    graph, tree = kinematics.tree.graph, kinematics.tree
-    if isinstance(load, Effort):
-        return [Expr(graph, derivative(graph, [load.rate.index], u)[0]) * load.effort for u in speeds]
-    if isinstance(load, PointForce):
-        w = kinematics.angular_velocities[load.frame]
-        v = kinematics.velocities[load.frame] + cross(tree, w, load.arm)
-        return [dot(tree, p, load.force) for p in _partials(v, speeds)]
-    return [dot(tree, p, load.torque) for p in _partials(kinematics.angular_velocities[load.frame], speeds)]
+def _unit_wrench(kinematics: Kinematics, body: Inertia, u: int) -> Wrench:
+    """Return what a body needs for a unit acceleration u' from rest."""
+    v, w = kinematics.velocities[body.frame], kinematics.angular_velocities[body.frame]
+    return Wrench(v.partial(u) * body.mass, apply(kinematics.tree, body.tensor, w.partial(u)))
 
 
-def _times(kinematics: Kinematics, body: Inertia, w: Vector) -> Vector:
-    """Return the inertia tensor applied to a vector."""
-    tree = kinematics.tree
-    x, y, z = express(tree, w, body.frame).terms.get(body.frame, (number(tree.graph, 0),) * 3)
-    rows = [row[0] * x + row[1] * y + row[2] * z for row in body.tensor]
-    return vector(body.frame, (rows[0], rows[1], rows[2]))
+def _bias_wrench(kinematics: Kinematics, body: Inertia) -> Wrench:
+    v, w = kinematics.velocities[body.frame], kinematics.angular_velocities[body.frame]
+    return inertial(kinematics, body, v.bias, w.bias)
 
 
-def _partials(a: Vector, speeds: Sequence[int]) -> list[Vector]:
-    return [a.map(partial(_slope, u)) for u in speeds]
-
-
-def _slope(u: int, x: Expr) -> Expr:
-    return Expr(x.graph, derivative(x.graph, [x.index], u)[0])
-
-
-def _without_accelerations(a: Vector, kinematics: Kinematics, speeds: Sequence[int]) -> Vector:
-    """Return an acceleration with all u' = 0."""
-    graph: Graph = kinematics.tree.graph
-    zero = {graph.symbol(graph.symbols[graph.left[u]].derivative): 0 for u in speeds}
-    return a.map(lambda x: Expr(graph, substitute(graph, [x.index], zero)[0]))
+def _add_rotor(
+    kinematics: Kinematics, rate: Expr, rotor: Expr, mass: list[list[Expr]], forcing: list[Expr]
+) -> None:
+    slopes = kinematics.slopes(rate)
+    bias = kinematics.bias(rate)
+    for i, u in enumerate(kinematics.speeds):
+        if u in slopes:
+            forcing[i] = forcing[i] - rotor * bias * slopes[u]
+            for j, other in enumerate(kinematics.speeds):
+                if other in slopes:
+                    mass[i][j] = mass[i][j] + rotor * slopes[u] * slopes[other]

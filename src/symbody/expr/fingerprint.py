@@ -35,7 +35,9 @@ from symbody.expr.opcodes import (
     TAN,
 )  # fmt: skip
 
-PRIME: Final = 2**61 - 1
+# (PRIME - 1) / 2 is prime too, so no power of 2 below 2**(10**18) is 1: floats, which are whole numbers times
+# powers of 2, stay distinct. (In the field of 2**61 - 1 the float 2**-60 is 2.) It is 3 modulo 4, see Circle.
+PRIME: Final = 2**61 - 2373
 
 
 def fingerprints(graph: Graph, nodes: Sequence[int]) -> dict[int, Pair]:

@@ -21,6 +21,7 @@ _MAX_PROBLEMS: Final = 50
 
 _EXPECTED: Final = MappingProxyType(
     {
+        "bool_type": "true or false",
         "string_type": "a text in quotes",
         "list_type": "a list",
         "tuple_type": "a list of an axis and an angle",

@@ -16,7 +16,7 @@ from symbody.model.element import Address, Element
 from symbody.model.forces import Drive, Force, SpringDamper, Torque
 from symbody.model.frame import Frame
 from symbody.model.joint import InTrees, Joint
-from symbody.model.joints import Prismatic, Revolute, Weld
+from symbody.model.joints import Free, Planar, Prismatic, Revolute, Spherical, Weld
 from symbody.model.table import Table
 
 T = TypeVar("T")
@@ -28,11 +28,20 @@ ELEMENTS: Final = MappingProxyType[str, Callable[..., Element]](
     {"body": Body, "spring": SpringDamper, "force": Force, "torque": Torque}
 )
 JOINTS: Final = MappingProxyType[str, Callable[..., Joint]](
-    {"weld": Weld, "revolute": Revolute, "prismatic": Prismatic}
+    {
+        "weld": Weld,
+        "revolute": Revolute,
+        "prismatic": Prismatic,
+        "planar": Planar,
+        "spherical": Spherical,
+        "free": Free,
+    }
 )
 _JOINT_WORDS: Final = MappingProxyType({maker: word for word, maker in JOINTS.items()})
-# Written even where they have their default, because a reader looks for them.
-_ALWAYS: Final = frozenset({"axis"})
+# Written even where they have their default: a reader looks for them, or other defaults depend on them.
+_ALWAYS: Final = frozenset({"angles", "axis"})
+# Keyed by coordinate in the model; in the file too, unless the joint has only one.
+_BY_COORDINATE: Final = frozenset({"armature", "force", "motion", "torque"})
 
 
 def element_from(kind: str, entry: Mapping[str, object]) -> Element:
@@ -54,7 +63,7 @@ def element_from(kind: str, entry: Mapping[str, object]) -> Element:
         arguments["frames"] = _frames(arguments.get("frames", {}), label, ("frames",), problems)
     if kind == "joint":
         for word in {"force", "torque"} & set(arguments):
-            arguments[word] = _nested(Drive, arguments[word], f"{label}, {word}", problems)
+            arguments[word] = _drives(arguments[word], f"{label}, {word}", problems)
     element = _attempt(lambda: make(**arguments), problems)
     if element is None or problems:
         raise ModelError(*problems)
@@ -75,12 +84,12 @@ def entry_of(element: Element) -> dict[str, Node]:
     values = _values(element)
     if "start" in values:
         entry["between"] = [node_of(values.pop("start")), node_of(values.pop("end"))]
-    needed = _needed(element)
-    plainest = type(element)(**{name: getattr(element, name) for name in needed})
-    defaults = {name: value for name, value in _values(plainest).items() if name not in (*needed, *_ALWAYS)}
+    given = [*_needed(element), *(_ALWAYS & set(values))]
+    plainest = type(element)(**{name: getattr(element, name) for name in given})
+    defaults = {name: value for name, value in _values(plainest).items() if name not in given}
     for name, value in values.items():
         if name not in entry and (name not in defaults or value != defaults[name]):
-            entry[name] = node_of(value)
+            entry[name] = node_of(_alone(element, value) if name in _BY_COORDINATE else value)
     return entry
 
 
@@ -103,14 +112,29 @@ def node_of(value: object) -> Node:
 
 
 def _values(value: object) -> dict[str, object]:
-    names = [field.name for field in fields(value)] if is_dataclass(value) else []
-    return {name: getattr(value, name) for name in names}
+    """Return the fields of an element or of a part of one, in the order of its constructor."""
+    names = {field.name for field in fields(value)} if is_dataclass(value) else set()
+    return {name: getattr(value, name) for name in inspect.signature(type(value)).parameters if name in names}
+
+
+def _alone(element: Element, value: object) -> object:
+    """Return the value for the only coordinate of a joint; all of them, by name, where there are several."""
+    if isinstance(value, Table) and isinstance(element, Joint) and len(element.coordinates) == 1:
+        return next(iter(value.values()))
+    return value
 
 
 def _needed(element: Element) -> list[str]:
     """Return the arguments without default of the element's constructor."""
     arguments = inspect.signature(type(element)).parameters.items()
     return [name for name, argument in arguments if argument.default is argument.empty]
+
+
+def _drives(entry: object, where: str, problems: list[Problem]) -> object:
+    """Return the drive of a table, or those of a table of tables by coordinate."""
+    if isinstance(entry, Mapping) and entry and all(isinstance(item, Mapping) for item in entry.values()):
+        return {name: _nested(Drive, item, f"{where}.{name}", problems) for name, item in entry.items()}
+    return _nested(Drive, entry, where, problems)
 
 
 def _frames(entries: object, label: str, path: tuple[str, ...], problems: list[Problem]) -> dict[str, Frame]:

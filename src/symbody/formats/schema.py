@@ -6,39 +6,16 @@ They check keys and types. What the values mean is checked by the Model.
 from __future__ import annotations
 
 import json
-from decimal import Decimal
-from typing import Annotated, Any, ClassVar, Final, Literal
+from typing import Annotated, Any, Final
 
-from pydantic import BaseModel, ConfigDict, Field, Strict, WithJsonSchema
+from pydantic import Field, WithJsonSchema
 from pydantic.functional_validators import PlainValidator
 from pydantic_core import PydanticCustomError
 
+from symbody.formats.schema_joints import JointEntry
+from symbody.formats.schema_types import Angle, Between, Entry, Expression, Triple, Turn
+
 VERSION: Final = 1
-
-
-def _expression(value: object) -> str | int | float | Decimal:
-    if isinstance(value, bool) or not isinstance(value, str | int | float | Decimal):
-        raise PydanticCustomError("expression", "a number or an expression")
-    if not isinstance(value, str) and not Decimal(value).is_finite():
-        raise PydanticCustomError("not_finite", "a finite number")
-    return value
-
-
-def _axis(value: object) -> object:
-    if isinstance(value, str):
-        return value
-    if isinstance(value, list) and len(value) == 3:
-        return [_expression(item) for item in value]
-    raise PydanticCustomError("axis", '"x", "y", "z", or three components')
-
-
-def _trees(value: object) -> object:
-    if isinstance(value, bool):
-        return value
-    if isinstance(value, dict) and set(value) <= {"rotation", "translation"}:
-        if all(isinstance(flag, bool) for flag in value.values()):
-            return value
-    raise PydanticCustomError("trees", "true, false, or { rotation = true, translation = false }")
 
 
 def _version(value: object) -> int:
@@ -47,58 +24,6 @@ def _version(value: object) -> int:
     if value > VERSION:
         raise PydanticCustomError("newer", "a version this symbody knows")
     return value
-
-
-_TEXT_OR_NUMBER: Final = {"type": ["string", "number"]}
-Expression = Annotated[
-    Any,
-    PlainValidator(_expression),
-    WithJsonSchema({**_TEXT_OR_NUMBER, "description": "A number, or a formula in the names allowed there."}),
-]
-Angle = Annotated[
-    Any,
-    PlainValidator(_expression),
-    WithJsonSchema({**_TEXT_OR_NUMBER, "description": 'An angle in rad, or such as "30 deg".'}),
-]
-Triple = Annotated[list[Expression], Field(min_length=3, max_length=3)]
-Axis = Annotated[
-    Any,
-    PlainValidator(_axis),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"enum": ["x", "y", "z"]},
-                {"type": "array", "items": _TEXT_OR_NUMBER, "minItems": 3, "maxItems": 3},
-            ],
-            "description": "A letter, or components of a vector of any length.",
-        }
-    ),
-]
-Trees = Annotated[
-    Any,
-    PlainValidator(_trees),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"type": "boolean"},
-                {
-                    "type": "object",
-                    "properties": {"rotation": {"type": "boolean"}, "translation": {"type": "boolean"}},
-                    "additionalProperties": False,
-                },
-            ],
-            "description": "Whether the joint is in the rotation and translation tree; left out: automatic.",
-        }
-    ),
-]
-Turn = Annotated[tuple[Axis, Angle], Strict(False)]
-Between = Annotated[list[str], Field(min_length=2, max_length=2, description="Start and end frame.")]
-
-
-class Entry(BaseModel):
-    """A table of the file: only the keys listed, no conversion of types."""
-
-    model_config: ClassVar[ConfigDict] = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
 class FrameEntry(Entry):
@@ -128,50 +53,6 @@ class BodyEntry(Entry):
     inertia: Triple = Field(default=[0, 0, 0], description="xx, yy, zz about the centre of mass [kg m^2].")
     products: Triple = Field(default=[0, 0, 0], description="Tensor entries xy, xz, yz [kg m^2].")
     frames: dict[str, FrameEntry] = Field(default={}, description="Frames fixed on the body.")
-
-
-class DriveEntry(Entry):
-    """What acts along a joint coordinate."""
-
-    applied: Expression = Field(default=0, description="Effort on the end body [N, N m].")
-    stiffness: Expression = Field(default=0, description="[N/m, N m/rad]")
-    damping: Expression = Field(default=0, description="[N s/m, N m s/rad]")
-    free: Angle = Field(default=0, description="Coordinate at which the spring is relaxed [m, rad].")
-
-
-class WeldEntry(Entry):
-    """Holds two frames together."""
-
-    name: str
-    type: Literal["weld"]
-    between: Between
-    tree: Trees = None
-
-
-class RevoluteEntry(Entry):
-    """Turns about an axis."""
-
-    name: str
-    type: Literal["revolute"]
-    between: Between
-    axis: Axis = Field(default="z", description="In the start frame.")
-    coordinate: str | None = Field(default=None, description="Name of the angle [rad].")
-    tree: Trees = None
-    torque: DriveEntry | None = Field(default=None, description="What acts about the axis.")
-    motion: Angle = Field(default=None, description="Prescribed angle in parameters and t [rad].")
-
-
-class PrismaticEntry(Entry):
-    """Slides along an axis."""
-
-    name: str
-    type: Literal["prismatic"]
-    between: Between
-    axis: Axis = Field(default="x", description="In the start frame.")
-    coordinate: str | None = Field(default=None, description="Name of the displacement [m].")
-    tree: Trees = None
-    force: DriveEntry | None = Field(default=None, description="What acts along the axis.")
-    motion: Expression = Field(default=None, description="Prescribed displacement in parameters and t [m].")
 
 
 class SpringEntry(Entry):
@@ -205,9 +86,6 @@ class TorqueEntry(Entry):
     reaction_on: str = Field(default="ground", description="The body that gets the opposite torque.")
 
 
-JointEntry = Annotated[WeldEntry | RevoluteEntry | PrismaticEntry, Field(discriminator="type")]
-
-
 class ModelFile(Entry):
     """A mechanism. SI units, radians."""
 
@@ -228,7 +106,7 @@ class ModelFile(Entry):
     spring: list[SpringEntry] = []
     force: list[ForceEntry] = []
     torque: list[TorqueEntry] = []
-    initial: dict[str, Angle] = Field(default={}, description="Initial values of coordinates and rates.")
+    initial: dict[str, Angle] = Field(default={}, description="Initial values of coordinates and speeds.")
     layout: dict[str, Any] = Field(default={}, description="The diagram; of no meaning to the mechanism.")
 
 

@@ -36,11 +36,23 @@ class LinearGraph:
         """Return the edge called `name`."""
         return next(edge for edge in self.edges if edge.name == name)
 
-    def unreached(self, names: Iterable[str] | None = None) -> tuple[str, ...]:
-        """Return the nodes that the edges `names` (all by default) do not join to the root."""
+    def unreached(
+        self, names: Iterable[str] | None = None, from_nodes: Iterable[str] = ()
+    ) -> tuple[str, ...]:
+        """Return the nodes that the edges `names`, or all, do not join to the root or to `from_nodes`."""
+        net = self._net(names)
+        reached = nx.node_connected_component(net, self.root)
+        for node in from_nodes:
+            reached |= nx.node_connected_component(net, node)
+        return tuple(node for node in self.nodes if node not in reached)
+
+    def distances(self) -> dict[str, int]:
+        """Return the number of edges from the root to each node that it reaches."""
+        return dict(nx.single_source_shortest_path_length(self._net(None), self.root))
+
+    def _net(self, names: Iterable[str] | None) -> nx.MultiGraph:
         chosen = {edge.name for edge in self.edges} if names is None else set(names)
         net = nx.MultiGraph()
         net.add_nodes_from(self.nodes)
         net.add_edges_from((edge.start, edge.end) for edge in self.edges if edge.name in chosen)
-        reached = nx.node_connected_component(net, self.root)
-        return tuple(node for node in self.nodes if node not in reached)
+        return net

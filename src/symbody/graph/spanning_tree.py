@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import networkx as nx
@@ -34,27 +34,32 @@ class SpanningTree:
     chords: tuple[Edge, ...]
 
 
-def spanning_tree(graph: LinearGraph, weights: Mapping[str, float]) -> SpanningTree:
-    """Return the spanning tree of least total weight, ties broken by the order of the edges.
+def least_forest(graph: LinearGraph, weights: Mapping[str, tuple[float, ...]]) -> tuple[Edge, ...]:
+    """Return the edges of the spanning forest of least weight, ties broken by the order of the edges.
 
     Parameters
     ----------
-    weights : mapping of edge name to float
-        Reluctance to have the edge in the tree; edges not named weigh 0.
+    weights : mapping of edge name to tuple of float
+        Reluctance to take the edge, compared entry by entry; edges not named come first.
     """
     net = nx.MultiGraph()
     net.add_nodes_from(graph.nodes)
     # Sorting is stable, so the rank breaks ties by the order of the edges.
-    for rank, edge in enumerate(sorted(graph.edges, key=lambda edge: weights.get(edge.name, 0.0))):
+    for rank, edge in enumerate(sorted(graph.edges, key=lambda edge: weights.get(edge.name, ()))):
         net.add_edge(edge.start, edge.end, key=edge.name, weight=rank)
     chosen = {key for _, _, key in nx.minimum_spanning_edges(net, keys=True, data=False)}
+    return tuple(edge for edge in graph.edges if edge.name in chosen)
+
+
+def spanning_tree(graph: LinearGraph, names: Collection[str]) -> SpanningTree:
+    """Return the tree of the edges `names`, which join every node to the root by one path."""
     tree = nx.Graph()
     tree.add_nodes_from(graph.nodes)
     for edge in graph.edges:
-        if edge.name in chosen:
+        if edge.name in names:
             tree.add_edge(edge.start, edge.end, edge=edge)
     branches = tuple(
         Branch(edge := tree.edges[parent, child]["edge"], parent, child, edge.start == parent)
         for parent, child in nx.bfs_edges(tree, graph.root)
     )
-    return SpanningTree(branches, tuple(edge for edge in graph.edges if edge.name not in chosen))
+    return SpanningTree(branches, tuple(edge for edge in graph.edges if edge.name not in names))

@@ -5,13 +5,17 @@ The only file that knows both graphs and mechanics.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from symbody.errors import FormulationError, Problem
 from symbody.graph.linear_graph import Edge, LinearGraph
-from symbody.graph.spanning_tree import SpanningTree, spanning_tree
-from symbody.model.joint import Joint
+from symbody.graph.spanning_tree import SpanningTree, least_forest, spanning_tree
+from symbody.graph.trees import Preference, TreeChoice, cycle_problem, preferences
+from symbody.model.joint import InTrees, Joint
+from symbody.model.joints import Free
 from symbody.model.model import Model
+from symbody.model.naming import GROUND
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,58 +24,151 @@ class Topology:
 
     Attributes
     ----------
-    tree : SpanningTree
-        Rotation and translation tree, at present the same.
+    joints : tuple of Joint
+        Those of the model, then a free joint for each body that a tree reaches by no other.
+    rotation, translation : SpanningTree
+        The trees; both span ground and all bodies.
     notes : tuple of str
         Each choice that was made, with its reason.
     """
 
     model: Model
-    tree: SpanningTree
+    joints: tuple[Joint, ...]
+    rotation: SpanningTree
+    translation: SpanningTree
     notes: tuple[str, ...]
 
     def joint(self, name: str) -> Joint:
         """Return the joint called `name`."""
-        return next(joint for joint in self.model.joints if joint.name == name)
+        return next(joint for joint in self.joints if joint.name == name)
+
+    @property
+    def turning(self) -> frozenset[str]:
+        """Names of the joints in the rotation tree."""
+        return frozenset(branch.edge.name for branch in self.rotation.branches)
+
+    @property
+    def sliding(self) -> frozenset[str]:
+        """Names of the joints in the translation tree."""
+        return frozenset(branch.edge.name for branch in self.translation.branches)
 
 
-def choose_topology(model: Model) -> Topology:
-    """Return the model with the tree of its joints.
+def choose_topology(model: Model, choice: TreeChoice = None) -> Topology:
+    """Return the model with its rotation and its translation tree.
+
+    Parameters
+    ----------
+    choice : Trees, "joints", "absolute" or None
+        The joints in the trees; those with the fewest coordinates, whatever the model's flags say;
+        none; or, by default, the model's flags completed like "joints".
 
     Raises
     ------
     FormulationError
-        If a body is joined to nothing, or joints close a loop.
+        If a choice has a cycle, names no joint, or parts the coordinates of a joint that mixes them.
     """
-    nodes = ("ground", *(body.name for body in model.bodies))
+    nodes = (GROUND, *(body.name for body in model.bodies))
+    wishes = preferences(model, model.joints, choice)
     edges = tuple(Edge(joint.name, joint.start.body, joint.end.body) for joint in model.joints)
     graph = LinearGraph(nodes, edges)
-    problems = [_free_body(name) for name in graph.unreached()]
-    problems += [_prescribed(joint, name) for joint in model.joints for name in joint.motions]
+    problems = [cycle_problem(kind, edges, wish.required) for kind, wish in wishes.items()]
+    if any(problems):
+        raise FormulationError(*(problem for problem in problems if problem))
+    chosen = {kind: _forest(graph, model.joints, wish) for kind, wish in wishes.items()}
+    loose = {kind: _loose(graph, names) for kind, names in chosen.items()}
+    free = [
+        _free(body.name, body.name in loose["rotation"], body.name in loose["translation"])
+        for body in model.bodies
+        if body.name in loose["rotation"] or body.name in loose["translation"]
+    ]
+    joints = (*model.joints, *free)
+    trees = {kind: _tree(nodes, joints, {*chosen[kind], *loose[kind]}) for kind in chosen}
+    topology = Topology(model, joints, trees["rotation"], trees["translation"], ())
+    _check_mixing(topology)
+    _check_count(topology)
+    return Topology(model, joints, trees["rotation"], trees["translation"], _notes(topology, free))
+
+
+def _forest(graph: LinearGraph, joints: Sequence[Joint], wish: Preference) -> tuple[str, ...]:
+    """Return the required edges and as many of the allowed ones as the forest takes, cheapest first."""
+    names = {*wish.required, *wish.allowed}
+    inside = LinearGraph(graph.nodes, tuple(edge for edge in graph.edges if edge.name in names))
+    hops = inside.distances()
+    weights: dict[str, tuple[float, ...]] = {}
+    for edge, joint in zip(graph.edges, joints, strict=True):
+        distance = min(hops.get(edge.start, len(hops)), hops.get(edge.end, len(hops)))
+        weights[edge.name] = (edge.name not in wish.required, _cost(joint), distance)
+    return tuple(edge.name for edge in least_forest(inside, weights))
+
+
+def _cost(joint: Joint) -> float:
+    """Return how dear a joint is as a branch: its free coordinates; without names it would rather be cut."""
+    known = 0 if joint.as_constraint else len(joint.motions)
+    return len(joint.coordinates) - known + (0.0 if joint.has_named_coordinates else 0.5)
+
+
+def _loose(graph: LinearGraph, names: Sequence[str]) -> tuple[str, ...]:
+    """Return one body of each part that the edges `names` do not join to ground."""
+    loose: list[str] = []
+    joined = set(names)
+    while missing := graph.unreached(joined, from_nodes=(graph.root, *loose)):
+        loose.append(missing[0])
+    return tuple(loose)
+
+
+def _free(body: str, turns: bool, slides: bool) -> Free:
+    """Return the virtual free joint of a body; it bears the body's name."""
+    return Free(body, GROUND, body, tree=InTrees(turns, slides))
+
+
+def _tree(nodes: tuple[str, ...], joints: Sequence[Joint], names: set[str]) -> SpanningTree:
+    edges = tuple(Edge(joint.name, joint.start.body, joint.end.body) for joint in joints)
+    return spanning_tree(LinearGraph(nodes, edges), names)
+
+
+def _check_mixing(topology: Topology) -> None:
+    """Refuse a joint in one tree whose rotation and translation share a coordinate."""
+    problems = [
+        Problem("topology.mixed_joint", f"joint {joint.name}",
+                f"it is in one tree only, but {', '.join(sorted(shared))} both turns and shifts",
+                "such a joint gives all its coordinates or none", "put it in both trees or in neither")
+        for joint in topology.joints
+        if (joint.name in topology.turning) != (joint.name in topology.sliding)
+        and (shared := set(joint.rotation_coordinates) & set(joint.translation_coordinates))
+    ]  # fmt: skip
     if problems:
         raise FormulationError(*problems)
-    tree = spanning_tree(graph, {joint.name: float(len(joint.coordinates)) for joint in model.joints})
-    if tree.chords:
-        raise FormulationError(*(_loop(edge) for edge in tree.chords))
-    return Topology(model, tree, ())
 
 
-def _free_body(name: str) -> Problem:
-    return Problem(
-        "topology.free_body", f"body {name}", "no chain of joints leads from ground to this body",
-        "bodies that move freely are not covered by this version", "join it to ground or to another body",
-    )  # fmt: skip
+def _check_count(topology: Topology) -> None:
+    """Assert that coordinates and locked directions of each tree make 3 for each body."""
+    bodies = len(topology.model.bodies)
+    locked: Mapping[str, Callable[[Joint], int]] = {
+        "rotation": lambda joint: joint.locked_rotations,
+        "translation": lambda joint: joint.locked_translations,
+    }
+    for kind, count in locked.items():
+        tree: SpanningTree = getattr(topology, kind)
+        joints = [topology.joint(branch.edge.name) for branch in tree.branches]
+        freedoms = sum(3 - count(joint) for joint in joints)
+        assert freedoms + sum(map(count, joints)) == 3 * bodies, f"{kind} tree does not span the bodies"
 
 
-def _loop(edge: Edge) -> Problem:
-    return Problem(
-        "topology.loop", f"joint {edge.name}", f"the joint closes a loop between {edge.start} and {edge.end}",
-        "closed loops are not covered by this version", "leave out one joint of the loop",
-    )  # fmt: skip
-
-
-def _prescribed(joint: Joint, coordinate: str) -> Problem:
-    return Problem(
-        "topology.prescribed_motion", f"joint {joint.name}", f"the motion of {coordinate} is prescribed",
-        "prescribed motions are not covered by this version", "leave motion out, or give a drive",
-    )  # fmt: skip
+def _notes(topology: Topology, free: Sequence[Free]) -> tuple[str, ...]:
+    notes = []
+    for joint in topology.model.joints:
+        turns, slides = joint.name in topology.turning, joint.name in topology.sliding
+        if not (turns or slides):
+            reason = (
+                "its loop has cheaper joints" if joint.has_named_coordinates else "it names no coordinates"
+            )
+            reason = reason if joint.tree == InTrees() else "as the model says"
+            notes.append(f"joint {joint.name} is cut: {reason}; what it locks becomes constraints")
+        elif turns != slides:
+            kind = "rotation" if turns else "translation"
+            notes.append(f"joint {joint.name} is in the {kind} tree only")
+    for joint in free:
+        parts = ["orientation"] if joint.tree.rotation else []
+        parts += ["position"] if joint.tree.translation else []
+        notes.append(f"body {joint.name} has absolute coordinates for its {' and '.join(parts)}")
+    return tuple(notes)

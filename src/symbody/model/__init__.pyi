@@ -4,8 +4,11 @@ from .forces import Force as Force
 from .forces import SpringDamper as SpringDamper
 from .forces import Torque as Torque
 from .frame import Frame as Frame
+from .joints import Free as Free
+from .joints import Planar as Planar
 from .joints import Prismatic as Prismatic
 from .joints import Revolute as Revolute
+from .joints import Spherical as Spherical
 from .joints import Weld as Weld
 from .model import Model as Model
 from .model import resolve_parameters as resolve_parameters

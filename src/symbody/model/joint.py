@@ -5,17 +5,21 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Final, Literal
 
 from symbody.expr.language.formula import Formula
-from symbody.model.door import Door
+from symbody.model.door import ZERO
 from symbody.model.element import Address, Element
 from symbody.model.forces import Drive
 from symbody.model.naming import symbol_from
+from symbody.model.table import Table
 from symbody.model.turn import Axis, Turn
 from symbody.model.uses import Scope, Triple, Use, triple_uses
 
-__all__ = ["InTrees", "Joint", "Turn"]
+__all__ = ["ORIGIN", "RATES", "InTrees", "Joint", "QuasiSpeeds", "Turn"]
+
+ORIGIN: Final[Triple] = (ZERO, ZERO, ZERO)
+RATES: Final = "rates"
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,11 +30,32 @@ class InTrees:
     translation: bool | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class QuasiSpeeds:
+    """Speeds that are components of a velocity of end relative to start.
+
+    For rotation the velocity is the angular velocity, for translation the rate of the position of end's
+    origin as seen from start.
+
+    Attributes
+    ----------
+    names : (3,) str
+        The components along x, y and z.
+    resolved_in : str
+        The axes of the components.
+    """
+
+    names: tuple[str, str, str]
+    resolved_in: Literal["start", "end"]
+
+
+@dataclass(frozen=True, slots=True, init=False)
 class Joint(Element):
     """A connection of two frames; `end` moves relative to `start`.
 
     A concrete joint states its law: the turns from start to end and the shift of the origin, in its
-    coordinates. Everything else is derived here.
+    coordinates. What it has besides is a field called like a property below that says "nothing", whose
+    place it takes. Everything else is derived here.
 
     Attributes
     ----------
@@ -40,33 +65,19 @@ class Joint(Element):
         The user's choice of coordinates.
     """
 
-    __slots__ = ()
-
     kind: ClassVar[str] = "joint"
 
+    name: str
     start: Address
     end: Address
     tree: InTrees
 
-    @property
-    @abstractmethod
-    def names_given(self) -> tuple[str | None, ...]:
-        """The user's name for each coordinate, or None where there is none."""
+    # The law.
 
     @property
     @abstractmethod
-    def drives(self) -> Mapping[str, Drive]:
-        """What acts along each driven coordinate."""
-
-    @property
-    @abstractmethod
-    def motions(self) -> Mapping[str, Formula]:
-        """Each prescribed coordinate as a formula in parameters and t."""
-
-    @property
-    @abstractmethod
-    def axes(self) -> Mapping[str, Axis]:
-        """Each axis by field name, in the start frame."""
+    def suffixes(self) -> tuple[str, ...]:
+        """What follows the joint's name in the name of each coordinate without one of its own."""
 
     @abstractmethod
     def turns(self) -> tuple[Turn, ...]:
@@ -76,13 +87,91 @@ class Joint(Element):
     def shift(self) -> Triple:
         """Return the position of the end frame's origin, from the start frame's, in start axes [m]."""
 
+    # What a joint may have besides.
+
+    @property
+    def coordinate(self) -> str | None:
+        """The user's name for the only coordinate, or None."""
+        return None
+
     @property
     def coordinates(self) -> tuple[str, ...]:
         """Names of all coordinates; those without a name of their own are named after the joint."""
-        given = self.names_given
+        return tuple(self.coordinate or name for name in self.default_coordinates)
+
+    @property
+    def axes(self) -> Mapping[str, Axis]:
+        """Each axis by field name, in the start frame."""
+        return {}
+
+    @property
+    def force(self) -> Table[Drive]:
+        """What acts along each driven displacement."""
+        return Table()
+
+    @property
+    def torque(self) -> Table[Drive]:
+        """What acts along each driven angle."""
+        return Table()
+
+    @property
+    def motion(self) -> Table[Formula]:
+        """Each prescribed coordinate as a formula in parameters and t."""
+        return Table()
+
+    @property
+    def as_constraint(self) -> bool:
+        """Whether prescribed motions become constraints instead of replacing the coordinate."""
+        return False
+
+    @property
+    def armature(self) -> Mapping[str, Formula]:
+        """Rotor inertia along a coordinate [kg, kg m^2]."""
+        return {}
+
+    @property
+    def quaternion(self) -> tuple[str, str, str, str] | None:
+        """Names of the Euler parameters, scalar first, end to start, where they give the orientation.
+
+        `turns` is then empty.
+        """
+        return None
+
+    @property
+    def speeds(self) -> str:
+        """What the speeds are: ``"rates"`` of the coordinates, or components of velocities."""
+        return RATES
+
+    @property
+    def speed_names(self) -> tuple[str, ...] | None:
+        """The user's names of the quasi-speeds, translation first, or None."""
+        return None
+
+    @property
+    def rotation_speeds(self) -> QuasiSpeeds | None:
+        """The speeds of the rotation; None: the rates of its coordinates."""
+        return None
+
+    @property
+    def translation_speeds(self) -> QuasiSpeeds | None:
+        """The speeds of the translation; None: the rates of its coordinates."""
+        return None
+
+    # What follows.
+
+    @property
+    def default_coordinates(self) -> tuple[str, ...]:
+        """The names of coordinates that the user gives none."""
         own = symbol_from(self.name)
-        default = [own] if len(given) == 1 else [f"{own}_{k + 1}" for k in range(len(given))]
-        return tuple(name or other for name, other in zip(given, default, strict=True))
+        return tuple(f"{own}{suffix}" for suffix in self.suffixes)
+
+    @property
+    def names_given(self) -> tuple[str | None, ...]:
+        """The user's name for each coordinate, or None where there is none."""
+        if len(self.suffixes) == 1:
+            return (self.coordinate,)
+        pairs = zip(self.coordinates, self.default_coordinates, strict=True)
+        return tuple(None if name == default else name for name, default in pairs)
 
     @property
     def has_named_coordinates(self) -> bool:
@@ -90,10 +179,31 @@ class Joint(Element):
         return None not in self.names_given
 
     @property
+    def quasi_speed_names(self) -> tuple[str, ...]:
+        """Names of the speeds that are no rates of coordinates, translation first."""
+        both = (self.translation_speeds, self.rotation_speeds)
+        return tuple(name for speeds in both if speeds is not None for name in speeds.names)
+
+    @property
+    def drives(self) -> Mapping[str, Drive]:
+        """What acts along each driven coordinate."""
+        return {**self.force, **self.torque}
+
+    @property
+    def motions(self) -> Mapping[str, Formula]:
+        """Each prescribed coordinate as a formula in parameters and t."""
+        return self.motion
+
+    @property
     def rotation_coordinates(self) -> tuple[str, ...]:
         """The coordinates that turn the end frame."""
-        inside = {name for turn in self.turns() for name in turn.angle.names}
+        inside = {name for turn in self.turns() for name in turn.angle.names} | set(self.quaternion or ())
         return tuple(name for name in self.coordinates if name in inside)
+
+    @property
+    def angle_coordinates(self) -> tuple[str, ...]:
+        """The rotation coordinates that are angles, no parts of a quaternion."""
+        return tuple(name for name in self.rotation_coordinates if name not in (self.quaternion or ()))
 
     @property
     def translation_coordinates(self) -> tuple[str, ...]:
@@ -104,7 +214,7 @@ class Joint(Element):
     @property
     def locked_rotations(self) -> int:
         """Number of rotations the joint prevents."""
-        return 3 - len(self.rotation_coordinates)
+        return 0 if self.quaternion else 3 - len(self.rotation_coordinates)
 
     @property
     def locked_translations(self) -> int:
@@ -116,35 +226,24 @@ class Joint(Element):
         """Number of directions the joint prevents."""
         return self.locked_rotations + self.locked_translations
 
+    def path_of(self, word: str, coordinate: str) -> str:
+        """Return where `word` stands for a coordinate: ``"torque"``, or ``"torque.theta"`` of several."""
+        return word if len(self.coordinates) == 1 else f"{word}.{coordinate}"
+
+    def placed_drives(self) -> Iterator[tuple[str, str, Drive]]:
+        """Return each drive after its place and its coordinate."""
+        for word, drives in (("force", self.force), ("torque", self.torque)):
+            for coordinate, drive in drives.items():
+                yield self.path_of(word, coordinate), coordinate, drive
+
     def uses(self) -> Iterator[Use]:
         """Return where the formulas stand."""
         for path, axis in self.axes.items():
             if not isinstance(axis, str):
                 yield from triple_uses(path, axis, Scope.CONSTANT)
-        for coordinate, drive in self.drives.items():
-            word = "torque" if coordinate in self.rotation_coordinates else "force"
-            yield from drive.uses(word if len(self.coordinates) == 1 else f"{word}.{coordinate}")
-        for coordinate, motion in self.motions.items():
-            path = "motion" if len(self.coordinates) == 1 else f"motion.{coordinate}"
-            yield Use(path, motion, Scope.PRESCRIBED)
-
-
-def trees_from(door: Door, value: object) -> InTrees:
-    """Return the user's choice of trees from None, a bool, or a mapping rotation/translation to bool."""
-    if isinstance(value, InTrees):
-        return value
-    if value is None:
-        return InTrees()
-    if isinstance(value, bool):
-        return InTrees(value, value)
-    if isinstance(value, Mapping) and set(value) <= {"rotation", "translation"}:
-        if all(isinstance(flag, bool) for flag in value.values()):
-            return InTrees(value.get("rotation"), value.get("translation"))
-    door.refuse(
-        "model.bad_tree",
-        "tree",
-        f"{value!r} is no choice of trees",
-        "",
-        "write true, false, or { rotation = true, translation = false }; leave it out for automatic",
-    )
-    return InTrees()
+        for path, _, drive in self.placed_drives():
+            yield from drive.uses(path)
+        for coordinate, motion in self.motion.items():
+            yield Use(self.path_of("motion", coordinate), motion, Scope.PRESCRIBED)
+        for coordinate, inertia in self.armature.items():
+            yield Use(self.path_of("armature", coordinate), inertia, Scope.CONSTANT)

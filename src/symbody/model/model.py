@@ -16,6 +16,7 @@ from symbody.model.frame import Frame
 from symbody.model.joint import Joint
 from symbody.model.lookup import with_carried
 from symbody.model.parameters import dependence_order, resolve
+from symbody.model.structure import free_joints
 from symbody.model.table import Table
 from symbody.model.uses import Triple
 from symbody.model.validation import Draft, checked
@@ -45,7 +46,7 @@ class Model:
         Formulas may contain other parameters, in any order; None: declared without value.
     inputs : iterable of str
         Names of quantities given from outside while the mechanism moves.
-    initial : mapping of coordinate or rate to number or formula
+    initial : mapping of coordinate, rate or speed to number or formula
         Initial values, in SI units and radians.
     ground : mapping of name to Frame
         Frames fixed on the ground.
@@ -126,6 +127,11 @@ class Model:
 
     def __repr__(self) -> str:
         return f"Model({self.name!r}: {len(self.bodies)} bodies, {len(self.joints)} joints)"
+
+    @property
+    def free_joints(self) -> tuple[Joint, ...]:
+        """For each body without a joint the free joint that stands for its motion; it bears its name."""
+        return tuple(free_joints(self.bodies, self.joints))
 
     @property
     def coordinates(self) -> tuple[str, ...]:

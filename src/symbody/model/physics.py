@@ -54,19 +54,35 @@ def check_frames(check: Checker, frames: Table[Frame], where: str) -> None:
 
 
 def check_joint(check: Checker, joint: Joint, label: str) -> None:
-    """Check axes and drives of a joint."""
+    """Check axes, drives, motions and rotor inertias of a joint."""
     for path, axis in joint.axes.items():
         if not isinstance(axis, str):
             _check_axis(check, axis, f"{label}, {path}")
-    for drive in joint.drives.values():
-        check_coefficients(check, drive, label)
+    for path, _, drive in joint.placed_drives():
+        check_coefficients(check, drive, f"{label}, {path}.")
+    for name, motion in joint.motion.items():
+        check.value(motion, f"{label}, {joint.path_of('motion', name)}")
+    for name, formula in joint.armature.items():
+        where = f"{label}, {joint.path_of('armature', name)}"
+        inertia = check.value(formula, where)
+        if inertia is not None and inertia < 0:
+            check.refuse(
+                "model.negative_armature",
+                where,
+                f"the inertia of the rotor is {inertia:g}",
+                "a sign is wrong",
+                "give a positive inertia, or leave armature out",
+            )
+    if joint.as_constraint and not joint.motion:
+        check.remark(f"{label}: as_constraint says nothing, because no motion is prescribed")
 
 
-def check_coefficients(check: Checker, spring: Drive | SpringDamper, label: str) -> None:
-    """Remark on negative stiffness or damping, as far as they are constants."""
+def check_coefficients(check: Checker, spring: Drive | SpringDamper, base: str) -> None:
+    """Remark on negative stiffness or damping, as far as they are constants; `base` begins their place."""
     for word, formula in (("stiffness", spring.stiffness), ("damping", spring.damping)):
-        value = check.value(formula, f"{label}, {word}")
+        value = check.value(formula, f"{base}{word}")
         if value is not None and value < 0:
+            label = base.partition(", ")[0]
             check.remark(f"{label}: the {word} {formula} is negative ({value:g})")
 
 

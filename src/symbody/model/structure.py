@@ -8,6 +8,7 @@ from symbody.errors import Problem
 from symbody.model.body import Body
 from symbody.model.element import Element
 from symbody.model.joint import Joint
+from symbody.model.joints.free import Free
 from symbody.model.naming import GROUND
 
 
@@ -69,10 +70,14 @@ def floating_problems(bodies: Iterable[Body], joints: Iterable[Joint]) -> list[P
     ]
 
 
-def free_bodies(bodies: Iterable[Body], joints: Iterable[Joint]) -> list[str]:
-    """Return the names of bodies without any joint."""
+def free_joints(bodies: Iterable[Body], joints: Iterable[Joint]) -> list[Joint]:
+    """Return for each body without any joint the free joint that stands for its motion.
+
+    It bears the body's name and leads from ground, with a quaternion.
+    """
     joined = {address.body for joint in joints for address in (joint.start, joint.end)}
-    return [body.name for body in bodies if body.name not in joined]
+    names = dict.fromkeys(body.name for body in bodies)  # two of one name are told elsewhere
+    return [Free(name, GROUND, name) for name in names if name not in joined]
 
 
 def _root(group: dict[str, str], name: str) -> str:

@@ -19,7 +19,7 @@ class Meaning(NamedTuple):
     Attributes
     ----------
     word : str
-        ``"parameter"``, ``"input"``, ``"coordinate"``, ``"rate"`` or ``"acceleration"``.
+        ``"parameter"``, ``"input"``, ``"coordinate"``, ``"rate"``, ``"speed"`` or ``"acceleration"``.
     where : str
         The place that introduces it.
     """
@@ -58,12 +58,16 @@ def collect_symbols(entries: Iterable[tuple[str, Meaning]]) -> tuple[Symbols, li
 
 
 def joint_entries(joint: Joint, label: str) -> Iterator[tuple[str, Meaning]]:
-    """Return what a joint adds to the symbols: its coordinates, their rates and accelerations."""
+    """Return what a joint adds to the symbols: coordinates and speeds, their rates and accelerations."""
     given = joint.names_given
     for k, name in enumerate(joint.coordinates):
         path = "name" if given[k] is None else "coordinate" if len(given) == 1 else f"coordinates[{k}]"
         for suffix, word in (("", "coordinate"), ("_dot", "rate"), ("_ddot", "acceleration")):
             yield f"{name}{suffix}", Meaning(word, f"{label}, {path}")
+    for k, name in enumerate(joint.quasi_speed_names):
+        path = "name" if joint.speed_names is None else f"speed_names[{k}]"
+        yield name, Meaning("speed", f"{label}, {path}")
+        yield f"{name}_dot", Meaning("acceleration", f"{label}, {path}")
 
 
 def scope_problems(label: str, uses: Iterable[Use], symbols: Symbols) -> list[Problem]:
@@ -116,7 +120,8 @@ def _duplicate(name: str, meanings: list[Meaning]) -> Problem:
     places = "; ".join(dict.fromkeys(meaning.where for meaning in meanings))
     listed = ", ".join(f"{meaning.word} ({meaning.where})" for meaning in meanings)
     derived = any(meaning.word in ("rate", "acceleration") for meaning in meanings)
-    why = "x_dot and x_ddot are made for every coordinate x" if derived else "every symbol has one meaning"
+    made = "x_dot and x_ddot are made for every coordinate x, w_dot for every speed w"
+    why = made if derived else "every symbol has one meaning"
     return Problem(
         "names.duplicate",
         places,

@@ -16,7 +16,7 @@ class Scope(StrEnum):
 
     CONSTANT = "parameters"
     PRESCRIBED = "parameters and t"
-    LOAD = "parameters, inputs, t, coordinates and their rates"
+    LOAD = "parameters, inputs, t, coordinates, their rates, and speeds"
 
 
 class Use(NamedTuple):

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from symbody.errors import ModelError, Problem, nearest
+from symbody.errors import ModelError, Problem
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
 from symbody.model.checker import Checker
 from symbody.model.element import Element
 from symbody.model.forces import SpringDamper
 from symbody.model.frame import Frame
+from symbody.model.initial import check_initial, initial_problems
 from symbody.model.joint import Joint
 from symbody.model.lookup import element_labels, places_of, with_places
 from symbody.model.parameters import cycle_problems, known_values
 from symbody.model.physics import check_body, check_coefficients, check_frames, check_joint
-from symbody.model.structure import duplicate_elements, floating_problems, free_bodies, joint_problems
-from symbody.model.symbols import Meaning, Symbols, collect_symbols, joint_entries, scope_problems
+from symbody.model.structure import duplicate_elements, floating_problems, free_joints, joint_problems
+from symbody.model.symbols import Meaning, collect_symbols, joint_entries, scope_problems
 from symbody.model.table import Table
 from symbody.model.uses import Scope, Triple, Use, triple_uses
 
@@ -38,6 +39,16 @@ class Draft:
         """The bodies."""
         return tuple(element for element in self.elements if isinstance(element, Body))
 
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """The joints."""
+        return tuple(element for element in self.elements if isinstance(element, Joint))
+
+    @property
+    def free_joints(self) -> list[Joint]:
+        """For each body without joint the one that stands for its motion."""
+        return free_joints(self.bodies, self.joints)
+
 
 def checked(draft: Draft, earlier: Iterable[Problem]) -> tuple[tuple[Element, ...], tuple[str, ...]]:
     """Return the elements with their addresses looked up, and remarks.
@@ -52,6 +63,7 @@ def checked(draft: Draft, earlier: Iterable[Problem]) -> tuple[tuple[Element, ..
     problems += duplicate_elements(draft.elements, labels)
     placed, unknown = with_places(draft.elements, places_of(draft.bodies, draft.ground), labels)
     problems += unknown
+    draft = replace(draft, elements=tuple(placed))
     joints = {labels[k]: element for k, element in enumerate(placed) if isinstance(element, Joint)}
     if not unknown:
         problems += joint_problems(joints)
@@ -61,7 +73,7 @@ def checked(draft: Draft, earlier: Iterable[Problem]) -> tuple[tuple[Element, ..
     problems += check.problems
     if problems:
         raise ModelError(*problems)
-    return tuple(placed), (*_assumptions(draft, list(joints.values())), *check.notes)
+    return draft.elements, (*_assumptions(draft), *check.notes)
 
 
 def _name_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
@@ -71,7 +83,8 @@ def _name_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
     problems += scope_problems("model", _model_uses(draft), symbols)
     for label, element in zip(labels, draft.elements, strict=True):
         problems += scope_problems(label, element.uses(), symbols)
-    return problems + _initial_problems(draft, symbols) + _degree_problems(draft, labels)
+    problems += initial_problems(draft.initial, symbols, draft.joints)
+    return problems + _degree_problems(draft, labels)
 
 
 def _symbol_entries(draft: Draft, labels: Sequence[str]) -> Iterator[tuple[str, Meaning]]:
@@ -82,6 +95,8 @@ def _symbol_entries(draft: Draft, labels: Sequence[str]) -> Iterator[tuple[str, 
     for label, element in zip(labels, draft.elements, strict=True):
         if isinstance(element, Joint):
             yield from joint_entries(element, label)
+    for joint in draft.free_joints:
+        yield from joint_entries(joint, f"body {joint.name}")
 
 
 def _model_uses(draft: Draft) -> Iterator[Use]:
@@ -96,34 +111,20 @@ def _model_uses(draft: Draft) -> Iterator[Use]:
         yield from frame.uses(f"ground.frames.{name}")
 
 
-def _initial_problems(draft: Draft, symbols: Symbols) -> list[Problem]:
-    """Return a problem for each initial value of what has none."""
-    known = [name for name, meaning in symbols.meanings.items() if meaning.word in ("coordinate", "rate")]
-    return [
-        Problem(
-            "initial.unknown",
-            f"model, initial.{name}",
-            f"there is no coordinate or rate {name!r}",
-            "initial values belong to coordinates and their rates, x and x_dot",
-            nearest(name, known),
-        )
-        for name in draft.initial
-        if name not in known
-    ]
-
-
 def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
     """Return a problem for each value in degrees that is no angle."""
     angles: set[str] = set()
     others: set[str] = set()
-    values = {f"model, initial.{name}": (name, formula) for name, formula in draft.initial.items()}
+    values = [(f"model, initial.{name}", name, formula) for name, formula in draft.initial.items()]
     for label, joint in zip(labels, draft.elements, strict=True):
         if isinstance(joint, Joint):
-            angles.update(joint.rotation_coordinates)
-            others.update(joint.coordinates)
+            angles.update(joint.angle_coordinates)
+            others.update(joint.coordinates, joint.quasi_speed_names)
             others.update(f"{name}_dot" for name in joint.coordinates)
-            for name, drive in joint.drives.items():
-                values[f"{label}, force"] = (name, drive.free)
+            for path, name, drive in joint.placed_drives():
+                values.append((f"{label}, {path}", name, drive.free))
+            for name, formula in joint.motion.items():
+                values.append((f"{label}, {joint.path_of('motion', name)}", name, formula))
     return [
         Problem(
             "model.not_an_angle",
@@ -132,7 +133,7 @@ def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
             "deg is understood for angles alone",
             "write the value in SI units",
         )
-        for where, (name, formula) in values.items()
+        for where, name, formula in values
         if name in others - angles and formula.text.endswith("deg") and "deg" not in formula.names
     ]
 
@@ -144,24 +145,27 @@ def _numbers(draft: Draft, labels: Iterable[str]) -> Checker:
     check.problems += problems
     check.values(draft.gravity, "model, gravity")
     check_frames(check, draft.ground, "model, ground.frames")
-    for name, formula in draft.initial.items():
-        check.value(formula, f"model, initial.{name}")
+    check_initial(check, draft.initial, (*draft.joints, *draft.free_joints))
     for label, element in zip(labels, draft.elements, strict=True):
         if isinstance(element, Body):
             check_body(check, element, label)
         elif isinstance(element, Joint):
             check_joint(check, element, label)
         elif isinstance(element, SpringDamper):
-            check_coefficients(check, element, label)
+            check_coefficients(check, element, f"{label}, ")
     return check
 
 
-def _assumptions(draft: Draft, joints: Sequence[Joint]) -> list[str]:
+def _assumptions(draft: Draft) -> list[str]:
     """Return what was assumed because it was left out."""
-    notes = [f"body {name} has no joint and moves freely" for name in free_bodies(draft.bodies, joints)]
+    notes = [
+        f"body {joint.name} has no joint and moves freely, with coordinates {joint.coordinates[0]} "
+        f"to {joint.coordinates[-1]}"
+        for joint in draft.free_joints
+    ]
     if all(component.constant() == 0 for component in draft.gravity):
         notes.append("gravity is zero")
-    for joint in joints:
+    for joint in draft.joints:
         if not joint.has_named_coordinates:
             names = ", ".join(joint.coordinates)
             notes.append(f"joint {joint.name}: coordinates without a name of their own are called {names}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -59,7 +60,7 @@ def simulate(
     SimulationError
         If initial values or times make no sense. Failures on the way do not raise: `status` tells.
     """
-    task = _Task(eqs, dict(parameters or {}), dict.fromkeys(eqs.input_names, 0) | dict(inputs or {}))
+    task = _Task(_tree(eqs), dict(parameters or {}), dict.fromkeys(eqs.input_names, 0) | dict(inputs or {}))
     # The work is one more state: the function writes its rate, the power, behind xdot.
     function = task.compiled(("xdot", "power"))
     raw = integrate(
@@ -152,7 +153,30 @@ def _initial_state(task: _Task, initial: Mapping[str, Value]) -> Floats:
         raise SimulationError(*(_unknown_state(name, names) for name in unknown))
     chosen = {**eqs.model.initial, **initial}
     values = constant_values(eqs, {name: chosen[name] for name in names if name in chosen}, task.parameters)
+    for quaternion in eqs.quaternions:
+        _normalize(values, quaternion)
     return np.array([values.get(name, 0.0) for name in names])
+
+
+def _normalize(values: dict[str, float], quaternion: Sequence[str]) -> None:
+    """Give a quaternion unit norm; one of which nothing is said is 1, 0, 0, 0."""
+    found = [values.get(name, 0.0) for name in quaternion]
+    norm = math.hypot(*found)
+    if norm == 0:
+        found, norm = [1.0, 0.0, 0.0, 0.0], 1.0
+    values.update((name, x / norm) for name, x in zip(quaternion, found, strict=True))
+
+
+def _tree(eqs: EquationSet) -> EquationSet:
+    """Return equations without constraints, as they are."""
+    if not eqs.multiplier_names:
+        return eqs
+    problem = Problem(
+        "simulation.constraints", eqs.model.name, f"there are {len(eqs.multiplier_names)} constraints",
+        "motions of closed loops are not covered by this version",
+        "use the equations by compile(eqs, ['udot', 'lambda']), or open the loops",
+    )  # fmt: skip
+    raise SimulationError(problem)
 
 
 def _unknown_state(name: str, names: tuple[str, ...]) -> Problem:

@@ -1,4 +1,14 @@
+from .dyadic import Dyadic as Dyadic
+from .dyadic import symmetric_split as symmetric_split
+from .euler_angles import angle_rates as angle_rates
+from .euler_angles import euler_turns as euler_turns
+from .euler_angles import measured_angles as measured_angles
+from .euler_angles import sequence_axes as sequence_axes
+from .euler_parameters import EulerParameters as EulerParameters
+from .euler_parameters import euler_parameter_omega as euler_parameter_omega
+from .euler_parameters import euler_parameter_rates as euler_parameter_rates
 from .frame import FrameTree as FrameTree
+from .rotation import DirectionCosines as DirectionCosines
 from .rotation import Rotation as Rotation
 from .rotation import Turn as Turn
 from .vector import Vector as Vector

@@ -11,9 +11,34 @@ from dataclasses import dataclass, field
 
 from symbody.errors import FrameError, Problem, nearest
 from symbody.expr.graph import Graph
-from symbody.vectors.rotation import Matrix, Rotation, rotation_matrix
+from symbody.vectors.matrix import Matrix, transpose
+from symbody.vectors.rotation import Rotation
+from symbody.vectors.step_products import StepProducts, Word, backwards
 
 Path = tuple[str, ...]
+ROOT = "ground"
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a frame stands.
+
+    Attributes
+    ----------
+    parent : str
+        The root is its own parent.
+    depth : int
+        Number of frames between this one and the root, the root included.
+    home : str
+        Frame nearest the root that has the same orientation by construction.
+    word : tuple of int
+        Steps from the parent's axes.
+    """
+
+    parent: str
+    depth: int
+    home: str
+    word: Word
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,58 +48,123 @@ class FrameTree:
     Attributes
     ----------
     parents : mapping of frame to (parent, rotation from parent to frame)
-        The root, "ground", is not a key.
+        The root, "ground", is not a key. Frames may be added later, never changed.
     """
 
     graph: Graph
     parents: Mapping[str, tuple[str, Rotation]]
-    # Results already formed; a pure function of the fields above, so it cannot go stale.
-    _matrices: dict[tuple[str, str], Matrix] = field(default_factory=dict, compare=False, repr=False)
+    # What was found already. Each entry follows from the entries of `parents` on its way to the
+    # root, and those stay, so none can go stale.
+    _places: dict[str, Place] = field(default_factory=dict, init=False, compare=False, repr=False)
+    _matrices: dict[tuple[str, str], Matrix] = field(
+        default_factory=dict, init=False, compare=False, repr=False
+    )
+    _products: StepProducts = field(init=False, compare=False, repr=False)
 
-    def path(self, frame: str) -> Path:
-        """Return the frames from `frame` to the root.
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_products", StepProducts(self.graph))
+        self._places[ROOT] = Place(ROOT, 0, ROOT, ())
+
+    def place(self, frame: str) -> Place:
+        """Return where a frame stands.
 
         Raises
         ------
         FrameError
-            If the frame is unknown.
+            If the frame is unknown, or stands in itself by way of others.
         """
+        found = self._places.get(frame)
+        return self._entered(frame) if found is None else found
+
+    def path(self, frame: str) -> Path:
+        """Return the frames from `frame` to the root."""
         steps = [frame]
-        while steps[-1] in self.parents:
-            steps.append(self.parents[steps[-1]][0])
-        if len(steps) == 1 and frame != "ground":
-            known = ["ground", *self.parents]
-            raise FrameError(
-                Problem("frame.unknown", frame, f"there is no frame {frame!r}", "", nearest(frame, known))
-            )
+        for _ in range(self.depth(frame)):
+            steps.append(self._places[steps[-1]].parent)
         return tuple(steps)
 
     def rotation(self, a: str, b: str) -> Rotation:
         """Return the rotation from frame `a` to frame `b` along the tree."""
-        up_a, up_b = self.path(a), self.path(b)
-        shared = set(up_b)
-        turning = next(frame for frame in up_a if frame in shared)
-        result = Rotation()
-        for frame in up_a[: up_a.index(turning)]:
-            result = result.then(self.parents[frame][1].inverse)
-        for frame in reversed(up_b[: up_b.index(turning)]):
-            result = result.then(self.parents[frame][1])
-        return result
+        return self._products.rotation(self._word(a, b))
 
     def matrix(self, a: str, b: str) -> Matrix:
         """Return ``R_ab``: components in `b` to components in `a`."""
         found = self._matrices.get((a, b))
         if found is None:
-            found = rotation_matrix(self.graph, self.rotation(a, b))
+            found = self._products.matrix(self._word(a, b))
             self._matrices[(a, b)] = found
+            self._matrices[(b, a)] = transpose(found)
         return found
+
+    def is_parallel(self, a: str, b: str) -> bool:
+        """Return whether several turns lead from frame `a` to frame `b`, all about parallel axes."""
+        if len(self._word(a, b)) != 1:
+            return False
+        turning = 0
+        while a != b:
+            deeper = a if self.place(a).depth >= self.place(b).depth else b
+            place = self._places[deeper]
+            turning += len(place.word)
+            a, b = (place.parent, b) if deeper == a else (a, place.parent)
+        return turning > 1
 
     def home(self, frame: str) -> str:
         """Return the frame nearest the root that has the same orientation by construction."""
-        while frame in self.parents and not self.parents[frame][1].turns:
-            frame = self.parents[frame][0]
-        return frame
+        return self.place(frame).home
 
     def depth(self, frame: str) -> int:
         """Return how many frames lie between `frame` and the root."""
-        return len(self.path(frame)) - 1
+        return self.place(frame).depth
+
+    def _word(self, a: str, b: str) -> Word:
+        """Return the steps from `a` to `b`, merged in the order from the frame nearer the root."""
+        place_a, place_b = self.place(a), self.place(b)
+        if (place_a.depth, a) > (place_b.depth, b):
+            return backwards(self._word(b, a))
+        up: list[int] = []
+        down: list[Word] = []
+        while a != b:
+            if place_a.depth >= place_b.depth:
+                up.extend(backwards(place_a.word))
+                a = place_a.parent
+                place_a = self._places[a]
+            else:
+                down.append(place_b.word)
+                b = place_b.parent
+                place_b = self._places[b]
+        for word in reversed(down):
+            up.extend(word)
+        return self._products.reduced(up)
+
+    def _entered(self, frame: str) -> Place:
+        """Enter the places of a frame and of all it stands in."""
+        missing = [frame]
+        while missing[-1] in self.parents and missing[-1] not in self._places:
+            if len(missing) > len(self.parents):
+                raise _circle(frame)
+            missing.append(self.parents[missing[-1]][0])
+        nearest_known = missing.pop()
+        if nearest_known not in self._places:
+            raise _unknown(nearest_known, frame, [ROOT, *self.parents])
+        place = self._places[nearest_known]
+        for name in reversed(missing):
+            parent, rotation = self.parents[name]
+            word = self._products.reduced(self._products.word(rotation))
+            place = Place(parent, place.depth + 1, name if word else place.home, word)
+            self._places[name] = place
+        return place
+
+
+def _unknown(name: str, frame: str, known: list[str]) -> FrameError:
+    why = "" if name == frame else f"frame {frame!r} stands in it"
+    return FrameError(
+        Problem("frame.unknown", frame, f"there is no frame {name!r}", why, nearest(name, known))
+    )
+
+
+def _circle(frame: str) -> FrameError:
+    return FrameError(
+        Problem("frame.circle", frame, f"frame {frame!r} never leads to {ROOT!r}",
+                "following the frames it stands in goes round in a circle",
+                "let one of them stand in 'ground', or in a frame that does")
+    )  # fmt: skip

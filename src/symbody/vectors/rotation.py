@@ -1,7 +1,7 @@
-"""Rotations as successive simple turns, so that turns about one axis merge before any matrix is formed.
+"""Rotations as successive steps, so that turns about one axis merge before any matrix is formed.
 
-``R_AB`` takes components in B to components in A (docs/notation.md). A turn by `angle` about `axis`
-leads from one frame to the next; the axis has the same components in both.
+``R_AB`` takes components in B to components in A (docs/notation.md). A step leads from one frame to
+the next: a simple turn, whose axis has the same components in both, Euler parameters, or a matrix.
 """
 
 from __future__ import annotations
@@ -11,9 +11,23 @@ from dataclasses import dataclass
 
 from symbody.expr.expression import Expr, cos, number, sin
 from symbody.expr.graph import Graph
+from symbody.vectors.angle_sum import angle_sum
+from symbody.vectors.euler_parameters import EulerParameters, euler_parameter_rates
+from symbody.vectors.matrix import (
+    Matrix,
+    Triple,
+    apply_matrix,
+    identity,
+    opposite,
+    product,
+    transpose,
+)
 
-Triple = tuple[Expr, Expr, Expr]
-Matrix = tuple[Triple, Triple, Triple]
+__all__ = [
+    "DirectionCosines", "EulerParameters", "Matrix", "Rotation", "RotationStep", "Triple", "Turn",
+    "apply_matrix", "euler_parameter_rates", "identity", "merged", "product", "rotation_matrix",
+    "rotation_of", "transpose", "turn_matrix",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,42 +45,95 @@ class Turn:
     axis: Triple
     angle: Expr
 
+    @property
+    def inverse(self) -> Turn:
+        """The turn back."""
+        return Turn(self.axis, -self.angle)
+
+    @property
+    def is_identity(self) -> bool:
+        """True if the angle is exactly 0."""
+        return self.angle.is_zero
+
+    def matrix(self, graph: Graph) -> Matrix:
+        """Return ``1 cos + (1 - cos) a a^T + sin a~``."""
+        return turn_matrix(graph, self)
+
+
+@dataclass(frozen=True, slots=True)
+class DirectionCosines:
+    """A rotation given by its matrix, end components to start components, taken as orthogonal."""
+
+    cosines: Matrix
+
+    @property
+    def inverse(self) -> DirectionCosines:
+        """The transposed matrix."""
+        return DirectionCosines(transpose(self.cosines))
+
+    @property
+    def is_identity(self) -> bool:
+        """True if the matrix is exactly the unit matrix."""
+        return self.cosines == identity(self.cosines[0][0].graph)
+
+    def matrix(self, graph: Graph) -> Matrix:
+        """Return the cosines."""
+        return self.cosines
+
+
+RotationStep = Turn | EulerParameters | DirectionCosines
+
 
 @dataclass(frozen=True, slots=True)
 class Rotation:
-    """Successive body-fixed turns leading from frame A to frame B; none is the identity."""
+    """Successive body-fixed steps leading from frame A to frame B; none is the identity."""
 
-    turns: tuple[Turn, ...] = ()
+    turns: tuple[RotationStep, ...] = ()
 
     def then(self, other: Rotation) -> Rotation:
-        """Return this rotation followed by `other`, neighbouring turns about parallel axes merged."""
-        turns = list(self.turns)
-        for turn in other.turns:
-            merged = _merged(turns[-1], turn) if turns else None
-            if merged is None:
-                turns.append(turn)
-            elif merged.angle.is_zero:
-                turns.pop()
-            else:
-                turns[-1] = merged
-        return Rotation(tuple(turns))
+        """Return this rotation followed by `other`, with neighbours merged until none is left to merge."""
+        return rotation_of((*self.turns, *other.turns))
 
     @property
     def inverse(self) -> Rotation:
         """The rotation back."""
-        return Rotation(tuple(Turn(turn.axis, -turn.angle) for turn in reversed(self.turns)))
+        return Rotation(tuple(step.inverse for step in reversed(self.turns)))
 
 
-def rotation_of(turns: Iterable[Turn]) -> Rotation:
-    """Return the rotation made of `turns`, merged, turns by zero left out."""
-    return Rotation().then(Rotation(tuple(turn for turn in turns if not turn.angle.is_zero)))
+def rotation_of(turns: Iterable[RotationStep]) -> Rotation:
+    """Return the rotation made of steps, neighbours merged, identities left out."""
+    steps: list[RotationStep] = []
+    for step in turns:
+        if step.is_identity:
+            continue
+        together = merged(steps[-1], step) if steps else None
+        if together is None:
+            steps.append(step)
+        else:
+            steps[-1:] = together
+    return Rotation(tuple(steps))
+
+
+def merged(first: RotationStep, second: RotationStep) -> tuple[RotationStep, ...] | None:
+    """Return what two successive steps amount to, no step or one; None if they do not merge.
+
+    Turns about parallel axes add up. Other steps merge only with their inverses.
+    """
+    if isinstance(first, Turn) and isinstance(second, Turn):
+        return _merged_turns(first, second)
+    if isinstance(first, EulerParameters) and isinstance(second, EulerParameters):
+        return () if second.undoes(first) else None
+    return () if second == first.inverse else None
 
 
 def rotation_matrix(graph: Graph, rotation: Rotation) -> Matrix:
     """Return ``R_AB``, whose columns are B's axes in A."""
-    result = identity(graph)
-    for turn in rotation.turns:
-        result = product(result, turn_matrix(graph, turn))
+    matrices = [step.matrix(graph) for step in rotation.turns]
+    if not matrices:
+        return identity(graph)
+    result = matrices[0]
+    for matrix in matrices[1:]:
+        result = product(result, matrix)
     return result
 
 
@@ -90,36 +157,11 @@ def turn_matrix(graph: Graph, turn: Turn) -> Matrix:
     return (rows[0], rows[1], rows[2])
 
 
-def identity(graph: Graph) -> Matrix:
-    """Return the unit matrix."""
-    zero, one = number(graph, 0), number(graph, 1)
-    return ((one, zero, zero), (zero, one, zero), (zero, zero, one))
-
-
-def product(a: Matrix, b: Matrix) -> Matrix:
-    """Return ``a b``."""
-    rows = [apply_matrix(transpose(b), row) for row in a]
-    return (rows[0], rows[1], rows[2])
-
-
-def transpose(a: Matrix) -> Matrix:
-    """Return the transposed matrix."""
-    return (
-        (a[0][0], a[1][0], a[2][0]),
-        (a[0][1], a[1][1], a[2][1]),
-        (a[0][2], a[1][2], a[2][2]),
-    )
-
-
-def apply_matrix(a: Matrix, x: Triple) -> Triple:
-    """Return ``a x``."""
-    y = [row[0] * x[0] + row[1] * x[1] + row[2] * x[2] for row in a]
-    return (y[0], y[1], y[2])
-
-
-def _merged(first: Turn, second: Turn) -> Turn | None:
+def _merged_turns(first: Turn, second: Turn) -> tuple[Turn, ...] | None:
     if first.axis == second.axis:
-        return Turn(first.axis, first.angle + second.angle)
-    if first.axis == tuple(-component for component in second.axis):
-        return Turn(first.axis, first.angle - second.angle)
-    return None
+        angle = angle_sum(first.angle, second.angle)
+    elif first.axis == opposite(second.axis):
+        angle = angle_sum(first.angle, -second.angle)
+    else:
+        return None
+    return () if angle.is_zero else (Turn(first.axis, angle),)

@@ -12,7 +12,9 @@ from typing import Final
 
 from symbody.expr.expression import Expr
 from symbody.vectors.frame import FrameTree
-from symbody.vectors.rotation import Triple, apply_matrix
+from symbody.vectors.matrix import Triple, apply_matrix, inner, outer
+
+Rank = tuple[int, str]  # depth and name of a frame: an order that begins at the root
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,13 +75,33 @@ def components(tree: FrameTree, a: Vector, frame: str) -> Triple:
     return express(tree, a, frame).terms.get(frame, (zero, zero, zero))
 
 
+def drawn_near(tree: FrameTree, a: Vector, frame: str) -> Vector:
+    """Return the vector in `frame`, unless it is one term in a frame turned by several parallel turns.
+
+    Products of sums cost as many rotations as there are pairs of terms, and products with a frame far
+    away as many as there are turns between. Parallel turns are one turn by the sum of the angles, and a
+    single term there is better left.
+    """
+    homes = list(a.terms)
+    if len(homes) == 1 and tree.is_parallel(frame, homes[0]):
+        return a
+    return express(tree, a, frame)
+
+
 def dot(tree: FrameTree, a: Vector, b: Vector) -> Expr:
-    """Return the scalar product."""
-    total = Expr(tree.graph, 0)
+    """Return the scalar product; the order of the factors does not matter, not even for the nodes."""
+    totals: dict[tuple[Rank, Rank], Expr] = {}
     for home, x in a.terms.items():
         for other, y in b.terms.items():
-            z = _moved(tree, y, other, home)
-            total = total + (x[0] * z[0] + x[1] * z[1] + x[2] * z[2])
+            first, second = (_rank(tree, home), x), (_rank(tree, other), y)
+            if first[0] > second[0]:
+                first, second = second, first
+            pair = (first[0], second[0])
+            found = _product_of_terms(tree, pair, first[1], second[1])
+            totals[pair] = totals[pair] + found if pair in totals else found
+    total = Expr(tree.graph, 0)
+    for pair in sorted(totals):
+        total = total + totals[pair]
     return total
 
 
@@ -90,10 +112,24 @@ def cross(tree: FrameTree, a: Vector, b: Vector) -> Vector:
         for other, y in b.terms.items():
             frame = home if tree.depth(home) >= tree.depth(other) else other
             p, q = _moved(tree, x, home, frame), _moved(tree, y, other, frame)
-            result = result + vector(
-                frame, (p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0])
-            )
+            result = result + vector(frame, outer(p, q))
     return result
+
+
+def _rank(tree: FrameTree, frame: str) -> Rank:
+    return (tree.depth(frame), frame)
+
+
+def _product_of_terms(tree: FrameTree, frames: tuple[Rank, Rank], x: Triple, y: Triple) -> Expr:
+    """Return ``x . R y`` with R from the frame nearer the root; rows that x does not need are not formed."""
+    (_, home), (_, other) = frames
+    if home == other:
+        return inner(x, y)
+    total = Expr(tree.graph, 0)
+    for component, row in zip(x, tree.matrix(home, other), strict=True):
+        if not component.is_zero:
+            total = total + component * inner(row, y)
+    return total
 
 
 def _moved(tree: FrameTree, x: Triple, home: str, frame: str) -> Triple:

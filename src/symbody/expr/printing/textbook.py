@@ -42,6 +42,8 @@ from symbody.expr.rewrite import node_cost
 # alphabetically.
 _FIRST_LETTERS: Final = "mMIJkKg"
 _LINEAR: Final = SUMS | {op.MUL, op.DIV, op.POW}
+# Larger powers of numbers stay powers.
+_MAX_EXPONENT: Final = 16
 
 NameKey: TypeAlias = tuple[int | str, ...]
 Factor: TypeAlias = Sequence[Piece]
@@ -221,9 +223,8 @@ class _Page:
         """Return a product that binds at least as tightly as PRODUCT."""
         graph = self.graph
         above, below = power_factors(graph, node, self.named) if is_open else ({node: 1}, {})
-        for factor in [k for k in above if graph.ops[k] == op.RATIONAL and above[k] == 1]:
-            del above[factor]
-            coefficient *= Fraction(graph.constants[graph.left[factor]])
+        for factor in [k for k in above if graph.ops[k] == op.RATIONAL and above[k] <= _MAX_EXPONENT]:
+            coefficient *= Fraction(graph.constants[graph.left[factor]]) ** above.pop(factor)
         if coefficient == 1 and not below and len(above) == 1:
             ((factor, exponent),) = above.items()
             return self._power(factor, exponent, PRODUCT)

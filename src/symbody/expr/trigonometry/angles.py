@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import floor, gcd
+from math import floor, gcd, prod
 from typing import Final
 
 from symbody.expr.canonical import ZERO, add, mul, neg
@@ -21,8 +21,9 @@ from symbody.expr.printing.flattening import linear_terms
 from symbody.expr.rewrite import node_cost, tree_size
 from symbody.expr.trigonometry.harmonics import Vector
 
-# Functions of an angle of more basis angles are not expanded: each one doubles the terms.
-_MAX_MULTIPLE: Final = 8
+# Functions of longer angles are not expanded: k times a basis angle makes k + 1 terms out of one.
+_MAX_EXPANSION: Final = 256
+_MAX_MULTIPLE: Final = 16
 _MAX_BASIS: Final = 12  # the search for a better basis grows with its fourth power
 
 Form = dict[int, Fraction]  # node to factor
@@ -52,7 +53,7 @@ class Angles:
         self._angles = {
             argument: Angle(vector, turns)
             for (argument, (_, turns)), vector in zip(forms.items(), vectors, strict=True)
-            if sum(map(abs, vector)) <= _MAX_MULTIPLE
+            if sum(map(abs, vector)) <= _MAX_MULTIPLE and prod(abs(k) + 1 for k in vector) <= _MAX_EXPANSION
         }
         self._named = {
             angle.components: argument

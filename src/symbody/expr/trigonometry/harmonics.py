@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
-from math import comb
+from math import comb, prod
 from typing import Final, NamedTuple
 
 from symbody.expr.graph import Exact
@@ -34,9 +34,7 @@ Vector = tuple[int, ...]
 # Ways to write the functions of one angle; groups of angles written as sums are numbered from 0.
 _BY_COSINE: Final = -1
 _BY_SINE: Final = -2
-_MAX_EFFORT: Final = (
-    30_000  # terms made while searching, for all polynomials of one root: a third of a second
-)
+_MAX_EFFORT: Final = 30_000  # terms made in the search, for all polynomials of one root: tenths of a second
 _MAX_SUMS: Final = 30_000  # terms made of one polynomial when products are turned into sums
 
 
@@ -47,7 +45,9 @@ class Harmonic(NamedTuple):
     angle: Vector
 
 
-Series = dict[Harmonic, Fraction]
+# A product of e sines and cosines as a sum, times 2**e: the factors are whole numbers, which are much faster.
+Series = dict[Harmonic, int]
+Ways = tuple[tuple[int, int], ...]  # angle and the way to write it
 
 
 class Harmonics:
@@ -111,21 +111,26 @@ class Harmonics:
         if len(p) == 1 and all(degree == 1 for degree in _degrees(p).values()):
             return p
         best = p
+        tried: dict[Ways, Polynomial] = {}
         for start in (_BY_COSINE, _BY_SINE, 0):
-            best = min(best, self._descended(p, dict.fromkeys(angles, start)), key=self.length)
+            best = min(best, self._descended(p, dict.fromkeys(angles, start), tried), key=self.length)
         return best
 
-    def _descended(self, p: Polynomial, ways: dict[int, int]) -> Polynomial:
+    def _descended(self, p: Polynomial, ways: dict[int, int], tried: dict[Ways, Polynomial]) -> Polynomial:
         """Change the way of one angle at a time as long as that makes the sum shorter."""
         best, improved = self._written(p, ways), True
+        shortest = self.length(best)
         while improved:
             improved = False
             for change in list(_changes(ways)):
                 if self._effort > _MAX_EFFORT:
                     return best
-                candidate = self._written(p, change)
-                if self.length(candidate) < self.length(best):
-                    best, ways, improved = candidate, change, True
+                key = tuple(change.items())
+                if key not in tried:
+                    tried[key] = self._written(p, change)
+                length = self.length(tried[key])
+                if length < shortest:
+                    best, shortest, ways, improved = tried[key], length, change, True
         return best
 
     def _written(self, p: Polynomial, ways: dict[int, int]) -> Polynomial:
@@ -140,31 +145,30 @@ class Harmonics:
 
     def _as_sums(self, p: Polynomial, angles: set[int]) -> Polynomial:
         """Write the functions of a group of angles as sines and cosines of their sums."""
-        # Each degree doubles the terms.
-        if sum(2 ** sum(e for k, e in monomial if self._inside(k, angles)) for monomial in p) > _MAX_SUMS:
+        inside = {name for angle in angles for name in (sine(angle), sine(angle) - 1)}
+        # A product of e functions of one angle is a sum over e + 1 multiples of it.
+        if sum(prod([e + 1 for k, e in monomial if k in inside]) for monomial in p) > _MAX_SUMS:
             return p
+        halvings = _degree(p)
         result: Polynomial = {}
         for monomial, coefficient in p.items():
-            inner = tuple([factor for factor in monomial if self._inside(factor[0], angles)])
-            outer = tuple([factor for factor in monomial if not self._inside(factor[0], angles)])
+            inner = tuple([factor for factor in monomial if factor[0] in inside])
+            outer = tuple([factor for factor in monomial if factor[0] not in inside])
+            scale = 2 ** (halvings - sum(e for _, e in inner)) * coefficient
             terms = {
-                product(outer, self._monomial(harmonic)): coefficient * factor
+                product(outer, self._monomial(harmonic)): scale * factor
                 for harmonic, factor in self._series_of(inner).items()
             }
             accumulate(result, terms)
             self._effort += len(terms)
-        return result
-
-    def _inside(self, name: int, angles: set[int]) -> bool:
-        """Tell whether a variable is a function of one of the basis angles `angles`."""
-        return name >= -2 * self._size and angle_of(name) in angles
+        return {monomial: _divided(c, 2**halvings) for monomial, c in result.items()}
 
     def _monomial(self, harmonic: Harmonic) -> Monomial:
         return ((self.variable(harmonic), 1),) if any(harmonic.angle) else UNIT
 
     def _series_of(self, monomial: Monomial) -> Series:
         if monomial not in self._series:
-            series: Series = {Harmonic(COS, (0,) * self._size): Fraction(1)}
+            series: Series = {Harmonic(COS, (0,) * self._size): 1}
             for name, exponent in monomial:
                 for _ in range(exponent):
                     series = _multiplied(series, self._table[-1 - name])
@@ -280,6 +284,15 @@ def _classes(p: Polynomial) -> Iterable[Polynomial]:
     return result.values()
 
 
+def _degree(p: Polynomial) -> int:
+    return max((sum(exponent for _, exponent in monomial) for monomial in p), default=0)
+
+
+def _divided(coefficient: Exact, divisor: int) -> Exact:
+    result = Fraction(coefficient) / divisor
+    return result.numerator if result.denominator == 1 else result
+
+
 def _degrees(p: Polynomial) -> dict[int, int]:
     degrees: dict[int, int] = {}
     for monomial in p:
@@ -299,17 +312,17 @@ def _changes(ways: dict[int, int]) -> Iterator[dict[int, int]]:
 
 
 def _multiplied(series: Series, factor: Harmonic) -> Series:
-    """Multiply by one sine or cosine: products become half sums and half differences."""
+    """Multiply by one sine or cosine, and by 2: products become sums and differences."""
     result: Series = {}
     for harmonic, coefficient in series.items():
         for sign in (1, -1):
             angle = tuple([i + sign * k for i, k in zip(harmonic.angle, factor.angle, strict=True)])
             op = COS if harmonic.op == factor.op else SIN
-            # sin sin = (cos(a-b) - cos(a+b))/2, cos sin = (sin(a+b) - sin(a-b))/2, else both signs are +
+            # 2 sin sin = cos(a-b) - cos(a+b), 2 cos sin = sin(a+b) - sin(a-b), else both signs are +
             flip = -1 if factor.op == SIN and sign == (1 if harmonic.op == SIN else -1) else 1
             upright, turn = _upright(op, angle)
             if turn:
-                result[upright] = result.get(upright, Fraction(0)) + coefficient * flip * turn / 2
+                result[upright] = result.get(upright, 0) + coefficient * flip * turn
     return {harmonic: coefficient for harmonic, coefficient in result.items() if coefficient}
 
 

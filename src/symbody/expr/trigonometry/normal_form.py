@@ -45,6 +45,11 @@ _EXPANDED: Final = frozenset({RATIONAL, NEG, ADD, SUB, MUL})
 def trigonometric_form(graph: Graph, roots: Sequence[int]) -> list[int]:
     """Return the `roots` written as in a textbook, each by itself, where that takes fewer operations.
 
+    The difference of equal polynomials in sines, cosines and symbols is written as 0 if it is within the
+    limits: angles of at most 16 basis angles, k1 of one, k2 of another... with (k1 + 1)(k2 + 1)... <= 256,
+    exponents up to 16, polynomials of 10,000 factors, and 400,000 factors multiplied on the way. Other
+    polynomials get the shortest form that a limited search finds.
+
     Roots of 2,000 operations or more, with rounded constants, or with too many terms stay as they are.
     """
     return [_form(graph, root) for root in roots]

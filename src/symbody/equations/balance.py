@@ -1,0 +1,91 @@
+"""Balance: what the joints of a tree carry so that every body gets the wrench it needs.
+
+A branch carries what its outer bodies need: forces are balanced along the translation tree, then moments
+along the rotation tree, from the leaves inward. The same sums give reactions and, multiplied by the free
+motions of the joints, the equations of motion: a body is met once, however many joints lie inward of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from symbody.equations.kinematics import Kinematics
+from symbody.graph.spanning_tree import SpanningTree
+from symbody.graph.topology import Topology
+from symbody.vectors.vector import NULL, Vector, cross, drawn_near
+
+
+@dataclass(frozen=True, slots=True)
+class Wrench:
+    """A force in a point and a moment about it."""
+
+    force: Vector
+    moment: Vector
+
+
+NOTHING = Wrench(NULL, NULL)
+
+
+def balanced(
+    topology: Topology,
+    kinematics: Kinematics,
+    needed: Mapping[str, Wrench],
+    cut: Mapping[str, Wrench],
+) -> dict[str, Wrench]:
+    """Return the wrench of every joint on its end body by its start body, at the origin of the end frame.
+
+    Parameters
+    ----------
+    needed : mapping of body to Wrench
+        What the joints together must give each body, about its centre of mass; others need nothing.
+    cut : mapping of joint to Wrench
+        What the joints give where they are not in the trees.
+    """
+    forces = {name: wrench.force for name, wrench in cut.items()}
+    moments = {name: wrench.moment for name, wrench in cut.items()}
+    pushing = {body: wrench.force for body, wrench in needed.items()}
+    turning = {body: wrench.moment for body, wrench in needed.items()}
+    _carry(topology, kinematics, topology.translation, pushing, forces)
+    _count_levers(topology, kinematics, forces, turning)
+    _carry(topology, kinematics, topology.rotation, turning, moments)
+    names = {*forces, *moments}
+    return {name: Wrench(forces.get(name, NULL), moments.get(name, NULL)) for name in names}
+
+
+def _carry(
+    topology: Topology,
+    kinematics: Kinematics,
+    tree: SpanningTree,
+    needed: Mapping[str, Vector],
+    found: dict[str, Vector],
+) -> None:
+    """Add to `found` what the branches carry, given what the cut joints do."""
+    rest = dict(needed)
+    for name, carried in found.items():
+        joint = topology.joint(name)
+        rest[joint.end.body] = rest.get(joint.end.body, NULL) - carried
+        rest[joint.start.body] = rest.get(joint.start.body, NULL) + carried
+    for branch in reversed(tree.branches):
+        carried = rest.get(branch.child, NULL)
+        if carried.is_zero:
+            continue
+        near = kinematics.tree.home(branch.parent)
+        carried = drawn_near(kinematics.tree, carried, near)
+        rest[branch.parent] = rest.get(branch.parent, NULL) + carried
+        name = branch.edge.name
+        found[name] = found.get(name, NULL) + (carried if branch.forward else -carried)
+
+
+def _count_levers(
+    topology: Topology, kinematics: Kinematics, forces: Mapping[str, Vector], needed: dict[str, Vector]
+) -> None:
+    """Take from the moments that bodies need what the joints' forces give about their centres of mass."""
+    for name, force in forces.items():
+        joint = topology.joint(name)
+        end = joint.end.frame
+        for body, share in ((joint.end.body, force), (joint.start.body, -force)):
+            arm = kinematics.arm(body, end)
+            lever = cross(kinematics.tree, arm, share)
+            if not lever.is_zero:
+                needed[body] = needed.get(body, NULL) - lever

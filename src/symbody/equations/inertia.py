@@ -1,0 +1,36 @@
+"""Mass and inertia of a body on the graph."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from symbody.equations.naming import Names
+from symbody.expr.expression import Expr
+from symbody.model.body import Body
+from symbody.vectors.dyadic import Dyadic, symmetric_split
+
+
+@dataclass(frozen=True, slots=True)
+class Inertia:
+    """Mass and inertia of a body about its centre of mass.
+
+    Attributes
+    ----------
+    frame : str
+        The body's frame, origin at the centre of mass.
+    tensor : Dyadic
+        Products are tensor entries.
+    """
+
+    frame: str
+    mass: Expr
+    tensor: Dyadic
+
+
+def form_inertia(names: Names, body: Body) -> Inertia:
+    """Return the mass and inertia of a body of the model."""
+    where = f"body {body.name}"
+    xx, yy, zz = names.triple(body.inertia, where)
+    xy, xz, yz = names.triple(body.products, where)
+    tensor = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+    return Inertia(body.name, names.expression(body.mass, where), symmetric_split(body.name, tensor))

@@ -1,0 +1,127 @@
+"""Outputs about joints: reactions, efforts, and the power of what moves them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from symbody.equations.balance import Wrench
+from symbody.equations.formed import Formed
+from symbody.equations.joint_axes import free_directions
+from symbody.equations.loads import effort_name
+from symbody.equations.output_words import output_words
+from symbody.equations.reactions import effort_along, free_turns, reaction
+from symbody.equations.variables import Use
+from symbody.errors import FormulationError, Problem, nearest
+from symbody.expr.expression import Expr, symbol
+from symbody.expr.graph import Kind, Symbol
+from symbody.vectors.vector import components, cross, vector
+
+_ENTRIES: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+
+
+def reaction_wrench(formed: Formed, joint: str, on: str = "", at: str = "") -> Wrench:
+    """Return the reaction of a joint in terms of u' and the multipliers.
+
+    Parameters
+    ----------
+    on : str, optional
+        The body it acts on; the end body by default.
+    at : str, optional
+        The frame whose origin the moment is about; the end frame by default.
+
+    Raises
+    ------
+    FormulationError
+        If there is no such joint or frame, or the body is none of its two.
+    """
+    owner = next((use.joint for use in formed.uses if use.joint.name == joint), None)
+    if owner is None:
+        names = [use.joint.name for use in formed.uses]
+        raise FormulationError(
+            Problem("equations.unknown_joint", f"joint {joint}", f"there is no joint {joint!r}", "",
+                    nearest(joint, names))
+        )  # fmt: skip
+    found = reaction(formed.names, formed.kinematics, owner, formed.wrenches[joint])
+    if at:
+        arm = formed.kinematics.arm(formed.frame(at), owner.end.frame)
+        found = Wrench(found.force, found.moment + cross(formed.kinematics.tree, arm, found.force))
+    if on and on not in (owner.end.body, owner.start.body):
+        raise FormulationError(
+            Problem("equations.not_its_body", f"joint {joint}", f"the joint does not act on {on!r}", "",
+                    f"name {owner.start.body} or {owner.end.body}")
+        )  # fmt: skip
+    return Wrench(-found.force, -found.moment) if on == owner.start.body else found
+
+
+def reaction_output(formed: Formed, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+    """Return the output "reaction J", (6,) in the axes of the start frame, or one entry "reaction J Fx"."""
+    words = output_words(rest, [use.joint.name for use in formed.uses])
+    name, entry = words[0], words[1] if len(words) == 2 else ""
+    if len(words) > 2 or (entry and entry not in _ENTRIES):
+        raise FormulationError(
+            Problem("equations.reaction_words", f"reaction {rest}", f"{rest!r} does not name a reaction", "",
+                    f'write "reaction JOINT" or "reaction JOINT ENTRY" with one of {", ".join(_ENTRIES)}')
+        )  # fmt: skip
+    wrench = reaction_wrench(formed, name)
+    start = next(use.joint.start.frame for use in formed.uses if use.joint.name == name)
+    tree = formed.kinematics.tree
+    values = [*components(tree, wrench.force, start), *components(tree, wrench.moment, start)]
+    return ((), [values[_ENTRIES.index(entry)]]) if entry else ((6,), values)
+
+
+def joint_effort(formed: Formed, rest: str) -> Expr:
+    """Return the effort along a joint coordinate: that of its drive, or what holds its prescribed motion."""
+    name = rest.replace('"', "").strip()
+    found = dict(_efforts(formed))
+    if name not in effort_names(formed):
+        raise FormulationError(
+            Problem("equations.unknown_effort", f"effort {rest}",
+                    f"there is no driven joint coordinate {rest!r}", "", nearest(name, effort_names(formed)))
+        )  # fmt: skip
+    if name in formed.loads.efforts:
+        return formed.loads.efforts[name]
+    use, coordinate = found[name]
+    return _held(formed, use, coordinate)
+
+
+def effort_names(formed: Formed) -> tuple[str, ...]:
+    """Return what "effort ..." may be asked for."""
+    return (*formed.loads.efforts, *(name for name, _ in _efforts(formed)))
+
+
+def total_power(formed: Formed) -> Expr:
+    """Return the power of everything that has no potential, prescribed motions included [W]."""
+    graph, names = formed.graph, formed.names
+    total = formed.loads.power
+    for _, (use, coordinate) in _efforts(formed):
+        if use.is_branch(coordinate):
+            total = total + _held(formed, use, coordinate) * names.value(f"{coordinate}_dot")
+    for row in formed.rows:
+        total = total - symbol(graph, Symbol(row.name, Kind.MULTIPLIER)) * row.rest
+    return total
+
+
+def _efforts(formed: Formed) -> Iterator[tuple[str, tuple[Use, str]]]:
+    """Return the prescribed coordinates by the name of their effort."""
+    for use in formed.uses:
+        for coordinate in use.prescribed:
+            yield effort_name(use.joint, coordinate), (use, coordinate)
+
+
+def _held(formed: Formed, use: Use, coordinate: str) -> Expr:
+    """Return the effort that holds a prescribed coordinate: the joint's wrench along it, and its rotor."""
+    joint, names, kinematics = use.joint, formed.names, formed.kinematics
+    total = formed.wrenches[joint.name]
+    if coordinate in joint.rotation_coordinates:
+        order = [turn.angle.names[0] for turn in joint.turns()]
+        turn = free_turns(names, kinematics, joint)[order.index(coordinate)]
+        effort = effort_along(kinematics, total, None, turn)
+    else:
+        k = joint.translation_coordinates.index(coordinate)
+        direction = vector(kinematics.tree.home(joint.start.frame), free_directions(names, joint)[k])
+        effort = effort_along(kinematics, total, direction, None)
+    if coordinate in joint.armature:
+        rotor = names.expression(joint.armature[coordinate], f"joint {joint.name}")
+        effort = effort + rotor * names.value(f"{coordinate}_ddot")
+    return effort

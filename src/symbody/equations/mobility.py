@@ -1,0 +1,134 @@
+"""Degrees of freedom: speeds less independent constraints, counted where the mechanism is assembled.
+
+The rank of J is not that of its formulas: a loop that only just fits moves although a count of its rows
+says otherwise (Bennett, Bricard). So it is taken at configurations on which all constraints hold, found by
+Newton steps of least length from several starts; that at most of them is the generic one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from random import Random
+from typing import Final
+
+from symbody.equations.formed import Formed
+from symbody.equations.noise import without_noise
+from symbody.equations.outputs import output_roots
+from symbody.errors import AssemblyError, Problem
+from symbody.expr.evaluate import evaluate_sequence
+from symbody.expr.saddle import solve_saddle
+from symbody.expr.sequence import Input, build_sequence
+from symbody.expr.sequence import Sequence as Program
+from symbody.model.model import resolve_parameters
+
+_STARTS: Final = 8
+_STEPS: Final = 60
+_CLOSED: Final = 1e-10  # of the size of the mechanism
+# Between the rounding left by assembly (1e-10) and what a pose one twentieth of a radian off leaves.
+_RANK_CUT: Final = 1e-6
+_SPREAD: Final = 0.3  # of starts about the initial values, in rad and in the mechanism's own length
+
+
+def degrees_of_freedom(formed: Formed) -> int:
+    """Return the number of independent speeds at a generic assembled configuration.
+
+    Raises
+    ------
+    AssemblyError
+        If the loops close from no start.
+    ModelError
+        If a parameter has no value.
+    """
+    n = len(formed.u)
+    if not formed.rows:
+        return n
+    return n - rank_of(formed)
+
+
+def rank_of(formed: Formed) -> int:
+    """Return the generic rank of the constraint Jacobian on the assembled configurations."""
+    resolved = {name: float(value) for name, value in resolve_parameters(formed.topology.model).items()}
+    formed = without_noise(formed, resolved)
+    program = _program(formed)
+    values = [resolved[symbol.name] for symbol in formed.parameters]
+    start, random = _start(formed), Random(1)
+    ranks = []
+    for k in range(_STARTS):
+        guess = [x + (random.uniform(-_SPREAD, _SPREAD) if k else 0.0) for x in start]
+        q = _assembled(formed, program, values, guess)
+        if q is not None:
+            ranks.append(_rank(formed, program, values, q))
+    if ranks:
+        return max(sorted(set(ranks)), key=ranks.count)
+    raise AssemblyError(
+        Problem("equations.not_assembled", formed.topology.model.name,
+                "the degrees of freedom cannot be counted, because the loops close from none of the starts",
+                f"{_STARTS} starts about the initial values were tried",
+                "check lengths, or give [initial] values near a configuration that closes")
+    )  # fmt: skip
+
+
+def _program(formed: Formed) -> Program:
+    graph = formed.graph
+    places = {graph.symbol(q): Input(q.label, "q", k) for k, q in enumerate(formed.q)}
+    places |= {graph.symbol(p): Input(p.name, "p", k) for k, p in enumerate(formed.parameters)}
+    places |= {graph.symbol(r): Input(r.name, "r", k) for k, r in enumerate(formed.inputs)}
+    places[formed.names.value("t").index] = Input("t", "t", 0)
+    names = ("constraints", "position_jacobian", "jacobian")
+    return build_sequence(graph, [output_roots(formed, name) for name in names], places)
+
+
+def _start(formed: Formed) -> list[float]:
+    """Return the initial values of the model, as far as they are numbers, and small numbers otherwise."""
+    initial = formed.topology.model.initial
+    given = {name: formula.constant() for name, formula in initial.items()}
+    random = Random(0)
+    start = [
+        random.uniform(0.1, 0.4) if given.get(q.name) is None else float(given[q.name] or 0) for q in formed.q
+    ]
+    place = {formed.graph.symbol(q): k for k, q in enumerate(formed.q)}
+    for quaternion in formed.variables.quaternions:
+        start[place[quaternion[0]]] += 1.0
+    return start
+
+
+def _values(
+    formed: Formed, program: Program, parameters: Sequence[float], q: Sequence[float]
+) -> tuple[list[float], list[float], list[float]]:
+    inputs = {"q": list(q), "p": list(parameters), "r": [0.0] * len(formed.inputs), "t": [0.0]}
+    phi, by_q, by_u = evaluate_sequence(program, inputs)
+    return [float(x) for x in phi], [float(x) for x in by_q], [float(x) for x in by_u]
+
+
+def _assembled(
+    formed: Formed, program: Program, parameters: Sequence[float], guess: Sequence[float]
+) -> list[float] | None:
+    """Return coordinates near a guess on which all constraints hold, or None."""
+    n = len(guess)
+    unit = [float(i == j) for i in range(n) for j in range(n)]
+    q = list(guess)
+    place = {formed.graph.symbol(symbol): k for k, symbol in enumerate(formed.q)}
+    norms = [[place[node] for node in quaternion] for quaternion in formed.variables.quaternions]
+    for _ in range(_STEPS):
+        phi, slopes, _ = _values(formed, program, parameters, q)
+        for places in norms:
+            phi.append((sum(q[k] ** 2 for k in places) - 1) / 2)
+            slopes += [q[k] if k in places else 0.0 for k in range(n)]
+        if not all(map(math.isfinite, (*phi, *slopes))):
+            return None
+        size = 1 + max(map(abs, q))
+        if max(map(abs, phi)) < _CLOSED * size:
+            return q
+        step = solve_saddle(unit, slopes, [0.0] * n, [-x for x in phi], rank_cut=_RANK_CUT).udot
+        longest = max(map(abs, step))
+        shortened = min(1.0, size / longest) if longest else 1.0
+        q = [x + shortened * dx for x, dx in zip(q, step, strict=True)]
+    return None
+
+
+def _rank(formed: Formed, program: Program, parameters: Sequence[float], q: Sequence[float]) -> int:
+    n, m = len(formed.u), len(formed.rows)
+    unit = [float(i == j) for i in range(n) for j in range(n)]
+    _, _, slopes = _values(formed, program, parameters, q)
+    return solve_saddle(unit, slopes, [0.0] * n, [0.0] * m, rank_cut=_RANK_CUT).rank

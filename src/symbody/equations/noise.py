@@ -1,0 +1,110 @@
+"""Constraints that hold up to rounding: rows that would vanish if their numbers were exact.
+
+A planar loop in axes typed with digits keeps off-plane rows of 1e-17 instead of 0. No solver can tell such a
+row from a constraint in small units, but here it is known what cancelled: the motions of the two frames.
+Each row is compared with them at a few random configurations, with values of the parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from random import Random
+from typing import Final
+
+from symbody.equations.closings import Row
+from symbody.equations.formed import Formed
+from symbody.expr.evaluate import evaluate_sequence
+from symbody.expr.expression import Expr
+from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.vectors.vector import NULL, Vector, cross, dot
+
+_POINTS: Final = 3
+# Of the motions a row compares. Axes typed with 10 digits still count as what they mean; no mechanism works
+# in a direction of a thousand-millionth.
+_NOISE: Final = 1e-9
+
+
+def without_noise(formed: Formed, parameters: Mapping[str, float]) -> Formed:
+    """Return the equations with all rows that are only rounding set to 0 = 0; their multipliers are 0.
+
+    Parameters
+    ----------
+    parameters : mapping of name to float
+        Those not named get random values.
+    """
+    if not formed.rows:
+        return formed
+    silent = _silent(formed, parameters)
+    if not any(silent):
+        return formed
+    zero = Expr(formed.graph, 0)
+    rows = tuple(
+        replace(row, slopes={}, rest=zero, gamma=zero) if quiet else row
+        for row, quiet in zip(formed.rows, silent, strict=True)
+    )
+    return formed.with_rows(rows)
+
+
+def _silent(formed: Formed, parameters: Mapping[str, float]) -> list[bool]:
+    """Return which rows are below `_NOISE` of the motions they compare, in every speed and at every point."""
+    pairs = [_slopes_and_squares(formed, row) for row in formed.rows]
+    roots = [
+        Roots(f"{k} {word}", (len(values),), tuple(value.index for value in values))
+        for k, pair in enumerate(pairs)
+        for word, values in zip(("slopes", "squares"), pair, strict=True)
+    ]
+    program = build_sequence(formed.graph, roots, _places(formed), merge=False, contract=False)
+    silent = [True] * len(formed.rows)
+    random = Random(3)
+    for _ in range(_POINTS):
+        values = evaluate_sequence(program, _point(formed, parameters, random))
+        for k in range(len(silent)):
+            slopes, squares = values[2 * k], values[2 * k + 1]
+            limits = (_NOISE * max(float(square), 0.0) ** 0.5 for square in squares)
+            quiet = all(abs(float(x)) <= limit for x, limit in zip(slopes, limits, strict=True))
+            silent[k] = silent[k] and quiet
+    return silent
+
+
+def _slopes_and_squares(formed: Formed, row: Row) -> tuple[list[Expr], list[Expr]]:
+    """Return the slopes of a row, and for each the square of the motions whose difference it is part of."""
+    kinematics, tree = formed.kinematics, formed.kinematics.tree
+    joint = formed.topology.joint(row.element)
+    start, end = joint.start.frame, joint.end.frame
+    w, w_end = kinematics.angular_velocities[start], kinematics.angular_velocities[end]
+    v, v_end = kinematics.velocities[start], kinematics.velocities[end]
+    arm = kinematics.arm(start, end)
+    slopes, squares = [], []
+    for u, slope in row.slopes.items():
+        parts: list[Vector] = [NULL]
+        if not row.moment.is_zero:
+            parts = [w.partial(u), w_end.partial(u)]
+        elif not row.force.is_zero:
+            parts = [v.partial(u), v_end.partial(u), cross(tree, w.partial(u), arm)]
+        square = Expr(formed.graph, 0)
+        for part in parts:
+            square = square + dot(tree, part, part)
+        slopes.append(slope)
+        squares.append(square)
+    return slopes, squares
+
+
+def _places(formed: Formed) -> dict[int, Input]:
+    graph = formed.graph
+    places = {graph.symbol(q): Input(q.label, "q", k) for k, q in enumerate(formed.q)}
+    places |= {graph.symbol(p): Input(p.name, "p", k) for k, p in enumerate(formed.parameters)}
+    places |= {graph.symbol(r): Input(r.name, "r", k) for k, r in enumerate(formed.inputs)}
+    places[formed.names.value("t").index] = Input("t", "t", 0)
+    return places
+
+
+def _point(formed: Formed, parameters: Mapping[str, float], random: Random) -> dict[str, list[float]]:
+    q = [random.uniform(-1.5, 1.5) for _ in formed.q]
+    place = {formed.graph.symbol(symbol): k for k, symbol in enumerate(formed.q)}
+    for quaternion in formed.variables.quaternions:
+        norm = sum(q[place[node]] ** 2 for node in quaternion) ** 0.5
+        for node in quaternion:
+            q[place[node]] /= norm
+    p = [parameters.get(symbol.name, random.uniform(0.5, 1.5)) for symbol in formed.parameters]
+    return {"q": q, "p": p, "r": [0.0] * len(formed.inputs), "t": [random.uniform(0.0, 1.0)]}

@@ -1,0 +1,122 @@
+"""Where every frame stands: the steps of kinematics that a model and its trees give."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from symbody.equations.kinematics import Shifting, Turning
+from symbody.equations.naming import Names
+from symbody.equations.variables import Use, joint_steps, quasi_vector, turns_of
+from symbody.graph.spanning_tree import Branch
+from symbody.graph.topology import Topology
+from symbody.model.element import Address
+from symbody.model.frame import Frame
+from symbody.model.joint import Joint
+from symbody.model.model import Model
+from symbody.vectors.euler_parameters import EulerParameters
+from symbody.vectors.rotation import Turn
+from symbody.vectors.vector import Vector, vector
+
+Steps = tuple[Turn | EulerParameters, ...]
+
+
+def predicted(joint: str) -> str:
+    """Return the name of the frame in which a cut joint's end frame must stand."""
+    return f"{joint}|predicted"
+
+
+def turnings(topology: Topology, names: Names, uses: Sequence[Use]) -> Iterator[Turning]:
+    """Return how all frames are turned, outward from ground along the rotation tree."""
+    model = topology.model
+    yield from _fixed_turnings(names, "ground", model.ground.items())
+    for branch in topology.rotation.branches:
+        yield from _branch_turnings(topology, names, branch)
+        body = model.body(branch.child)
+        yield from _fixed_turnings(names, body.name, body.frames.items())
+    for use in uses:
+        if use.turns and use.joint.name not in topology.turning:
+            steps = joint_steps(names, use.joint)
+            yield Turning(predicted(use.joint.name), use.joint.start.frame, steps)
+
+
+def shiftings(topology: Topology, names: Names) -> Iterator[Shifting]:
+    """Return where all origins stand, outward from ground along the translation tree."""
+    model = topology.model
+    yield from _fixed_shiftings(names, "ground", model.ground.items())
+    for branch in topology.translation.branches:
+        yield from _branch_shiftings(topology, names, branch)
+        body = model.body(branch.child)
+        yield from _fixed_shiftings(names, body.name, body.frames.items())
+
+
+def joint_shift(names: Names, joint: Joint) -> Vector:
+    """Return the position of a joint's end frame from its start frame, in the joint's coordinates."""
+    return vector(joint.start.frame, names.triple(joint.shift(), f"joint {joint.name}"))
+
+
+def _fixed_turnings(names: Names, body: str, frames: Iterable[tuple[str, Frame]]) -> Iterator[Turning]:
+    for name, frame in frames:
+        yield Turning(f"{body}.{name}", body, turns_of(names, frame.turns(), f"frame {body}.{name}"))
+
+
+def _fixed_shiftings(names: Names, body: str, frames: Iterable[tuple[str, Frame]]) -> Iterator[Shifting]:
+    for name, frame in frames:
+        at = names.triple(frame.at, f"frame {body}.{name}")
+        yield Shifting(f"{body}.{name}", body, body, vector(body, at))
+
+
+def _branch_turnings(topology: Topology, names: Names, branch: Branch) -> Iterator[Turning]:
+    """Return the steps from the near frame of a joint to its far frame and to the body there.
+
+    A joint walked against its direction has its rotation reversed.
+    """
+    joint = topology.joint(branch.edge.name)
+    near, far = _ends(joint, branch)
+    steps = joint_steps(names, joint)
+    other = _far(joint)
+    frames = {"start": near.frame, "end": other} if branch.forward else {"start": other, "end": near.frame}
+    quasi = joint.rotation_speeds
+    w = None if quasi is None else vector(frames[quasi.resolved_in], quasi_vector(names, quasi))
+    if branch.forward:
+        yield Turning(other, near.frame, steps, w)
+    else:
+        yield Turning(other, near.frame, _reversed(steps), None if w is None else -w)
+    turns = _reversed(turns_of(names, _place(topology.model, far).turns(), far.frame))
+    yield Turning(far.body, other, turns)
+
+
+def _branch_shiftings(topology: Topology, names: Names, branch: Branch) -> Iterator[Shifting]:
+    joint = topology.joint(branch.edge.name)
+    near, far = _ends(joint, branch)
+    sign = 1 if branch.forward else -1
+    shift = joint_shift(names, joint) * sign
+    quasi = joint.translation_speeds
+    other = _far(joint)
+    start, end = joint.start.frame, joint.end.frame
+    if quasi is None:
+        yield Shifting(other, near.frame, far.body, shift)
+    else:
+        home = start if quasi.resolved_in == "start" else end
+        slide = vector(home, quasi_vector(names, quasi)) * sign
+        yield Shifting(other, near.frame, far.body, shift, (start, slide))
+    at = names.triple(_place(topology.model, far).at, far.frame)
+    yield Shifting(far.body, other, far.body, -vector(far.body, at))
+
+
+def _ends(joint: Joint, branch: Branch) -> tuple[Address, Address]:
+    return (joint.start, joint.end) if branch.forward else (joint.end, joint.start)
+
+
+def _far(joint: Joint) -> str:
+    return f"{joint.name}|far"
+
+
+def _place(model: Model, address: Address) -> Frame:
+    if not address.point:
+        return Frame()
+    frames = model.ground if address.body == "ground" else model.body(address.body).frames
+    return frames[address.point]
+
+
+def _reversed(steps: Steps) -> Steps:
+    return tuple(step.inverse for step in reversed(steps))

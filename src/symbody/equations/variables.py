@@ -1,0 +1,182 @@
+"""The variables of a mechanism: which joint coordinates are in q, which speeds in u, and q' in terms of u."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from symbody.equations.naming import Names
+from symbody.expr.expression import Expr
+from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.model.joint import Joint, QuasiSpeeds
+from symbody.model.turn import Turn as JointTurn
+from symbody.vectors.euler_angles import angle_rates
+from symbody.vectors.euler_parameters import EulerParameters, euler_parameter_rates
+from symbody.vectors.matrix import apply_matrix
+from symbody.vectors.rotation import Turn, rotation_matrix, rotation_of
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """Which parts of a joint's law are in use.
+
+    Attributes
+    ----------
+    in_rotation, in_translation : bool
+        Whether the joint is in the tree.
+    turns, slides : bool
+        Whether its rotational, its translational coordinates are known, as unknowns or as functions of time:
+        in the tree always, elsewhere if something asks for them.
+    """
+
+    joint: Joint
+    in_rotation: bool
+    in_translation: bool
+    turns: bool
+    slides: bool
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """The coordinates in use."""
+        inside = {
+            *(self.joint.rotation_coordinates if self.turns else ()),
+            *(self.joint.translation_coordinates if self.slides else ()),
+        }
+        return tuple(name for name in self.joint.coordinates if name in inside)
+
+    @property
+    def prescribed(self) -> tuple[str, ...]:
+        """The coordinates in use that are functions of time; those of a cut joint make its rows move."""
+        motions = self.joint.motions
+        by_row = self.joint.as_constraint
+        return tuple(
+            name for name in self.coordinates if name in motions and not (by_row and self.is_branch(name))
+        )
+
+    def is_branch(self, coordinate: str) -> bool:
+        """Return whether a coordinate belongs to a tree that the joint is in."""
+        return self.in_rotation if coordinate in self.joint.rotation_coordinates else self.in_translation
+
+    @property
+    def quasi_speeds(self) -> list[tuple[QuasiSpeeds, str]]:
+        """The quasi-speeds in use, each with "translation" or "rotation"."""
+        found = []
+        if self.slides and self.joint.translation_speeds is not None:
+            found.append((self.joint.translation_speeds, "translation"))
+        if self.turns and self.joint.rotation_speeds is not None:
+            found.append((self.joint.rotation_speeds, "rotation"))
+        return found
+
+    @property
+    def speeds(self) -> list[Symbol]:
+        """Quasi-speeds where the joint has them, else the rates of its unknown coordinates, in its order."""
+        quasi = {part: speeds for speeds, part in self.quasi_speeds}
+        turning = set(self.joint.rotation_coordinates)
+        speeds: list[Symbol] = []
+        for name in self.unknown:
+            part = quasi.get("rotation" if name in turning else "translation")
+            if part is None:
+                speeds.append(Symbol(name, Kind.COORDINATE).derivative)
+            else:
+                speeds += [Symbol(own, Kind.SPEED) for own in part.names]
+        return list(dict.fromkeys(speeds))
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """The coordinates in use that are in q."""
+        return tuple(name for name in self.coordinates if name not in self.prescribed)
+
+
+@dataclass(frozen=True, slots=True)
+class Variables:
+    """Coordinates and speeds.
+
+    Attributes
+    ----------
+    q, u : tuple of Symbol
+        In the order of the joints.
+    rates : mapping of node to node
+        q' in terms of u.
+    quaternions : tuple of (4,) int
+        Nodes of the Euler parameters in q.
+    singularities : mapping of joint name to Expr
+        Where it vanishes, angle rates cannot be had from the angular velocity.
+    """
+
+    q: tuple[Symbol, ...]
+    u: tuple[Symbol, ...]
+    rates: Mapping[int, int]
+    quaternions: tuple[tuple[int, ...], ...]
+    singularities: Mapping[str, Expr]
+
+
+def form_variables(names: Names, uses: Sequence[Use]) -> Variables:
+    """Return the variables that the joints in use bring."""
+    graph = names.graph
+    q: list[Symbol] = []
+    u: list[Symbol] = []
+    rates: dict[int, int] = {}
+    quaternions = []
+    singular = {}
+    for use in uses:
+        q += [Symbol(name, Kind.COORDINATE) for name in use.unknown]
+        u += use.speeds
+        rates.update(_own_rates(graph, use))
+        for quasi, part in use.quasi_speeds:
+            found, determinant = _rates_of(names, use.joint, quasi, part)
+            rates.update(found)
+            if determinant is not None:
+                singular[use.joint.name] = determinant
+        if use.turns and use.joint.quaternion is not None:
+            quaternions.append(tuple(names.value(name).index for name in use.joint.quaternion))
+    return Variables(tuple(q), tuple(u), rates, tuple(quaternions), singular)
+
+
+def joint_steps(names: Names, joint: Joint) -> tuple[Turn | EulerParameters, ...]:
+    """Return the rotation of a joint from its start frame to its end frame, in its coordinates."""
+    if joint.quaternion is None:
+        return turns_of(names, joint.turns(), f"joint {joint.name}")
+    e0, e1, e2, e3 = (names.value(name) for name in joint.quaternion)
+    return (EulerParameters(e0, e1, e2, e3),)
+
+
+def turns_of(names: Names, turns: Sequence[JointTurn], where: str) -> tuple[Turn, ...]:
+    """Return simple rotations of the model on the graph."""
+    return tuple(Turn(names.triple(turn.axis, where), names.expression(turn.angle, where)) for turn in turns)
+
+
+def quasi_vector(names: Names, quasi: QuasiSpeeds) -> tuple[Expr, Expr, Expr]:
+    """Return three quasi-speeds as components."""
+    x, y, z = (names.value(name) for name in quasi.names)
+    return (x, y, z)
+
+
+def _own_rates(graph: Graph, use: Use) -> dict[int, int]:
+    """Return q' = the symbol q' for the coordinates of a joint."""
+    symbols = [Symbol(name, Kind.COORDINATE) for name in use.unknown]
+    return {graph.symbol(symbol): graph.symbol(symbol.derivative) for symbol in symbols}
+
+
+def _rates_of(
+    names: Names, joint: Joint, quasi: QuasiSpeeds, part: str
+) -> tuple[dict[int, int], Expr | None]:
+    """Return q' of a joint's rotation or translation in quasi-speeds, and what must not vanish."""
+    graph = names.graph
+    speeds = quasi_vector(names, quasi)
+    steps = joint_steps(names, joint)
+    if part == "translation":
+        if quasi.resolved_in == "end":
+            speeds = apply_matrix(rotation_matrix(graph, rotation_of(steps)), speeds)
+        return _paired(names, joint.translation_coordinates, speeds), None
+    if joint.quaternion is not None:
+        (parameters,) = steps
+        assert isinstance(parameters, EulerParameters)
+        found = euler_parameter_rates(parameters, speeds, quasi.resolved_in)
+        return _paired(names, joint.quaternion, found), None
+    turns = tuple(step for step in steps if isinstance(step, Turn))
+    angles, determinant = angle_rates(graph, turns, speeds, quasi.resolved_in)
+    return {turn.angle.index: rate.index for turn, rate in zip(turns, angles, strict=True)}, determinant
+
+
+def _paired(names: Names, coordinates: Sequence[str], rates: Sequence[Expr]) -> dict[int, int]:
+    return {names.value(name).index: rate.index for name, rate in zip(coordinates, rates, strict=True)}

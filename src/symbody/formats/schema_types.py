@@ -1,0 +1,87 @@
+"""The values of a model file as pydantic types: formulas, angles, axes; and `Entry`, a table."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from typing import Annotated, Any, ClassVar, Final
+
+from pydantic import BaseModel, ConfigDict, Field, Strict, WithJsonSchema
+from pydantic.functional_validators import PlainValidator
+from pydantic_core import PydanticCustomError
+
+
+def _expression(value: object) -> str | int | float | Decimal:
+    if isinstance(value, bool) or not isinstance(value, str | int | float | Decimal):
+        raise PydanticCustomError("expression", "a number or an expression")
+    if not isinstance(value, str) and not Decimal(value).is_finite():
+        raise PydanticCustomError("not_finite", "a finite number")
+    return value
+
+
+def _axis(value: object) -> object:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, list) and len(value) == 3:
+        return [_expression(item) for item in value]
+    raise PydanticCustomError("axis", '"x", "y", "z", or three components')
+
+
+def _trees(value: object) -> object:
+    if isinstance(value, bool):
+        return value
+    if isinstance(value, dict) and set(value) <= {"rotation", "translation"}:
+        if all(isinstance(flag, bool) for flag in value.values()):
+            return value
+    raise PydanticCustomError("trees", "true, false, or { rotation = true, translation = false }")
+
+
+_TEXT_OR_NUMBER: Final = {"type": ["string", "number"]}
+Expression = Annotated[
+    Any,
+    PlainValidator(_expression),
+    WithJsonSchema({**_TEXT_OR_NUMBER, "description": "A number, or a formula in the names allowed there."}),
+]
+Angle = Annotated[
+    Any,
+    PlainValidator(_expression),
+    WithJsonSchema({**_TEXT_OR_NUMBER, "description": 'An angle in rad, or such as "30 deg".'}),
+]
+Triple = Annotated[list[Expression], Field(min_length=3, max_length=3)]
+Axis = Annotated[
+    Any,
+    PlainValidator(_axis),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"enum": ["x", "y", "z"]},
+                {"type": "array", "items": _TEXT_OR_NUMBER, "minItems": 3, "maxItems": 3},
+            ],
+            "description": "A letter, or components of a vector of any length.",
+        }
+    ),
+]
+Trees = Annotated[
+    Any,
+    PlainValidator(_trees),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "boolean"},
+                {
+                    "type": "object",
+                    "properties": {"rotation": {"type": "boolean"}, "translation": {"type": "boolean"}},
+                    "additionalProperties": False,
+                },
+            ],
+            "description": "Whether the joint is in the rotation and translation tree; left out: automatic.",
+        }
+    ),
+]
+Turn = Annotated[tuple[Axis, Angle], Strict(False)]
+Between = Annotated[list[str], Field(min_length=2, max_length=2, description="Start and end frame.")]
+
+
+class Entry(BaseModel):
+    """A table of the file: only the keys listed, no conversion of types."""
+
+    model_config: ClassVar[ConfigDict] = ConfigDict(extra="forbid", strict=True, frozen=True)

@@ -1,0 +1,111 @@
+"""`Trees`: which joints give the coordinates, and whether a choice of them is a forest."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import networkx as nx
+
+from symbody.errors import FormulationError, Problem, nearest
+from symbody.graph.linear_graph import Edge
+from symbody.model.joint import Joint
+from symbody.model.model import Model
+
+
+@dataclass(frozen=True, slots=True, init=False)
+class Trees:
+    """The rotation and the translation tree, each as the joints whose coordinates are used.
+
+    Bodies that a tree does not reach get the coordinates of a free body relative to ground.
+
+    Parameters
+    ----------
+    rotation, translation : iterable of joint or name
+        Joints in the tree; all others are cut: what they lock becomes constraints.
+    """
+
+    rotation: tuple[str, ...]
+    translation: tuple[str, ...]
+
+    def __init__(self, rotation: Iterable[Joint | str], translation: Iterable[Joint | str]) -> None:
+        for field, joints in (("rotation", rotation), ("translation", translation)):
+            object.__setattr__(self, field, tuple(j.name if isinstance(j, Joint) else str(j) for j in joints))
+
+
+TreeChoice = Trees | Literal["joints", "absolute"] | None
+
+KINDS: Final = ("rotation", "translation")
+
+
+@dataclass(frozen=True, slots=True)
+class Preference:
+    """Which edges must be in a tree, and which may, dearest last."""
+
+    required: tuple[str, ...]
+    allowed: tuple[str, ...]
+
+
+def preferences(model: Model, joints: Sequence[Joint], choice: TreeChoice) -> dict[str, Preference]:
+    """Return what a choice of trees says about the joints, for "rotation" and "translation".
+
+    Raises
+    ------
+    FormulationError
+        If a name is no joint, or the choice is none.
+    """
+    names = tuple(joint.name for joint in joints)
+    if isinstance(choice, Trees):
+        _check_names(choice, [joint.name for joint in model.joints])
+        return {kind: Preference(getattr(choice, kind), ()) for kind in KINDS}
+    if choice == "absolute":
+        return {kind: Preference((), ()) for kind in KINDS}
+    if choice == "joints":
+        return {kind: Preference((), names) for kind in KINDS}
+    if choice is not None:
+        raise FormulationError(
+            Problem("topology.unknown_choice", "tree", f"{choice!r} is no choice of trees", "",
+                    'write "joints", "absolute", Trees(rotation=[...], translation=[...]), or leave it out')
+        )  # fmt: skip
+    flags = {kind: {joint.name: getattr(joint.tree, kind) for joint in joints} for kind in KINDS}
+    return {
+        kind: Preference(
+            tuple(name for name in names if flags[kind][name]),
+            tuple(name for name in names if flags[kind][name] is None),
+        )
+        for kind in KINDS
+    }
+
+
+def cycle_problem(kind: str, edges: Iterable[Edge], chosen: Collection[str]) -> Problem | None:
+    """Return a problem that shows a cycle among the chosen edges, or None if they form a forest."""
+    net = nx.MultiGraph()
+    net.add_edges_from((edge.start, edge.end, edge.name) for edge in edges if edge.name in chosen)
+    try:
+        cycle = nx.find_cycle(net)
+    except nx.NetworkXNoCycle:
+        return None
+    names = ", ".join(key for _, _, key in cycle)
+    bodies = " - ".join([cycle[0][0], *(end for _, end, _ in cycle)])
+    return Problem(
+        "topology.cycle", f"tree, {kind}", f"the joints {names} form a cycle: {bodies}",
+        "a tree has one path from ground to each body", f"take one of them out of the {kind} tree",
+    )  # fmt: skip
+
+
+def _check_names(choice: Trees, names: Sequence[str]) -> None:
+    problems = []
+    for kind in KINDS:
+        listed: tuple[str, ...] = getattr(choice, kind)
+        problems += [
+            Problem("topology.unknown_joint", f"tree, {kind}", f"there is no joint {name!r}", "",
+                    nearest(name, names))
+            for name in listed if name not in names
+        ]  # fmt: skip
+        problems += [
+            Problem("topology.twice", f"tree, {kind}", f"{name!r} is listed twice", "", "list it once")
+            for name in dict.fromkeys(listed) if listed.count(name) > 1
+        ]  # fmt: skip
+    if problems:
+        raise FormulationError(*problems)

@@ -1,0 +1,99 @@
+"""`Revolute`: one angle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+from symbody.expr.language.formula import Formula
+from symbody.model.body import Place
+from symbody.model.door import Value
+from symbody.model.forces import Drive
+from symbody.model.joint import ORIGIN, Joint, Turn
+from symbody.model.joints.words import Trees, take
+from symbody.model.table import Table
+from symbody.model.turn import Axis, unit_axis
+from symbody.model.uses import Triple
+
+
+@final
+@dataclass(frozen=True, slots=True, init=False)
+class Revolute(Joint):
+    """Turns about an axis.
+
+    Parameters
+    ----------
+    name : str
+        Unique among the elements of the model.
+    start, end : Body, frame or name
+        The frames it connects; end turns by the coordinate relative to start.
+    axis : str or (3,) number or formula
+        "x", "y", "z", or components in start of any length.
+    coordinate : str, optional
+        Name of the angle [rad]; without it the joint's name.
+    tree : bool, mapping or None
+        Whether it is in the rotation and translation tree; None: automatic.
+    torque : Drive, optional
+        What acts about the axis.
+    motion : number or formula, optional
+        The angle in parameters and t, if it is prescribed [rad].
+    as_constraint : bool
+        Whether the prescribed motion becomes a constraint instead of replacing the angle.
+    armature : number or formula
+        Inertia of the drive's rotor as felt at the angle [kg m^2].
+
+    Raises
+    ------
+    ModelError
+        With everything that is not a name, a place, an axis or a formula.
+    """
+
+    suffixes: ClassVar[tuple[str, ...]] = ("",)
+
+    axis: Axis
+    coordinate: str | None
+    torque: Table[Drive]
+    motion: Table[Formula]
+    as_constraint: bool
+    armature: Table[Formula]
+
+    def __init__(
+        self,
+        name: str,
+        start: Place,
+        end: Place,
+        axis: str | Iterable[Value] = "z",
+        coordinate: str | None = None,
+        tree: Trees = None,
+        torque: Drive | None = None,
+        motion: Value | None = None,
+        as_constraint: bool = False,
+        armature: Value = 0,
+    ) -> None:
+        take(
+            self,
+            name,
+            start,
+            end,
+            tree,
+            axis=axis,
+            coordinate=coordinate,
+            torque=torque,
+            motion=motion,
+            as_constraint=as_constraint,
+            armature=armature,
+        )
+
+    @property
+    def axes(self) -> Mapping[str, Axis]:
+        """The axis of the turn."""
+        return {"axis": self.axis}
+
+    def turns(self) -> tuple[Turn, ...]:
+        """Return the turn about the axis."""
+        return (Turn(unit_axis(self.axis), Formula.of(self.coordinates[0])),)
+
+    def shift(self) -> Triple:
+        """Return zero."""
+        return ORIGIN

@@ -1,0 +1,117 @@
+"""Matrices of successive steps, each formed from a shorter sequence that is already known.
+
+A step is coded by a whole number, its inverse by the opposite one, and a sequence of steps by the
+tuple of codes, a *word*. Two ways through a tree that come to the same word share one matrix.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import count
+
+from symbody.expr.graph import Graph
+from symbody.vectors.matrix import Matrix, identity, product, transpose
+from symbody.vectors.rotation import Rotation, RotationStep, merged
+
+Word = tuple[int, ...]
+
+
+class StepProducts:
+    """Products of step matrices in one graph; it only grows.
+
+    Once ``R_ac`` is known, ``R_ab`` for the neighbour b of c costs one product with the matrix of one
+    step. The first of far pairs costs as many as there are steps; those between are then known.
+    """
+
+    __slots__ = ("_codes", "_graph", "_matrices", "_merged", "_next", "_steps")
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+        self._next = count(1)
+        self._codes: dict[RotationStep, int] = {}
+        self._steps: dict[int, RotationStep] = {}
+        self._merged: dict[tuple[int, int], Word | None] = {}
+        self._matrices: dict[Word, Matrix] = {(): identity(graph)}
+
+    def word(self, rotation: Rotation) -> Word:
+        """Return the codes of the steps of a rotation, identities left out."""
+        return tuple(self._code(step) for step in rotation.turns if not step.is_identity)
+
+    def reduced(self, codes: Iterable[int]) -> Word:
+        """Return the codes with neighbours merged."""
+        word: list[int] = []
+        for code in codes:
+            together = self._together(word[-1], code) if word else None
+            if together is None:
+                word.append(code)
+            else:
+                word[-1:] = together
+        return tuple(word)
+
+    def rotation(self, word: Word) -> Rotation:
+        """Return the rotation of a reduced word."""
+        return Rotation(tuple(self._steps[code] for code in word))
+
+    def matrix(self, word: Word) -> Matrix:
+        """Return the product of the step matrices of a reduced word."""
+        found = self._matrices.get(word)
+        if found is not None:
+            return found
+        for length in range(len(word) - 1, 0, -1):
+            if word[-length:] in self._matrices:
+                return self._extended_left(word, length)
+            # A short beginning is left alone: from the end, which is deep in the tree, more is shared.
+            if 2 * length >= len(word) > 2 and word[:length] in self._matrices:
+                return self._extended_right(word, length)
+        self._step_matrix(word[-1])
+        return self._extended_left(word, 1)
+
+    def _extended_right(self, word: Word, length: int) -> Matrix:
+        result = self._matrices[word[:length]]
+        for end in range(length + 1, len(word) + 1):
+            result = product(result, self._step_matrix(word[end - 1]))
+            self._keep(word[:end], result)
+        return result
+
+    def _extended_left(self, word: Word, length: int) -> Matrix:
+        result = self._matrices[word[-length:]]
+        for start in range(len(word) - length - 1, -1, -1):
+            result = product(self._step_matrix(word[start]), result)
+            self._keep(word[start:], result)
+        return result
+
+    def _step_matrix(self, code: int) -> Matrix:
+        found = self._matrices.get((code,))
+        if found is None:
+            found = self._steps[code].matrix(self._graph)
+            self._keep((code,), found)
+        return found
+
+    def _keep(self, word: Word, matrix: Matrix) -> None:
+        self._matrices[word] = matrix
+        self._matrices[backwards(word)] = transpose(matrix)
+
+    def _together(self, first: int, second: int) -> Word | None:
+        """Return the code of two merged steps, no code if they cancel, None if they stay two."""
+        if first == -second:
+            return ()
+        pair = (first, second)
+        if pair not in self._merged:
+            steps = merged(self._steps[first], self._steps[second])
+            self._merged[pair] = None if steps is None else tuple(self._code(step) for step in steps)
+        return self._merged[pair]
+
+    def _code(self, step: RotationStep) -> int:
+        found = self._codes.get(step)
+        if found is None:
+            code = next(self._next)
+            self._steps[code], self._steps[-code] = step, step.inverse
+            self._codes.setdefault(self._steps[-code], -code)
+            # What another thread entered meanwhile is kept; either code is right.
+            found = self._codes.setdefault(step, code)
+        return found
+
+
+def backwards(word: Word) -> Word:
+    """Return the word of the inverse rotation."""
+    return tuple(-code for code in reversed(word))
