@@ -27,7 +27,7 @@ def latex_equations(eqs: EquationSet) -> list[str]:
 def _printed(eqs: EquationSet, show: Callable[[Graph, int], str]) -> list[tuple[str, str]]:
     graph = eqs.formed.graph
     lines = []
-    for inertial, driving in zip(eqs.inertial.nodes, eqs.driving.nodes, strict=True):
+    for inertial, driving in zip(eqs.textbook.inertial.nodes, eqs.textbook.driving.nodes, strict=True):
         left, right = _sides(graph, sub(graph, inertial, driving))
         lines.append((show(graph, left), show(graph, right)))
     return lines

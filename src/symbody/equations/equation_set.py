@@ -2,38 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Final, NamedTuple
 
 from symbody.equations.formed import Formed
-from symbody.equations.frame_motion import frame_motion_entries
-from symbody.equations.joint_outputs import reaction_wrench
+from symbody.equations.forming import form
 from symbody.equations.mobility import degrees_of_freedom
 from symbody.equations.noise import without_noise
 from symbody.equations.outputs import output_roots
-from symbody.expr.closed_form import ClosedForms, closed_forms, readable
-from symbody.expr.expression import Expr
-from symbody.expr.graph import Graph, Symbol
-from symbody.expr.printing.definitions import EXPAND_LIMIT
+from symbody.equations.textbook import MOST_SPEEDS, Reaction, Textbook
+from symbody.expr.graph import Symbol
 from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Roots
 from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.model.model import Model
-from symbody.vectors.vector import components
-
-# The outputs that properties show as formulas.
-_SHOWN: Final = (
-    "mass_matrix", "forcing", "constraints", "velocity_constraints", "jacobian", "position_jacobian",
-    "kinetic_energy", "potential_energy", "qdot",
-)  # fmt: skip
-
-
-class Reaction(NamedTuple):
-    """A reaction as (3, 1) matrices: force [N], moment [N m]."""
-
-    force: SympyMatrix
-    moment: SympyMatrix
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -56,9 +38,9 @@ class EquationSet:
     model: Model
     formed: Formed
     notes: tuple[str, ...] = ()
-    # Roots already made; a pure function of `formed`, so it cannot go stale.
+    # Roots and formulas already made; pure functions of `formed`, so they cannot go stale.
     _roots: dict[str, Roots] = field(default_factory=dict, repr=False)
-    _forms: dict[str, ClosedForms] = field(default_factory=dict, repr=False)
+    _textbook: list[Textbook] = field(default_factory=list, repr=False)
 
     def __repr__(self) -> str:
         sizes = f"{len(self.formed.q)} coordinates, {len(self.formed.u)} speeds"
@@ -154,58 +136,56 @@ class EquationSet:
     @property
     def mass_matrix(self) -> SympyMatrix:
         """M, (n_u, n_u), symmetric."""
-        return self._closed.matrices["mass_matrix"].copy()
+        return self.textbook.closed.matrices["mass_matrix"].copy()
 
     @property
     def forcing(self) -> SympyMatrix:
         """F, (n_u, 1): everything but ``M u'`` and the multipliers, on the right-hand side."""
-        return self._closed.matrices["forcing"].copy()
+        return self.textbook.closed.matrices["forcing"].copy()
 
     @property
     def constraints(self) -> SympyMatrix:
         """Position constraints Phi, (n_h, 1); none in a tree."""
-        return self._closed.matrices["constraints"].copy()
+        return self.textbook.closed.matrices["constraints"].copy()
 
     @property
     def constraint_jacobian(self) -> SympyMatrix:
         """J in the speeds, (n_c, n_u); no rows in a tree."""
-        return self._closed.matrices["jacobian"].copy()
+        return self.textbook.closed.matrices["jacobian"].copy()
 
     @property
     def velocity_constraints(self) -> SympyMatrix:
         """``J u + b``, (n_c, 1), zero in every motion; none in a tree."""
-        return self._closed.matrices["velocity_constraints"].copy()
+        return self.textbook.closed.matrices["velocity_constraints"].copy()
 
     @property
     def position_jacobian(self) -> SympyMatrix:
         """Derivatives of Phi by the coordinates, (n_h, n_q)."""
-        return self._closed.matrices["position_jacobian"].copy()
+        return self.textbook.closed.matrices["position_jacobian"].copy()
 
     @property
     def invariants(self) -> tuple[SympyExpr, ...]:
         """Quantities that are 1 in every motion: squared norms of quaternions."""
-        graph = self.formed.graph
-        norms = [_square(graph, nodes) for nodes in self.formed.variables.quaternions]
-        return tuple(to_sympy(graph, norms))
+        return self.textbook.norms
 
     @property
     def kinetic_energy(self) -> SympyExpr:
         """Kinetic energy relative to ground [J]."""
-        return self._closed.matrices["kinetic_energy"][0]
+        return self.textbook.closed.matrices["kinetic_energy"][0]
 
     @property
     def potential_energy(self) -> SympyExpr:
         """Potential energy of gravity and springs [J], zero at the origin and at the free lengths."""
-        return self._closed.matrices["potential_energy"][0]
+        return self.textbook.closed.matrices["potential_energy"][0]
 
     @property
     def kinematic_equations(self) -> list[SympyEquation]:
         """``q' = N u + nu``, one equation a coordinate."""
-        return self._closed.equations("rates", "qdot")
+        return self.textbook.closed.equations("rates", "qdot")
 
     def dynamic_equations(self) -> list[SympyEquation]:
         """Return ``M u' = F + J^T lambda``, one equation a speed, in the order of `speeds`."""
-        return self._closed.equations("inertial", "driving")
+        return self.textbook.closed.equations("inertial", "driving")
 
     @property
     def definitions(self) -> tuple[tuple[SympyExpr, SympyExpr], ...]:
@@ -213,7 +193,7 @@ class EquationSet:
 
         Empty while no entry exceeds 20,000 operations written out.
         """
-        return self._closed.definitions
+        return self.textbook.closed.definitions
 
     @property
     def degrees_of_freedom(self) -> int:
@@ -242,6 +222,16 @@ class EquationSet:
         formed = without_noise(self.formed, parameters)
         return self if formed is self.formed else EquationSet(self.model, formed, self.notes)
 
+    @property
+    def textbook(self) -> Textbook:
+        """The equations as formulas: short ones are formed anew for reading, in the same graph."""
+        if not self._textbook:
+            formed = self.formed
+            if len(formed.u) <= MOST_SPEEDS:
+                formed = form(formed.topology, formed.graph, spread=True)
+            self._textbook.append(Textbook(formed))
+        return self._textbook[0]
+
     def operation_count(self, *outputs: str) -> int:
         """Return the operations of a shared evaluation of `outputs`, parameters as symbols."""
         nodes = [node for name in outputs for node in self.roots(name).nodes]
@@ -254,51 +244,6 @@ class EquationSet:
             found = output_roots(self.formed, name)
             self._roots[name] = found
         return found
-
-    @property
-    def _closed(self) -> ClosedForms:
-        """All closed forms together, so that they share one list of definitions."""
-        found = self._forms.get("closed")
-        if found is None:
-            graph = self.formed.graph
-            shown = [self.readable(name) for name in _SHOWN]
-            rates = tuple(graph.symbol(symbol.derivative) for symbol in self.formed.q)
-            sides = [self.inertial, self.driving, Roots("rates", (len(rates),), rates)]
-            found = closed_forms(graph, [*shown, *sides], EXPAND_LIMIT)
-            self._forms["closed"] = found
-        return found
-
-    def readable(self, name: str) -> Roots:
-        """Return the roots of an output in the form in which people read it; the same values."""
-        key = f"readable {name}"
-        found = self._roots.get(key)
-        if found is None:
-            roots = self.roots(name)
-            found = Roots(name, roots.shape, tuple(readable(self.formed.graph, roots.nodes)))
-            self._roots[key] = found
-        return found
-
-    @property
-    def inertial(self) -> Roots:
-        """``M u'`` in the expression graph, one root a speed."""
-        graph, n = self.formed.graph, len(self.formed.u)
-        accelerations = self.formed.expressions(tuple(symbol.derivative for symbol in self.formed.u))
-        mass = [Expr(graph, node) for node in self.readable("mass_matrix").nodes]
-        rows = [_sum_of_products(graph, mass[i * n : i * n + n], accelerations).index for i in range(n)]
-        return Roots("inertial", (n,), tuple(rows))
-
-    @property
-    def driving(self) -> Roots:
-        """``F + J^T lambda`` in the expression graph, one root a speed."""
-        graph, n = self.formed.graph, len(self.formed.u)
-        multipliers = self.formed.expressions(self.formed.multipliers)
-        jacobian = [Expr(graph, node) for node in self.readable("jacobian").nodes]
-        forcing = self.readable("forcing").nodes
-        rows = [
-            (Expr(graph, forcing[i]) + _sum_of_products(graph, jacobian[i::n], multipliers)).index
-            for i in range(n)
-        ]
-        return Roots("driving", (n,), tuple(rows))
 
     def frame_motion(
         self, kind: str, end: str, reference: str = "ground", resolved_in: str = "ground"
@@ -324,8 +269,7 @@ class EquationSet:
         FormulationError
             If the kind or a frame is unknown.
         """
-        shape, values = frame_motion_entries(self.formed, kind, end, reference, resolved_in)
-        return self._matrix(f"frame {kind}", (3, 1) if shape == (3,) else shape, values)
+        return self.textbook.frame_motion(kind, end, reference, resolved_in)
 
     def reaction(self, joint: str, on: str = "", at: str = "", frame: str = "") -> Reaction:
         """Return the reaction of a joint as formulas in q, u, their derivatives and the multipliers.
@@ -346,30 +290,8 @@ class EquationSet:
         FormulationError
             If a name is unknown, or the joint does not act on the body.
         """
-        wrench = reaction_wrench(self.formed, joint, on, at)
-        tree = self.formed.kinematics.tree
-        axes = self.formed.frame(frame) if frame else self.formed.topology.joint(joint).start.frame
-        force = self._matrix("force", (3, 1), components(tree, wrench.force, axes))
-        moment = self._matrix("moment", (3, 1), components(tree, wrench.moment, axes))
-        return Reaction(force, moment)
-
-    def _matrix(self, name: str, shape: tuple[int, ...], values: Sequence[Expr]) -> SympyMatrix:
-        graph = self.formed.graph
-        roots = Roots(name, shape, tuple(readable(graph, [value.index for value in values])))
-        return closed_forms(graph, [roots], EXPAND_LIMIT).matrices[name]
+        return self.textbook.reaction(joint, on, at, frame)
 
     def _symbols(self, symbols: tuple[Symbol, ...]) -> tuple[SympyExpr, ...]:
         graph = self.formed.graph
         return tuple(to_sympy(graph, [graph.symbol(symbol) for symbol in symbols]))
-
-
-def _sum_of_products(graph: Graph, row: Sequence[Expr], column: Sequence[Expr]) -> Expr:
-    total = Expr(graph, 0)
-    for a, b in zip(row, column, strict=True):
-        total = total + a * b
-    return total
-
-
-def _square(graph: Graph, nodes: Sequence[int]) -> int:
-    values = [Expr(graph, node) for node in nodes]
-    return _sum_of_products(graph, values, values).index

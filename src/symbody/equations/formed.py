@@ -34,6 +34,8 @@ class Formed:
         The constraints, in the order of Phi.
     projection : Projection
         Mass matrix and forcing.
+    notes : tuple of str
+        What was dropped, and where the equations do not hold.
     armatures : mapping of node to Expr
         Inertia of rotors by the rate they turn with.
     """
@@ -51,6 +53,7 @@ class Formed:
     rows: tuple[Row, ...]
     projection: Projection
     kinetic_energy: Expr
+    notes: tuple[str, ...]
     # Made on first request; a pure function of the fields above, so it cannot go stale.
     _wrenches: dict[str, Wrench] = field(default_factory=dict, repr=False)
     solved: list[tuple[list[Expr], list[Expr]]] = field(default_factory=list, repr=False)

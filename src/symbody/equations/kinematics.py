@@ -114,6 +114,9 @@ class Kinematics:
         q' in terms of u, as `time_derivative` takes it.
     speeds : tuple of int
         Nodes of u.
+    spread : bool
+        Whether vectors stay sums of terms in their own frames, however far away: products then read as in a
+        book, but their number grows with the square of the length of a chain.
     shifts : mapping of frame to (frame, Vector)
         From the origin of a frame nearer to ground to each frame's origin.
     velocities, angular_velocities : mapping of frame
@@ -123,6 +126,7 @@ class Kinematics:
     tree: FrameTree
     rates: Mapping[int, int]
     speeds: tuple[int, ...]
+    spread: bool
     shifts: dict[str, tuple[str, Vector]]
     velocities: dict[str, Velocity]
     angular_velocities: dict[str, Velocity]
@@ -200,6 +204,8 @@ def form_kinematics(
     shiftings: Iterable[Shifting],
     rates: Mapping[int, int],
     speeds: Sequence[int],
+    *,
+    spread: bool,
 ) -> Kinematics:
     """Return the kinematics of frames given outward from ground, each by a step from an earlier one.
 
@@ -207,7 +213,7 @@ def form_kinematics(
     """
     parents: dict[str, tuple[str, Rotation]] = {}
     tree = FrameTree(graph, parents)
-    kinematics = Kinematics(tree, rates, tuple(speeds), {}, {"ground": AT_REST}, {"ground": AT_REST})
+    kinematics = Kinematics(tree, rates, tuple(speeds), spread, {}, {"ground": AT_REST}, {"ground": AT_REST})
     for turning in turnings:
         _turn(kinematics, parents, turning)
     for shifting in shiftings:
@@ -289,7 +295,9 @@ def _carried(kinematics: Kinematics, frame: str, arm: Vector, slide: Vector, cha
 
 
 def _short(kinematics: Kinematics, a: Velocity, frame: str) -> Velocity:
-    """Return the velocity with what is far away expressed in a frame."""
+    """Return the velocity with what is far away expressed in a frame, unless vectors are spread."""
+    if kinematics.spread:
+        return a
 
     def short(x: Vector) -> Vector:
         return drawn_near(kinematics.tree, x, kinematics.tree.home(frame))

@@ -71,7 +71,7 @@ def project(
             for u, slope in kinematics.slopes(load.rate).items():
                 forcing[place[u]] = forcing[place[u]] + slope * load.effort
     for rate, rotor in armatures.items():
-        _add_rotor(kinematics, Expr(kinematics.graph, rate), rotor, mass, forcing)
+        add_rotor(kinematics, Expr(kinematics.graph, rate), rotor, mass, forcing)
     return Projection(tuple(map(tuple, mass)), tuple(forcing))
 
 
@@ -174,9 +174,10 @@ def _bias_wrench(kinematics: Kinematics, body: Inertia) -> Wrench:
     return inertial(kinematics, body, v.bias, w.bias)
 
 
-def _add_rotor(
+def add_rotor(
     kinematics: Kinematics, rate: Expr, rotor: Expr, mass: list[list[Expr]], forcing: list[Expr]
 ) -> None:
+    """Add a rotor that turns with a rate to the mass matrix and the forcing."""
     slopes = kinematics.slopes(rate)
     bias = kinematics.bias(rate)
     for i, u in enumerate(kinematics.speeds):

@@ -1,0 +1,125 @@
+"""The equations as formulas: SymPy matrices in the form in which books print them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple
+
+from symbody.equations.formed import Formed
+from symbody.equations.frame_motion import frame_motion_entries
+from symbody.equations.joint_outputs import reaction_wrench
+from symbody.equations.outputs import output_roots
+from symbody.expr.closed_form import ClosedForms, closed_forms, readable
+from symbody.expr.expression import Expr
+from symbody.expr.graph import Graph
+from symbody.expr.printing.definitions import EXPAND_LIMIT
+from symbody.expr.sequence import Roots
+from symbody.expr.sympy_bridge import SympyExpr, SympyMatrix, to_sympy
+from symbody.vectors.vector import components
+
+# Equations in more speeds than this are not formed for reading.
+MOST_SPEEDS: Final = 12
+
+# The outputs that properties show as formulas.
+_SHOWN: Final = (
+    "mass_matrix", "forcing", "constraints", "velocity_constraints", "jacobian", "position_jacobian",
+    "kinetic_energy", "potential_energy", "qdot",
+)  # fmt: skip
+
+
+class Reaction(NamedTuple):
+    """A reaction as (3, 1) matrices: force [N], moment [N m]."""
+
+    force: SympyMatrix
+    moment: SympyMatrix
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Textbook:
+    """Formulas of one set of equations; all entries share one list of definitions.
+
+    Attributes
+    ----------
+    formed : Formed
+        The equations in the expression graph.
+    """
+
+    formed: Formed
+    # Made on first request; pure functions of `formed`, so they cannot go stale.
+    _roots: dict[str, Roots] = field(default_factory=dict, repr=False)
+    _closed: list[ClosedForms] = field(default_factory=list, repr=False)
+
+    @property
+    def closed(self) -> ClosedForms:
+        """All closed forms together, so that they share one list of definitions."""
+        if not self._closed:
+            graph = self.formed.graph
+            shown = [self.readable(name) for name in _SHOWN]
+            rates = tuple(graph.symbol(symbol.derivative) for symbol in self.formed.q)
+            sides = [self.inertial, self.driving, Roots("rates", (len(rates),), rates)]
+            self._closed.append(closed_forms(graph, [*shown, *sides], EXPAND_LIMIT))
+        return self._closed[0]
+
+    def readable(self, name: str) -> Roots:
+        """Return the roots of an output in the form in which people read it; the same values."""
+        if name not in self._roots:
+            roots = output_roots(self.formed, name)
+            self._roots[name] = Roots(name, roots.shape, tuple(readable(self.formed.graph, roots.nodes)))
+        return self._roots[name]
+
+    @property
+    def inertial(self) -> Roots:
+        """``M u'`` in the expression graph, one root a speed."""
+        graph, n = self.formed.graph, len(self.formed.u)
+        accelerations = self.formed.expressions(tuple(symbol.derivative for symbol in self.formed.u))
+        mass = [Expr(graph, node) for node in self.readable("mass_matrix").nodes]
+        rows = [_sum_of_products(graph, mass[i * n : i * n + n], accelerations).index for i in range(n)]
+        return Roots("inertial", (n,), tuple(rows))
+
+    @property
+    def driving(self) -> Roots:
+        """``F + J^T lambda`` in the expression graph, one root a speed."""
+        graph, n = self.formed.graph, len(self.formed.u)
+        multipliers = self.formed.expressions(self.formed.multipliers)
+        jacobian = [Expr(graph, node) for node in self.readable("jacobian").nodes]
+        forcing = self.readable("forcing").nodes
+        rows = [
+            (Expr(graph, forcing[i]) + _sum_of_products(graph, jacobian[i::n], multipliers)).index
+            for i in range(n)
+        ]
+        return Roots("driving", (n,), tuple(rows))
+
+    @property
+    def norms(self) -> tuple[SympyExpr, ...]:
+        """The squared norms of the quaternions."""
+        graph = self.formed.graph
+        quaternions = self.formed.variables.quaternions
+        values = [[Expr(graph, node) for node in nodes] for nodes in quaternions]
+        return tuple(to_sympy(graph, [_sum_of_products(graph, four, four).index for four in values]))
+
+    def frame_motion(self, kind: str, end: str, reference: str, resolved_in: str) -> SympyMatrix:
+        """Return a motion as a matrix; see `EquationSet.frame_motion`."""
+        shape, values = frame_motion_entries(self.formed, kind, end, reference, resolved_in)
+        return self._matrix(f"frame {kind}", (3, 1) if shape == (3,) else shape, values)
+
+    def reaction(self, joint: str, on: str, at: str, frame: str) -> Reaction:
+        """Return a reaction as matrices; see `EquationSet.reaction`."""
+        wrench = reaction_wrench(self.formed, joint, on, at)
+        tree = self.formed.kinematics.tree
+        axes = self.formed.frame(frame) if frame else self.formed.topology.joint(joint).start.frame
+        force = self._matrix("force", (3, 1), components(tree, wrench.force, axes))
+        moment = self._matrix("moment", (3, 1), components(tree, wrench.moment, axes))
+        return Reaction(force, moment)
+
+    def _matrix(self, name: str, shape: tuple[int, ...], values: Sequence[Expr]) -> SympyMatrix:
+        graph = self.formed.graph
+        roots = Roots(name, shape, tuple(readable(graph, [value.index for value in values])))
+        return closed_forms(graph, [roots], EXPAND_LIMIT).matrices[name]
+
+
+def _sum_of_products(graph: Graph, row: Sequence[Expr], column: Sequence[Expr]) -> Expr:
+    total = Expr(graph, 0)
+    for a, b in zip(row, column, strict=True):
+        total = total + a * b
+    return total
