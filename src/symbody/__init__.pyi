@@ -38,6 +38,7 @@ from .formats import load_model as load_model
 from .formats import save_model as save_model
 
 # its equations
+from .graph import Trees as Trees
 from .equations import EquationSet as EquationSet
 from .equations import VirtualWork as VirtualWork
 from .equations import form_equations as form_equations

@@ -38,6 +38,8 @@ class Row:
         Coefficients of the speeds, zeros left out.
     force, moment : Vector
         On the end body by the start body for a multiplier of 1, at the origin of the end frame.
+    coordinate : str
+        The coordinate that a prescribed motion constrains, where the row is that of a motion.
     """
 
     name: str
@@ -48,6 +50,7 @@ class Row:
     gamma: Expr
     force: Vector = NULL
     moment: Vector = NULL
+    coordinate: str = ""
 
 
 def closing_rows(names: Names, kinematics: Kinematics, use: Use) -> list[Row]:
@@ -80,7 +83,8 @@ def motion_rows(names: Names, kinematics: Kinematics, use: Use) -> list[Row]:
     for k, (coordinate, motion) in enumerate(motions.items(), start=1):
         value = names.value(coordinate) - names.expression(motion, f"joint {use.joint.name}")
         name = f"lambda_{use.joint.name}_motion" + (f"_{k}" if len(motions) > 1 else "")
-        rows.append(scalar_row(kinematics, name, use.joint.name, value))
+        row = scalar_row(kinematics, name, use.joint.name, value)
+        rows.append(replace(row, coordinate=coordinate))
     return rows
 
 

@@ -55,6 +55,7 @@ def form(topology: Topology, graph: Graph, *, spread: bool = False) -> Formed:
         speeds,
         spread=spread,
     )
+    names = names.with_values(_second_rates(kinematics, variables))
     for use in uses:
         names = names.with_values(measured_coordinates(names, kinematics, use))
     rows, notes = _rows(names, kinematics, uses)
@@ -190,6 +191,16 @@ def _rates_by_name(graph: Graph, variables: Variables) -> dict[str, Expr]:
         if rate != graph.symbol(q.derivative):
             found[q.derivative.label] = Expr(graph, rate)
     return found
+
+
+def _second_rates(kinematics: Kinematics, variables: Variables) -> dict[str, Expr]:
+    """Return the second rates of coordinates with quasi-speeds, in u and u'."""
+    graph = kinematics.graph
+    return {
+        q.derivative.derivative.label: kinematics.rate(Expr(graph, variables.rates[graph.symbol(q)]))
+        for q in variables.q
+        if variables.rates[graph.symbol(q)] != graph.symbol(q.derivative)
+    }
 
 
 def _rows(names: Names, kinematics: Kinematics, uses: Sequence[Use]) -> tuple[list[Row], tuple[str, ...]]:

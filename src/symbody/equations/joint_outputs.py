@@ -73,36 +73,43 @@ def reaction_output(formed: Formed, rest: str) -> tuple[tuple[int, ...], list[Ex
 def joint_effort(formed: Formed, rest: str) -> Expr:
     """Return the effort along a joint coordinate: that of its drive, or what holds its prescribed motion."""
     name = rest.replace('"', "").strip()
-    found = dict(_efforts(formed))
+    found = dict(_prescribed(formed))
     if name not in effort_names(formed):
         raise FormulationError(
             Problem("equations.unknown_effort", f"effort {rest}",
                     f"there is no driven joint coordinate {rest!r}", "", nearest(name, effort_names(formed)))
         )  # fmt: skip
-    if name in formed.loads.efforts:
-        return formed.loads.efforts[name]
-    use, coordinate = found[name]
-    return _held(formed, use, coordinate)
+    if name in found:
+        return _held(formed, *found[name])
+    effort = formed.loads.efforts.get(name, Expr(formed.graph, 0))
+    for row in formed.rows:
+        if row.coordinate and effort_name(formed.topology.joint(row.element), row.coordinate) == name:
+            effort = effort + symbol(formed.graph, Symbol(row.name, Kind.MULTIPLIER))
+    return effort
 
 
 def effort_names(formed: Formed) -> tuple[str, ...]:
     """Return what "effort ..." may be asked for."""
-    return (*formed.loads.efforts, *(name for name, _ in _efforts(formed)))
+    names = [*formed.loads.efforts, *(name for name, _ in _prescribed(formed))]
+    for row in formed.rows:
+        if row.coordinate:
+            names.append(effort_name(formed.topology.joint(row.element), row.coordinate))
+    return tuple(dict.fromkeys(names))
 
 
 def total_power(formed: Formed) -> Expr:
     """Return the power of everything that has no potential, prescribed motions included [W]."""
     graph, names = formed.graph, formed.names
     total = formed.loads.power
-    for _, (use, coordinate) in _efforts(formed):
-        if use.is_branch(coordinate):
-            total = total + _held(formed, use, coordinate) * names.value(f"{coordinate}_dot")
+    for _, (use, coordinate) in _prescribed(formed):
+        total = total + _held(formed, use, coordinate) * names.value(f"{coordinate}_dot")
     for row in formed.rows:
-        total = total - symbol(graph, Symbol(row.name, Kind.MULTIPLIER)) * row.rest
+        if row.coordinate:
+            total = total - symbol(graph, Symbol(row.name, Kind.MULTIPLIER)) * row.rest
     return total
 
 
-def _efforts(formed: Formed) -> Iterator[tuple[str, tuple[Use, str]]]:
+def _prescribed(formed: Formed) -> Iterator[tuple[str, tuple[Use, str]]]:
     """Return the prescribed coordinates by the name of their effort."""
     for use in formed.uses:
         for coordinate in use.prescribed:

@@ -14,7 +14,7 @@ from symbody.vectors.vector import cross, dot, vector
 
 
 def measured_coordinates(names: Names, kinematics: Kinematics, use: Use) -> dict[str, Expr]:
-    """Return the coordinates of a joint that are neither in q nor prescribed, and their rates.
+    """Return the coordinates of a joint that are neither in q nor prescribed, their first and second rates.
 
     Angles are in (-pi, pi]; a quaternion is not measured, because its sign is free.
     """
@@ -23,7 +23,10 @@ def measured_coordinates(names: Names, kinematics: Kinematics, use: Use) -> dict
         found |= _displacements(names, kinematics, use.joint)
     if not use.turns and use.joint.quaternion is None:
         found |= _angles(names, kinematics, use.joint)
-    return found
+    seconds = {
+        f"{name}_ddot": kinematics.rate(found[f"{name}_dot"]) for name in found if f"{name}_dot" in found
+    }
+    return found | seconds
 
 
 def _displacements(names: Names, kinematics: Kinematics, joint: Joint) -> dict[str, Expr]:

@@ -130,14 +130,23 @@ def _check_mixing(topology: Topology) -> None:
     """Refuse a joint in one tree whose rotation and translation share a coordinate."""
     problems = [
         Problem("topology.mixed_joint", f"joint {joint.name}",
-                f"it is in one tree only, but {', '.join(sorted(shared))} both turns and shifts",
+                f"it is in one tree only, but its turning and shifting share {shared}",
                 "such a joint gives all its coordinates or none", "put it in both trees or in neither")
         for joint in topology.joints
         if (joint.name in topology.turning) != (joint.name in topology.sliding)
-        and (shared := set(joint.rotation_coordinates) & set(joint.translation_coordinates))
+        and (shared := _shared(joint))
     ]  # fmt: skip
     if problems:
         raise FormulationError(*problems)
+
+
+def _shared(joint: Joint) -> str:
+    """Return what rotation and translation of a joint have in common, or nothing."""
+    both = set(joint.rotation_coordinates) & set(joint.translation_coordinates)
+    speeds = joint.translation_speeds
+    if both or speeds is None or speeds.resolved_in == "start":
+        return ", ".join(sorted(both))
+    return "the axes of its end, in which the velocity is resolved"
 
 
 def _check_count(topology: Topology) -> None:
