@@ -82,8 +82,8 @@ def test_results_are_frozen() -> None:
 
 
 def test_formulas_too_long_to_write_come_with_definitions() -> None:
-    # Five links about alternating axes: entries of more than 20,000 operations written out.
-    eqs = sb.form_equations(chain(6))
+    # Nine links about alternating axes: entries of more than 20,000 operations written out.
+    eqs = sb.form_equations(chain(9))
     values = {symbol: 0.3 + k / 10 for k, symbol in enumerate((*eqs.parameters, *eqs.states))}
     assert eqs.definitions
     known = dict(values)
@@ -94,4 +94,4 @@ def test_formulas_too_long_to_write_come_with_definitions() -> None:
     states = [values[x] for x in eqs.states]
     expected = f.of_state(0.0, states)
     # Entries are sums of some hundred products of numbers below 10.
-    assert max(abs(float(found[i, j]) - expected[i, j]) for i in range(6) for j in range(6)) < 1e-11
+    assert max(abs(float(found[i, j]) - expected[i, j]) for i in range(9) for j in range(9)) < 1e-11

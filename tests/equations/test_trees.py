@@ -76,13 +76,13 @@ def test_any_legal_trees_have_one_degree_of_freedom(tree: object, speeds: int, f
     ],
 )
 def test_what_is_no_tree_is_told(tree: object, code: str, where: str) -> None:
-    with pytest.raises(sb.FormulationError) as caught:
+    with pytest.raises(sb.TopologyError) as caught:
         sb.form_equations(slider_crank(), tree=tree)  # type: ignore[arg-type]
     assert [(problem.code, problem.where) for problem in caught.value.problems] == [(code, where)]
 
 
 def test_a_cycle_is_shown() -> None:
-    with pytest.raises(sb.FormulationError, match="ground - Crank - Rod - Slider - ground"):
+    with pytest.raises(sb.TopologyError, match="ground - Crank - Rod - Slider - ground"):
         sb.form_equations(slider_crank(), tree=Trees(["A", "B", "C", "D"], []))
 
 

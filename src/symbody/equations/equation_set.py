@@ -136,32 +136,32 @@ class EquationSet:
     @property
     def mass_matrix(self) -> SympyMatrix:
         """M, (n_u, n_u), symmetric."""
-        return self.textbook.closed.matrices["mass_matrix"].copy()
+        return self.textbook.matrix("mass_matrix")
 
     @property
     def forcing(self) -> SympyMatrix:
         """F, (n_u, 1): everything but ``M u'`` and the multipliers, on the right-hand side."""
-        return self.textbook.closed.matrices["forcing"].copy()
+        return self.textbook.matrix("forcing")
 
     @property
     def constraints(self) -> SympyMatrix:
         """Position constraints Phi, (n_h, 1); none in a tree."""
-        return self.textbook.closed.matrices["constraints"].copy()
+        return self.textbook.matrix("constraints")
 
     @property
     def constraint_jacobian(self) -> SympyMatrix:
         """J in the speeds, (n_c, n_u); no rows in a tree."""
-        return self.textbook.closed.matrices["jacobian"].copy()
+        return self.textbook.matrix("jacobian")
 
     @property
     def velocity_constraints(self) -> SympyMatrix:
         """``J u + b``, (n_c, 1), zero in every motion; none in a tree."""
-        return self.textbook.closed.matrices["velocity_constraints"].copy()
+        return self.textbook.matrix("velocity_constraints")
 
     @property
     def position_jacobian(self) -> SympyMatrix:
         """Derivatives of Phi by the coordinates, (n_h, n_q)."""
-        return self.textbook.closed.matrices["position_jacobian"].copy()
+        return self.textbook.matrix("position_jacobian")
 
     @property
     def invariants(self) -> tuple[SympyExpr, ...]:
@@ -171,21 +171,21 @@ class EquationSet:
     @property
     def kinetic_energy(self) -> SympyExpr:
         """Kinetic energy relative to ground [J]."""
-        return self.textbook.closed.matrices["kinetic_energy"][0]
+        return self.textbook.matrix("kinetic_energy")[0]
 
     @property
     def potential_energy(self) -> SympyExpr:
         """Potential energy of gravity and springs [J], zero at the origin and at the free lengths."""
-        return self.textbook.closed.matrices["potential_energy"][0]
+        return self.textbook.matrix("potential_energy")[0]
 
     @property
     def kinematic_equations(self) -> list[SympyEquation]:
         """``q' = N u + nu``, one equation a coordinate."""
-        return self.textbook.closed.equations("rates", "qdot")
+        return self.textbook.equations("rates", "qdot")
 
     def dynamic_equations(self) -> list[SympyEquation]:
         """Return ``M u' = F + J^T lambda``, one equation a speed, in the order of `speeds`."""
-        return self.textbook.closed.equations("inertial", "driving")
+        return self.textbook.equations("inertial", "driving")
 
     @property
     def definitions(self) -> tuple[tuple[SympyExpr, SympyExpr], ...]:
@@ -193,7 +193,7 @@ class EquationSet:
 
         Empty while no entry exceeds 20,000 operations written out.
         """
-        return self.textbook.closed.definitions
+        return self.textbook.definitions
 
     @property
     def degrees_of_freedom(self) -> int:

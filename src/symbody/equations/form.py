@@ -29,8 +29,10 @@ def form_equations(
 
     Raises
     ------
+    TopologyError
+        If the trees are no trees.
     FormulationError
-        If the trees are no trees, a cut joint cannot do what is asked of it, or a loop can never close.
+        If a cut joint cannot do what is asked of it, or a loop can never close.
     """
     topology = choose_topology(model, tree)
     formed = form(topology, Graph())

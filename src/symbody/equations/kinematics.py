@@ -18,7 +18,7 @@ from symbody.expr.rewrite import substitute, symbols_of
 from symbody.vectors.euler_parameters import EulerParameters
 from symbody.vectors.frame import FrameTree
 from symbody.vectors.rotation import Rotation, Turn, rotation_of
-from symbody.vectors.vector import NULL, Vector, cross, drawn_near, vector
+from symbody.vectors.vector import NULL, Vector, cross, drawn_near, lifted, vector
 
 
 @dataclass(frozen=True, slots=True)
@@ -257,7 +257,7 @@ def _shift(kinematics: Kinematics, shifting: Shifting) -> None:
     """Enter the origin of a frame."""
     tree, parent, child = kinematics.tree, shifting.parent, shifting.child
     # Frames that are not turned share one set of components, so that terms can add up.
-    shift = Vector({tree.home(frame): parts for frame, parts in shifting.shift.terms.items()})
+    shift = lifted(tree, shifting.shift)
     kinematics.shifts[child] = (parent, shift)
     if shifting.velocity is None:
         moved = kinematics.velocities[parent]

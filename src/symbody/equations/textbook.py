@@ -10,22 +10,25 @@ from symbody.equations.formed import Formed
 from symbody.equations.frame_motion import frame_motion_entries
 from symbody.equations.joint_outputs import reaction_wrench
 from symbody.equations.outputs import output_roots
-from symbody.expr.closed_form import ClosedForms, closed_forms, readable
+from symbody.expr.closed_form import ClosedForms, closed_forms, equated, readable
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph
 from symbody.expr.printing.definitions import EXPAND_LIMIT
+from symbody.expr.rewrite import tree_sizes
 from symbody.expr.sequence import Roots
-from symbody.expr.sympy_bridge import SympyExpr, SympyMatrix, to_sympy
+from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.vectors.vector import components
 
 # Equations in more speeds than this are not formed for reading.
-MOST_SPEEDS: Final = 12
+MOST_SPEEDS: Final = 8
 
 # The outputs that properties show as formulas.
 _SHOWN: Final = (
     "mass_matrix", "forcing", "constraints", "velocity_constraints", "jacobian", "position_jacobian",
     "kinetic_energy", "potential_energy", "qdot",
 )  # fmt: skip
+# The two sides of the equations of motion, and q' itself.
+_SIDES: Final = ("inertial", "driving", "rates")
 
 
 class Reaction(NamedTuple):
@@ -48,18 +51,49 @@ class Textbook:
     formed: Formed
     # Made on first request; pure functions of `formed`, so they cannot go stale.
     _roots: dict[str, Roots] = field(default_factory=dict, repr=False)
+    _matrices: dict[str, SympyMatrix] = field(default_factory=dict, repr=False)
     _closed: list[ClosedForms] = field(default_factory=list, repr=False)
 
+    def matrix(self, name: str) -> SympyMatrix:
+        """Return an output; written out if it is short, else in the symbols of `definitions`."""
+        if name not in self._matrices:
+            if self._is_long(name):
+                self._matrices.update(self._long.matrices)
+            else:
+                roots = self.side(name)
+                self._matrices[name] = closed_forms(self.formed.graph, [roots], EXPAND_LIMIT).matrices[name]
+        return self._matrices[name].copy()
+
+    def equations(self, left: str, right: str) -> list[SympyEquation]:
+        """Return ``left = right``, entry by entry, unevaluated."""
+        return equated(self.matrix(left), self.matrix(right))
+
     @property
-    def closed(self) -> ClosedForms:
-        """All closed forms together, so that they share one list of definitions."""
+    def definitions(self) -> tuple[tuple[SympyExpr, SympyExpr], ...]:
+        """Pairs (z1, expression), ... that long formulas are written in, each by earlier ones."""
+        return self._long.definitions if any(map(self._is_long, _SHOWN + _SIDES)) else ()
+
+    @property
+    def _long(self) -> ClosedForms:
+        """All long formulas together, so that they share one list of definitions."""
         if not self._closed:
-            graph = self.formed.graph
-            shown = [self.readable(name) for name in _SHOWN]
-            rates = tuple(graph.symbol(symbol.derivative) for symbol in self.formed.q)
-            sides = [self.inertial, self.driving, Roots("rates", (len(rates),), rates)]
-            self._closed.append(closed_forms(graph, [*shown, *sides], EXPAND_LIMIT))
+            names = [name for name in _SHOWN + _SIDES if self._is_long(name)]
+            outputs = [self.side(name) for name in names]
+            self._closed.append(closed_forms(self.formed.graph, outputs, EXPAND_LIMIT))
         return self._closed[0]
+
+    def _is_long(self, name: str) -> bool:
+        return max(tree_sizes(self.formed.graph, self.side(name).nodes), default=0) > EXPAND_LIMIT
+
+    def side(self, name: str) -> Roots:
+        """Return an output, or a side of the equations, in the form in which people read it."""
+        if name in _SIDES:
+            graph = self.formed.graph
+            rates = tuple(graph.symbol(symbol.derivative) for symbol in self.formed.q)
+            return {"inertial": self.inertial, "driving": self.driving}.get(
+                name, Roots(name, (len(rates),), rates)
+            )
+        return self.readable(name)
 
     def readable(self, name: str) -> Roots:
         """Return the roots of an output in the form in which people read it; the same values."""

@@ -8,8 +8,9 @@ from typing import Final
 
 import sympy as sp
 
-from symbody.expr.graph import Graph
-from symbody.expr.rewrite import tree_size
+from symbody.expr.graph import Graph, copy_nodes
+from symbody.expr.merging import merge_equal
+from symbody.expr.rewrite import tree_sizes
 from symbody.expr.sequence import Roots
 from symbody.expr.sympy_bridge import (
     SympyEquation,
@@ -21,7 +22,8 @@ from symbody.expr.trigonometry.normal_form import trigonometric_form
 
 # Operations of a formula that somebody will read, and of all such formulas together.
 _READABLE: Final = 500
-_READABLE_TOGETHER: Final = 4_000
+_READABLE_TOGETHER: Final = 1_500
+_MERGED: Final = 5_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,27 +41,32 @@ class ClosedForms:
     matrices: Mapping[str, SympyMatrix]
     definitions: tuple[tuple[SympyExpr, SympyExpr], ...]
 
-    def equations(self, left: str, right: str) -> list[SympyEquation]:
-        """Return ``left = right``, entry by entry, unevaluated."""
-        pairs = zip(self.matrices[left], self.matrices[right], strict=True)
-        return [sp.Eq(a, b, evaluate=False) for a, b in pairs]
+
+def equated(left: SympyMatrix, right: SympyMatrix) -> list[SympyEquation]:
+    """Return ``left = right``, entry by entry, unevaluated."""
+    return [sp.Eq(a, b, evaluate=False) for a, b in zip(left, right, strict=True)]
 
 
 def readable(graph: Graph, nodes: Sequence[int]) -> list[int]:
     """Return nodes in the trigonometric normal form, as far as they are short enough to be read.
 
-    Shorter ones come first; together they may have `_READABLE_TOGETHER` operations written out, which
-    bounds the time to about a second.
+    What is equal is merged first, so that nothing that is zero is printed. Shorter nodes come first; together
+    they may have `_READABLE_TOGETHER` operations written out, which bounds the time to about a second.
     """
-    result = list(nodes)
+    result = dict(zip(nodes, nodes, strict=True))
+    short = [node for node, size in zip(nodes, tree_sizes(graph, nodes), strict=True) if size <= _MERGED]
+    apart = Graph()
+    merged = copy_nodes(apart, graph, merge_equal(graph, short, apart), {})
+    result.update(zip(short, merged, strict=True))
     left = _READABLE_TOGETHER
-    for size, node in sorted({(tree_size(graph, node), node) for node in nodes}):
+    distinct = sorted(set(merged))
+    forms: dict[int, int] = {}
+    for size, node in sorted(zip(tree_sizes(graph, distinct), distinct, strict=True)):
         left -= size
         if size > _READABLE or left < 0:
             break
-        (form,) = trigonometric_form(graph, [node])
-        result = [form if old == node else new for old, new in zip(nodes, result, strict=True)]
-    return result
+        (forms[node],) = trigonometric_form(graph, [node])
+    return [forms.get(result[node], result[node]) for node in nodes]
 
 
 def closed_forms(graph: Graph, outputs: Sequence[Roots], limit: int) -> ClosedForms:

@@ -56,10 +56,15 @@ def multiplications(exponent: int) -> int:
 
 def tree_size(graph: Graph, root: int) -> int:
     """Return the operations of `root` written out as one formula; exact, however large."""
+    return tree_sizes(graph, [root])[0]
+
+
+def tree_sizes(graph: Graph, roots: Sequence[int]) -> list[int]:
+    """Return the operations of each root written out as one formula, in one pass over what they share."""
     size: dict[int, int] = {}
-    for node in graph.reachable([root]):
+    for node in graph.reachable(roots):
         size[node] = node_cost(graph, node) + sum(size[k] for k in graph.operands(node))
-    return size[root]
+    return [size[root] for root in roots]
 
 
 def dependence(graph: Graph, roots: Iterable[int]) -> dict[int, frozenset[Kind]]:

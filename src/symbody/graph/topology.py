@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from symbody.errors import FormulationError, Problem
+from symbody.errors import Problem, TopologyError
 from symbody.graph.linear_graph import Edge, LinearGraph
 from symbody.graph.spanning_tree import SpanningTree, least_forest, spanning_tree
 from symbody.graph.trees import Preference, TreeChoice, cycle_problem, preferences
@@ -64,7 +64,7 @@ def choose_topology(model: Model, choice: TreeChoice = None) -> Topology:
 
     Raises
     ------
-    FormulationError
+    TopologyError
         If a choice has a cycle, names no joint, or parts the coordinates of a joint that mixes them.
     """
     nodes = (GROUND, *(body.name for body in model.bodies))
@@ -73,7 +73,7 @@ def choose_topology(model: Model, choice: TreeChoice = None) -> Topology:
     graph = LinearGraph(nodes, edges)
     problems = [cycle_problem(kind, edges, wish.required) for kind, wish in wishes.items()]
     if any(problems):
-        raise FormulationError(*(problem for problem in problems if problem))
+        raise TopologyError(*(problem for problem in problems if problem))
     chosen = {kind: _forest(graph, model.joints, wish) for kind, wish in wishes.items()}
     loose = {kind: _loose(graph, names) for kind, names in chosen.items()}
     free = [
@@ -137,7 +137,7 @@ def _check_mixing(topology: Topology) -> None:
         and (shared := _shared(joint))
     ]  # fmt: skip
     if problems:
-        raise FormulationError(*problems)
+        raise TopologyError(*problems)
 
 
 def _shared(joint: Joint) -> str:

@@ -8,7 +8,7 @@ from typing import Final, Literal
 
 import networkx as nx
 
-from symbody.errors import FormulationError, Problem, nearest
+from symbody.errors import Problem, TopologyError, nearest
 from symbody.graph.linear_graph import Edge
 from symbody.model.joint import Joint
 from symbody.model.model import Model
@@ -52,7 +52,7 @@ def preferences(model: Model, joints: Sequence[Joint], choice: TreeChoice) -> di
 
     Raises
     ------
-    FormulationError
+    TopologyError
         If a name is no joint, or the choice is none.
     """
     names = tuple(joint.name for joint in joints)
@@ -64,7 +64,7 @@ def preferences(model: Model, joints: Sequence[Joint], choice: TreeChoice) -> di
     if choice == "joints":
         return {kind: Preference((), names) for kind in KINDS}
     if choice is not None:
-        raise FormulationError(
+        raise TopologyError(
             Problem("topology.unknown_choice", "tree", f"{choice!r} is no choice of trees", "",
                     'write "joints", "absolute", Trees(rotation=[...], translation=[...]), or leave it out')
         )  # fmt: skip
@@ -108,4 +108,4 @@ def _check_names(choice: Trees, names: Sequence[str]) -> None:
             for name in dict.fromkeys(listed) if listed.count(name) > 1
         ]  # fmt: skip
     if problems:
-        raise FormulationError(*problems)
+        raise TopologyError(*problems)

@@ -12,7 +12,8 @@ from typing import Final
 
 from symbody.expr.expression import Expr
 from symbody.vectors.frame import FrameTree
-from symbody.vectors.matrix import Triple, apply_matrix, inner, outer
+from symbody.vectors.matrix import Triple, apply_matrix, inner, outer, vanishes
+from symbody.vectors.rotation import Turn
 
 Rank = tuple[int, str]  # depth and name of a frame: an order that begins at the root
 
@@ -86,6 +87,24 @@ def drawn_near(tree: FrameTree, a: Vector, frame: str) -> Vector:
     if len(homes) == 1 and tree.is_parallel(frame, homes[0]):
         return a
     return express(tree, a, frame)
+
+
+def lifted(tree: FrameTree, a: Vector) -> Vector:
+    """Return the vector with each term in a frame turned about its own direction expressed before that turn.
+
+    Products with it then never hold the angle, which makes no difference to them.
+    """
+    result = NULL
+    for home, parts in a.terms.items():
+        frame = tree.home(home)
+        while frame in tree.parents:
+            parent, rotation = tree.parents[frame]
+            (step,) = rotation.turns if len(rotation.turns) == 1 else (None,)
+            if not isinstance(step, Turn) or not vanishes(outer(step.axis, parts)):
+                break
+            frame = tree.home(parent)
+        result = result + Vector({frame: parts})
+    return result
 
 
 def dot(tree: FrameTree, a: Vector, b: Vector) -> Expr:
