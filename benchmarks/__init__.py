@@ -2,6 +2,7 @@
 
     python -m benchmarks                  all, ten minutes with all peers
     python -m benchmarks expressions      one
+    python -m benchmarks derivation       equations of motion, beside sympy.physics.mechanics
     python -m benchmarks --help           sizes, time limit, number of rounds
 
 How to read the tables
@@ -12,6 +13,8 @@ else ran on it; they are shown so that a reader sees whether a ratio is about mi
 
 Every figure is a median over rounds, and in each round all engines take their turn one after the other, so
 that a slow minute of the machine slows all of them. An engine whose round takes long is asked less often.
+"derivation" shows the shortest time instead, because its rounds are few and long; see `derivation.py` for
+what is compared there.
 
 Each engine works in a process of its own. What does not finish within the time limit is ended: the column
 it was in says "not done", the total "> 60 s", and later columns stay empty. What fails says so below.

@@ -10,12 +10,12 @@ from typing import Final
 
 from rich.console import Console
 
-from benchmarks import expressions, nodes
+from benchmarks import derivation, expressions, nodes
 from benchmarks.table import Table, show
 from benchmarks.timing import Settings
 
 BENCHMARKS: Final[Mapping[str, Callable[[Settings], Iterator[Table]]]] = MappingProxyType(
-    {"nodes": nodes.tables, "expressions": expressions.tables}
+    {"nodes": nodes.tables, "expressions": expressions.tables, "derivation": derivation.tables}
 )
 
 _WIDTH: Final = 150
@@ -32,7 +32,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
         "--limit", type=float, default=default.limit, help="seconds one round of one engine may take"
     )
     parser.add_argument(
-        "--rounds", type=int, default=default.rounds, help="rounds, of which medians are taken"
+        "--rounds",
+        type=int,
+        default=default.rounds,
+        help="rounds, of which medians or shortest times are taken",
+    )
+    parser.add_argument(
+        "--long", action="store_true", help="derivation: wait an hour for a peer instead of the limit"
     )
     chosen = parser.parse_args(arguments)
     unknown = [name for name in chosen.name if name not in BENCHMARKS]
@@ -47,7 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         f"{platform.machine()}, Python {platform.python_version()}; in brackets: times symbody's figure\n"
     )
     for name in chosen.name or BENCHMARKS:
-        for table in BENCHMARKS[name](Settings(chosen.limit, chosen.rounds)):
+        for table in BENCHMARKS[name](Settings(chosen.limit, chosen.rounds, chosen.long)):
             show(table, console)
 
 

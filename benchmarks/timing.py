@@ -11,10 +11,11 @@ from time import perf_counter, process_time
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """How long to wait for one round of one engine [s], and how many rounds to make."""
+    """How long to wait for one round of one engine [s], how many rounds to make; `long`: wait for peers."""
 
     limit: float = 60.0
     rounds: int = 5
+    long: bool = False
 
 
 def seconds(task: Callable[[], object]) -> float:

@@ -12,13 +12,14 @@ import pytest
 import sympy
 from rich.console import Console
 
-from benchmarks import expressions, nodes
+from benchmarks import derivation, expressions, nodes
 from benchmarks.__main__ import BENCHMARKS, main
 from benchmarks.engines.algebra import Floats, Scalar
 from benchmarks.engines.counting import count_operations
 from benchmarks.engines.engine import Engine
 from benchmarks.engines.ours import Engine as Ours
 from benchmarks.expressions import relative_difference
+from benchmarks.mechanisms import Mechanism, pendulum_on_cart, spatial_chain
 from benchmarks.problems import Problem, pendulum, random_operations, random_program, serial_chain
 from benchmarks.process import Process, Step, Task
 from benchmarks.table import Table, difference_text, ratio_text, seconds_text, show
@@ -101,6 +102,39 @@ def test_who_hangs_or_fails_is_named_and_the_others_go_on() -> None:
     assert sleeper["build"] == refuser["build"] == "not done"
     assert sleeper["all three"].startswith("> 3 s (> ")
     assert table.notes == ("Sleeper, build: > 3 s", "Refuser, build: ArithmeticError: no sines here")
+
+
+def test_derivation_tables_compare_equal_mechanisms() -> None:
+    families = {"some": [pendulum_on_cart(2), spatial_chain(2), *derivation.FAMILIES["examples"]]}
+    files, compared = derivation.tables(ONCE, ["spring_mass_damper"], families)
+    ((name, *cells),) = files.rows
+    assert name == "spring_mass_damper" and all(cells)
+    assert compared.title == "some" and len(compared.rows) == 2 * len(families["some"])
+    assert len(compared.notes) == 1, "something was stopped"
+    rows = [dict(zip(compared.columns, row, strict=True)) for row in compared.rows]
+    for ours, peer in zip(rows[::2], rows[1::2], strict=True):
+        assert ours["engine"] == "symbody" and peer["engine"] == "SymPy"
+        assert all(cell for column, cell in ours.items() if column != "difference")
+        for column in ("form", "count", "both", "M and F", "udot"):
+            assert peer[column].endswith("x)"), column
+        # a few roundings, of systems of a condition below a hundred
+        assert float(peer["difference"]) < 1e-12
+
+
+def fails() -> object:
+    raise ArithmeticError("no equations here")
+
+
+def test_a_peer_that_fails_is_not_asked_for_larger_mechanisms() -> None:
+    small, large = pendulum_on_cart(1), pendulum_on_cart(2)
+    members = [Mechanism(small.name, small.model, fails), large]
+    _, table = derivation.tables(ONCE, [], {"pendulum": members})
+    assert [row[1] for row in table.rows] == ["symbody", "SymPy", "symbody"]
+    assert dict(zip(table.columns, table.rows[1], strict=True))["both"] == "not done"
+    assert table.notes[1:] == (
+        f"{small.name}, SymPy: ArithmeticError: no equations here",
+        "SymPy is not asked for larger ones",
+    )
 
 
 def test_a_process_is_ended_at_its_limit_and_what_it_said_is_kept() -> None:

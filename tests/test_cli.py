@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,10 @@ import numpy as np
 import pytest
 
 from symbody.cli import run
+from symbody.cli.commands import examples_folder
+from symbody.cli.written import equation_lines
+from symbody.equations.form import form_equations
+from symbody.formats.native import load_model
 
 
 @pytest.fixture
@@ -60,17 +65,118 @@ def test_equations_as_text_and_latex(model: Path, capsys: pytest.CaptureFixture[
     assert r"\ddot{x}" in capsys.readouterr().out
 
 
+def example(name: str) -> str:
+    return str(examples_folder() / name / f"{name}.toml")
+
+
+def test_rates_and_constraints_are_printed_where_there_are_any(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["equations", example("spin_top_omega")]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line for line in lines if not line.startswith(" ")] == ["rates:", "motion:"]
+    assert lines[1] == "  zeta' = (omega_x sin(xi) + omega_y cos(xi))/sin(eta)"
+    assert lines[-1] == "  C omega_z' = 0"
+    assert run(["equations", example("slider_crank")]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "motion:" and lines[4] == "constraints:" and len(lines) == 7
+    assert lines[3].endswith(" = F") and lines[6] == "  L2 sin(theta - beta) - s sin(theta) = 0"
+
+
+def test_latex_has_titles_as_comments(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["equations", example("slider_crank"), "--latex"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "% motion" and lines[4] == "% constraints" and len(lines) == 7
+    assert r"\ddot{\theta}" in lines[1]
+
+
+def test_long_equations_are_written_with_definitions() -> None:
+    """Each shared part is written once and defined by earlier ones; the titles stay."""
+    eqs = form_equations(load_model(example("spatial_four_bar")))
+    lines = equation_lines(eqs, limit=50)
+    assert [line for line in lines if not line.startswith(" ")] == ["motion:", "constraints:", "where:"]
+    defined = lines[lines.index("where:") + 1 :]
+    assert len(defined) > 10
+    for k, line in enumerate(defined):
+        name, formula = line.split(" = ")
+        assert name == f"  z{k + 1}"
+        assert all(int(number) <= k for number in re.findall(r"\bz(\d+)\b", formula))
+    assert sum(map(len, lines)) < sum(map(len, equation_lines(eqs)))
+
+
+def test_tree_may_be_chosen(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = model.read_text(encoding="utf-8").replace('mass = "m"', 'mass = "m"\ninertia = [1, 1, 1]')
+    model.write_text(text, encoding="utf-8")
+    assert run(["equations", str(model), "--tree", "absolute"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines.index("motion:") - lines.index("rates:") == 8  # position, quaternion; x is measured
+    assert run(["check", str(model), "--tree", "absolute"]) == 0
+    text = capsys.readouterr().out
+    assert "rotation and translation tree: Mass\n" in text
+    assert "cut joints: slider\n" in text and "degrees of freedom: 1\n" in text
+    assert run(["equations", str(model), "--tree", "branches"]) == 2
+    assert "absolute" in capsys.readouterr().err
+
+
 def test_check_tells_what_the_model_is(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["check", str(model)]) == 0
-    text = capsys.readouterr().out
-    for fact in (
+    assert capsys.readouterr().out.splitlines() == [
+        "model: spring-mass-damper",
+        "gravity: 0, 0, 0",
         "bodies: Mass",
-        "slider (prismatic)",
-        "coordinates: x",
+        "joints:",
+        "  slider  prismatic  ground -> Mass  x",
         "inputs: F",
+        "parameters: m = 1.0, d = 0.5, k = 1.0",
+        "rotation and translation tree: slider",
+        "cut joints: none",
+        "coordinates: x",
+        "speeds: x_dot",
+        "constraints: none",
+        "degrees of freedom: 1",
+        "note: gravity is zero",
+    ]
+
+
+def test_check_tells_of_loops(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["check", example("slider_crank")]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert "  B  revolute   Crank.B -> Rod.B   (B)" in lines
+    for fact in (
+        "rotation and translation tree: A, C, D",
+        "cut joints: B",
+        "constraints: 2 (lambda_B_1, lambda_B_2)",
         "degrees of freedom: 1",
     ):
-        assert fact in text
+        assert fact in lines
+    assert [line for line in lines if line.startswith("note: joint B is cut")]
+
+
+def test_check_tells_parameters_without_value(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name, verdict in (("rr_robot", "2"), ("slider_crank", "not counted, no value is given for")):
+        text = Path(example(name)).read_text(encoding="utf-8")
+        path = tmp_path / f"{name}.toml"
+        path.write_text(
+            re.sub(r"(?m)^m1 = .*$", 'm1 = ""', re.sub(r"(?m)^(L1) = .*$", r'\1 = ""', text)), "utf-8"
+        )
+        assert run(["check", str(path)]) == 0
+        told = capsys.readouterr().out
+        assert "parameters without value: m1" in told and f"degrees of freedom: {verdict}" in told
+
+
+def test_check_tells_all_problems_at_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = Path(example("rr_robot")).read_text(encoding="utf-8")
+    text = (
+        text.replace('mass = "m1"', 'mass = "mm1"')
+        .replace('"Link2.base"', '"Link2.bse"')
+        .replace('T2"]', 'G"]')
+    )
+    path = tmp_path / "broken.toml"
+    path.write_text(text, encoding="utf-8")
+    assert run(["check", str(path)]) == 3
+    shown = capsys.readouterr()
+    assert not shown.out and "Traceback" not in shown.err
+    for word in ("mm1", "bse", "did you mean"):
+        assert word in shown.err
+    assert shown.err.count("broken.toml:") >= 3
 
 
 def test_code_goes_to_a_file_that_is_not_overwritten(model: Path, capsys: pytest.CaptureFixture[str]) -> None:

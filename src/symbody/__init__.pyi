@@ -48,8 +48,14 @@ from .codegen import CompiledFunction as CompiledFunction
 from .codegen import compile as compile
 from .codegen import generate_code as generate_code
 
+# its configurations
+from .analysis import State as State
+from .analysis import assemble as assemble
+
 # its motion
+from .simulation import Baumgarte as Baumgarte
 from .simulation import Explicit as Explicit
+from .simulation import Projection as Projection
 from .simulation import Status as Status
 from .simulation import Trajectory as Trajectory
 from .simulation import simulate as simulate

@@ -76,6 +76,27 @@ def closing_rows(names: Names, kinematics: Kinematics, use: Use) -> list[Row]:
     return [replace(row, name=f"lambda_{joint.name}_{k}") for k, row in rows]
 
 
+def alignments(names: Names, kinematics: Kinematics, use: Use) -> list[Expr]:
+    """Return the cosines between axes that coincide where a cut joint is closed.
+
+    Its rows are products of perpendicular axes and hold for opposite ones too.
+    """
+    joint, tree = use.joint, kinematics.tree
+    if use.in_rotation:
+        return []
+    start, end = joint.start.frame, joint.end.frame
+    turns = turns_of(names, joint.turns(), f"joint {joint.name}")
+    axes = list(unit_axes(names.graph))
+    if use.turns and joint.quaternion is None:
+        start = predicted(joint.name)
+    elif len(turns) == 1:
+        axes = [turns[0].axis]
+    elif turns or joint.quaternion is not None:
+        return []
+    homes = tree.home(start), tree.home(end)
+    return [dot(tree, vector(homes[0], axis), vector(homes[1], axis)) for axis in axes]
+
+
 def motion_rows(names: Names, kinematics: Kinematics, use: Use) -> list[Row]:
     """Return the rows of motions that are constraints on coordinates of the tree."""
     rows = []

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from symbody.equations.inertia import Inertia
+from symbody.equations.inertia import Inertia, Rotor
 from symbody.equations.kinematics import Kinematics
 from symbody.equations.load import Effort, Load, Moment, Pull
 from symbody.equations.virtual_work import Projection, add_rotor
@@ -22,7 +22,7 @@ def project_directly(
     kinematics: Kinematics,
     bodies: Sequence[Inertia],
     loads: Sequence[Load],
-    armatures: Mapping[int, Expr],
+    armatures: Mapping[str, Rotor],
 ) -> Projection:
     """Return the equations of motion in the speeds; see `virtual_work.project`."""
     speeds = kinematics.speeds
@@ -35,8 +35,8 @@ def project_directly(
     for load in loads:
         for u, work in _virtual_work(kinematics, load).items():
             forcing[place[u]] = forcing[place[u]] + work
-    for rate, rotor in armatures.items():
-        add_rotor(kinematics, Expr(kinematics.graph, rate), rotor, mass, forcing)
+    for rotor in armatures.values():
+        add_rotor(kinematics, rotor, mass, forcing)
     return Projection(tuple(map(tuple, mass)), tuple(forcing))
 
 

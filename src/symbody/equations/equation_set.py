@@ -54,6 +54,16 @@ class EquationSet:
         return tuple(tuple(names[k] for k in nodes) for nodes in self.formed.variables.quaternions)
 
     @property
+    def measured_angles(self) -> tuple[str, ...]:
+        """Names of the angles of cut joints, which are outputs in (-pi, pi]."""
+        return tuple(
+            name
+            for use in self.formed.uses
+            for name in use.joint.rotation_coordinates
+            if name not in use.coordinates and use.joint.quaternion is None
+        )
+
+    @property
     def coordinate_names(self) -> tuple[str, ...]:
         """Names of q in order."""
         return tuple(symbol.label for symbol in self.formed.q)
@@ -62,6 +72,11 @@ class EquationSet:
     def speed_names(self) -> tuple[str, ...]:
         """Names of u in order."""
         return tuple(symbol.label for symbol in self.formed.u)
+
+    @property
+    def acceleration_names(self) -> tuple[str, ...]:
+        """Names of u' in order: ``<coordinate>_ddot``, ``<quasi-speed>_dot``."""
+        return tuple(symbol.derivative.label for symbol in self.formed.u)
 
     @property
     def state_names(self) -> tuple[str, ...]:

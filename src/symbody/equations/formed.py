@@ -7,9 +7,10 @@ from dataclasses import dataclass, field, replace
 
 from symbody.equations.balance import Wrench
 from symbody.equations.closings import Row
-from symbody.equations.inertia import Inertia
+from symbody.equations.inertia import Inertia, Rotor
 from symbody.equations.kinematics import Kinematics
 from symbody.equations.loads import Loads, effort_name
+from symbody.equations.measured import measured_coordinates
 from symbody.equations.naming import Names
 from symbody.equations.reactions import drive_wrench, joint_wrenches, row_wrenches
 from symbody.equations.variables import Use, Variables
@@ -32,12 +33,14 @@ class Formed:
         Every joint, with the parts of its law that are in use.
     rows : tuple of Row
         The constraints, in the order of Phi.
+    alignments : tuple of Expr
+        Cosines that are 1, not -1, where the cut joints are closed as they should be.
     projection : Projection
         Mass matrix and forcing.
     notes : tuple of str
         What was dropped, and where the equations do not hold.
-    armatures : mapping of node to Expr
-        Inertia of rotors by the rate they turn with.
+    armatures : mapping of coordinate to Rotor
+        What turns with the rates of joints.
     """
 
     names: Names
@@ -49,13 +52,15 @@ class Formed:
     kinematics: Kinematics
     bodies: tuple[Inertia, ...]
     loads: Loads
-    armatures: Mapping[int, Expr]
+    armatures: Mapping[str, Rotor]
     rows: tuple[Row, ...]
+    alignments: tuple[Expr, ...]
     projection: Projection
     kinetic_energy: Expr
     notes: tuple[str, ...]
     # Made on first request; a pure function of the fields above, so it cannot go stale.
     _wrenches: dict[str, Wrench] = field(default_factory=dict, repr=False)
+    _names: list[Names] = field(default_factory=list, repr=False)
     solved: list[tuple[list[Expr], list[Expr]]] = field(default_factory=list, repr=False)
 
     @property
@@ -102,18 +107,28 @@ class Formed:
                 if coordinate in use.coordinates:
                     continue
                 effort = self.loads.efforts.get(effort_name(joint, coordinate), Expr(self.graph, 0))
-                rate = names.value(f"{coordinate}_dot")
-                if rate.index in self.armatures:
-                    effort = effort - self.armatures[rate.index] * kinematics.rate(rate)
+                if coordinate in self.armatures:
+                    rotor = self.armatures[coordinate]
+                    effort = effort - rotor.inertia * kinematics.rate(rotor.rate)
                 yield joint.name, drive_wrench(names, kinematics, joint, coordinate, effort)
 
     def with_rows(self, rows: tuple[Row, ...]) -> Formed:
         """Return the same equations under other constraints."""
-        return replace(self, rows=rows, solved=[], _wrenches={})
+        return replace(self, rows=rows, solved=[], _wrenches={}, _names=[])
 
     def expressions(self, symbols: Sequence[Symbol]) -> tuple[Expr, ...]:
         """Return symbols as expressions of the graph."""
         return tuple(Expr(self.graph, self.graph.symbol(symbol)) for symbol in symbols)
+
+    @property
+    def readable_names(self) -> Names:
+        """The names with all coordinates of cut joints, which are measured on first request."""
+        if not self._names:
+            names = self.names
+            for use in self.uses:
+                names = names.with_values(measured_coordinates(names, self.kinematics, use))
+            self._names.append(names)
+        return self._names[0]
 
     def frame(self, name: str) -> str:
         """Return the frame of kinematics that an address means.

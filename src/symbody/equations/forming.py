@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from collections.abc import Set as AbstractSet
 
-from symbody.equations.closings import Row, closing_rows, motion_rows
+from symbody.equations.closings import Row, alignments, closing_rows, motion_rows
 from symbody.equations.direct import project_directly
 from symbody.equations.formed import Formed
-from symbody.equations.inertia import form_inertia
+from symbody.equations.inertia import Rotor, form_inertia
 from symbody.equations.kinematics import Kinematics, form_kinematics
 from symbody.equations.loads import form_loads
 from symbody.equations.measured import measured_coordinates
@@ -22,6 +22,7 @@ from symbody.expr.calculus import time_derivative
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.expr.printing.text import to_text
+from symbody.expr.rewrite import dependence
 from symbody.graph.topology import Topology
 from symbody.model.joint import Joint
 from symbody.model.model import Model
@@ -56,8 +57,10 @@ def form(topology: Topology, graph: Graph, *, spread: bool = False) -> Formed:
         spread=spread,
     )
     names = names.with_values(_second_rates(kinematics, variables))
+    read = _names_read(topology.model)
     for use in uses:
-        names = names.with_values(measured_coordinates(names, kinematics, use))
+        if _is_read(use, read):
+            names = names.with_values(measured_coordinates(names, kinematics, use))
     rows, notes = _rows(names, kinematics, uses)
     return _formed(topology, names, uses, variables, kinematics, rows, notes)
 
@@ -75,10 +78,11 @@ def _formed(
     bodies = tuple(form_inertia(names, body) for body in model.bodies)
     loads = form_loads(model, names, kinematics, bodies, uses)
     armatures = {
-        names.value(f"{coordinate}_dot").index: names.expression(rotor, f"joint {use.joint.name}")
+        coordinate: Rotor(
+            names.value(f"{coordinate}_dot"), names.expression(rotor, f"joint {use.joint.name}")
+        )
         for use in uses
         for coordinate, rotor in use.joint.armature.items()
-        if coordinate not in use.prescribed
     }
     if kinematics.spread:
         projection = project_directly(kinematics, bodies, loads.loads, armatures)
@@ -96,6 +100,7 @@ def _formed(
         loads=loads,
         armatures=armatures,
         rows=tuple(rows),
+        alignments=tuple(cosine for use in uses for cosine in alignments(names, kinematics, use)),
         projection=projection,
         kinetic_energy=kinetic_energy(kinematics, bodies, armatures),
         notes=notes + _singularities(names.graph, variables),
@@ -129,6 +134,14 @@ def _names_read(model: Model) -> set[str]:
     """Return the names that the formulas of forces and springs contain."""
     uses = (use for element in model.elements for use in element.uses())
     return {name for use in uses if use.scope is Scope.LOAD for name in use.formula.names}
+
+
+def _is_read(use: Use, read: AbstractSet[str]) -> bool:
+    """Return whether forces need a measured coordinate of a joint, or its rate."""
+    measured = set(use.joint.coordinates).difference(use.coordinates)
+    if not measured.isdisjoint({*use.joint.drives, *use.joint.armature}):
+        return True
+    return any(name in read or f"{name}_dot" in read for name in measured)
 
 
 def _needs_angles(joint: Joint, read: AbstractSet[str]) -> bool:
@@ -219,7 +232,13 @@ def _rows(names: Names, kinematics: Kinematics, uses: Sequence[Use]) -> tuple[li
     graph = kinematics.graph
     gone = vanishing(graph, [row.value.index for row in rows])
     pairs = list(zip(rows, gone, strict=True))
+    kinds = dependence(graph, [row.value.index for row in rows])
     problems = [_never_closed(row) for row, zero in pairs if not zero and row.value.number is not None]
+    problems += [
+        _over_driven(row, uses)
+        for row, zero in pairs
+        if not zero and Kind.TIME in kinds[row.value.index] and Kind.COORDINATE not in kinds[row.value.index]
+    ]
     if problems:
         raise FormulationError(*problems)
     dropped: dict[str, list[str]] = {}
@@ -239,6 +258,16 @@ def _singularities(graph: Graph, variables: Variables) -> tuple[str, ...]:
         f"{to_text(graph, determinant.index).removeprefix('-')} = 0"
         for joint, determinant in variables.singularities.items()
     )
+
+
+def _over_driven(row: Row, uses: Sequence[Use]) -> Problem:
+    driven = ", ".join(name for use in uses for name in use.prescribed)
+    return Problem(
+        "equations.over_driven", f"joint {row.element}",
+        f"its closing equation {row.name} depends on time alone: every joint of its loop is driven",
+        f"prescribed are {driven}, more than the loop has freedoms",
+        "let one of these coordinates free, or give it a drive instead of a motion",
+    )  # fmt: skip
 
 
 def _never_closed(row: Row) -> Problem:

@@ -27,6 +27,20 @@ class Inertia:
     tensor: Dyadic
 
 
+@dataclass(frozen=True, slots=True)
+class Rotor:
+    """What turns or slides with the rate of a joint coordinate.
+
+    Attributes
+    ----------
+    rate : Expr
+        In the speeds, or in time alone if the coordinate is prescribed.
+    """
+
+    rate: Expr
+    inertia: Expr
+
+
 def form_inertia(names: Names, body: Body) -> Inertia:
     """Return the mass and inertia of a body of the model."""
     where = f"body {body.name}"

@@ -119,6 +119,12 @@ class Kinematics:
         book, but their number grows with the square of the length of a chain.
     shifts : mapping of frame to (frame, Vector)
         From the origin of a frame nearer to ground to each frame's origin.
+    steered : set of frame
+        Frames whose angular velocity is given in speeds: those before them turn at less simple rates.
+    depths : mapping of frame to int
+        Number of shifts from ground.
+    arms : mapping of (frame, frame) to Vector
+        What `arm` found; it follows from the shifts.
     velocities, angular_velocities : mapping of frame
         Of each frame's origin, and of the frame.
     """
@@ -128,6 +134,9 @@ class Kinematics:
     speeds: tuple[int, ...]
     spread: bool
     shifts: dict[str, tuple[str, Vector]]
+    steered: set[str]
+    depths: dict[str, int]
+    arms: dict[tuple[str, str], Vector]
     velocities: dict[str, Velocity]
     angular_velocities: dict[str, Velocity]
 
@@ -138,24 +147,28 @@ class Kinematics:
 
     def arm(self, start: str, end: str) -> Vector:
         """Return the vector from the origin of one frame to that of another."""
-        outward, inward = self._origins(end), self._origins(start)
-        while outward and inward and outward[-1] == inward[-1]:
-            outward.pop()
-            inward.pop()
-        total = NULL
-        for frame in reversed(outward):
-            total = total + self.shifts[frame][1]
-        for frame in inward:
-            total = total - self.shifts[frame][1]
-        return total
+        found = self.arms.get((start, end))
+        if found is None:
+            outward, inward = self._apart(end, start)
+            found = NULL
+            for frame in reversed(outward):
+                found = found + self.shifts[frame][1]
+            for frame in inward:
+                found = found - self.shifts[frame][1]
+            self.arms[(start, end)] = found
+        return found
 
-    def _origins(self, frame: str) -> list[str]:
-        """Return the frames whose shifts lead from a frame's origin to that of ground."""
-        steps = []
-        while frame in self.shifts:
-            steps.append(frame)
-            frame = self.shifts[frame][0]
-        return steps
+    def _apart(self, a: str, b: str) -> tuple[list[str], list[str]]:
+        """Return the frames from each of two frames to the last that both stand on, which is left out."""
+        from_a, from_b = [], []
+        while a != b:
+            if self.depths[a] >= self.depths[b]:
+                from_a.append(a)
+                a = self.shifts[a][0]
+            else:
+                from_b.append(b)
+                b = self.shifts[b][0]
+        return from_a, from_b
 
     def derivative(self, a: Vector, frame: str = "ground") -> Vector:
         """Return the time derivative of a vector as seen from `frame`, with u' as symbols of its own."""
@@ -213,7 +226,18 @@ def form_kinematics(
     """
     parents: dict[str, tuple[str, Rotation]] = {}
     tree = FrameTree(graph, parents)
-    kinematics = Kinematics(tree, rates, tuple(speeds), spread, {}, {"ground": AT_REST}, {"ground": AT_REST})
+    kinematics = Kinematics(
+        tree=tree,
+        rates=rates,
+        speeds=tuple(speeds),
+        spread=spread,
+        shifts={},
+        steered=set(),
+        depths={"ground": 0},
+        arms={},
+        velocities={"ground": AT_REST},
+        angular_velocities={"ground": AT_REST},
+    )
     for turning in turnings:
         _turn(kinematics, parents, turning)
     for shifting in shiftings:
@@ -235,6 +259,7 @@ def _turn(kinematics: Kinematics, parents: dict[str, tuple[str, Rotation]], turn
         parents[turning.child] = (frame, Rotation())
         angular[turning.child] = angular[frame]
     if turning.angular_velocity is not None:
+        kinematics.steered.add(kinematics.tree.home(turning.child))
         near = angular[turning.parent]
         swing = cross(kinematics.tree, near.value, turning.angular_velocity)
         relative = kinematics.affine(turning.angular_velocity, swing)
@@ -257,8 +282,9 @@ def _shift(kinematics: Kinematics, shifting: Shifting) -> None:
     """Enter the origin of a frame."""
     tree, parent, child = kinematics.tree, shifting.parent, shifting.child
     # Frames that are not turned share one set of components, so that terms can add up.
-    shift = lifted(tree, shifting.shift)
+    shift = lifted(tree, shifting.shift, kinematics.steered)
     kinematics.shifts[child] = (parent, shift)
+    kinematics.depths[child] = kinematics.depths[parent] + 1
     if shifting.velocity is None:
         moved = kinematics.velocities[parent]
         for frame, parts in shift.terms.items():

@@ -14,10 +14,7 @@ from symbody.expr.expression import Expr
 
 
 class Solution(NamedTuple):
-    """Unknowns, and the pivots that were divided by, one an unknown.
-
-    If a pivot is the constant 0 there are no values, and the pivots not reached are 1.
-    """
+    """Unknowns, and the pivots that were divided by, one an unknown; a pivot that is 0 divided nothing."""
 
     values: list[Expr]
     pivots: list[Expr]
@@ -36,10 +33,11 @@ def solve_positive_definite(
     n = len(right)
     a = [[matrix[max(i, j)][min(i, j)] for j in order] for i in order]
     x = [right[i] for i in order]
-    place = {unknown: k for k, unknown in enumerate(order)}
+    pivots = x.copy()
     for k in reversed(range(n)):
-        if a[k][k].is_zero:
-            return Solution([], [a[place[i]][place[i]] if place[i] >= k else a[k][k] + 1 for i in range(n)])
+        pivots[k] = a[k][k]
+        if pivots[k].is_zero:
+            a[k][k] = pivots[k] + 1
         for i in range(k):
             if a[k][i].is_zero:
                 continue
@@ -51,4 +49,5 @@ def solve_positive_definite(
         for j in range(i):
             x[i] = x[i] - a[i][j] * x[j]
         x[i] = x[i] / a[i][i]
-    return Solution([x[place[i]] for i in range(n)], [a[place[i]][place[i]] for i in range(n)])
+    place = {unknown: k for k, unknown in enumerate(order)}
+    return Solution([x[place[i]] for i in range(n)], [pivots[place[i]] for i in range(n)])

@@ -117,11 +117,11 @@ def _assembled(
             slopes += [q[k] if k in places else 0.0 for k in range(n)]
         if not all(map(math.isfinite, (*phi, *slopes))):
             return None
-        size = 1 + max(map(abs, q))
-        if max(map(abs, phi)) < _CLOSED * size:
+        size = 1 + max(map(abs, q), default=0.0)
+        if max(map(abs, phi), default=0.0) < _CLOSED * size:
             return q
         step = solve_saddle(unit, slopes, [0.0] * n, [-x for x in phi], rank_cut=_RANK_CUT).udot
-        longest = max(map(abs, step))
+        longest = max(map(abs, step), default=0.0)
         shortened = min(1.0, size / longest) if longest else 1.0
         q = [x + shortened * dx for x, dx in zip(q, step, strict=True)]
     return None

@@ -8,6 +8,12 @@ from typing import Final
 from symbody.equations.formed import Formed
 from symbody.equations.frame_motion import frame_output
 from symbody.equations.joint_outputs import effort_names, joint_effort, reaction_output, total_power
+from symbody.equations.projection import (
+    position_move,
+    position_residual,
+    velocity_move,
+    velocity_residual,
+)
 from symbody.equations.solution import solve, solved
 from symbody.errors import ExpressionError, FormulationError, Problem, nearest
 from symbody.expr.calculus import jacobian
@@ -36,7 +42,7 @@ def output_roots(formed: Formed, name: str) -> Roots:
         return _roots(name, shape, solved(formed, values))
     try:
         formula = Formula.of(name)
-        return _roots(name, (), solved(formed, [formed.names.expression(formula)]))
+        return _roots(name, (), solved(formed, [formed.readable_names.expression(formula)]))
     except (ExpressionError, FormulationError) as error:
         words = [*output_names(formed), *formed.names.symbols]
         raise FormulationError(
@@ -93,18 +99,6 @@ def _position_jacobian(formed: Formed) -> list[list[Expr]]:
     return [[Expr(graph, entry) for entry in row] for row in rows]
 
 
-def _velocity_constraints(formed: Formed) -> list[Expr]:
-    speeds = formed.expressions(formed.u)
-    found = []
-    for row in formed.rows:
-        total = row.rest
-        for u in speeds:
-            if u.index in row.slopes:
-                total = total + row.slopes[u.index] * u
-        found.append(total)
-    return found
-
-
 def _bias(formed: Formed) -> list[Expr]:
     return [-force for force in formed.projection.forcing]
 
@@ -123,10 +117,16 @@ _MAKERS: Final[dict[str, Callable[[Formed], Roots]]] = {
     "energy": _scalar("energy", lambda formed: formed.kinetic_energy + formed.loads.potential_energy),
     "power": _scalar("power", lambda formed: solved(formed, [total_power(formed)])[0]),
     "constraints": _vector("constraints", lambda formed: [row.value for row in formed.rows]),
-    "velocity_constraints": _vector("velocity_constraints", _velocity_constraints),
+    "velocity_constraints": _vector("velocity_constraints", velocity_residual),
     "gamma": _vector("gamma", lambda formed: [row.gamma for row in formed.rows]),
     "jacobian": _matrix("jacobian", lambda formed: formed.jacobian),
     "position_jacobian": _matrix("position_jacobian", _position_jacobian),
+    # for those who integrate themselves: what drifts, and how to bring it back
+    "position_residual": _vector("position_residual", position_residual),
+    "position_move": _vector("position_move", position_move),
+    "velocity_residual": _vector("velocity_residual", velocity_residual),
+    "velocity_move": _vector("velocity_move", velocity_move),
+    "alignment": _vector("alignment", lambda formed: list(formed.alignments)),
 }
 
 # Words followed by names.

@@ -50,7 +50,7 @@ def solved(formed: Formed, values: Sequence[Expr]) -> list[Expr]:
 def _solve_tree(formed: Formed) -> list[Expr]:
     projection = formed.projection
     found = solve_positive_definite(projection.mass_matrix, projection.forcing, _outward(formed))
-    if not found.values or any(map(_is_light, formed.bodies)):
+    if any(map(_is_light, formed.bodies)):
         gone = vanishing(formed.graph, [pivot.index for pivot in found.pivots])
         problems = [_massless(formed, k) for k, zero in enumerate(gone) if zero]
         if problems:
@@ -92,7 +92,7 @@ def _is_light(body: Inertia) -> bool:
 def _massless(formed: Formed, k: int) -> Problem:
     name = formed.u[k].label
     return Problem(
-        "equations.massless", f"speed {name}", f"nothing that has mass moves with {name}",
+        "equations.massless", f"speed {name}", f"no mass resists {name} while all outward of it is free",
         "the mass matrix is singular everywhere, so this acceleration is not determined",
-        "give mass or inertia to the bodies outward of this joint, or weld it",
+        "give mass or inertia to the bodies that move with it, or weld its joint",
     )  # fmt: skip

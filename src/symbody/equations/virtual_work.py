@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from symbody.equations.balance import NOTHING, Wrench, balanced
-from symbody.equations.inertia import Inertia
+from symbody.equations.inertia import Inertia, Rotor
 from symbody.equations.kinematics import Kinematics
 from symbody.equations.load import Effort, Load, wrenches
 from symbody.equations.variables import Use
@@ -41,14 +41,14 @@ def project(
     uses: Sequence[Use],
     bodies: Sequence[Inertia],
     loads: Sequence[Load],
-    armatures: Mapping[int, Expr],
+    armatures: Mapping[str, Rotor],
 ) -> Projection:
     """Return the equations of motion in the speeds.
 
     Parameters
     ----------
-    armatures : mapping of node to Expr
-        Inertia of rotors that turn with a rate; the rates are expressions in the speeds.
+    armatures : mapping of coordinate to Rotor
+        What turns with the rates of joints.
     """
     speeds, zero = kinematics.speeds, number(kinematics.graph, 0)
     place = {u: j for j, u in enumerate(speeds)}
@@ -70,8 +70,8 @@ def project(
         if isinstance(load, Effort):
             for u, slope in kinematics.slopes(load.rate).items():
                 forcing[place[u]] = forcing[place[u]] + slope * load.effort
-    for rate, rotor in armatures.items():
-        add_rotor(kinematics, Expr(kinematics.graph, rate), rotor, mass, forcing)
+    for rotor in armatures.values():
+        add_rotor(kinematics, rotor, mass, forcing)
     return Projection(tuple(map(tuple, mass)), tuple(forcing))
 
 
@@ -106,7 +106,7 @@ def frame_owners(topology: Topology) -> dict[str, str]:
     return owners
 
 
-def kinetic_energy(kinematics: Kinematics, bodies: Sequence[Inertia], armatures: Mapping[int, Expr]) -> Expr:
+def kinetic_energy(kinematics: Kinematics, bodies: Sequence[Inertia], armatures: Mapping[str, Rotor]) -> Expr:
     """Return the kinetic energy of the bodies relative to ground, and of rotors along their rates [J]."""
     tree = kinematics.tree
     total = number(tree.graph, 0)
@@ -114,8 +114,8 @@ def kinetic_energy(kinematics: Kinematics, bodies: Sequence[Inertia], armatures:
         v = kinematics.velocities[body.frame].value
         w = kinematics.angular_velocities[body.frame].value
         total = total + body.mass * dot(tree, v, v) + quadratic(tree, w, body.tensor, w)
-    for rate, rotor in armatures.items():
-        total = total + rotor * Expr(tree.graph, rate) ** 2
+    for rotor in armatures.values():
+        total = total + rotor.inertia * rotor.rate**2
     return total / 2
 
 
@@ -174,15 +174,13 @@ def _bias_wrench(kinematics: Kinematics, body: Inertia) -> Wrench:
     return inertial(kinematics, body, v.bias, w.bias)
 
 
-def add_rotor(
-    kinematics: Kinematics, rate: Expr, rotor: Expr, mass: list[list[Expr]], forcing: list[Expr]
-) -> None:
-    """Add a rotor that turns with a rate to the mass matrix and the forcing."""
-    slopes = kinematics.slopes(rate)
-    bias = kinematics.bias(rate)
+def add_rotor(kinematics: Kinematics, rotor: Rotor, mass: list[list[Expr]], forcing: list[Expr]) -> None:
+    """Add what turns with a rate to the mass matrix and the forcing."""
+    slopes = kinematics.slopes(rotor.rate)
+    bias = kinematics.bias(rotor.rate)
     for i, u in enumerate(kinematics.speeds):
         if u in slopes:
-            forcing[i] = forcing[i] - rotor * bias * slopes[u]
+            forcing[i] = forcing[i] - rotor.inertia * bias * slopes[u]
             for j, other in enumerate(kinematics.speeds):
                 if other in slopes:
-                    mass[i][j] = mass[i][j] + rotor * slopes[u] * slopes[other]
+                    mass[i][j] = mass[i][j] + rotor.inertia * slopes[u] * slopes[other]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Mapping
 from decimal import Decimal
 from types import MappingProxyType
@@ -18,6 +19,7 @@ from symbody.model.model import KINDS
 Schema: TypeAlias = dict[str, Any]
 
 _MAX_PROBLEMS: Final = 50
+_LARGE: Final = 10**60
 
 _EXPECTED: Final = MappingProxyType(
     {
@@ -77,7 +79,7 @@ def _said(found: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
     if kind == "newer":
         return (
             "newer_version",
-            f"the file was made by a newer version of symbody: it has version {value}",
+            f"the file was made by a newer version of symbody: it has version {_shown(value)}",
             f"this symbody reads versions up to {VERSION}",
             "update symbody",
         )
@@ -158,5 +160,10 @@ def _inner(path: Path) -> str:
 
 
 def _shown(value: object) -> str:
-    text = str(value) if isinstance(value, Decimal) else repr(value)
+    if isinstance(value, int) and abs(value) >= _LARGE:  # Python declines to write out the largest
+        return "a huge whole number"
+    if isinstance(value, list | dict):  # perhaps nested without end
+        text = reprlib.repr(value)
+    else:
+        text = str(value) if isinstance(value, Decimal) else repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."

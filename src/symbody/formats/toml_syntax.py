@@ -55,7 +55,7 @@ def _syntax_problem(text: str, where: str, message: str) -> Problem:
     number, column = int(found.group(1)), int(found.group(2))
     line = text.split("\n")[number - 1]
     source = Source(line[: column + 200]).problem("file.syntax", min(column, len(line) + 1), what)
-    is_twice = "overwrite" in what or "twice" in what or "already" in what
+    is_twice = any(word in what for word in ("overwrite", "twice", "already", "immutable"))
     return Problem(
         "file.duplicate_key" if is_twice else "file.syntax",
         f"{where}:{number}",

@@ -6,7 +6,7 @@ The only file that knows both graphs and mechanics.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from symbody.errors import Problem, TopologyError
 from symbody.graph.linear_graph import Edge, LinearGraph
@@ -37,10 +37,14 @@ class Topology:
     rotation: SpanningTree
     translation: SpanningTree
     notes: tuple[str, ...]
+    # The joints by name, filled on first use.
+    _named: dict[str, Joint] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def joint(self, name: str) -> Joint:
         """Return the joint called `name`."""
-        return next(joint for joint in self.joints if joint.name == name)
+        if not self._named:
+            self._named.update((joint.name, joint) for joint in self.joints)
+        return self._named[name]
 
     @property
     def turning(self) -> frozenset[str]:

@@ -118,12 +118,12 @@ def address_from(door: Door, place: object, path: str) -> Address:
             return body[frame]
         if isinstance(body, str):
             return address_of(normalize(body), normalize(frame))
-    why = "a Frame does not know which body it is on" if isinstance(place, Frame) else ""
+    is_frame = isinstance(place, Frame)
     door.refuse(
         "model.not_a_place",
         path,
-        f"{place!r} is not a place on a body",
-        why,
+        f"{'a Frame' if is_frame else repr(place)} is not a place on a body",
+        "a Frame does not know which body it is on" if is_frame else "",
         'give a Body, body["frame"], or a text such as "Body.Frame"',
     )
     return Address("ground")

@@ -32,6 +32,22 @@ def is_possible_inertia(moments: Sequence[float], products: Sequence[float]) -> 
     return min(a, b, c) >= 0 and min((*minors, determinant([[a, d, e], [d, b, f], [e, f, c]]))) >= -_MINOR
 
 
+def may_be_about(
+    place: Sequence[float], mass: float, moments: Sequence[float], products: Sequence[float]
+) -> bool:
+    """Return whether a tensor could be about `place` on a body: whether one about the centre remains.
+
+    Of a planar body, which has one moment alone, that moment must not become negative.
+    """
+    square = sum(x * x for x in place)
+    rest = [moment - mass * (square - x * x) for moment, x in zip(moments, place, strict=True)]
+    if sum(map(bool, moments)) == 1 and not any(products):
+        return max(zip(moments, rest, strict=True))[1] >= 0
+    x, y, z = place
+    pairs = zip(products, (x * y, x * z, y * z), strict=True)
+    return is_possible_inertia(rest, [product + mass * xy for product, xy in pairs])
+
+
 def determinant(rows: Sequence[Sequence[float]]) -> float:
     """Return the determinant of a 3 x 3 matrix."""
     (a, b, c), (d, e, f), (g, h, i) = rows

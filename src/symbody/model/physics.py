@@ -11,7 +11,7 @@ from symbody.model.body import Body
 from symbody.model.checker import Checker
 from symbody.model.forces import Drive, SpringDamper
 from symbody.model.frame import Frame
-from symbody.model.inertia import determinant, is_possible_inertia
+from symbody.model.inertia import determinant, is_possible_inertia, may_be_about
 from symbody.model.joint import Joint
 from symbody.model.table import Table
 
@@ -35,7 +35,8 @@ def check_body(check: Checker, body: Body, label: str) -> None:
     products = check.values(body.products, f"{label}, products")
     if inertia is not None and products is not None:
         _check_inertia(check, label, inertia, products)
-        _check_size(check, body, label, mass, inertia)
+        if mass is not None and mass > 0 and max(inertia) > 0:
+            _check_size(check, body, label, mass, inertia, products)
     check_frames(check, body.frames, f"{label}, frames")
 
 
@@ -145,7 +146,7 @@ def _check_inertia(check: Checker, label: str, inertia: list[float], products: l
         check.refuse(
             "model.impossible_inertia",
             f"{label}, inertia",
-            f"no body has the moments {a:g}, {b:g}, {c:g}",
+            f"no body has the moments {a:.12g}, {b:.12g}, {c:.12g}",
             "each is positive and at most the sum of the other two",
             _inertia_cure(inertia),
         )
@@ -166,19 +167,28 @@ def _inertia_cure(inertia: list[float]) -> str:
     if min(inertia) < 0:
         return "give moments that are not negative"
     largest = max(inertia)
-    moments = (f"{value:g}" if value == largest else f"at least {largest / 2:g}" for value in inertia)
+    moments = (f"{value:.12g}" if value == largest else f"at least {largest / 2:.12g}" for value in inertia)
     return "for instance " + ", ".join(moments)
 
 
-def _check_size(check: Checker, body: Body, label: str, mass: float | None, inertia: list[float]) -> None:
-    """Remark on a radius of gyration that is 1,000 times larger or smaller than the body's frames."""
-    places = [check.values(frame.at, f"{label}, frames") for frame in body.frames.values()]
-    reach = max((math.hypot(*place) for place in places if place is not None), default=0.0)
-    if not mass or not reach or not max(inertia) > 0 or mass < 0:
+def _check_size(
+    check: Checker, body: Body, label: str, mass: float, inertia: list[float], products: list[float]
+) -> None:
+    """Remark on an inertia too large or too small for the body's frames: other units, or another point."""
+    found = {name: check.values(frame.at, f"{label}, frames") for name, frame in body.frames.items()}
+    places = {name: place for name, place in found.items() if place is not None and any(place)}
+    if not places:
         return
-    ratio = math.sqrt(max(inertia) / mass) / reach
-    if not 1e-3 < ratio < 1e3:
+    gyration = math.sqrt(max(inertia) / mass) / max(math.hypot(*place) for place in places.values())
+    if not 1e-3 < gyration < 1e3:
         check.remark(
-            f"{label}: the radius of gyration is {ratio:.2g} times the distance of the farthest frame; "
+            f"{label}: the radius of gyration is {gyration:.2g} times the distance of the farthest frame; "
             "are lengths in m and inertias in kg m^2?"
+        )
+        return
+    fitting = [name for name, place in places.items() if may_be_about(place, mass, inertia, products)]
+    if gyration > 1 and fitting:
+        check.remark(
+            f"{label}: the radius of gyration is {gyration:.2g} times the distance of the farthest frame; "
+            f"is the inertia about the centre of mass, or about {fitting[0]}?"
         )

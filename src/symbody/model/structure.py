@@ -70,6 +70,27 @@ def floating_problems(bodies: Iterable[Body], joints: Iterable[Joint]) -> list[P
     ]
 
 
+def over_driven_problems(joints: Mapping[str, Joint]) -> list[Problem]:
+    """Return a problem for each loop, of joints given by label, whose every joint is driven."""
+    held = {
+        label: joint
+        for label, joint in joints.items()
+        if joint.motions and joint.motions.keys() >= set(joint.coordinates)
+    }
+    group = {address.body: address.body for joint in held.values() for address in (joint.start, joint.end)}
+    forest: dict[str, Joint] = {}
+    problems = []
+    for label, joint in held.items():
+        low, high = _root(group, joint.start.body), _root(group, joint.end.body)
+        group[high] = low
+        if low != high:
+            forest[label] = joint
+            continue
+        around = {label, *_way(forest, joint.start.body, joint.end.body)}
+        problems.append(_over_driven({place: other for place, other in held.items() if place in around}))
+    return problems
+
+
 def free_joints(bodies: Iterable[Body], joints: Iterable[Joint]) -> list[Joint]:
     """Return for each body without any joint the free joint that stands for its motion.
 
@@ -78,6 +99,38 @@ def free_joints(bodies: Iterable[Body], joints: Iterable[Joint]) -> list[Joint]:
     joined = {address.body for joint in joints for address in (joint.start, joint.end)}
     names = dict.fromkeys(body.name for body in bodies)  # two of one name are told elsewhere
     return [Free(name, GROUND, name) for name in names if name not in joined]
+
+
+def _way(forest: Mapping[str, Joint], start: str, end: str) -> list[str]:
+    """Return the labels of the joints on the way between two bodies of one tree."""
+    near: dict[str, list[tuple[str, str]]] = {}
+    for label, joint in forest.items():
+        for here, there in ((joint.start.body, joint.end.body), (joint.end.body, joint.start.body)):
+            near.setdefault(here, []).append((label, there))
+    come: dict[str, tuple[str, str]] = {start: ("", "")}
+    waiting = [start]
+    for body in waiting:
+        for label, there in near.get(body, ()):
+            if there not in come:
+                come[there] = (label, body)
+                waiting.append(there)
+    way = []
+    while end != start:
+        label, end = come[end]
+        way.append(label)
+    return way
+
+
+def _over_driven(loop: Mapping[str, Joint]) -> Problem:
+    return Problem(
+        "model.over_driven",
+        "; ".join(
+            f"{label}, {joint.path_of('motion', next(iter(joint.motions)))}" for label, joint in loop.items()
+        ),
+        f"no joint of the loop {', '.join(joint.name for joint in loop.values())} is left free",
+        "a loop ties its coordinates to each other, so these motions contradict each other or repeat one",
+        "leave motion out of some of them: a loop can be driven in as many coordinates as it has freedoms",
+    )
 
 
 def _root(group: dict[str, str], name: str) -> str:

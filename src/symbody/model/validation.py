@@ -17,7 +17,13 @@ from symbody.model.joint import Joint
 from symbody.model.lookup import element_labels, places_of, with_places
 from symbody.model.parameters import cycle_problems, known_values
 from symbody.model.physics import check_body, check_coefficients, check_frames, check_joint
-from symbody.model.structure import duplicate_elements, floating_problems, free_joints, joint_problems
+from symbody.model.structure import (
+    duplicate_elements,
+    floating_problems,
+    free_joints,
+    joint_problems,
+    over_driven_problems,
+)
 from symbody.model.symbols import Meaning, collect_symbols, joint_entries, scope_problems
 from symbody.model.table import Table
 from symbody.model.uses import Scope, Triple, Use, triple_uses
@@ -68,6 +74,7 @@ def checked(draft: Draft, earlier: Iterable[Problem]) -> tuple[tuple[Element, ..
     if not unknown:
         problems += joint_problems(joints)
         problems += floating_problems(draft.bodies, joints.values())
+        problems += over_driven_problems({k: j for k, j in joints.items() if j.start.body != j.end.body})
     problems += _name_problems(draft, list(labels.values()))
     check = _numbers(draft, labels.values())
     problems += check.problems
@@ -165,6 +172,9 @@ def _assumptions(draft: Draft) -> list[str]:
     ]
     if all(component.constant() == 0 for component in draft.gravity):
         notes.append("gravity is zero")
+    moving = [joint for joint in (*draft.joints, *draft.free_joints) if joint.coordinates]
+    if moving and all(joint.motions.keys() >= set(joint.coordinates) for joint in moving):
+        notes.append("every coordinate is prescribed: only reactions and efforts remain to be computed")
     for joint in draft.joints:
         if not joint.has_named_coordinates:
             names = ", ".join(joint.coordinates)

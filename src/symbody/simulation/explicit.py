@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.errors import Problem, UsageError
-from symbody.simulation.native_interface import Goal, RightHandSide
+from symbody.simulation.native_interface import Goal, Projector, RightHandSide
 from symbody.simulation.native_loop import EPSILON
 from symbody.simulation.native_run import NativeRun, drive, fresh_memory, fresh_record, method_arrays
 from symbody.simulation.native_run import Progress as Progress
@@ -18,6 +18,11 @@ from symbody.simulation.native_run import RawRun as RawRun
 from symbody.simulation.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8
 
 Floats = NDArray[np.float64]
+
+_NOTHING: Final = np.zeros(0)
+NOTHING_TO_PROJECT: Final = Projector(
+    0, 0, _NOTHING, _NOTHING, _NOTHING, _NOTHING, np.zeros(1), 0, _NOTHING, math.inf, np.zeros((1, 0))
+)
 
 # rtol below this asks for more than rounding allows.
 SMALLEST_RTOL: Final = 10.0 * EPSILON
@@ -76,6 +81,7 @@ def integrate(
     dense: bool = True,
     stop_when_stiff: bool = False,
     progress: Progress | None = None,
+    projector: Projector = NOTHING_TO_PROJECT,
 ) -> RawRun:
     """Integrate ``x' = f(t, x)``, x = (u, q), with f given by its address; times in seconds.
 
@@ -97,13 +103,13 @@ def integrate(
         Whether to stop with `Status.STIFF` when stability limits the steps.
     progress : callable, optional
         Called about 20 times a second with the share of the span that is done; returning False ends the run.
+    projector : Projector
+        Brings each accepted step and each sample back onto the constraints.
 
     Raises
     ------
-    UsageError
-        Shapes that do not fit, tolerances that cannot be met, times outside the span.
-    SimulationError
-        More samples than the memory holds.
+    UsageError, SimulationError
+        What does not fit: shapes, tolerances, times outside the span, more samples than the memory holds.
     """
     start, end = _checked_span(t_span)
     x = _checked_state(x0, n_u + n_q)
@@ -112,7 +118,7 @@ def integrate(
     tableau = DORMAND_PRINCE_8 if method.order == 8 else DORMAND_PRINCE_5
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
     rhs = RightHandSide(int(address), int(n_u), r, p, c, np.zeros(work_size), np.zeros(1))
-    run = NativeRun(rhs, method_arrays(tableau), goal, fresh_memory(tableau, x, start))
+    run = NativeRun(rhs, projector, method_arrays(tableau), goal, fresh_memory(tableau, x, start))
     record = fresh_record(run, _checked_times(times, start, end), dense)
     return drive(run, record, 0.0 if method.first_step is None else float(method.first_step), progress)
 

@@ -43,6 +43,38 @@ class RightHandSide(NamedTuple):
     clock: Floats
 
 
+class Projector(NamedTuple):
+    """A function that brings states back onto the constraints; the first fields as in `RightHandSide`.
+
+    It writes position residuals, position moves, velocity residuals, velocity moves.
+
+    Attributes
+    ----------
+    address : int
+        0 where there is nothing to project.
+    n_q : int
+        Number of coordinates.
+    scales : array (n,)
+        The largest position residuals that count as closed; velocity residuals have none, being linear.
+    limit : float
+        Moves above so many tolerated errors reject the step.
+    out : array (1, size)
+        What the function writes.
+    """
+
+    address: int
+    n_u: int
+    inputs: Floats
+    parameters: Floats
+    constants: Floats
+    work: Floats
+    clock: Floats
+    n_q: int
+    scales: Floats
+    limit: float
+    out: Floats
+
+
 class Method(NamedTuple):
     """A `runge_kutta.Tableau` as arrays: A (k, k), c (k,), error (2, stages + 1), dense (d, k)."""
 

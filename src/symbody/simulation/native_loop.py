@@ -5,10 +5,10 @@ The right-hand side comes in as the address of a function with the signature of 
     int f(const double *t, const double *q, const double *u, const double *r,
           const double *p, const double *c, double *out, double *work)
 
-so the loop is compiled at its first call only, and later processes read it from numba's cache. All loops
-stand in this one file, and coefficients arrive as arguments: numba renews what it keeps only when the file of
-the outermost function changes. States are ordered x = (u, q); sections are those of Hairer, Norsett and
-Wanner, Solving Ordinary Differential Equations I, 2nd ed., and from IV on of Hairer and Wanner, part II.
+so the loop is compiled at its first call only, and later processes read it from numba's cache. Coefficients
+arrive as arguments: numba renews what it keeps only when the file of the outermost function, this one,
+changes. States are ordered x = (u, q); sections are those of Hairer, Norsett and Wanner, Solving Ordinary
+Differential Equations I, 2nd ed., and from IV on of Hairer and Wanner, part II.
 """
 
 from __future__ import annotations
@@ -22,141 +22,45 @@ from symbody.simulation.native_interface import (
     Goal,
     Memory,
     Method,
+    Projector,
     Record,
     RightHandSide,
-    call,
     compiled,
     inlined,
     uncounted,
 )
-
-# What `begin` and `advance` return.
-RUNNING, FULL, FINISHED, COLLAPSED, NOT_FINITE, SINGULAR, TOO_MANY, STIFF = range(8)
-
-# Places in Memory.real: time, next step, error norm of the step before; and how many there are.
-TIME, STEP, ERROR, REALS = range(4)
-# Places in Memory.counts.
-ACCEPTED, REJECTED, EVALUATIONS, SAMPLES, STEPS, KERNEL, STATE = range(7)
-AFTER_REJECTION, STIFF_VOTES, OTHER_VOTES, COUNTS = range(7, 11)
-# Rows of Memory.vectors.
-STATE_OLD, STAGE, STATE_NEW, ERROR_1, ERROR_2, VECTORS = range(6)
+from symbody.simulation.native_places import (
+    ACCEPTED,
+    AFTER_REJECTION,
+    COLLAPSED,
+    ERROR,
+    ERROR_1,
+    FINISHED,
+    FULL,
+    KERNEL,
+    NOT_FINITE,
+    OTHER_VOTES,
+    REJECTED,
+    RUNNING,
+    SAMPLES,
+    SINGULAR,
+    STAGE,
+    STATE,
+    STATE_NEW,
+    STATE_OLD,
+    STEP,
+    STEPS,
+    STIFF,
+    STIFF_VOTES,
+    TIME,
+    TOO_MANY,
+)
+from symbody.simulation.native_projection import project
+from symbody.simulation.native_stages import attempt, evaluate, form_dense_output, row_is_finite, scale
 
 EPSILON: Final = 2.220446049250313e-16
 SMALLEST_STEP: Final = 1e-290  # absolute, for motions that fail at t = 0
 SAFETY: Final = 0.9
-
-
-@inlined
-def _evaluate(rhs: RightHandSide, memory: Memory, t: float, source: int, target: int) -> None:
-    """Write the derivative at vectors[source] to K[target], and a fault of the function to its counter."""
-    rhs.clock[0] = t
-    memory.counts[EVALUATIONS] += 1
-    n = memory.K.shape[1]
-    code = call(rhs, memory.vectors, source * n, memory.K, target * n)
-    if code != 0:
-        memory.counts[KERNEL] = code
-
-
-@inlined
-def _combine(weights: Floats, row: int, terms: int, K: Floats, out: Floats, target: int) -> None:
-    """Set out[target] to the sum of weights[row, j] K[j] over j < terms."""
-    n = K.shape[1]
-    for i in range(n):
-        out[target, i] = 0.0
-    for j in range(terms):
-        weight = weights[row, j]
-        if weight != 0.0:
-            for i in range(n):
-                out[target, i] += weight * K[j, i]
-
-
-@inlined
-def _stage(
-    rhs: RightHandSide, method: Method, memory: Memory, t: float, h: float, k: int, target: int
-) -> None:
-    """Set vectors[target] to the state of stage k."""
-    vectors = memory.vectors
-    _combine(method.A, k, k, memory.K, vectors, target)
-    for i in range(vectors.shape[1]):
-        vectors[target, i] = vectors[STATE_OLD, i] + h * vectors[target, i]
-
-
-@inlined
-def _row_is_finite(array: Floats, row: int) -> bool:
-    for i in range(array.shape[1]):
-        if not np.isfinite(array[row, i]):
-            return False
-    return True
-
-
-@inlined
-def _scale(goal: Goal, memory: Memory, i: int) -> float:
-    """Return how large a local error of state i may be."""
-    vectors = memory.vectors
-    scale: float = goal.atol[i] + goal.rtol * max(abs(vectors[STATE_OLD, i]), abs(vectors[STATE_NEW, i]))
-    return scale
-
-
-@inlined
-def _error_norm(method: Method, goal: Goal, memory: Memory, h: float) -> float:
-    """Return the local error over its tolerance: sections II.4 and II.10."""
-    vectors = memory.vectors
-    terms = method.stages + 1 if method.error_reads_end else method.stages
-    _combine(method.error, 0, terms, memory.K, vectors, ERROR_1)
-    _combine(method.error, 1, terms, memory.K, vectors, ERROR_2)
-    first = 0.0
-    second = 0.0
-    n = vectors.shape[1]
-    for i in range(n):
-        scale = _scale(goal, memory, i)
-        first += (vectors[ERROR_1, i] / scale) ** 2
-        second += (vectors[ERROR_2, i] / scale) ** 2
-    if first == 0.0:
-        return 0.0
-    error: float = abs(h) * first / np.sqrt((first + 0.01 * second) * n)
-    return error
-
-
-@inlined
-def _attempt(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, t: float, h: float) -> float:
-    """Compute the stages of one step and the new state; return the error norm, infinite if not finite."""
-    memory.counts[KERNEL] = 0
-    end = method.stages
-    for k in range(1, end):
-        _stage(rhs, method, memory, t, h, k, STAGE)
-        _evaluate(rhs, memory, t + method.c[k] * h, STAGE, k)
-    _stage(rhs, method, memory, t, h, end, STATE_NEW)
-    if method.error_reads_end:
-        _evaluate(rhs, memory, t + h, STATE_NEW, end)
-    error = _error_norm(method, goal, memory, h)
-    if error <= 1.0 and not method.error_reads_end:
-        _evaluate(rhs, memory, t + h, STATE_NEW, end)
-    if np.isnan(error) or memory.counts[KERNEL] != 0:
-        return np.inf
-    return error if error > 1.0 or _row_is_finite(memory.K, end) else np.inf
-
-
-@inlined
-def _form_dense_output(rhs: RightHandSide, method: Method, memory: Memory, t: float, h: float) -> bool:
-    """Fill F for the step just tried; return whether all of it is finite."""
-    vectors, K, F = memory.vectors, memory.K, memory.F
-    end = method.stages
-    for k in range(end + 1, K.shape[0]):
-        _stage(rhs, method, memory, t, h, k, ERROR_1)  # STAGE is still needed to judge stiffness
-        _evaluate(rhs, memory, t + method.c[k] * h, ERROR_1, k)
-    for i in range(K.shape[1]):
-        move = vectors[STATE_NEW, i] - vectors[STATE_OLD, i]
-        F[0, i] = vectors[STATE_OLD, i]
-        F[1, i] = move
-        F[2, i] = h * K[0, i] - move
-        F[3, i] = 2.0 * move - h * (K[0, i] + K[end, i])
-    finite = True
-    for row in range(4, F.shape[0]):
-        _combine(method.dense, row - 4, K.shape[0], K, F, row)
-        for i in range(F.shape[1]):
-            F[row, i] *= h
-        finite = finite and _row_is_finite(F, row)
-    return finite
 
 
 @inlined
@@ -190,7 +94,7 @@ def _store_sample(memory: Memory, record: Record, t: float, source: int) -> None
 
 
 @inlined
-def _store(goal: Goal, memory: Memory, record: Record, t: float, t_new: float) -> None:
+def _store(projector: Projector, goal: Goal, memory: Memory, record: Record, t: float, t_new: float) -> None:
     """Store the samples and the dense output of an accepted step."""
     counts = memory.counts
     if record.keep_dense:
@@ -210,6 +114,8 @@ def _store(goal: Goal, memory: Memory, record: Record, t: float, t_new: float) -
             _store_sample(memory, record, time, STATE_NEW)
         else:
             _interpolate(memory.F, (time - t) / (t_new - t), record.x, counts[SAMPLES])
+            if projector.address != 0:
+                project(projector, goal.rtol, goal.atol, time, record.x, counts[SAMPLES])
             record.t[counts[SAMPLES]] = time
             counts[SAMPLES] += 1
 
@@ -269,7 +175,7 @@ def _failure(method: Method, goal: Goal, memory: Memory) -> int:
                 return NOT_FINITE
     worst = 0.0
     for i in range(memory.K.shape[1]):
-        error = abs(memory.vectors[ERROR_1, i]) / _scale(goal, memory, i)
+        error = abs(memory.vectors[ERROR_1, i]) / scale(goal, memory, i)
         if error >= worst:
             worst = error
             memory.counts[STATE] = i
@@ -277,7 +183,22 @@ def _failure(method: Method, goal: Goal, memory: Memory) -> int:
 
 
 @inlined
-def _try_step(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, record: Record) -> int:
+def _close(
+    rhs: RightHandSide, projector: Projector, method: Method, goal: Goal, memory: Memory, t_new: float
+) -> bool:
+    """Project the new state and renew its derivative; return whether it needed no large move."""
+    moved = project(projector, goal.rtol, goal.atol, t_new, memory.vectors, STATE_NEW)
+    if not moved <= projector.limit:
+        return False
+    if moved > 0.0:
+        evaluate(rhs, memory, t_new, STATE_NEW, method.stages)
+    return memory.counts[KERNEL] == 0 and row_is_finite(memory.K, method.stages)
+
+
+@inlined
+def _try_step(
+    rhs: RightHandSide, projector: Projector, method: Method, goal: Goal, memory: Memory, record: Record
+) -> int:
     real, counts = memory.real, memory.counts
     t, h = real[TIME], real[STEP]
     rest = goal.t_end - t
@@ -288,12 +209,14 @@ def _try_step(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, re
     elif abs(h) <= max(10.0 * EPSILON * abs(t), SMALLEST_STEP):
         return _failure(method, goal, memory)
     t_new = goal.t_end if is_last else t + h
-    error = _attempt(rhs, method, goal, memory, t, h)
+    error = attempt(rhs, method, goal, memory, t, h)
+    if error <= 1.0 and projector.address != 0 and not _close(rhs, projector, method, goal, memory, t_new):
+        error = np.inf
     if error <= 1.0 and _needs_dense_output(goal, memory, record, t_new):
-        if not _form_dense_output(rhs, method, memory, t, h):
+        if not form_dense_output(rhs, method, memory, t, h):
             error = np.inf
     if error <= 1.0:
-        _store(goal, memory, record, t, t_new)
+        _store(projector, goal, memory, record, t, t_new)
         stiff = _is_stiff(method, memory, h)
         _accept(method, memory, goal, t_new, h, error)
         return STIFF if stiff and goal.stop_when_stiff and t_new != goal.t_end else RUNNING
@@ -305,13 +228,19 @@ def _try_step(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, re
 
 @compiled
 def advance(
-    rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, record: Record, budget: int
+    rhs: RightHandSide,
+    projector: Projector,
+    method: Method,
+    goal: Goal,
+    memory: Memory,
+    record: Record,
+    budget: int,
 ) -> int:
     """Try up to `budget` steps; return one of the codes at the top of this file.
 
     FULL asks for more room in `record`, RUNNING for another call.
     """
-    rhs, method, goal = uncounted(rhs), uncounted(method), uncounted(goal)
+    rhs, projector, method, goal = uncounted(rhs), uncounted(projector), uncounted(method), uncounted(goal)
     memory, record = uncounted(memory), uncounted(record)
     counts = memory.counts
     for _ in range(budget):
@@ -323,7 +252,7 @@ def advance(
             return FULL
         if counts[ACCEPTED] + counts[REJECTED] >= goal.max_trials:
             return TOO_MANY
-        code = _try_step(rhs, method, goal, memory, record)
+        code = _try_step(rhs, projector, method, goal, memory, record)
         if code != RUNNING:
             return code
     return RUNNING
@@ -336,7 +265,7 @@ def _norm(goal: Goal, memory: Memory, array: Floats, row: int, minus: int) -> fl
     total = 0.0
     for i in range(n):
         other = array[minus, i] if minus >= 0 else 0.0
-        total += ((array[row, i] - other) / _scale(goal, memory, i)) ** 2
+        total += ((array[row, i] - other) / scale(goal, memory, i)) ** 2
     norm: float = np.sqrt(total / n) if n > 0 else 0.0
     return norm
 
@@ -352,7 +281,7 @@ def _first_step(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory) 
     h: float = min(1e-6 if size < 1e-5 or slope < 1e-5 else 0.01 * size / slope, bound)
     for i in range(K.shape[1]):
         vectors[STAGE, i] = vectors[STATE_OLD, i] + goal.direction * h * K[0, i]
-    _evaluate(rhs, memory, t + goal.direction * h, STAGE, 1)
+    evaluate(rhs, memory, t + goal.direction * h, STAGE, 1)
     steepest = max(slope, _norm(goal, memory, K, 1, 0) / h)
     if not np.isfinite(steepest):
         return h
@@ -376,8 +305,8 @@ def begin(
     if t == goal.t_end:
         return FINISHED
     memory.real[ERROR] = 1e-4
-    _evaluate(rhs, memory, t, STATE_OLD, 0)
-    if memory.counts[KERNEL] != 0 or not _row_is_finite(memory.K, 0):
+    evaluate(rhs, memory, t, STATE_OLD, 0)
+    if memory.counts[KERNEL] != 0 or not row_is_finite(memory.K, 0):
         return _failure(method, goal, memory)
     step = first_step if first_step > 0.0 else _first_step(rhs, method, goal, memory)
     memory.real[STEP] = goal.direction * min(step, goal.max_step)

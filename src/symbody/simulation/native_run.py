@@ -12,8 +12,9 @@ import numpy as np
 
 from symbody.errors import Problem, SimulationError
 from symbody.simulation import native_loop as native
+from symbody.simulation import native_places as places
 from symbody.simulation.dense_output import DenseOutput
-from symbody.simulation.native_interface import Floats, Goal, Memory, Method, Record, RightHandSide
+from symbody.simulation.native_interface import Floats, Goal, Memory, Method, Projector, Record, RightHandSide
 from symbody.simulation.runge_kutta import Row, Tableau
 from symbody.simulation.status import Status
 
@@ -27,12 +28,12 @@ FIRST_CAPACITY: Final = 256
 ASSUMED_MEMORY: Final = 8 * 2**30
 
 VERDICTS: Final[Mapping[int, Status]] = {
-    native.FINISHED: Status.SUCCESS,
-    native.COLLAPSED: Status.STEP_COLLAPSE,
-    native.NOT_FINITE: Status.NOT_FINITE,
-    native.SINGULAR: Status.SINGULAR,
-    native.TOO_MANY: Status.TOO_MANY_STEPS,
-    native.STIFF: Status.STIFF,
+    places.FINISHED: Status.SUCCESS,
+    places.COLLAPSED: Status.STEP_COLLAPSE,
+    places.NOT_FINITE: Status.NOT_FINITE,
+    places.SINGULAR: Status.SINGULAR,
+    places.TOO_MANY: Status.TOO_MANY_STEPS,
+    places.STIFF: Status.STIFF,
 }
 
 
@@ -102,6 +103,7 @@ class NativeRun(NamedTuple):
     """All arguments of the compiled loop but the record, which grows."""
 
     rhs: RightHandSide
+    projector: Projector
     method: Method
     goal: Goal
     memory: Memory
@@ -136,14 +138,14 @@ def _rectangle(rows: tuple[Row, ...], width: int) -> Floats:
 def fresh_memory(tableau: Tableau, x: Floats, t: float) -> Memory:
     """Return the loop's memory at its first time and state."""
     memory = Memory(
-        np.zeros((native.VECTORS, x.size)),
+        np.zeros((places.VECTORS, x.size)),
         np.zeros((len(tableau.A), x.size)),
         np.zeros((4 + len(tableau.dense), x.size)),
-        np.zeros(native.REALS),
-        np.zeros(native.COUNTS, dtype=np.int64),
+        np.zeros(places.REALS),
+        np.zeros(places.COUNTS, dtype=np.int64),
     )
-    memory.vectors[native.STATE_OLD] = x
-    memory.real[native.TIME] = t
+    memory.vectors[places.STATE_OLD] = x
+    memory.real[places.TIME] = t
     return memory
 
 
@@ -189,19 +191,19 @@ def drive(run: NativeRun, record: Record, first_step: float, progress: Progress 
     status: Status | None = None
     seconds = 0.0
     budget = FIRST_SLICE
-    start = float(run.memory.real[native.TIME])
+    start = float(run.memory.real[places.TIME])
     try:
-        code = native.begin(*run, record, first_step)
+        code = native.begin(run.rhs, run.method, run.goal, run.memory, record, first_step)
         native.advance(*run, record, 0)  # compiles, or reads the cache, before the clock is read
-        while code in (native.RUNNING, native.FULL):
-            if code == native.FULL:
+        while code in (places.RUNNING, places.FULL):
+            if code == places.FULL:
                 record = _grown(record, run.memory)
             began = time.perf_counter()
             code = native.advance(*run, record, budget)
             spent = time.perf_counter() - began
             seconds += spent
             budget = _next_budget(budget, spent)
-            if code == native.RUNNING and not _goes_on(run, start, progress):
+            if code == places.RUNNING and not _goes_on(run, start, progress):
                 status = Status.INTERRUPTED
                 break
         status = VERDICTS[code] if status is None else status
@@ -220,7 +222,7 @@ def _next_budget(budget: int, spent: float) -> int:
 
 
 def _goes_on(run: NativeRun, start: float, progress: Progress | None) -> bool:
-    share = (float(run.memory.real[native.TIME]) - start) / (run.goal.t_end - start)
+    share = (float(run.memory.real[places.TIME]) - start) / (run.goal.t_end - start)
     return progress is None or progress(share) is not False
 
 
@@ -232,7 +234,7 @@ def _grown(record: Record, memory: Memory) -> Record:
     MemoryError
         No room is left.
     """
-    samples, steps = int(memory.counts[native.SAMPLES]), int(memory.counts[native.STEPS])
+    samples, steps = int(memory.counts[places.SAMPLES]), int(memory.counts[places.STEPS])
     if 2 * (record.x.nbytes + record.pieces.nbytes) > memory_limit():
         raise MemoryError
     if record.every_step and samples == record.t.size:
@@ -252,9 +254,9 @@ def _doubled(array: Floats) -> Floats:
 def _raw_run(run: NativeRun, record: Record, status: Status, seconds: float) -> RawRun:
     """Cut the record to what was written, and turn it so that time comes last."""
     counts = run.memory.counts
-    samples, steps = int(counts[native.SAMPLES]), int(counts[native.STEPS])
+    samples, steps = int(counts[places.SAMPLES]), int(counts[places.STEPS])
     statistics = Statistics(
-        int(counts[native.ACCEPTED]), int(counts[native.REJECTED]), int(counts[native.EVALUATIONS]), seconds
+        int(counts[places.ACCEPTED]), int(counts[places.REJECTED]), int(counts[places.EVALUATIONS]), seconds
     )
     blamed = status in (Status.STEP_COLLAPSE, Status.NOT_FINITE)
     return RawRun(
@@ -262,9 +264,9 @@ def _raw_run(run: NativeRun, record: Record, status: Status, seconds: float) -> 
         np.ascontiguousarray(record.x[:samples].T),
         status,
         statistics,
-        float(run.memory.real[native.TIME]),
-        int(counts[native.STATE]) if blamed else None,
-        int(counts[native.KERNEL]) - 1 if status is Status.SINGULAR else None,
+        float(run.memory.real[places.TIME]),
+        int(counts[places.STATE]) if blamed else None,
+        int(counts[places.KERNEL]) - 1 if status is Status.SINGULAR else None,
         _dense_output(run, record, steps) if record.keep_dense else None,
     )
 
@@ -273,5 +275,5 @@ def _dense_output(run: NativeRun, record: Record, steps: int) -> DenseOutput:
     if steps:
         return DenseOutput(record.breaks[: steps + 1].copy(), record.pieces[:steps].copy())
     piece = np.zeros((1, *record.pieces.shape[1:]))  # no step: the state stays what it was at this one time
-    piece[0, 0] = run.memory.vectors[native.STATE_OLD]
-    return DenseOutput(np.full(2, run.memory.real[native.TIME]), piece)
+    piece[0, 0] = run.memory.vectors[places.STATE_OLD]
+    return DenseOutput(np.full(2, run.memory.real[places.TIME]), piece)

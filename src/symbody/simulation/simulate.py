@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.codegen.compile import Value, constant_values, form_sequence
+from symbody.analysis.assembly import assemble
+from symbody.analysis.closure import constraint_scales
+from symbody.analysis.state import State
+from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import Problem, SimulationError, nearest
+from symbody.simulation.constraints import PROJECTED, Baumgarte, Projection, projector_of
 from symbody.simulation.dense_output import DenseOutput
-from symbody.simulation.explicit import Explicit, Progress, RawRun, integrate
+from symbody.simulation.explicit import NOTHING_TO_PROJECT, Explicit, Progress, RawRun, integrate
 from symbody.simulation.trajectory import Trajectory
 
 Floats = NDArray[np.float64]
@@ -24,10 +27,12 @@ def simulate(
     eqs: EquationSet,
     t_end: float | tuple[float, float],
     initial: Mapping[str, Value] | None = None,
+    guess: Mapping[str, Value] | None = None,
     parameters: Mapping[str, Value] | None = None,
     inputs: Mapping[str, Value] | None = None,
     times: ArrayLike | None = None,
     integrator: Explicit | None = None,
+    constraints: Projection | Baumgarte | None = None,
     *,
     rtol: float = 1e-8,
     atol: float = 1e-10,
@@ -41,36 +46,34 @@ def simulate(
     t_end : float or (t0, t_end)
         End time [s], or both ends; initial values hold at the first.
     initial : mapping of name to number or formula in parameters
-        Coordinates and their ``_dot`` names; they override the model's. Those given nowhere are 0.
+        Coordinates, speeds, ``_dot`` names and any named joint coordinate that have these values at first.
+    guess : mapping of name to number or formula in parameters
+        Where the others are looked for, see `assemble`; by default the model's initial values, then 0.
     parameters : mapping of name to number or formula
         Overrides values of the model.
     inputs : mapping of name to expression
         In t, states and parameters, for instance ``{"F": "sin(omega*t)"}``; inputs not named are 0.
     times : array, optional
         Exactly the samples to store; by default every step.
-    integrator : Explicit, optional
-        ``Explicit(order=8)`` by default.
+    integrator, constraints : optional
+        ``Explicit(order=8)``, and ``Projection()`` to hold closed loops.
     rtol, atol : float
         Relative and absolute tolerance of the local error.
 
     Raises
     ------
-    CompileError
-        If a parameter has no value, or a name is unknown.
-    SimulationError
-        If initial values or times make no sense. Failures on the way do not raise: `status` tells.
+    CompileError, AssemblyError, SimulationError
+        If a name or a value is missing, initial values do not fit the constraints or each other, or times make
+        no sense. Failures on the way do not raise: `status` tells.
     """
-    task = _Task(_tree(eqs), dict(parameters or {}), dict.fromkeys(eqs.input_names, 0) | dict(inputs or {}))
-    # The work is one more state: the function writes its rate, the power, behind xdot.
-    function = task.compiled(("xdot", "power"))
-    raw = integrate(
-        function.address,
-        function.work_size,
-        len(eqs.speed_names),
-        len(eqs.coordinate_names) + 1,
-        np.append(_initial_state(task, initial or {}), 0.0),
-        t_end if isinstance(t_end, tuple) else (0.0, t_end),
-        constants=function.constants(),
+    laws = dict.fromkeys(eqs.input_names, 0) | dict(inputs or {})
+    held = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
+    task = _Task(held, dict(parameters or {}), laws)
+    span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
+    first = assemble(eqs, initial, guess, parameters, inputs, span[0])
+    run = partial(
+        integrate,
+        t_span=span,
         method=Explicit() if integrator is None else integrator,
         times=times,
         rtol=rtol,
@@ -78,8 +81,16 @@ def simulate(
         max_steps=max_steps,
         progress=progress,
     )
-    silent = sorted(set(eqs.input_names).difference(inputs or {}))
-    return _trajectory(task, raw, tuple(f"input {name} has no value and is 0" for name in silent))
+    raw = task.integrated(run, first, Projection() if constraints is None else constraints, atol)
+    return _trajectory(task, raw, _notes(eqs, inputs or {}))
+
+
+def _notes(eqs: EquationSet, inputs: Mapping[str, Value]) -> tuple[str, ...]:
+    silent = sorted(set(eqs.input_names).difference(inputs))
+    notes = [f"input {name} has no value and is 0" for name in silent]
+    if not eqs.speed_names:
+        notes.append("every coordinate is prescribed: only efforts and reactions are computed")
+    return tuple(notes)
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +105,28 @@ class _Task:
         """Return a function of t, q and u alone."""
         return CompiledFunction(*form_sequence(self.eqs, outputs, self.parameters, (), self.inputs))
 
+    def integrated(
+        self, run: Callable[..., RawRun], first: State, method: Projection | Baumgarte, atol: float
+    ) -> RawRun:
+        """Return the run from a state; the compiled functions live until it ends."""
+        n_u, n_q = len(self.eqs.speed_names), len(self.eqs.coordinate_names)
+        # The work is one more state: the function writes its rate, the power, behind xdot.
+        function = self.compiled(("xdot", "power"))
+        closing, projector = None, NOTHING_TO_PROJECT
+        if isinstance(method, Projection) and (self.eqs.multiplier_names or self.eqs.quaternions):
+            closing = self.compiled(PROJECTED)
+            scales = constraint_scales(self.eqs, self.parameters)
+            projector = projector_of(closing, n_u, n_q, scales, method, atol)
+        return run(
+            function.address,
+            function.work_size,
+            n_u,
+            n_q + 1,
+            [*first.u.values(), *first.q.values(), 0.0],
+            constants=function.constants(),
+            projector=projector,
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class _Evaluator:
@@ -107,10 +140,21 @@ class _Evaluator:
         if name == "work" and self.work is not None:
             done: Floats = self.work(t)[0]
             return done
-        if name == "constraint_violation":  # a tree has no constraints
-            return np.zeros_like(t)
+        if name == "constraint_violation":
+            return self._violation(t, q, u)
         values: Floats = self.task.compiled(name)(t, q.T, u.T)
+        if name in self.task.eqs.measured_angles:  # measured within half a turn, but motions go on
+            return np.unwrap(values)
         return np.moveaxis(values, 0, -1)
+
+    def _violation(self, t: Floats, q: Floats, u: Floats) -> Floats:
+        """Return the largest constraint over its scale at each time."""
+        eqs = self.task.eqs
+        if not eqs.multiplier_names:
+            return np.zeros_like(t)
+        values = self.task.compiled("constraints")(t, q.T, u.T)
+        largest: Floats = np.abs(values / constraint_scales(eqs, self.task.parameters)).max(axis=-1)
+        return largest
 
 
 def _trajectory(task: _Task, raw: RawRun, notes: tuple[str, ...]) -> Trajectory:
@@ -142,48 +186,3 @@ def _divided(dense: DenseOutput | None, n: int) -> tuple[DenseOutput | None, Den
         return None, None
     first, rest = dense.pieces[:, :, :n], dense.pieces[:, :, n:]
     return DenseOutput(dense.breaks, first), DenseOutput(dense.breaks, rest)
-
-
-def _initial_state(task: _Task, initial: Mapping[str, Value]) -> Floats:
-    """Return the first state (speeds, then coordinates)."""
-    eqs = task.eqs
-    names = eqs.state_names
-    unknown = [name for name in initial if name not in names]
-    if unknown:
-        raise SimulationError(*(_unknown_state(name, names) for name in unknown))
-    chosen = {**eqs.model.initial, **initial}
-    values = constant_values(eqs, {name: chosen[name] for name in names if name in chosen}, task.parameters)
-    for quaternion in eqs.quaternions:
-        _normalize(values, quaternion)
-    return np.array([values.get(name, 0.0) for name in names])
-
-
-def _normalize(values: dict[str, float], quaternion: Sequence[str]) -> None:
-    """Give a quaternion unit norm; one of which nothing is said is 1, 0, 0, 0."""
-    found = [values.get(name, 0.0) for name in quaternion]
-    norm = math.hypot(*found)
-    if norm == 0:
-        found, norm = [1.0, 0.0, 0.0, 0.0], 1.0
-    values.update((name, x / norm) for name, x in zip(quaternion, found, strict=True))
-
-
-def _tree(eqs: EquationSet) -> EquationSet:
-    """Return equations without constraints, as they are."""
-    if not eqs.multiplier_names:
-        return eqs
-    problem = Problem(
-        "simulation.constraints", eqs.model.name, f"there are {len(eqs.multiplier_names)} constraints",
-        "motions of closed loops are not covered by this version",
-        "use the equations by compile(eqs, ['udot', 'lambda']), or open the loops",
-    )  # fmt: skip
-    raise SimulationError(problem)
-
-
-def _unknown_state(name: str, names: tuple[str, ...]) -> Problem:
-    return Problem(
-        "simulation.unknown_initial",
-        name,
-        f"there is no coordinate or speed {name!r}",
-        "",
-        nearest(name, names),
-    )

@@ -6,7 +6,7 @@ along the tree. That is what keeps products of sines and cosines from ever being
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -89,15 +89,16 @@ def drawn_near(tree: FrameTree, a: Vector, frame: str) -> Vector:
     return express(tree, a, frame)
 
 
-def lifted(tree: FrameTree, a: Vector) -> Vector:
+def lifted(tree: FrameTree, a: Vector, kept: Collection[str] = ()) -> Vector:
     """Return the vector with each term in a frame turned about its own direction expressed before that turn.
 
-    Products with it then never hold the angle, which makes no difference to them.
+    Products with it then never hold the angle, which makes no difference to them. Nothing leaves the frames
+    in `kept`.
     """
     result = NULL
     for home, parts in a.terms.items():
         frame = tree.home(home)
-        while frame in tree.parents:
+        while frame in tree.parents and frame not in kept:
             parent, rotation = tree.parents[frame]
             (step,) = rotation.turns if len(rotation.turns) == 1 else (None,)
             if not isinstance(step, Turn) or not vanishes(outer(step.axis, parts)):

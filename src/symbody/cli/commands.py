@@ -9,6 +9,7 @@ import json
 import shutil
 import sys
 from collections.abc import Iterable, Mapping, Sequence
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,8 +18,9 @@ from rich.console import Console
 from rich.progress import Progress
 
 import symbody
+from symbody.cli.summary import summary
+from symbody.cli.written import equation_lines
 from symbody.codegen.compile import generate_code
-from symbody.equations.display import display_equations, latex_equations
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.errors import EnvironmentFault, Problem, SymbodyError, UsageError, nearest
@@ -35,6 +37,13 @@ app = typer.Typer(
 )
 
 
+class TreeWord(StrEnum):
+    """Which coordinates the equations are formed in."""
+
+    JOINTS = "joints"
+    ABSOLUTE = "absolute"
+
+
 def _option(*flags: str, text: str, metavar: str | None = None) -> Any:
     return typer.Option(*flags, help=text, metavar=metavar)
 
@@ -46,6 +55,12 @@ Inputs = Annotated[Pairs, _option("--input", "-i", metavar="NAME=EXPRESSION", te
 Initials = Annotated[
     Pairs, _option("--initial", metavar="NAME=VALUE", text="x or x_dot at start; repeatable.")
 ]
+Tree = Annotated[
+    TreeWord | None,
+    typer.Option(
+        "--tree", help="Coordinates of the joints, or of free bodies; by default as the model says."
+    ),
+]
 Force = Annotated[bool, _option("--force", text="Overwrite existing files.")]
 
 
@@ -53,18 +68,17 @@ Force = Annotated[bool, _option("--force", text="Overwrite existing files.")]
 def equations(
     model: ModelFile,
     latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX instead of text.")] = False,
+    tree: Tree = None,
 ) -> None:
-    """Print the equations of motion."""
-    eqs = form_equations(load_model(model))
-    _print(latex_equations(eqs) if latex else display_equations(eqs))
+    """Print the equations of motion, with the rates of coordinates and the constraints there are."""
+    _print(equation_lines(_formed(load_model(model), tree), latex))
 
 
 @app.command()
-def check(model: ModelFile) -> None:
-    """Read a model and say what it is: bodies, joints, degrees of freedom, notes."""
+def check(model: ModelFile, tree: Tree = None) -> None:
+    """Read a model and say what it is: bodies, joints, trees, degrees of freedom, notes."""
     loaded = load_model(model)
-    eqs = form_equations(loaded)
-    _print(summary(loaded, eqs))
+    _print(summary(loaded, _formed(loaded, tree)))
 
 
 @app.command()
@@ -112,7 +126,7 @@ def simulate(
     given = [_assigned(parameters, "--set"), _assigned(inputs, "--input"), _assigned(initial, "--initial")]
     eqs = form_equations(load_model(model))
     if not as_json:
-        _print(display_equations(eqs))
+        _print(equation_lines(eqs))
     motion = _motion(eqs, end, given, rtol, atol)
     # Without --out the picture is ours: it bears the model's name and is made anew each time.
     picture = model.with_suffix(".png") if out is None else out
@@ -122,6 +136,10 @@ def simulate(
     _print([_as_json(eqs, motion)] if as_json else _report(eqs, motion, picture))
     if not motion.success:
         raise typer.Exit(4)
+
+
+def _formed(model: Model, tree: TreeWord | None) -> EquationSet:
+    return form_equations(model, tree=None if tree is None else tree.value)
 
 
 def _motion(
@@ -187,21 +205,6 @@ def examples(
         typer.echo((folder / name / f"{name}.toml").read_text(encoding="utf-8"), nl=False)
     else:
         _print(_copy_files(folder / name, copy, force))
-
-
-def summary(model: Model, eqs: EquationSet) -> list[str]:
-    """Return what a model is, a line a fact."""
-    joints = [f"{joint.name} ({type(joint).__name__.lower()})" for joint in model.joints]
-    return [
-        f"model {model.name}",
-        f"bodies: {', '.join(body.name for body in model.bodies) or 'none'}",
-        f"joints: {', '.join(joints) or 'none'}",
-        f"coordinates: {', '.join(eqs.coordinate_names) or 'none'}",
-        f"inputs: {', '.join(eqs.input_names) or 'none'}",
-        f"parameters: {', '.join(eqs.parameter_names) or 'none'}",
-        f"degrees of freedom: {eqs.degrees_of_freedom}",
-        *(f"note: {note}" for note in eqs.notes),
-    ]
 
 
 def examples_folder() -> Path:

@@ -1,0 +1,2 @@
+from .assembly import assemble as assemble
+from .state import State as State

@@ -1,0 +1,217 @@
+"""`Closure`: the constraints of a mechanism as numbers, with scales, for who looks for configurations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.state import State
+from symbody.codegen.compile import Value, constant_values, form_sequence
+from symbody.codegen.function import CompiledFunction
+from symbody.equations.equation_set import EquationSet
+
+Floats = NDArray[np.float64]
+
+_STEP: Final = 1e-6  # of central differences for coordinates that are measured
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Closure:
+    """Equations with values of parameters and inputs at one time.
+
+    Attributes
+    ----------
+    sizes : (n_q,) array
+        What counts as a large change of each coordinate: 1 rad, or the size of the mechanism [m].
+    scales : (n_h,) array
+        What the constraints are measured by: the size of the mechanism for lengths, 1 for angles.
+    size : float
+        1, the residual of a mechanism that is as far open as it is large.
+    """
+
+    eqs: EquationSet
+    parameters: Mapping[str, Value]
+    inputs: Mapping[str, Value]
+    t: float
+    sizes: Floats
+    scales: Floats
+    constraints: CompiledFunction
+    size: float = 1.0
+
+    @property
+    def is_tree(self) -> bool:
+        """Whether there is nothing to close."""
+        return not self.eqs.multiplier_names
+
+    def function(self, outputs: str | Sequence[str]) -> CompiledFunction:
+        """Return a compiled function of t, q and u."""
+        inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
+        return CompiledFunction(*form_sequence(self.eqs, outputs, self.parameters, (), inputs))
+
+    def parted(self, wanted: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
+        """Return what is wanted of positions, and of velocities."""
+        joints = self.eqs.formed.topology.joints
+        coordinates = {name for joint in joints for name in joint.coordinates}
+        positions = {name: value for name, value in wanted.items() if name in coordinates}
+        return positions, {name: value for name, value in wanted.items() if name not in coordinates}
+
+    def start(self, known: Mapping[str, float]) -> Floats:
+        """Return coordinates with known values, 0 where none is known; quaternions are normalized."""
+        return self.normalized(np.array([known.get(name, 0.0) for name in self.eqs.coordinate_names]))
+
+    def normalized(self, q: Floats) -> Floats:
+        """Return coordinates with quaternions of unit norm; one that is zero becomes 1, 0, 0, 0."""
+        result = q.copy()
+        for places in self._quaternions():
+            norm = float(np.linalg.norm(result[places]))
+            result[places] = result[places] / norm if norm > 0 else np.array([1.0, 0.0, 0.0, 0.0])
+        return result
+
+    def free(self, fixed: Mapping[str, float]) -> NDArray[np.bool_]:
+        """Return which coordinates may move."""
+        return np.array([name not in fixed for name in self.eqs.coordinate_names], dtype=np.bool_)
+
+    def residuals(self, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, Floats]:
+        """Return all conditions on positions, scaled, and their derivatives by q."""
+        found = self.constraints(self.t, q, np.zeros(len(self.eqs.speed_names)))
+        values = [found.constraints / self.scales]
+        slopes = [found.position_jacobian / self.scales[:, np.newaxis]]
+        for places in self._quaternions():
+            row = np.zeros((1, q.size))
+            row[0, places] = q[places]
+            values.append(np.array([(q[places] @ q[places] - 1.0) / 2.0]))
+            slopes.append(row)
+        for name, value in fixed.items():
+            if name not in self.eqs.coordinate_names:
+                measured, row = self._measured(name, q)
+                values.append(np.array([np.arctan2(np.sin(measured - value), np.cos(measured - value))
+                                        if self._is_angle(name) else measured - value]))  # fmt: skip
+                slopes.append(row[np.newaxis, :])
+        return np.concatenate(values), np.vstack(slopes)
+
+    def velocity_rows(self, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, Floats]:
+        """Return A and b of all conditions ``A u = b`` on velocities."""
+        names = self.eqs.speed_names
+        still = np.zeros(len(names))
+        found = self.constraints(self.t, q, still)
+        rows, right = [found.jacobian], [-found.velocity_constraints]
+        for name, value in fixed.items():
+            row = np.zeros(len(names))
+            drift = 0.0
+            if name in names:
+                row[names.index(name)] = 1.0
+            else:
+                rate = self.function(name)
+                drift = float(rate(self.t, q, still))
+                row[:] = [float(rate(self.t, q, unit)) - drift for unit in np.eye(len(names))]
+            rows.append(row[np.newaxis, :])
+            right.append(np.array([value - drift]))
+        return np.vstack(rows), np.concatenate(right)
+
+    def is_aligned(self, q: Floats) -> bool:
+        """Return whether no joint is closed with opposite axes."""
+        return bool((self.constraints(self.t, q, np.zeros(len(self.eqs.speed_names))).alignment > 0.0).all())
+
+    def differs(self, a: Floats, b: Floats) -> bool:
+        """Return whether two sets of coordinates are different configurations."""
+        apart = (a - b) / self.sizes
+        for k, name in enumerate(self.eqs.coordinate_names):
+            if self._is_angle(name):
+                apart[k] = np.arctan2(np.sin(apart[k]), np.cos(apart[k]))
+        for places in self._quaternions():
+            if a[places] @ b[places] < 0.0:
+                apart[places] = a[places] + b[places]
+        return bool(np.abs(apart).max(initial=0.0) > 1e-5)
+
+    def is_isolated(self, q: Floats, fixed: Mapping[str, float]) -> bool:
+        """Return whether the conditions leave no free motion at a configuration."""
+        columns = self.residuals(q, fixed)[1][:, self.free(fixed)]
+        return bool(np.linalg.matrix_rank(columns, tol=1e-8) == columns.shape[1])
+
+    def widest(self, q: Floats) -> tuple[str, float, float]:
+        """Return the joint that is farthest open, its distance [m] and angle [rad]."""
+        values = self.constraints(self.t, q, np.zeros(len(self.eqs.speed_names))).constraints
+        gaps: dict[str, list[float]] = {}
+        for row, value in zip(self.eqs.formed.rows, values, strict=True):
+            gap = gaps.setdefault(row.element, [0.0, 0.0])
+            place = 0 if row.moment.is_zero else 1
+            gap[place] = float(np.hypot(gap[place], value))
+        scale = float(self.scales.max(initial=1.0))
+        joint = max(gaps, key=lambda name: gaps[name][0] / scale + gaps[name][1], default="")
+        distance, sine = gaps.get(joint, [0.0, 0.0])
+        return joint, distance, float(np.arcsin(min(sine, 1.0)))
+
+    def state(self, q: Floats, u: Floats, start: Floats, branches: tuple[State, ...] = ()) -> State:
+        """Return the state with its accelerations and multipliers."""
+        eqs = self.eqs
+        solved = self.function(("udot", "lambda"))(self.t, q, u)
+        phi = self.constraints(self.t, q, u).constraints
+        moved = {
+            name: float(d) for name, d in zip(eqs.coordinate_names, q - start, strict=True) if abs(d) > 1e-12
+        }
+        return State(
+            eqs,
+            dict(zip(eqs.coordinate_names, q.tolist(), strict=True)),
+            dict(zip(eqs.speed_names, u.tolist(), strict=True)),
+            dict(zip(eqs.acceleration_names, solved.udot.tolist(), strict=True)),
+            dict(zip(eqs.multiplier_names, np.ravel(solved[1]).tolist(), strict=True)),
+            float(np.abs(phi).max(initial=0.0)),
+            moved,
+            branches,
+            self.t,
+            self.parameters,
+            self.inputs,
+        )
+
+    def _quaternions(self) -> list[list[int]]:
+        names = self.eqs.coordinate_names
+        return [[names.index(name) for name in four] for four in self.eqs.quaternions]
+
+    def _is_angle(self, name: str) -> bool:
+        return self.eqs.units.get(name) == "rad"
+
+    def _measured(self, name: str, q: Floats) -> tuple[float, Floats]:
+        f, still = self.function(name), np.zeros(len(self.eqs.speed_names))
+        row = np.zeros(q.size)
+        for k in range(q.size):
+            step = np.zeros(q.size)
+            step[k] = _STEP * self.sizes[k]
+            rise = float(f(self.t, q + step, still)) - float(f(self.t, q - step, still))
+            if self._is_angle(name):
+                rise = float(np.arctan2(np.sin(rise), np.cos(rise)))
+            row[k] = rise / (2.0 * step[k])
+        return float(f(self.t, q, still)), row
+
+
+def closure(
+    eqs: EquationSet, parameters: Mapping[str, Value], inputs: Mapping[str, Value], t: float
+) -> Closure:
+    """Return the constraints of equations as numbers."""
+    length = mechanism_size(eqs, parameters)
+    sizes = np.array([length if eqs.units.get(name) == "m" else 1.0 for name in eqs.coordinate_names])
+    scales = constraint_scales(eqs, parameters)
+    given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
+    names = ("constraints", "position_jacobian", "jacobian", "velocity_constraints", "alignment")
+    function = CompiledFunction(*form_sequence(eqs, names, parameters, (), given))
+    return Closure(eqs, parameters, inputs, t, sizes, scales, function)
+
+
+def constraint_scales(eqs: EquationSet, parameters: Mapping[str, Value]) -> Floats:
+    """Return what each constraint is measured by: the size of the mechanism for lengths [m], 1 for angles."""
+    length, units = mechanism_size(eqs, parameters), eqs.units
+    is_length = [not row.force.is_zero or units.get(row.coordinate) == "m" for row in eqs.formed.rows]
+    return np.where(is_length, length, 1.0)
+
+
+def mechanism_size(eqs: EquationSet, parameters: Mapping[str, Value]) -> float:
+    """Return the largest offset of a frame [m]; 1 if all frames stand in centres of mass."""
+    model = eqs.model
+    places = [*model.ground.values(), *(frame for body in model.bodies for frame in body.frames.values())]
+    formulas: dict[str, Value] = {f"{k}": x for k, x in enumerate(x for frame in places for x in frame.at)}
+    values = constant_values(eqs, formulas, parameters)
+    largest = max(map(abs, values.values()), default=0.0)
+    return largest if largest > 0.0 else 1.0

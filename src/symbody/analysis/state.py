@@ -1,0 +1,59 @@
+"""`State`: one configuration of a mechanism with its motion, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.function import CompiledFunction
+from symbody.equations.equation_set import EquationSet
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """Positions, velocities, accelerations and multipliers that fit together.
+
+    Attributes
+    ----------
+    q, u, udot, multipliers : mapping of name to float
+        Each in the order of the equations.
+    residual : float
+        Largest absolute constraint, of lengths [m] and dot products of unit vectors.
+    moved : mapping of name to float
+        How far each coordinate is from the guess it was assembled from, where it moved.
+    branches : tuple of State
+        Other assemblies with the same fixed values, nearest to the guess first; there may be more.
+    t : float
+        Time [s].
+    """
+
+    eqs: EquationSet = field(repr=False)
+    q: Mapping[str, float]
+    u: Mapping[str, float]
+    udot: Mapping[str, float]
+    multipliers: Mapping[str, float]
+    residual: float
+    moved: Mapping[str, float]
+    branches: tuple[State, ...] = field(default=(), repr=False)
+    t: float = 0.0
+    parameters: Mapping[str, Value] = field(default_factory=dict, repr=False)
+    inputs: Mapping[str, Value] = field(default_factory=dict, repr=False)
+
+    def __getitem__(self, name: str) -> float | np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+        """Return a coordinate, a speed, or any output or expression.
+
+        Raises
+        ------
+        FormulationError
+            If the name is neither an output nor an expression.
+        """
+        for values in (self.q, self.u, self.udot, self.multipliers):
+            if name in values:
+                return values[name]
+        inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
+        f = CompiledFunction(*form_sequence(self.eqs, name, self.parameters, (), inputs))
+        value = np.asarray(f(self.t, list(self.q.values()), list(self.u.values())))
+        return float(value) if value.ndim == 0 else value

@@ -1,0 +1,72 @@
+"""Velocities that fit the constraints and the values given."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.closure import Closure
+from symbody.errors import AssemblyError, Problem
+
+Floats = NDArray[np.float64]
+
+_CONSISTENT = 1e-9
+_INDEPENDENT = 1e-6  # smaller singular values mean that a speed is given already, up to closeness
+
+
+def consistent_speeds(
+    task: Closure, q: Floats, fixed: Mapping[str, float], guess: Mapping[str, float]
+) -> Floats:
+    """Return u with ``J u + b = 0`` and the fixed rates; independent speeds left take their guess, else 0.
+
+    Raises
+    ------
+    AssemblyError
+        If the fixed rates contradict the constraints or each other, naming the smallest set that does.
+    """
+    rows, right = task.velocity_rows(q, fixed)
+    u, error = _solved(rows, right)
+    if error > _CONSISTENT * (1.0 + float(np.abs(right).max(initial=0.0))):
+        raise AssemblyError(_conflict(task, q, fixed))
+    for k, name in enumerate(task.eqs.speed_names):
+        unit = np.zeros((1, len(task.eqs.speed_names)))
+        unit[0, k] = 1.0
+        if _distance(rows, unit[0]) > _INDEPENDENT:
+            rows = np.vstack([rows, unit])
+            right = np.append(right, guess.get(name, 0.0))
+    return _solved(rows, right)[0]
+
+
+def _solved(rows: Floats, right: Floats) -> tuple[Floats, float]:
+    """Return the least solution and the largest residual."""
+    if rows.shape[0] == 0:
+        return np.zeros(rows.shape[1]), 0.0
+    scale = np.linalg.norm(rows, axis=1)
+    scale[scale == 0.0] = 1.0
+    u = np.linalg.lstsq(rows / scale[:, np.newaxis], right / scale, rcond=1e-10)[0]
+    return u, float(np.abs(rows @ u - right).max(initial=0.0))
+
+
+def _distance(rows: Floats, unit: Floats) -> float:
+    """Return the sine of the angle between a unit row and the span of the rows."""
+    if rows.shape[0] == 0:
+        return 1.0
+    left, sizes, right = np.linalg.svd(rows, full_matrices=False)
+    basis = right[sizes > _INDEPENDENT * sizes.max(initial=1e-300)]
+    return float(np.linalg.norm(unit - basis.T @ (basis @ unit)))
+
+
+def _conflict(task: Closure, q: Floats, fixed: Mapping[str, float]) -> Problem:
+    conflict = dict(fixed)
+    for name in fixed:
+        rest = {key: value for key, value in conflict.items() if key != name}
+        rows, right = task.velocity_rows(q, rest)
+        if _solved(rows, right)[1] > _CONSISTENT * (1.0 + float(np.abs(right).max(initial=0.0))):
+            conflict = rest
+    listed = ", ".join(f"{name} = {value:g}" for name, value in conflict.items()) or "the motions in time"
+    return Problem(
+        "assembly.velocity_conflict", "fixed", f"no motion from this configuration has {listed}",
+        "the constraints tie these rates to each other", "leave one of them out",
+    )  # fmt: skip

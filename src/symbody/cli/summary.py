@@ -1,0 +1,89 @@
+"""What ``symbody check`` prints: the model, its trees, and what follows from them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import SymbodyError
+from symbody.formats.native import to_data
+from symbody.model.element import Element
+from symbody.model.joint import Joint
+from symbody.model.model import Model
+
+
+def summary(model: Model, eqs: EquationSet) -> list[str]:
+    """Return what a model is, a line a fact."""
+    valueless = [name for name, value in model.parameters.items() if value is None]
+    kinds = [_fact(f"{kind}s", _names(model.elements, kind)) for kind in ("spring", "force", "torque")]
+    return [
+        _fact("model", [model.name]),
+        _fact("gravity", [component.text for component in model.gravity]),
+        _fact("bodies", [body.name for body in model.bodies]),
+        *_joint_lines(model, eqs),
+        *(line for line in kinds if not line.endswith("none")),
+        _fact("inputs", eqs.input_names),
+        _fact("parameters", [f"{name} = {value.text}" for name, value in model.parameters.items() if value]),
+        *([_fact("parameters without value", valueless)] if valueless else []),
+        *_tree_lines(eqs),
+        _fact("coordinates", eqs.coordinate_names),
+        _fact("speeds", eqs.speed_names),
+        _fact("constraints", _counted(eqs.multiplier_names)),
+        f"degrees of freedom: {_freedoms(eqs)}",
+        *(f"note: {note}" for note in eqs.notes),
+    ]
+
+
+def _fact(word: str, values: Iterable[str]) -> str:
+    return f"{word}: {', '.join(values) or 'none'}"
+
+
+def _names(elements: Iterable[Element], kind: str) -> list[str]:
+    return [element.name for element in elements if element.kind == kind]
+
+
+def _joint_lines(model: Model, eqs: EquationSet) -> list[str]:
+    """Return the joints, one a line, in columns; free bodies have none."""
+    types = {entry["name"]: entry["type"] for entry in to_data(model).get("joint", [])}
+    rows = [_joint_row(joint, types[joint.name]) for joint in model.joints]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = [
+        "  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+    return ["joints:" if rows else "joints: none", *lines]
+
+
+def _joint_row(joint: Joint, word: str) -> tuple[str, str, str, str]:
+    coordinates = [
+        name if given else f"({name})"
+        for name, given in zip(joint.coordinates, joint.names_given, strict=True)
+    ]
+    return joint.name, word.replace("_", " "), f"{joint.start} -> {joint.end}", ", ".join(coordinates)
+
+
+def _tree_lines(eqs: EquationSet) -> list[str]:
+    """Return both trees as one if they are the same, and the joints that are cut."""
+    topology = eqs.formed.topology
+    order = [joint.name for joint in topology.joints]
+    turning, sliding = (
+        [name for name in order if name in tree] for tree in (topology.turning, topology.sliding)
+    )
+    cut = [name for name in order if name not in turning and name not in sliding]
+    if turning == sliding:
+        trees = [_fact("rotation and translation tree", turning)]
+    else:
+        trees = [_fact("rotation tree", turning), _fact("translation tree", sliding)]
+    return [*trees, _fact("cut joints", cut)]
+
+
+def _counted(names: tuple[str, ...]) -> list[str]:
+    return [f"{len(names)} ({', '.join(names)})"] if names else []
+
+
+def _freedoms(eqs: EquationSet) -> str:
+    """Return their number; loops without values of their lengths cannot be counted."""
+    try:
+        return str(eqs.degrees_of_freedom)
+    except SymbodyError as error:
+        return f"not counted, {error.problems[0].what}"

@@ -1,0 +1,75 @@
+"""`BuildEQs`: from a model or its file to the module with the equations."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Final
+
+from symbody.dynaflexpro.exports import ModelEquations
+from symbody.dynaflexpro.loose_bodies import with_free_joints
+from symbody.equations.form import form_equations
+from symbody.errors import Problem, UsageError, nearest
+from symbody.formats.native import load_model
+from symbody.graph.trees import TreeChoice
+from symbody.model.model import Model
+
+# Option -> the values it may have.
+_OPTIONS: Final = {"DynSimpType": ("None", "Simplify")}
+
+
+def BuildEQs(
+    model: Model | str | os.PathLike[str], options: Sequence[str] = (), *, tree: TreeChoice = None
+) -> ModelEquations:
+    """Return the equations of motion behind the names of DynaFlexPro.
+
+    Parameters
+    ----------
+    model : Model or path
+        The mechanism, or its model file. Bodies without a joint get Cardan angles x-y-z.
+    options : sequence of str
+        Option, value, option, value: ``["DynSimpType", "Simplify"]``. The equations always come in their
+        short trigonometric form, so this changes nothing; `notes` says so.
+    tree : Trees, "joints", "absolute" or None
+        Which joints give the coordinates; see `form_equations`.
+
+    Raises
+    ------
+    UsageError
+        If an option is unknown.
+    FormatError, ModelError, FormulationError
+        If the model cannot be read, contradicts itself, or has no equations.
+    """
+    chosen = _checked(options)
+    described = model if isinstance(model, Model) else load_model(model)
+    complete, notes = with_free_joints(described)
+    if chosen.get("DynSimpType") == "Simplify":
+        notes = (*notes, "DynSimpType: the equations come in their short trigonometric form anyway")
+    return ModelEquations(form_equations(complete, tree=tree), notes)
+
+
+def _checked(options: Sequence[str]) -> dict[str, str]:
+    """Return the options as a mapping.
+
+    Raises
+    ------
+    UsageError
+        With every option that is unknown or has no value it may have.
+    """
+    words = [options] if isinstance(options, str) else list(options)
+    pairs = [(words[k], words[k + 1] if k + 1 < len(words) else "") for k in range(0, len(words), 2)]
+    problems = []
+    for name, value in pairs:
+        if name not in _OPTIONS:
+            cure = nearest(name, _OPTIONS)
+            problems.append(
+                Problem("dynaflexpro.option", "options", f"there is no option {name!r}", "", cure)
+            )
+        elif value not in _OPTIONS[name]:
+            problems.append(
+                Problem("dynaflexpro.option_value", "options", f"{name} cannot be {value!r}",
+                        "options come in pairs of name and value", nearest(value, _OPTIONS[name]))
+            )  # fmt: skip
+    if problems:
+        raise UsageError(*problems)
+    return dict(pairs)

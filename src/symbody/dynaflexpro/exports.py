@@ -1,0 +1,185 @@
+"""What a built model exports: vectors, matrices and equations under their names in DynaFlexPro."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from symbody.equations.equation_set import EquationSet
+from symbody.equations.textbook import Reaction
+from symbody.expr.closed_form import closed_forms
+from symbody.expr.graph import TIME
+from symbody.expr.printing.definitions import EXPAND_LIMIT
+from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, symbol_to_sympy, to_sympy
+
+Substitutions = Mapping[SympyExpr, object] | Iterable[SympyEquation]
+
+
+@dataclass(frozen=True, slots=True)
+class ModelEquations:
+    """Equations of motion ``xM vPdot = vF + xJacVel^T f``, ``xJacVel vP = vVelRHS`` of a model.
+
+    States are the speeds, then the coordinates. Multipliers f stand on the right with a plus, and a reaction
+    is the wrench on the end body of a joint by its start body. DynaFlexPro's successor writes both on the
+    left, ``M p' + C^T f = F`` and ``M p' + Psi_p^T lambda = F``: its f and lambda have the opposite sign.
+
+    Attributes
+    ----------
+    equations : EquationSet
+        What is exported, under symbody's own names; what `compile` and `simulate` take.
+    """
+
+    equations: EquationSet
+    built: tuple[str, ...] = ()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Every choice that was made, and where the angle rates are singular."""
+        return self.built + self.equations.notes
+
+    @property
+    def vQ(self) -> SympyMatrix:
+        """Coordinates, (n_q, 1)."""
+        return _column(self.equations.coordinates)
+
+    @property
+    def vP(self) -> SympyMatrix:
+        """Speeds, (n_u, 1)."""
+        return _column(self.equations.speeds)
+
+    @property
+    def vX(self) -> SympyMatrix:
+        """States: speeds, then coordinates."""
+        return _column(self.equations.states)
+
+    @property
+    def vQdot(self) -> SympyMatrix:
+        """Time derivatives of the coordinates."""
+        return self.vQ.diff(symbol_to_sympy(TIME))
+
+    @property
+    def vPdot(self) -> SympyMatrix:
+        """Time derivatives of the speeds."""
+        return self.vP.diff(symbol_to_sympy(TIME))
+
+    @property
+    def vXdot(self) -> SympyMatrix:
+        """Time derivatives of the states."""
+        return self.vX.diff(symbol_to_sympy(TIME))
+
+    @property
+    def xM(self) -> SympyMatrix:
+        """Mass matrix, (n_u, n_u), symmetric."""
+        return self.equations.mass_matrix
+
+    @property
+    def vF(self) -> SympyMatrix:
+        """Right-hand side, (n_u, 1): loads, weight and terms quadratic in the speeds, no multipliers."""
+        return self.equations.forcing
+
+    @property
+    def vLambda(self) -> SympyMatrix:
+        """Multipliers f, (n_c, 1)."""
+        return _column(self.equations.multipliers)
+
+    @property
+    def vKinTransRHS(self) -> SympyMatrix:
+        """What vQdot is in the speeds, (n_q, 1)."""
+        return _column(equation.rhs for equation in self.equations.kinematic_equations)
+
+    @property
+    def xJacPos(self) -> SympyMatrix:
+        """Derivatives of the position constraints by vQ, (n_h, n_q)."""
+        return self.equations.position_jacobian
+
+    @property
+    def xJacVel(self) -> SympyMatrix:
+        """Coefficients of vP in the velocity constraints, (n_c, n_u)."""
+        return self.equations.constraint_jacobian
+
+    @property
+    def vVelRHS(self) -> SympyMatrix:
+        """Right-hand side of ``xJacVel vP = vVelRHS``, (n_c, 1); zero unless a motion is prescribed."""
+        formed = self.equations.formed
+        return _column(-rest for rest in to_sympy(formed.graph, [row.rest.index for row in formed.rows]))
+
+    @property
+    def vAccRHS(self) -> SympyMatrix:
+        """Right-hand side of ``xJacVel vPdot = vAccRHS``, (n_c, 1)."""
+        gamma = self.equations.textbook.readable("gamma")
+        return closed_forms(self.equations.formed.graph, [gamma], EXPAND_LIMIT).matrices["gamma"]
+
+    def GetDynEQs(self) -> list[SympyEquation]:
+        """Return ``xM vPdot = vF + xJacVel^T f``, one equation a speed."""
+        return self.equations.dynamic_equations()
+
+    def GetKinTrans(self) -> list[SympyEquation]:
+        """Return the rates of the coordinates in the speeds.
+
+        Where a value of `GetKinTransSingularities` vanishes they do not exist.
+        """
+        return self.equations.kinematic_equations
+
+    def GetKinTransSingularities(self) -> dict[str, SympyExpr]:
+        """Return, by joint, the expression that must not vanish: ``sin(eta)`` for Euler angles 3-1-3."""
+        found = self.equations.formed.variables.singularities
+        nodes = [expression.index for expression in found.values()]
+        return dict(zip(found, to_sympy(self.equations.formed.graph, nodes), strict=True))
+
+    def GetPosCons(self) -> list[SympyEquation]:
+        """Return the position constraints ``Phi = 0``; none in a tree."""
+        return _vanishing(self.equations.constraints)
+
+    def GetVelCons(self) -> list[SympyEquation]:
+        """Return the velocity constraints ``xJacVel vP - vVelRHS = 0``; none in a tree."""
+        return _vanishing(self.equations.velocity_constraints)
+
+    def GetAccCons(self) -> list[SympyEquation]:
+        """Return the acceleration constraints ``xJacVel vPdot = vAccRHS``; none in a tree."""
+        if not self.equations.multiplier_names:
+            return []
+        pairs = zip(self.xJacVel * self.vPdot, self.vAccRHS, strict=True)
+        return [SympyEquation(left, right, evaluate=False) for left, right in pairs]
+
+    def GetSysODEs(self) -> list[SympyEquation]:
+        """Return the dynamic equations, then the rates of the coordinates that are not speeds themselves."""
+        trivial = set(self.equations.speeds)
+        return self.GetDynEQs() + [rate for rate in self.GetKinTrans() if rate.lhs not in trivial]
+
+    def GetSysEQs(self) -> list[SympyEquation]:
+        """Return `GetSysODEs` and the constraints in acceleration form: as many as unknowns vXdot and f."""
+        return self.GetSysODEs() + self.GetAccCons()
+
+    def GetFrameMotion(
+        self, kind: str, end: str, start: str = "Ground", ref: str = "Ground", subs: Substitutions = ()
+    ) -> SympyMatrix:
+        """Return the motion of frame `end` relative to `start`, components in `ref`.
+
+        Parameters
+        ----------
+        kind : str
+            "r", "v", "vdot": position, velocity, acceleration; "R": rotation matrix, which has no `ref`;
+            "w", "wdot": angular velocity and acceleration. Derivatives are those seen from `start`.
+        subs : mapping or equations, optional
+            Put in for symbols and functions, ``[Eq(a, b)]`` or ``{a: b}``.
+        """
+        motion = self.equations.frame_motion(kind, end, start, ref)
+        given = subs if isinstance(subs, Mapping) else {equation.lhs: equation.rhs for equation in subs}
+        return motion.subs(dict(given)).doit() if given else motion
+
+    def GetReaction(self, joint: str, on: str = "", at: str = "", ref: str = "") -> Reaction:
+        """Return force and moment of a joint on its end body; see `EquationSet.reaction`."""
+        return self.equations.reaction(joint, on, at, ref)
+
+    def GetParams(self) -> list[SympyExpr]:
+        """Return the parameters."""
+        return list(self.equations.parameters)
+
+
+def _column(entries: Iterable[SympyExpr]) -> SympyMatrix:
+    values = list(entries)
+    return SympyMatrix(len(values), 1, values)
+
+
+def _vanishing(column: SympyMatrix) -> list[SympyEquation]:
+    return [SympyEquation(entry, 0, evaluate=False) for entry in column]

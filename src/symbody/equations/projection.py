@@ -1,0 +1,76 @@
+"""Moves back onto the constraints: what a compiled loop adds to a state that has drifted.
+
+Of all moves that close the constraints to first order the one with the least kinetic energy is taken: the
+same `solve_saddle` as for accelerations, with no force. Quaternions are brought to unit norm beside it.
+"""
+
+from __future__ import annotations
+
+from symbody.equations.formed import Formed
+from symbody.expr.expression import Expr, number, saddle_entry, sqrt
+from symbody.expr.graph import Kernel
+from symbody.expr.rewrite import substitute
+
+
+def position_residual(formed: Formed) -> list[Expr]:
+    """Return the constraints Phi, then by how much the norm of each quaternion exceeds 1."""
+    norms = [sqrt(_square(formed, quaternion)) - 1 for quaternion in formed.variables.quaternions]
+    return [*(row.value for row in formed.rows), *norms]
+
+
+def position_move(formed: Formed) -> list[Expr]:
+    """Return what to add to q so that the position residual vanishes to first order."""
+    graph = formed.graph
+    moves = _along_rates(formed, _least_move(formed, [-row.value for row in formed.rows]))
+    place = {graph.symbol(symbol): k for k, symbol in enumerate(formed.q)}
+    for quaternion in formed.variables.quaternions:
+        norm = sqrt(_square(formed, quaternion))
+        for node in quaternion:
+            moves[place[node]] = moves[place[node]] + (Expr(graph, node) / norm - Expr(graph, node))
+    return moves
+
+
+def velocity_residual(formed: Formed) -> list[Expr]:
+    """Return ``J u + b``."""
+    drift = []
+    for row in formed.rows:
+        total = row.rest
+        for u, slope in row.slopes.items():
+            total = total + slope * Expr(formed.graph, u)
+        drift.append(total)
+    return drift
+
+
+def velocity_move(formed: Formed) -> list[Expr]:
+    """Return what to add to u so that the velocity residual vanishes."""
+    return _least_move(formed, [-x for x in velocity_residual(formed)])
+
+
+def _least_move(formed: Formed, gamma: list[Expr]) -> list[Expr]:
+    """Return the move of the speeds with ``J move = gamma`` that is least in the mass matrix."""
+    zero = number(formed.graph, 0)
+    n, m = len(formed.u), len(formed.rows)
+    if m == 0:
+        return [zero] * n
+    mass = [entry for row in formed.projection.mass_matrix for entry in row]
+    slopes = [entry for row in formed.jacobian for entry in row]
+    operands = tuple(x.index for x in (*mass, *slopes, *[zero] * n, *gamma))
+    kernel = formed.graph.kernel(Kernel(n, m))
+    return [saddle_entry(formed.graph, kernel, operands, k) for k in range(n)]
+
+
+def _along_rates(formed: Formed, speeds: list[Expr]) -> list[Expr]:
+    """Return the change of q for a small motion ``u dt``: N times it, without explicit time."""
+    graph, rates = formed.graph, formed.variables.rates
+    nodes = [rates[graph.symbol(q)] for q in formed.q]
+    moved = substitute(
+        graph, nodes, {u: x.index for u, x in zip(formed.kinematics.speeds, speeds, strict=True)}
+    )
+    return [Expr(graph, node) for node in moved]
+
+
+def _square(formed: Formed, nodes: tuple[int, ...]) -> Expr:
+    total = number(formed.graph, 0)
+    for node in nodes:
+        total = total + Expr(formed.graph, node) ** 2
+    return total

@@ -1,0 +1,14 @@
+"""Where the compiled loop keeps things, and the codes it returns."""
+
+from __future__ import annotations
+
+# What `begin` and `advance` return.
+RUNNING, FULL, FINISHED, COLLAPSED, NOT_FINITE, SINGULAR, TOO_MANY, STIFF = range(8)
+
+# Places in Memory.real: time, next step, error norm of the step before; and how many there are.
+TIME, STEP, ERROR, REALS = range(4)
+# Places in Memory.counts.
+ACCEPTED, REJECTED, EVALUATIONS, SAMPLES, STEPS, KERNEL, STATE = range(7)
+AFTER_REJECTION, STIFF_VOTES, OTHER_VOTES, COUNTS = range(7, 11)
+# Rows of Memory.vectors.
+STATE_OLD, STAGE, STATE_NEW, ERROR_1, ERROR_2, VECTORS = range(6)
