@@ -63,8 +63,8 @@ def simulate(
     Raises
     ------
     CompileError, AssemblyError, SimulationError
-        If a name or a value is missing, initial values do not fit the constraints or each other, or times make
-        no sense. Failures on the way do not raise: `status` tells.
+        If a name or a value is missing, initial values do not fit the constraints or each other, or times
+        make no sense. Failures on the way do not raise: `status` tells.
     """
     laws = dict.fromkeys(eqs.input_names, 0) | dict(inputs or {})
     held = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
