@@ -49,8 +49,10 @@ from .codegen import compile as compile
 from .codegen import generate_code as generate_code
 
 # its configurations
+from .analysis import Redundancy as Redundancy
 from .analysis import State as State
 from .analysis import assemble as assemble
+from .analysis import redundancy as redundancy
 
 # its motion
 from .simulation import Baumgarte as Baumgarte

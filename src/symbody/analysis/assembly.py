@@ -12,6 +12,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import least_squares
 
 from symbody.analysis.closure import Closure, closure
 from symbody.analysis.state import State
@@ -68,6 +69,22 @@ def assemble(
     branches = tuple(task.state(other.q, consistent_speeds(task, other.q, rates, known), start)
                      for other in _others(task, start, positions, q))  # fmt: skip
     return task.state(q, u, start, branches)
+
+
+def assembled_configurations(
+    task: Closure, guess: Mapping[str, Value], parameters: Mapping[str, Value] | None, count: int
+) -> list[Floats]:
+    """Return up to `count` different configurations that close the loops, the nearest to the guess first."""
+    eqs = task.eqs
+    known = _values(eqs, {**eqs.model.initial, **guess}, parameters, strict=set(guess))
+    found: list[Floats] = []
+    for start in _starts(task, task.start(known), {}):
+        attempt = _newton(task, start, {})
+        if attempt.is_closed and all(task.differs(attempt.q, other) for other in found):
+            found.append(attempt.q)
+        if len(found) == count:
+            break
+    return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -167,7 +184,8 @@ def _why_open(task: Closure, guess: Floats, start: Floats, fixed: Mapping[str, f
     best = min(
         (_newton(task, guess, fixed) for guess in _starts(task, start, fixed)), key=lambda a: a.residual
     )
-    joint, distance, angle = task.widest(best.q)
+    q = _least_open(task, best.q, fixed)
+    joint, distance, angle = task.widest(q)
     if not task.is_aligned(best.q) and best.residual <= CLOSED * task.size:
         what = f"joint {joint} closes only with its axes opposite to each other"
     else:
@@ -176,6 +194,23 @@ def _why_open(task: Closure, guess: Floats, start: Floats, fixed: Mapping[str, f
         "assembly.open", f"joint {joint}", what, f"{_STARTS} starts about the guess were tried",
         "check lengths and frames of the loop, or give guess= values nearer to a configuration that closes",
     )  # fmt: skip
+
+
+def _least_open(task: Closure, q: Floats, fixed: Mapping[str, float]) -> Floats:
+    """Return coordinates near q at which the constraints are least open, in the sum of squares."""
+    free = task.free(fixed)
+
+    def moved(x: Floats) -> Floats:
+        result = q.copy()
+        result[free] = x
+        return result
+
+    found = least_squares(
+        lambda x: task.residuals(moved(x), fixed)[0],
+        q[free],
+        jac=lambda x: task.residuals(moved(x), fixed)[1][:, free],
+    )
+    return moved(found.x)
 
 
 def _values(
