@@ -41,6 +41,7 @@ def test_the_joint_without_names_is_cut_and_its_empty_rows_are_dropped() -> None
     assert any("joint B is cut: it names no coordinates" in note for note in eqs.notes)
     assert any("3 closing equations hold identically" in note for note in eqs.notes)
     assert eqs.degrees_of_freedom == 1
+    assert eqs.independent_speeds == eqs.speeds[:1]
 
 
 @pytest.mark.parametrize("cut", "ACD")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from symbody.equations.formed import Formed
 from symbody.equations.forming import form
-from symbody.equations.mobility import degrees_of_freedom
+from symbody.equations.mobility import degrees_of_freedom, independent_speeds
 from symbody.equations.noise import without_noise
 from symbody.equations.outputs import output_roots
 from symbody.equations.textbook import MOST_SPEEDS, Reaction, Textbook
@@ -209,6 +209,11 @@ class EquationSet:
         Empty while no entry exceeds 20,000 operations written out.
         """
         return self.textbook.definitions
+
+    @property
+    def independent_speeds(self) -> tuple[SympyExpr, ...]:
+        """Speeds that determine all others at a generic configuration, the earliest possible."""
+        return self._symbols(tuple(self.formed.u[k] for k in independent_speeds(self.formed)))
 
     @property
     def degrees_of_freedom(self) -> int:

@@ -40,27 +40,55 @@ def degrees_of_freedom(formed: Formed) -> int:
     ModelError
         If a parameter has no value.
     """
+    return len(formed.u) - (_generic(formed)[0] if formed.rows else 0)
+
+
+def independent_speeds(formed: Formed) -> tuple[int, ...]:
+    """Return which speeds determine all others at a generic configuration, the earliest possible."""
     n = len(formed.u)
     if not formed.rows:
-        return n
-    return n - rank_of(formed)
+        return tuple(range(n))
+    _, slopes = _generic(formed)
+    basis: list[list[float]] = []
+    dependent = set()
+    for k in reversed(range(n)):
+        column = slopes[k::n]
+        size = math.sqrt(sum(x * x for x in column))
+        for _ in range(2):
+            for unit in basis:
+                share = sum(x * y for x, y in zip(unit, column, strict=True))
+                column = [x - share * y for x, y in zip(column, unit, strict=True)]
+        rest = math.sqrt(sum(x * x for x in column))
+        if rest > _RANK_CUT * size:
+            basis.append([x / rest for x in column])
+            dependent.add(k)
+    return tuple(k for k in range(n) if k not in dependent)
 
 
-def rank_of(formed: Formed) -> int:
-    """Return the generic rank of the constraint Jacobian on the assembled configurations."""
+def _generic(formed: Formed) -> tuple[int, list[float]]:
+    """Return the rank that J has at most assembled configurations, and J at one of them.
+
+    Raises
+    ------
+    AssemblyError
+        If the loops close from no start.
+    """
     resolved = {name: float(value) for name, value in resolve_parameters(formed.topology.model).items()}
     formed = without_noise(formed, resolved)
     program = _program(formed)
     values = [resolved[symbol.name] for symbol in formed.parameters]
     start, random = _start(formed), Random(1)
-    ranks = []
+    found: list[tuple[int, list[float]]] = []
     for k in range(_STARTS):
         guess = [x + (random.uniform(-_SPREAD, _SPREAD) if k else 0.0) for x in start]
         q = _assembled(formed, program, values, guess)
         if q is not None:
-            ranks.append(_rank(formed, program, values, q))
-    if ranks:
-        return max(sorted(set(ranks)), key=ranks.count)
+            slopes = _values(formed, program, values, q)[2]
+            found.append((_rank(formed, slopes), slopes))
+    if found:
+        ranks = [rank for rank, _ in found]
+        generic = max(sorted(set(ranks)), key=ranks.count)
+        return next(pair for pair in found if pair[0] == generic)
     raise AssemblyError(
         Problem("equations.not_assembled", formed.topology.model.name,
                 "the degrees of freedom cannot be counted, because the loops close from none of the starts",
@@ -127,8 +155,7 @@ def _assembled(
     return None
 
 
-def _rank(formed: Formed, program: Program, parameters: Sequence[float], q: Sequence[float]) -> int:
+def _rank(formed: Formed, slopes: Sequence[float]) -> int:
     n, m = len(formed.u), len(formed.rows)
     unit = [float(i == j) for i in range(n) for j in range(n)]
-    _, _, slopes = _values(formed, program, parameters, q)
     return solve_saddle(unit, slopes, [0.0] * n, [0.0] * m, rank_cut=_RANK_CUT).rank

@@ -18,7 +18,9 @@ from symbody.equations.solution import solve, solved
 from symbody.errors import ExpressionError, FormulationError, Problem, nearest
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
+from symbody.expr.graph import Kind
 from symbody.expr.language.formula import Formula
+from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Roots
 
 
@@ -41,14 +43,29 @@ def output_roots(formed: Formed, name: str) -> Roots:
         shape, values = _ABOUT[first](formed, rest)
         return _roots(name, shape, solved(formed, values))
     try:
-        formula = Formula.of(name)
-        return _roots(name, (), solved(formed, [formed.readable_names.expression(formula)]))
+        value = formed.readable_names.expression(Formula.of(name))
     except (ExpressionError, FormulationError) as error:
         words = [*output_names(formed), *formed.names.symbols]
         raise FormulationError(
             Problem("equations.unknown_output", name, f"{name!r} is neither an output nor an expression",
                     error.problems[0].what, nearest(name, words))
         ) from error  # fmt: skip
+    _check_measured(formed, name, value)
+    return _roots(name, (), solved(formed, [value]))
+
+
+def _check_measured(formed: Formed, name: str, value: Expr) -> None:
+    """Refuse a coordinate that is neither a variable nor measured: a quaternion of a cut joint."""
+    graph = formed.graph
+    known = {symbol.name for symbol in (*formed.q, *formed.u)}
+    symbols = (graph.symbols[graph.left[node]] for node in symbols_of(graph, [value.index]))
+    unknown = [s.name for s in symbols if s.kind in (Kind.COORDINATE, Kind.SPEED) and s.name not in known]
+    if unknown:
+        raise FormulationError(
+            Problem("equations.not_measured", name, f"{', '.join(unknown)} cannot be measured",
+                    "the joint is cut, and a quaternion or its speeds need a choice of sign and axes",
+                    "put the joint into the rotation tree, give it angles, or ask for frame R or w")
+        )  # fmt: skip
 
 
 def output_names(formed: Formed) -> tuple[str, ...]:
