@@ -18,7 +18,7 @@ from symbody.equations.solution import solve, solved
 from symbody.errors import ExpressionError, FormulationError, Problem, nearest
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Kind
+from symbody.expr.graph import Kind, Symbol
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Roots
@@ -100,11 +100,14 @@ def _scalar(name: str, compute: Callable[[Formed], Expr]) -> Callable[[Formed], 
     return lambda formed: _roots(name, (), [compute(formed)])
 
 
-def _matrix(name: str, compute: Callable[[Formed], Sequence[Sequence[Expr]]]) -> Callable[[Formed], Roots]:
+def _matrix(
+    name: str,
+    compute: Callable[[Formed], Sequence[Sequence[Expr]]],
+    columns: Callable[[Formed], Sequence[Symbol]] = lambda formed: formed.u,
+) -> Callable[[Formed], Roots]:
     def make(formed: Formed) -> Roots:
         rows = compute(formed)
-        width = len(rows[0]) if rows else len(formed.u)
-        return _roots(name, (len(rows), width), [entry for row in rows for entry in row])
+        return _roots(name, (len(rows), len(columns(formed))), [entry for row in rows for entry in row])
 
     return make
 
@@ -137,7 +140,7 @@ _MAKERS: Final[dict[str, Callable[[Formed], Roots]]] = {
     "velocity_constraints": _vector("velocity_constraints", velocity_residual),
     "gamma": _vector("gamma", lambda formed: [row.gamma for row in formed.rows]),
     "jacobian": _matrix("jacobian", lambda formed: formed.jacobian),
-    "position_jacobian": _matrix("position_jacobian", _position_jacobian),
+    "position_jacobian": _matrix("position_jacobian", _position_jacobian, lambda formed: formed.q),
     # for those who integrate themselves: what drifts, and how to bring it back
     "position_residual": _vector("position_residual", position_residual),
     "position_move": _vector("position_move", position_move),
