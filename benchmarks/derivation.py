@@ -25,7 +25,7 @@ from benchmarks.timing import Settings, rotated, seconds
 
 FAMILIES: Final[Mapping[str, Sequence[Mechanism]]] = MappingProxyType(
     {
-        "examples": (example("rr_robot", robot), example("spin_top", top)),
+        "examples": (example("rr_robot", robot), example("spinning_top", top)),
         "pendulum on a cart, absolute angles": tuple(map(pendulum_on_cart, (2, 5, 10, 20))),
         "spatial chain of hinged bodies": tuple(map(spatial_chain, (2, 5, 10, 20, 50))),
     }

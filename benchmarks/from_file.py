@@ -15,7 +15,7 @@ from benchmarks.process import Process, Step, Task
 from benchmarks.table import Table, seconds_text
 from benchmarks.timing import Settings
 
-FILES: Final = ("rr_robot", "spin_top", "slider_crank", "projectile", "spring_mass_damper")
+FILES: Final = ("rr_robot", "spinning_top", "slider_crank", "projectile", "spring_mass_damper")
 BAR: Final = 0.3  # s from file to equations
 
 _STAGES: Final = ("load", "accelerations", "formulas")

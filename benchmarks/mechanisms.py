@@ -148,7 +148,7 @@ def robot() -> Kane:
 
 
 def top() -> Kane:
-    """Return the top of spin_top, in rates of its Euler angles."""
+    """Return the top of spinning_top, in rates of its Euler angles."""
     m, length, across, along, g = sympy.symbols("m L A C G")
     space, frame, point = me.ReferenceFrame("N"), me.ReferenceFrame("B"), me.Point("O")
     point.set_vel(space, 0)

@@ -58,6 +58,47 @@ def test_simulate_as_json_and_csv(model: Path, capsys: pytest.CaptureFixture[str
     assert rows[0].split(",")[0] == "t" and len(rows) == len(result["t"]) + 1
 
 
+def test_simulate_sets_whatever_has_a_name(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Parameter, input, coordinate and rate; the closed form of critical damping under a constant force."""
+    arguments = ["simulate", str(model), "--json", "--end", "2", "--samples", "5"]
+    for setting in ("d=2", "F=3", "x=1", "x_dot=-1"):
+        arguments += ["--set", setting]
+    assert run(arguments) == 0
+    result = json.loads(capsys.readouterr().out)
+    t = np.array(result["t"])
+    assert t.tolist() == [0.0, 0.5, 1.0, 1.5, 2.0]
+    # x = 3 + (a + b t) exp(-t) with x(0) = 1, x'(0) = -1; tolerances of 1e-8 over 2 s.
+    assert result["states"]["x"] == pytest.approx(3 + (-2 - 3 * t) * np.exp(-t), abs=1e-7)
+
+
+def test_simulate_closed_loops(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Values of [initial] are guesses, those of --set hold; the loop stays closed."""
+    assert run(["examples", "slider_crank", "--copy", str(tmp_path)]) == 0
+    path, table = tmp_path / "slider_crank.toml", tmp_path / "motion.csv"
+    capsys.readouterr()
+    arguments = ["simulate", str(path), "-t", "0.5", "--set", "theta=0.7", "--set", "theta_dot=5"]
+    arguments += ["--show", "s", "--show", "reaction B Fx", "--csv", str(table), "--tree", "joints"]
+    assert run([*arguments, "--samples", "6"]) == 0
+    told = capsys.readouterr().out
+    assert re.search(r"constraints: 2, open by \d\.\de-1\d at most", told)
+    rows = np.genfromtxt(table, delimiter=",", names=True)
+    assert rows["t"].tolist() == pytest.approx([0, 0.1, 0.2, 0.3, 0.4, 0.5], abs=1e-15)
+    assert rows["theta"][0] == 0.7 and rows["theta_dot"][0] == pytest.approx(5.0, abs=1e-14)
+    lean = np.arcsin(0.4 * np.sin(rows["theta"]))
+    assert rows["beta"] == pytest.approx(-lean, abs=1e-9)
+    assert rows["s"] == pytest.approx(0.4 * np.cos(rows["theta"]) + np.cos(lean), abs=1e-9)
+    assert "reaction_B_Fx" in rows.dtype.names
+    assert path.with_suffix(".png").stat().st_size > 10_000
+
+
+def test_code_in_python(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    target = model.with_suffix(".py")
+    assert run(["code", str(model), "-l", "python", "-o", "udot", "--out", str(target), "--force"]) == 0
+    script = f"{target.read_text(encoding='ascii')}print(f(0.0, [2.0], [3.0], [1.0], [1.0, 0.5, 4.0]))"
+    done = subprocess.run([sys.executable, "-I", "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout == "[-8.5]\n"  # F - d v - k x
+
+
 def test_equations_as_text_and_latex(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["equations", str(model)]) == 0
     assert capsys.readouterr().out == "m x'' + d x' + k x = F\n"
@@ -70,7 +111,7 @@ def example(name: str) -> str:
 
 
 def test_rates_and_constraints_are_printed_where_there_are_any(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["equations", example("spin_top_omega")]) == 0
+    assert run(["equations", example("spinning_top_omega")]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line for line in lines if not line.startswith(" ")] == ["rates:", "motion:"]
     assert lines[1] == "  zeta' = (omega_x sin(xi) + omega_y cos(xi))/sin(eta)"
@@ -196,7 +237,9 @@ def test_code_goes_to_a_file_that_is_not_overwritten(model: Path, capsys: pytest
         (["frobnicate"], 2, "frobnicate"),
         (["simulate", "MODEL", "--end", "soon"], 2, "--end"),
         (["simulate", "MODEL", "-p", "k"], 2, "cli.assignment"),
-        (["simulate", "MODEL", "-p", "kk=3"], 3, "did you mean 'k'"),
+        (["simulate", "MODEL", "-p", "kk=3"], 2, "did you mean 'k'"),
+        (["simulate", "MODEL", "-p", "x_dott=3"], 2, "did you mean 'x_dot'"),
+        (["simulate", "MODEL", "--samples", "1"], 2, "cli.samples"),
         (["simulate", "MODEL", "-i", "F=sin(omega*t)"], 3, "omega"),
         (["simulate", "MODEL", "--initial", "y=3"], 4, "'y'"),
         (["code", "MODEL", "-l", "cobol"], 3, "cobol"),

@@ -56,9 +56,14 @@ from .analysis import redundancy as redundancy
 
 # its motion
 from .simulation import Baumgarte as Baumgarte
+from .simulation import Event as Event
 from .simulation import Explicit as Explicit
+from .simulation import GGL as GGL
+from .simulation import Partition as Partition
+from .simulation import Stiff as Stiff
 from .simulation import Projection as Projection
 from .simulation import Status as Status
+from .simulation import Table as Table
 from .simulation import Trajectory as Trajectory
 from .simulation import simulate as simulate
 

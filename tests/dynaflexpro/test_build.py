@@ -9,7 +9,7 @@ import sympy as sp
 from sympy.physics.vector import dynamicsymbols
 
 import symbody as sb
-from symbody.dynaflexpro import BuildEQs, ModelEquations
+from symbody.dynaflexpro import BuildEQs, BuildModel, ModelEquations
 from symbody.errors import UsageError
 from tests.problems.mechanisms import EXAMPLES, model_of
 
@@ -70,3 +70,17 @@ def test_a_complete_model_stays_as_it_is() -> None:
 def test_the_tree_may_be_chosen() -> None:
     built = BuildEQs(model_of("slider_crank"), tree="absolute")
     assert len(built.vP) == 18 and len(built.vQ) == 21  # positions and quaternions
+
+
+def test_the_editor_and_foreign_files_are_refused_with_a_cure(tmp_path: Path) -> None:
+    with pytest.raises(UsageError) as caught:
+        BuildModel("Examples/SpinTop.mb")
+    (problem,) = caught.value.problems
+    assert problem.code == "dynaflexpro.build_model" and "Examples/SpinTop.mb" in problem.where
+    for word in ("TOML", "BuildEQs", "symbody examples"):
+        assert word in problem.fix
+    for name in ("SpinTop.dfp", "SpinTop.MB"):
+        with pytest.raises(UsageError) as caught:
+            BuildEQs(tmp_path / name)
+        (problem,) = caught.value.problems
+        assert problem.code == "dynaflexpro.foreign_file" and "BuildEQs" in problem.fix

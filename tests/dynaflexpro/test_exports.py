@@ -12,7 +12,7 @@ from symbody.dynaflexpro import BuildEQs, ModelEquations
 from tests.problems.mechanisms import EPS, EXAMPLES, condition, numbers_of, random_values, state_of
 
 T = dynamicsymbols._t
-NAMES = ("spring_mass_damper", "projectile", "rr_robot", "spin_top_omega", "slider_crank")
+NAMES = ("spring_mass_damper", "projectile", "rr_robot", "spinning_top_omega", "slider_crank")
 
 
 @pytest.fixture(scope="module", params=NAMES)

@@ -21,8 +21,8 @@ def test_the_seeds_script_of_the_top() -> None:
     values = [
         sp.Eq(sp.Symbol(name), value) for name, value in {"L": 1, "m": 1, "A": 2, "C": 1, "G": 9.8}.items()
     ]
-    pXdot = BuildSimCode(built("spin_top"), {"Xdot"}, "MapleProc", "Optimize", values)
-    assert callable(pXdot)
+    pXdot = BuildSimCode(built("spinning_top"), {"Xdot"}, "MapleProc", "Optimize", values)
+    assert callable(pXdot) and pXdot.__name__ == "pXdot"
     solution = solve_ivp(pXdot, (0, 5), [0, 0, 10, 0, np.pi / 2, 0], method="DOP853", rtol=1e-10, atol=1e-12)
     # The printed digits; rtol 1e-10 keeps the error of the angle below 1e-8 rad.
     assert np.degrees(solution.y[4, -1]) == pytest.approx(106.323844, abs=2e-6)
@@ -43,6 +43,8 @@ def test_source_text_is_that_of_generate_code() -> None:
     model = built("spring_mass_damper")
     text = BuildSimCode(model, {"Xdot"}, "C", "Optimize", {"m": 1, "d": 0.5, "k": 1})
     assert text == sb.generate_code(model.equations, ["xdot"], "c", {})
+    text = BuildSimCode(model, {"Xdot"}, "Python", "Optimize", {"m": 1, "d": 0.5, "k": 1})
+    assert text == sb.generate_code(model.equations, ["xdot"], "python", {})
 
 
 def test_wrong_words_are_told_together() -> None:

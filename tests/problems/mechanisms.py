@@ -23,8 +23,8 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 EPS = float(np.finfo(float).eps)
 # The models of all examples that have one file more than their folder says.
 NAMES = (
-    "projectile/projectile", "projectile/projectile_free", "rr_robot/rr_robot", "spin_top/spin_top",
-    "spin_top_omega/spin_top_omega", "slider_crank/slider_crank", "spatial_four_bar/spatial_four_bar",
+    "projectile/projectile", "projectile/projectile_free", "rr_robot/rr_robot", "spinning_top/spinning_top",
+    "spinning_top_omega/spinning_top_omega", "slider_crank/slider_crank", "spatial_four_bar/spatial_four_bar",
 )  # fmt: skip
 
 

@@ -5,18 +5,65 @@ from __future__ import annotations
 import runpy
 from pathlib import Path
 
+import numpy as np
 import pytest
+from matplotlib.image import imread
 
 from symbody.cli import run
-from tests.problems.mechanisms import EXAMPLES
+from tests.problems.mechanisms import EXAMPLES, equations_of
 
 FOLDERS = sorted(path.name for path in EXAMPLES.iterdir() if path.is_dir())
 
 
 @pytest.mark.parametrize("name", FOLDERS)
-def test_script_runs(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_script_runs(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each checks its own figures, and leaves at least two pictures where it is run."""
+    monkeypatch.chdir(tmp_path)
     runpy.run_path(str(EXAMPLES / name / f"{name}.py"), run_name="__main__")
     assert capsys.readouterr().out.count("\n") >= 3
+    pictures = sorted(tmp_path.iterdir())
+    assert len(pictures) >= 2
+    for picture in pictures:
+        assert picture.name.startswith(name) and picture.suffix == ".png"
+        pixels = imread(picture)[..., :3]
+        assert np.ptp(pixels, axis=2).max() > 0.5  # coloured lines, not axes alone
+
+
+HEADINGS = ("Description", "Concepts", "# Modeling", "# Simulation", "# Check", "# References")
+
+
+@pytest.mark.parametrize("name", FOLDERS)
+def test_scripts_have_the_headings_of_the_manual(name: str) -> None:
+    lines = (EXAMPLES / name / f"{name}.py").read_text(encoding="utf-8").splitlines()
+    places = [lines.index(heading) for heading in HEADINGS]
+    assert places == sorted(places)
+    for start, stop in zip(places, [*places[1:], len(lines)], strict=True):
+        assert any(line.strip("# ") for line in lines[start + 1 : stop])
+    assert any(line.startswith("assert ") for line in lines[places[4] : places[5]])
+
+
+SYMBOLS = {
+    "spring_mass_damper": ("m d k", "x", "F"),
+    "projectile": ("m Inertia G", "X Y theta", ""),
+    "rr_robot": ("m1 m2 I1 I2 L3 L4 L5 L6 G", "beta_1 beta_2", "T1 T2"),
+    "spinning_top": ("m L A C G", "zeta eta xi", ""),
+    "spinning_top_omega": ("m L A C G", "zeta eta xi", ""),
+    "slider_crank": ("m1 m2 m3 I1 I2 L1 L2 G", "theta beta s", "F"),
+}
+
+
+@pytest.mark.parametrize("name", SYMBOLS)
+def test_the_symbols_of_the_manual(name: str) -> None:
+    """And its frames: CoM on every body, P at the robot's tip, Base at the top's."""
+    eqs, (parameters, coordinates, inputs) = equations_of(name), SYMBOLS[name]
+    assert eqs.parameter_names == tuple(parameters.split())
+    assert eqs.coordinate_names == tuple(coordinates.split()) and eqs.input_names == tuple(inputs.split())
+    for body in eqs.model.bodies:
+        assert eqs.frame_motion("r", f"{body.name}.CoM", "Ground").shape == (3, 1)
+    for frame in {"rr_robot": ["P"], "spinning_top": ["Base"], "spinning_top_omega": ["Base"]}.get(name, []):
+        assert eqs.frame_motion("r", frame, "Ground", "Ground").shape == (3, 1)
 
 
 @pytest.mark.parametrize("name", FOLDERS)

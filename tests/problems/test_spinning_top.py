@@ -18,11 +18,11 @@ from tests.problems.mechanisms import EXAMPLES, data_of, equations_of, model_of
 T = dynamicsymbols._t
 zeta, eta, xi = dynamicsymbols("zeta eta xi")
 m, L, A, C, G = sp.symbols("m L A C G")
-FILES = ("spin_top", "spin_top_omega")
+FILES = ("spinning_top", "spinning_top_omega")
 
 
 def test_mass_matrix_in_euler_rates() -> None:
-    M = equations_of("spin_top").mass_matrix
+    M = equations_of("spinning_top").mass_matrix
     assert M == sp.Matrix(
         [
             [A * sp.sin(eta) ** 2 + C * sp.cos(eta) ** 2, 0, C * sp.cos(eta)],
@@ -33,7 +33,7 @@ def test_mass_matrix_in_euler_rates() -> None:
 
 
 def test_gravity_acts_on_the_nutation_alone() -> None:
-    eqs = equations_of("spin_top")
+    eqs = equations_of("spinning_top")
     at_rest = {speed: 0 for speed in eqs.speeds}
     assert eqs.forcing.subs(at_rest) == sp.Matrix([0, m * G * L * sp.sin(eta), 0])
     assert eqs.potential_energy == m * G * L * sp.cos(eta)
@@ -41,7 +41,7 @@ def test_gravity_acts_on_the_nutation_alone() -> None:
 
 def test_equations_by_lagrange() -> None:
     """The three equations from the two energies, by SymPy's own differentiation."""
-    eqs = equations_of("spin_top")
+    eqs = equations_of("spinning_top")
     dz, de, dx = (angle.diff(T) for angle in (zeta, eta, xi))
     kinetic = (A * (de**2 + dz**2 * sp.sin(eta) ** 2) + C * (dx + dz * sp.cos(eta)) ** 2) / 2
     lagrangian = kinetic - m * G * L * sp.cos(eta)
@@ -55,7 +55,7 @@ def test_equations_by_lagrange() -> None:
 
 def test_inertia_about_the_centre_of_mass_reads_naturally_too() -> None:
     """A given about the centre of mass: A + m L^2 takes the place of A."""
-    data = data_of("spin_top")
+    data = data_of("spinning_top")
     data["body"][0]["inertia"] = ["A", "A", "C"]
     M = sb.form_equations(from_data(data)).mass_matrix
     whole = A + m * L**2
@@ -65,7 +65,7 @@ def test_inertia_about_the_centre_of_mass_reads_naturally_too() -> None:
 
 
 def test_angular_velocity_in_the_top_makes_the_mass_matrix_constant() -> None:
-    eqs = equations_of("spin_top_omega")
+    eqs = equations_of("spinning_top_omega")
     wx, wy, wz = dynamicsymbols("omega_x omega_y omega_z")
     assert eqs.speeds == (wx, wy, wz) and eqs.coordinates == (zeta, eta, xi)
     assert eqs.mass_matrix == sp.diag(A, A, C)
@@ -79,7 +79,7 @@ def test_angular_velocity_in_the_top_makes_the_mass_matrix_constant() -> None:
 
 
 def test_angle_rates_from_the_angular_velocity() -> None:
-    built = BuildEQs(EXAMPLES / "spin_top_omega" / "spin_top_omega.toml")
+    built = BuildEQs(EXAMPLES / "spinning_top_omega" / "spinning_top_omega.toml")
     wx, wy, wz = built.vP
     across = wx * sp.sin(xi) + wy * sp.cos(xi)
     expected = [
@@ -96,10 +96,10 @@ def test_angle_rates_from_the_angular_velocity() -> None:
 
 def test_resolved_in_the_start_frame_too() -> None:
     """Other speeds, other mass matrix, the same motion of the top."""
-    data = data_of("spin_top_omega")
+    data = data_of("spinning_top_omega")
     data["joint"][0]["speeds"] = "start"
     data.pop("initial")
-    space, body = sb.form_equations(from_data(data)), equations_of("spin_top_omega")
+    space, body = sb.form_equations(from_data(data)), equations_of("spinning_top_omega")
     q, omega = [0.4, 1.1, -0.7], np.array([0.9, -1.3, 2.2])
     (R,) = (sb.compile(body, "frame R Top ground")(0.0, q, omega),)
     for output in ("qdot", "frame wdot Top ground ground", "reaction pivot", "kinetic_energy"):
@@ -139,5 +139,5 @@ def test_nutation_stays_between_its_bounds(name: str) -> None:
 
 
 def test_speeds_first_in_the_state() -> None:
-    model = model_of("spin_top")
+    model = model_of("spinning_top")
     assert sb.form_equations(model).state_names == ("zeta_dot", "eta_dot", "xi_dot", "zeta", "eta", "xi")

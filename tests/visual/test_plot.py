@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from symbody.errors import EnvironmentFault, UsageError
 from symbody.simulation.trajectory import Trajectory
-from symbody.visual.plot import SMOOTH, plot, save_plot
+from symbody.visual.curves import SMOOTH
+from symbody.visual.plot import plot, save_plot
 from tests.simulation.right_hand_sides import oscillator, run
 
 Floats = NDArray[np.float64]
@@ -26,6 +27,7 @@ Floats = NDArray[np.float64]
 
 def outputs(name: str, t: Floats, q: Floats, u: Floats) -> Floats:
     known = {"v_dot": -q[0], "frame r": np.array([q[0], u[0], 0.0 * t]), "pair": np.array([t, -t])}
+    known |= {"frame r x": q[0], "frame r y": u[0], "frame r Q x": t}
     if name not in known:
         raise UsageError()
     return known[name]
@@ -40,7 +42,7 @@ def swing(**changes: Any) -> Trajectory:
         "statistics": raw.statistics,
         "evaluate": outputs,
         "dense_output": raw.dense_output,
-        "units": {"x": "m", "v": "m/s", "frame r": "m"},
+        "units": {"x": "m", "v": "m/s"},
     }
     return Trajectory(raw.t, raw.x[1:], raw.x[:1], **{**parts, **changes})
 
@@ -95,7 +97,7 @@ def test_several_curves_have_a_legend_and_different_colours() -> None:
 
 def test_a_vector_makes_three_curves_with_one_axis() -> None:
     ax = plot(swing(), "frame r")
-    assert legend(ax) == ["frame r x [m]", "frame r y [m]", "frame r z [m]"]
+    assert legend(ax) == ["r x [m]", "r y [m]", "r z [m]"]
     assert ax.get_ylabel() == "length [m]"
     assert plot(swing(), "pair").get_ylabel() == ""
 
@@ -130,6 +132,85 @@ def test_a_path_marks_its_start_and_keeps_its_shape() -> None:
     np.testing.assert_allclose(x**2 + v**2, 1.0, rtol=0.0, atol=60.0 * 1e-8)
     assert data(ax, 1).ravel().tolist() == [1.0, 0.0]
     assert legend(ax) == []
+
+
+def test_a_path_in_the_plane() -> None:
+    ax = plot(swing(), ("x", "v"), title="Phase")
+    assert (ax.get_xlabel(), ax.get_ylabel(), ax.get_title()) == ("x [m]", "v [m/s]", "Phase")
+    assert ax.get_aspect() == "auto" and legend(ax) == []  # metres and metres per second
+    np.testing.assert_array_equal(data(ax), data(plot(swing(), "v", x="x")))
+    assert data(ax, 1).ravel().tolist() == [1.0, 0.0]  # the dot at the start
+    assert plot(swing(), ("x", "frame r x")).get_aspect() == 1.0  # lengths both
+    assert plot(swing(), ("x", "frame r x"), equal=False).get_aspect() == "auto"
+    assert plot(swing(), ("x", "v"), equal=True).get_aspect() == 1.0
+
+
+def test_several_paths_have_a_legend_and_what_they_share_at_the_axes() -> None:
+    ax = plot(swing(), ("x", "frame r y"), ("frame r x", "frame r y"))
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("length [m]", "r y [m]")
+    assert legend(ax) == ["x, r y", "r"]
+    ax = plot(swing(), ("frame r x", "v"), ("frame r Q x", "x"), labels=["P", "Q in $"])
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x [m]", "")
+    assert legend(ax) == ["P", r"Q in \$"]
+
+
+def test_a_path_in_space_is_a_vector_or_three_numbers() -> None:
+    ax = plot(swing(), ("frame r",))
+    assert ax.name == "3d" and ax.get_legend() is None
+    labels = [getattr(ax, f"get_{letter}label")() for letter in "xyz"]
+    assert labels == ["r x [m]", "r y [m]", "r z [m]"]
+    x, y, z = ax.lines[0].get_data_3d()
+    np.testing.assert_allclose(x**2 + y**2, 1.0, rtol=0.0, atol=60.0 * 1e-8)
+    assert set(z) == {0.0} and x.size >= SMOOTH
+    # A unit is equally long: limits and the box have one ratio.
+    spans = [np.ptp(getattr(ax, f"get_{letter}lim")()) for letter in "xyz"]
+    box = np.asarray(vars(ax)["_box_aspect"])
+    ratios = np.array(spans) / box
+    assert np.ptp(ratios) < 1e-6 * ratios.max()
+    assert plot(swing(), ("x", "v", "t")).name == "3d"
+
+
+def test_paths_that_cannot_be_drawn_are_told() -> None:
+    cases: list[tuple[tuple[str | tuple[str, ...], ...], dict[str, str], str]] = [
+        ((("x",),), {}, "a path has 2 or 3 components, not 1"),
+        ((("frame r", "x"),), {}, "not 4\n.*they are r x, r y, r z, x"),
+        ((("x", "v"), "v"), {}, "curves over an output and paths do not share axes"),
+        ((("x", "v"),), {"x": "v"}, "do not share axes"),
+        ((("x", "v"), ("frame r",)), {}, "two components in the plane and three in space"),
+        ((("x", "v"), ("v", "x")), {"labels": "xv"}, "2 curves need 2 labels"),
+    ]
+    for expressions, options, message in cases:
+        with pytest.raises(UsageError, match=message):
+            plot(swing(), *expressions, **options)
+    with pytest.raises(UsageError, match="axes for paths in space have projection='3d'"):
+        plot(swing(), ("frame r",), ax=plot(swing(), "x"))
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("frame v Top.CoM ground Base x", "v Top.CoM Base x [m/s]"),
+        ("frame wdot Top ground ground z", "wdot Top z [rad/s^2]"),
+        ("frame R Top ground xy", "R Top xy"),
+        ("reaction B Fx", "reaction B Fx [N]"),
+        ("reaction B Mz", "reaction B Mz [N m]"),
+        ("x_ddot", "x_ddot [m/s^2]"),
+        ("effort B", "effort B"),
+    ],
+)
+def test_units_follow_from_the_words_of_an_output(name: str, unit: str) -> None:
+    motion = swing(stored={name: np.zeros(swing().t.size)}, units={"x_dot": "m/s"})
+    assert plot(motion, name).get_ylabel() == unit
+
+
+def test_a_reaction_has_six_named_components() -> None:
+    wrench = np.arange(6.0)[:, np.newaxis] * np.ones(swing().t.size)
+    ax = plot(swing(stored={"reaction B": wrench}), "reaction B")
+    assert [text.split(" ")[2] for text in legend(ax)] == ["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
+
+
+def test_a_label_with_a_unit_keeps_it() -> None:
+    assert plot(swing(), "x", labels=["way [km]"]).get_ylabel() == "way [km]"
 
 
 def test_names_that_do_not_exist_are_errors_and_leave_the_axes_alone() -> None:

@@ -61,14 +61,29 @@ def assemble(
     wanted = _values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     positions, rates = task.parted(wanted)
     start = task.start({**known, **positions})
-    found = _closed(task, start, positions)
+    found = _closed(task, _near_measured(task, start, positions, known), positions)
     if found is None:
         raise AssemblyError(_why_open(task, task.start(known), start, positions))
     q = found.q
     u = consistent_speeds(task, q, rates, {name: known[name] for name in known if name not in positions})
-    branches = tuple(task.state(other.q, consistent_speeds(task, other.q, rates, known), start)
-                     for other in _others(task, start, positions, q))  # fmt: skip
-    return task.state(q, u, start, branches)
+
+    def others() -> list[State]:
+        attempts = _others(task, start, positions, q)
+        return [task.state(b.q, consistent_speeds(task, b.q, rates, known), start) for b in attempts]
+
+    return task.state(q, u, start, others)
+
+
+def _near_measured(
+    task: Closure, start: Floats, fixed: Mapping[str, float], known: Mapping[str, float]
+) -> Floats:
+    """Return a start at which coordinates of cut joints have the values guessed for them, if there is one."""
+    guessed = {name: known[name] for name in task.parted(known)[0] if name not in task.eqs.coordinate_names}
+    measured = {name: value for name, value in guessed.items() if name not in fixed}
+    if not measured:
+        return start
+    attempt = _newton(task, start, {**fixed, **measured})
+    return attempt.q if attempt.is_closed else start
 
 
 def assembled_configurations(

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -41,6 +41,8 @@ class Closure:
     scales: Floats
     constraints: CompiledFunction
     size: float = 1.0
+    # Functions already compiled; they follow from the fields above.
+    _functions: dict[str | tuple[str, ...], CompiledFunction] = field(default_factory=dict, repr=False)
 
     @property
     def is_tree(self) -> bool:
@@ -49,8 +51,12 @@ class Closure:
 
     def function(self, outputs: str | Sequence[str]) -> CompiledFunction:
         """Return a compiled function of t, q and u."""
-        inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
-        return CompiledFunction(*form_sequence(self.eqs, outputs, self.parameters, (), inputs))
+        key = outputs if isinstance(outputs, str) else tuple(outputs)
+        if key not in self._functions:
+            inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
+            sequence = form_sequence(self.eqs, outputs, self.parameters, (), inputs)
+            self._functions[key] = CompiledFunction(*sequence)
+        return self._functions[key]
 
     def parted(self, wanted: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
         """Return what is wanted of positions, and of velocities."""
@@ -145,7 +151,9 @@ class Closure:
         distance, sine = gaps.get(joint, [0.0, 0.0])
         return joint, distance, float(np.arcsin(min(sine, 1.0)))
 
-    def state(self, q: Floats, u: Floats, start: Floats, branches: tuple[State, ...] = ()) -> State:
+    def state(
+        self, q: Floats, u: Floats, start: Floats, others: Callable[[], Iterable[State]] = tuple
+    ) -> State:
         """Return the state with its accelerations and multipliers."""
         eqs = self.eqs
         solved = self.function(("udot", "lambda"))(self.t, q, u)
@@ -161,10 +169,10 @@ class Closure:
             dict(zip(eqs.multiplier_names, np.ravel(solved[1]).tolist(), strict=True)),
             float(np.abs(phi).max(initial=0.0)),
             moved,
-            branches,
             self.t,
             self.parameters,
             self.inputs,
+            others,
         )
 
     def _quaternions(self) -> list[list[int]]:

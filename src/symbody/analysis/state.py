@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -24,8 +24,6 @@ class State:
         Largest absolute constraint, of lengths [m] and dot products of unit vectors.
     moved : mapping of name to float
         How far each coordinate is from the guess it was assembled from, where it moved.
-    branches : tuple of State
-        Other assemblies with the same fixed values, nearest to the guess first; there may be more.
     t : float
         Time [s].
     """
@@ -37,10 +35,19 @@ class State:
     multipliers: Mapping[str, float]
     residual: float
     moved: Mapping[str, float]
-    branches: tuple[State, ...] = field(default=(), repr=False)
     t: float = 0.0
     parameters: Mapping[str, Value] = field(default_factory=dict, repr=False)
     inputs: Mapping[str, Value] = field(default_factory=dict, repr=False)
+    # Finds the branches; they are looked for on first request.
+    _others: Callable[[], Iterable[State]] = field(default=tuple, repr=False)
+    _branches: list[State] = field(default_factory=list, repr=False)
+
+    @property
+    def branches(self) -> tuple[State, ...]:
+        """Other assemblies with the same fixed values, nearest to the guess first; there may be more."""
+        if not self._branches:
+            self._branches.extend(self._others())
+        return tuple(self._branches)
 
     def __getitem__(self, name: str) -> float | np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
         """Return a coordinate, a speed, or any output or expression.

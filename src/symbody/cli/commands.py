@@ -8,16 +8,19 @@ from __future__ import annotations
 import json
 import shutil
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import typer
+from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import Progress
 
 import symbody
+from symbody.cli.settings import Settled, assigned
 from symbody.cli.summary import summary
 from symbody.cli.written import equation_lines
 from symbody.codegen.compile import generate_code
@@ -50,7 +53,10 @@ def _option(*flags: str, text: str, metavar: str | None = None) -> Any:
 
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.toml", help="The model file.")]
 Pairs = list[str] | None
-Settings = Annotated[Pairs, _option("--set", "-p", metavar="NAME=VALUE", text="A parameter; repeatable.")]
+Settings = Annotated[
+    Pairs,
+    _option("--set", "-p", metavar="NAME=VALUE", text="A parameter, input or value at start; repeatable."),
+]
 Inputs = Annotated[Pairs, _option("--input", "-i", metavar="NAME=EXPRESSION", text="F='sin(t)'; repeatable.")]
 Initials = Annotated[
     Pairs, _option("--initial", metavar="NAME=VALUE", text="x or x_dot at start; repeatable.")
@@ -87,7 +93,7 @@ def code(
     output: Annotated[
         list[str] | None, typer.Option("--output", "-o", help="What to compute; repeatable. Default: xdot.")
     ] = None,
-    language: Annotated[str, typer.Option("--language", "-l", help="Target language: c.")] = "c",
+    language: Annotated[str, typer.Option("--language", "-l", help="Target: c or python.")] = "c",
     out: Annotated[
         Path | None, typer.Option("--out", help="File to write; default: standard output.")
     ] = None,
@@ -113,7 +119,11 @@ def simulate(
         Pairs, _option("--show", "-s", text="What to plot; repeatable; all coordinates.")
     ] = None,
     out: Annotated[Path | None, _option("--out", text="Plot file; by default beside the model.")] = None,
-    csv: Annotated[Path | None, _option("--csv", text="Also write the states as CSV.")] = None,
+    csv: Annotated[Path | None, _option("--csv", text="Also write states and curves as CSV.")] = None,
+    samples: Annotated[
+        int | None, _option("--samples", text="Evenly spaced samples; default: every step.")
+    ] = None,
+    tree: Tree = None,
     as_json: Annotated[bool, _option("--json", text="Print the result as JSON.")] = False,
     force: Force = False,
     rtol: Annotated[float, _option("--rtol", text="Relative tolerance.")] = 1e-8,
@@ -123,16 +133,22 @@ def simulate(
     for path in (out, csv):
         if path is not None:
             _refuse_overwriting(path, force)
-    given = [_assigned(parameters, "--set"), _assigned(inputs, "--input"), _assigned(initial, "--initial")]
-    eqs = form_equations(load_model(model))
+    if samples is not None and samples < 2:
+        raise UsageError(
+            Problem("cli.samples", "--samples", f"{samples} samples make no motion", "", "give 2 or more")
+        )
+    given = [assigned(parameters, "--set"), assigned(inputs, "--input"), assigned(initial, "--initial")]
+    eqs = _formed(load_model(model), tree)
+    settings = Settled.of(eqs, *given)
     if not as_json:
         _print(equation_lines(eqs))
-    motion = _motion(eqs, end, given, rtol, atol)
+    times = None if samples is None else np.linspace(0.0, end, samples)
+    motion = _motion(eqs, end, settings, times, rtol, atol)
     # Without --out the picture is ours: it bears the model's name and is made anew each time.
     picture = model.with_suffix(".png") if out is None else out
     symbody.save_plot(symbody.plot(motion, *(curves or eqs.coordinate_names), title=eqs.model.name), picture)
     if csv is not None:
-        motion.to_csv(csv)
+        motion.to_csv(csv, *eqs.coordinate_names, *eqs.speed_names, *(curves or ()))
     _print([_as_json(eqs, motion)] if as_json else _report(eqs, motion, picture))
     if not motion.success:
         raise typer.Exit(4)
@@ -143,21 +159,21 @@ def _formed(model: Model, tree: TreeWord | None) -> EquationSet:
 
 
 def _motion(
-    eqs: EquationSet, end: float, given: Sequence[Mapping[str, str]], rtol: float, atol: float
+    eqs: EquationSet, end: float, given: Settled, times: NDArray[np.float64] | None, rtol: float, atol: float
 ) -> Trajectory:
-    parameters, inputs, initial = given
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("simulating", total=1.0)
         return symbody.simulate(
             eqs,
             end,
-            parameters=parameters,
-            inputs=inputs,
-            initial=initial,
+            parameters=given.parameters,
+            inputs=given.inputs,
+            initial=given.initial,
+            times=times,
+            progress=lambda share: bar.update(task, completed=share),
             rtol=rtol,
             atol=atol,
-            progress=lambda share: bar.update(task, completed=share),
         )
 
 
@@ -168,15 +184,24 @@ def _report(eqs: EquationSet, motion: Trajectory, picture: Path) -> list[str]:
         f"{motion.status.value}: t = {motion.t[0]:g} to {motion.t[-1]:g} s",
         f"{statistics.accepted} steps, {statistics.evaluations} evaluations, "
         f"{statistics.loop_seconds * 1e3:.2f} ms; energy drift {motion.energy_drift:.1e} J",
+        *_closing(eqs, motion),
         f"plot: {picture}",
+    ]
+
+
+def _closing(eqs: EquationSet, motion: Trajectory) -> list[str]:
+    """Return how far loops open on the way, as a share of lengths and in radians; nothing of trees."""
+    if not eqs.multiplier_names:
+        return []
+    return [
+        f"constraints: {len(eqs.multiplier_names)}, open by {motion.constraint_violation.max():.1e} at most"
     ]
 
 
 def _as_json(eqs: EquationSet, motion: Trajectory) -> str:
     states = {name: motion[name].tolist() for name in eqs.state_names}
-    return json.dumps(
-        {"success": motion.success, "status": motion.status.name, "t": motion.t.tolist(), "states": states}
-    )
+    told = {"success": motion.success, "status": motion.status.name, "notes": [*eqs.notes, *motion.notes]}
+    return json.dumps({**told, "t": motion.t.tolist(), "states": states})
 
 
 def _print(lines: Iterable[str]) -> None:
@@ -243,19 +268,6 @@ def run(arguments: Sequence[str]) -> int:
 def _told(message: str, code: int) -> int:
     Console(stderr=True, highlight=False).print(message, markup=False, soft_wrap=True)
     return code
-
-
-def _assigned(pairs: Iterable[str] | None, option: str) -> dict[str, str]:
-    result = {}
-    for pair in pairs or ():
-        name, equals, value = pair.partition("=")
-        if not equals or not name.strip() or not value.strip():
-            raise UsageError(
-                Problem("cli.assignment", option, f"{pair!r} is not of the form NAME=VALUE", "",
-                        f"type for instance {option} k=2.5")
-            )  # fmt: skip
-        result[name.strip()] = value.strip()
-    return result
 
 
 def _refuse_overwriting(path: Path, force: bool) -> None:

@@ -58,7 +58,7 @@ def generate_code(
     Parameters
     ----------
     language : str
-        "c" for C99.
+        "c" for C99, or "python" for a module that needs NumPy alone; each explains itself.
     parameters : mapping, optional
         Values to put in; None leaves every parameter an argument, in the order of ``eqs.parameters``.
 

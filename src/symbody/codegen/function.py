@@ -10,13 +10,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.codegen import c
+from symbody.codegen import c, python_text
 from symbody.codegen.native_call import GROUPS, NativeCall, SinglePoint
-from symbody.errors import CompileError, Problem
+from symbody.errors import CompileError, Problem, nearest
 from symbody.expr.folding import fold_constants
 from symbody.expr.sequence import Sequence
 
 Floats = NDArray[np.float64]
+_LANGUAGES: Final = {"c": c.generate, "python": python_text.generate}
 _WORDS: Final = {"q": "coordinates", "u": "speeds", "r": "inputs", "p": "parameters", "t": "time"}
 
 
@@ -203,12 +204,12 @@ def source_text(sequence: Sequence, language: str) -> str:
     CompileError
         If the language is not known.
     """
-    if language.lower() != "c":
+    if language.lower() not in _LANGUAGES:
+        cure = nearest(language.lower(), _LANGUAGES)
         raise CompileError(
-            Problem("compile.unknown_language", "language", f"there is no language {language!r}", "",
-                    "known languages: 'c'.")
-        )  # fmt: skip
-    return c.generate(sequence)
+            Problem("compile.unknown_language", "language", f"there is no language {language!r}", "", cure)
+        )
+    return _LANGUAGES[language.lower()](sequence)
 
 
 def _broadcast(given: Mapping[str, Floats]) -> tuple[int, ...]:

@@ -1,10 +1,10 @@
-"""`BuildEQs`: from a model or its file to the module with the equations."""
+"""`BuildEQs`, and why there is no `BuildModel`: from a model or its file to the module with the equations."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Final
+from typing import Final, NoReturn
 
 from symbody.dynaflexpro.exports import ModelEquations
 from symbody.dynaflexpro.loose_bodies import with_free_joints
@@ -13,6 +13,12 @@ from symbody.errors import Problem, UsageError, nearest
 from symbody.formats.native import load_model
 from symbody.graph.trees import TreeChoice
 from symbody.model.model import Model
+
+_FOREIGN: Final = (".dfp", ".mb")  # model and diagram
+_HOW_TO_START: Final = (
+    "describe the mechanism in a TOML file and call BuildEQs on it; 'symbody examples NAME --copy DIR' gives "
+    "one to start from"
+)
 
 # Option -> the values it may have.
 _OPTIONS: Final = {"DynSimpType": ("None", "Simplify")}
@@ -36,16 +42,41 @@ def BuildEQs(
     Raises
     ------
     UsageError
-        If an option is unknown.
+        If an option is unknown, or the file is one of DynaFlexPro's.
     FormatError, ModelError, FormulationError
         If the model cannot be read, contradicts itself, or has no equations.
     """
     chosen = _checked(options)
+    if not isinstance(model, Model):
+        _refuse_foreign(model)
     described = model if isinstance(model, Model) else load_model(model)
     complete, notes = with_free_joints(described)
     if chosen.get("DynSimpType") == "Simplify":
         notes = (*notes, "DynSimpType: the equations come in their short trigonometric form anyway")
     return ModelEquations(form_equations(complete, tree=tree), notes)
+
+
+def BuildModel(path: str | os.PathLike[str] = "") -> NoReturn:
+    """Refuse to open the block diagram editor, which is not here, and say what to do instead.
+
+    Raises
+    ------
+    UsageError
+        Always.
+    """
+    raise UsageError(
+        Problem("dynaflexpro.build_model", os.fspath(path), "there is no block diagram editor to open",
+                "a mechanism is a TOML file here, written in any editor", _HOW_TO_START)
+    )  # fmt: skip
+
+
+def _refuse_foreign(path: str | os.PathLike[str]) -> None:
+    suffix = os.path.splitext(os.fspath(path))[1].lower()
+    if suffix in _FOREIGN:
+        raise UsageError(
+            Problem("dynaflexpro.foreign_file", os.fspath(path), f"{suffix} files are not read",
+                    "they belong to another program", _HOW_TO_START)
+        )  # fmt: skip
 
 
 def _checked(options: Sequence[str]) -> dict[str, str]:

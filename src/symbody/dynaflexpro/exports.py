@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 
+from symbody.dynaflexpro.stabilization import checked_pair, stabilized
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.textbook import Reaction
 from symbody.expr.closed_form import closed_forms
@@ -15,7 +16,7 @@ from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, sym
 Substitutions = Mapping[SympyExpr, object] | Iterable[SympyEquation]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class ModelEquations:
     """Equations of motion ``xM vPdot = vF + xJacVel^T f``, ``xJacVel vP = vVelRHS`` of a model.
 
@@ -31,6 +32,11 @@ class ModelEquations:
 
     equations: EquationSet
     built: tuple[str, ...] = ()
+    _formed: EquationSet = field(init=False)  # without stabilization
+    _baumgarte: tuple[float, float] = field(init=False, default=(0.0, 0.0))
+
+    def __post_init__(self) -> None:
+        self._formed = self.equations
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -106,8 +112,13 @@ class ModelEquations:
     @property
     def vAccRHS(self) -> SympyMatrix:
         """Right-hand side of ``xJacVel vPdot = vAccRHS``, (n_c, 1)."""
-        gamma = self.equations.textbook.readable("gamma")
-        return closed_forms(self.equations.formed.graph, [gamma], EXPAND_LIMIT).matrices["gamma"]
+        formed = self._formed
+        gamma = formed.textbook.readable("gamma")
+        plain = closed_forms(formed.formed.graph, [gamma], EXPAND_LIMIT).matrices["gamma"]
+        alpha, beta = self._baumgarte
+        if not alpha and not beta:
+            return plain
+        return plain - 2 * alpha * formed.velocity_constraints - beta**2 * formed.constraints
 
     def GetDynEQs(self) -> list[SympyEquation]:
         """Return ``xM vPdot = vF + xJacVel^T f``, one equation a speed."""
@@ -140,6 +151,24 @@ class ModelEquations:
             return []
         pairs = zip(self.xJacVel * self.vPdot, self.vAccRHS, strict=True)
         return [SympyEquation(left, right, evaluate=False) for left, right in pairs]
+
+    def SetBaumgarte(self, pair: Sequence[float] | None = None) -> tuple[float, float]:
+        """Set alpha and beta [1/s] if they are given, and return what holds from now on; (0, 0) at first.
+
+        With position constraints Psi their second derivative chi is replaced by
+        ``chi + 2 alpha Psi' + beta^2 Psi``, from now on in everything this model exports that contains
+        accelerations: in `vAccRHS`, in `GetAccCons`, and in what `BuildSimCode` computes. Values of 1 to 10
+        are usual; a velocity constraint has no last term.
+
+        Raises
+        ------
+        UsageError
+            If there are not two numbers >= 0.
+        """
+        if pair is not None:
+            self._baumgarte = checked_pair(pair)
+            self.equations = stabilized(self._formed, *self._baumgarte)
+        return self._baumgarte
 
     def GetSysODEs(self) -> list[SympyEquation]:
         """Return the dynamic equations, then the rates of the coordinates that are not speeds themselves."""

@@ -16,7 +16,7 @@ from symbody.expr.sympy_bridge import SympyEquation
 
 # DynaFlexPro's languages; what is no procedure of this process is source text.
 _PROCEDURES: Final = ("PythonProc", "MapleProc")
-_TEXTS: Final = {"C": "c"}
+_TEXTS: Final = {"C": "c", "Python": "python"}
 _OPTIMIZE: Final = ("", "Optimize")
 
 Procedure = Callable[..., NDArray[np.float64]]
@@ -38,7 +38,7 @@ def BuildSimCode(
     language : str
         "PythonProc", called "MapleProc" in Maple: a compiled function ``pXdot(t, X, r=None)`` of the time
         and the states (speeds, then coordinates), for instance for ``solve_ivp``; inputs not given are 0.
-        "C": source text.
+        "C" or "Python": source text.
     optimize : str
         "Optimize" or "": common subexpressions are shared in any case.
     parameters : mapping or equations
@@ -58,7 +58,8 @@ def BuildSimCode(
     given = {str(name).removesuffix("(t)"): _value(value) for name, value in pairs}
     inputs = {name: value for name, value in given.items() if name in eqs.input_names}
     values = {name: value for name, value in given.items() if name not in inputs}
-    names = ["xdot" if name == "Xdot" else name for name in outputs]
+    names_given = [outputs] if isinstance(outputs, str) else list(outputs)
+    names = ["xdot" if name == "Xdot" else name for name in names_given]
     sequence, signature = form_sequence(eqs, names, values, (), inputs)
     if language in _TEXTS:
         return source_text(sequence, _TEXTS[language])
@@ -68,6 +69,7 @@ def BuildSimCode(
     def procedure(t: ArrayLike, X: ArrayLike, r: ArrayLike | None = None) -> Any:
         return function.of_state(t, X, silent if r is None else r)
 
+    procedure.__name__ = procedure.__qualname__ = f"p{names_given[0]}" if len(names_given) == 1 else "p"
     return procedure
 
 

@@ -1,6 +1,11 @@
 from .constraints import Baumgarte as Baumgarte
 from .constraints import Projection as Projection
+from .events import Event as Event
 from .explicit import Explicit as Explicit
+from .gear_gupta_leimkuhler import GGL as GGL
+from .partition import Partition as Partition
 from .simulate import simulate as simulate
 from .status import Status as Status
+from .stiff import Stiff as Stiff
+from .tables import Table as Table
 from .trajectory import Trajectory as Trajectory

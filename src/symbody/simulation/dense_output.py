@@ -63,3 +63,18 @@ class DenseOutput:
                     fix="ask for times in that range, or simulate for longer",
                 )
             )
+
+
+def shortened(piece: Floats, share: float) -> Floats:
+    """Return the first `share` of a step's polynomial as the polynomial of a step of its own."""
+    rows = piece.shape[0]
+    nodes = (1.0 - np.cos(np.pi * np.arange(rows) / (rows - 1))) / 2.0
+    result = np.linalg.solve(_basis(nodes, rows), _basis(share * nodes, rows) @ piece)
+    result[0] = piece[0]
+    return np.asarray(result, dtype=np.float64)
+
+
+def _basis(s: Floats, rows: int) -> Floats:
+    """Return what multiplies each row of a piece at shares of the step, (places, rows)."""
+    factors = [np.ones_like(s), *(s if row % 2 == 1 else 1.0 - s for row in range(1, rows))]
+    return np.asarray(np.cumprod(np.array(factors), axis=0).T, dtype=np.float64)

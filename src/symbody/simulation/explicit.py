@@ -16,6 +16,7 @@ from symbody.simulation.native_run import NativeRun, drive, fresh_memory, fresh_
 from symbody.simulation.native_run import Progress as Progress
 from symbody.simulation.native_run import RawRun as RawRun
 from symbody.simulation.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8
+from symbody.simulation.segments import Watch
 
 Floats = NDArray[np.float64]
 
@@ -82,15 +83,14 @@ def integrate(
     stop_when_stiff: bool = False,
     progress: Progress | None = None,
     projector: Projector = NOTHING_TO_PROJECT,
+    watch: Watch | None = None,
 ) -> RawRun:
-    """Integrate ``x' = f(t, x)``, x = (u, q), with f given by its address; times in seconds.
+    """Integrate ``x' = f(t, x)``, x = (u, q), f given by its address; t_span [s] may run backwards.
 
     Parameters
     ----------
     address, work_size : int
         A function with the signature of all generated code, see `native_loop`, and its doubles of scratch.
-    t_span : pair
-        From and to; the second may lie before the first.
     times : array, optional
         The samples to store, in the order of the motion; by default every step is stored.
     rtol, atol : float, float or (n_u + n_q,) array
@@ -98,29 +98,30 @@ def integrate(
     max_steps : int
         How many steps may be tried.
     dense : bool
-        Whether to keep the motion between the samples, at 7 (order 8) or 4 (order 5) more vectors a step.
+        Whether to keep the motion between samples, at 7 (order 8) or 4 (order 5) more vectors a step.
     stop_when_stiff : bool
         Whether to stop with `Status.STIFF` when stability limits the steps.
     progress : callable, optional
         Called about 20 times a second with the share of the span that is done; returning False ends the run.
     projector : Projector
         Brings each accepted step and each sample back onto the constraints.
+    watch : Watch, optional
+        May cut the run between two slices; needs `dense`.
 
     Raises
     ------
     UsageError, SimulationError
         What does not fit: shapes, tolerances, times outside the span, more samples than the memory holds.
     """
-    start, end = _checked_span(t_span)
-    x = _checked_state(x0, n_u + n_q)
-    goal = _goal(start, end, method, _checked_rtol(rtol), _checked_atol(atol, x.size))
+    (start, end), x = checked_span(t_span), _checked_state(x0, n_u + n_q)
+    goal = _goal(start, end, method, checked_rtol(rtol), checked_atol(atol, x.size))
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
     tableau = DORMAND_PRINCE_8 if method.order == 8 else DORMAND_PRINCE_5
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
     rhs = RightHandSide(int(address), int(n_u), r, p, c, np.zeros(work_size), np.zeros(1))
     run = NativeRun(rhs, projector, method_arrays(tableau), goal, fresh_memory(tableau, x, start))
-    record = fresh_record(run, _checked_times(times, start, end), dense)
-    return drive(run, record, 0.0 if method.first_step is None else float(method.first_step), progress)
+    record = fresh_record(run, checked_times(times, start, end), dense)
+    return drive(run, record, 0.0 if method.first_step is None else float(method.first_step), progress, watch)
 
 
 def _goal(start: float, end: float, method: Explicit, rtol: float, atol: Floats) -> Goal:
@@ -132,7 +133,8 @@ def _usage(where: str, what: str, fix: str, why: str = "") -> UsageError:
     return UsageError(Problem(f"simulation.{where}", where, what, why, fix))
 
 
-def _checked_span(t_span: tuple[float, float]) -> tuple[float, float]:
+def checked_span(t_span: tuple[float, float]) -> tuple[float, float]:
+    """Return both ends of a motion as finite numbers."""
     start, end = (float(t) for t in t_span)
     if not (math.isfinite(start) and math.isfinite(end)):
         raise _usage(
@@ -152,7 +154,8 @@ def _checked_state(x0: ArrayLike, size: int) -> Floats:
     return x
 
 
-def _checked_rtol(rtol: float) -> float:
+def checked_rtol(rtol: float) -> float:
+    """Return a relative tolerance that can be met."""
     value = float(rtol)
     if not (value == 0.0 or SMALLEST_RTOL <= value < math.inf):
         fix = f"give 0, or a value of {SMALLEST_RTOL:.1e} or more such as 1e-8"
@@ -160,7 +163,8 @@ def _checked_rtol(rtol: float) -> float:
     return value
 
 
-def _checked_atol(atol: ArrayLike, size: int) -> Floats:
+def checked_atol(atol: ArrayLike, size: int) -> Floats:
+    """Return a positive absolute tolerance for each state."""
     values = np.array(atol, dtype=np.float64)
     if values.shape not in ((), (size,)):
         raise _usage(
@@ -172,7 +176,7 @@ def _checked_atol(atol: ArrayLike, size: int) -> Floats:
     return values + np.zeros(size)
 
 
-def _checked_times(times: ArrayLike | None, start: float, end: float) -> Floats | None:
+def checked_times(times: ArrayLike | None, start: float, end: float) -> Floats | None:
     """Return the times to store as a new array, or None for every step."""
     if times is None:
         return None

@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from symbody.simulation import native_places as places
 from symbody.simulation.dense_output import DenseOutput
 from symbody.simulation.native_interface import Floats, Goal, Memory, Method, Projector, Record, RightHandSide
 from symbody.simulation.runge_kutta import Row, Tableau
+from symbody.simulation.segments import Watch, cut_back, go_on
 from symbody.simulation.status import Status
 
 Progress = Callable[[float], bool | None]
@@ -186,32 +188,72 @@ def memory_limit() -> int:
         return ASSUMED_MEMORY // 2
 
 
-def drive(run: NativeRun, record: Record, first_step: float, progress: Progress | None) -> RawRun:
+def drive(
+    run: NativeRun, record: Record, first_step: float, progress: Progress | None, watch: Watch | None = None
+) -> RawRun:
     """Run the loop to its end, in slices; Ctrl-C ends it between two of them and keeps what there is."""
     status: Status | None = None
-    seconds = 0.0
-    budget = FIRST_SLICE
+    clock = [0.0]
     start = float(run.memory.real[places.TIME])
+    budget = FIRST_SLICE
+    code = places.RUNNING
     try:
         code = native.begin(run.rhs, run.method, run.goal, run.memory, record, first_step)
         native.advance(*run, record, 0)  # compiles, or reads the cache, before the clock is read
         while code in (places.RUNNING, places.FULL):
             if code == places.FULL:
                 record = _grown(record, run.memory)
-            began = time.perf_counter()
-            code = native.advance(*run, record, budget)
-            spent = time.perf_counter() - began
-            seconds += spent
-            budget = _next_budget(budget, spent)
-            if code == places.RUNNING and not _goes_on(run, start, progress):
-                status = Status.INTERRUPTED
+            code, budget = _slice(run, record, budget, watch, clock)
+            if watch is not None:
+                record, code, status = _watched(run, record, watch, code)
+            if status is None and code in (places.RUNNING, places.FULL):
+                status = None if _goes_on(run, start, progress) else Status.INTERRUPTED
+            if status is not None:
                 break
-        status = VERDICTS[code] if status is None else status
     except KeyboardInterrupt:
         status = Status.INTERRUPTED
     except MemoryError:
         status = Status.OUT_OF_MEMORY
-    return _raw_run(run, record, status, seconds)
+    if watch is not None and status in (Status.INTERRUPTED, Status.OUT_OF_MEMORY):
+        record = _without_the_unseen(run, record, watch)
+    return _raw_run(run, record, VERDICTS[code] if status is None else status, clock[0])
+
+
+def _slice(
+    run: NativeRun, record: Record, budget: int, watch: Watch | None, clock: list[float]
+) -> tuple[int, int]:
+    """Run one slice and add its time; return the loop's code and the budget of the next slice."""
+    most = budget if watch is None else min(budget, watch.most_steps)
+    began = time.perf_counter()
+    code = native.advance(*run, record, most)
+    spent = time.perf_counter() - began
+    clock[0] += spent
+    return code, _next_budget(budget, spent)
+
+
+def _watched(run: NativeRun, record: Record, watch: Watch, code: int) -> tuple[Record, int, Status | None]:
+    """Cut the run where something happened; return its record, the loop's code, and the verdict at an end."""
+    counts, memory = run.memory.counts, run.memory
+    is_over = code not in (places.RUNNING, places.FULL)
+    cut = watch.look(record.breaks, record.pieces, int(counts[places.STEPS]), is_over)
+    if cut is None:
+        return record, code, None
+    record = cut_back(counts, record, cut)
+    memory.real[places.TIME] = cut.t
+    memory.vectors[places.STATE_OLD] = cut.before if cut.after is None else cut.after
+    if cut.after is None:
+        return record, code, cut.status
+    begin = partial(native.begin, run.rhs, run.method, run.goal, memory, record, 0.0)
+    return record, go_on(begin, counts, record, cut), None
+
+
+def _without_the_unseen(run: NativeRun, record: Record, watch: Watch) -> Record:
+    """End an interrupted run at the event that would have changed it, if one was computed."""
+    cut = watch.look(record.breaks, record.pieces, int(run.memory.counts[places.STEPS]), True)
+    if cut is None:
+        return record
+    run.memory.real[places.TIME] = cut.t
+    return cut_back(run.memory.counts, record, cut._replace(after=None))
 
 
 def _next_budget(budget: int, spent: float) -> int:

@@ -3,24 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from symbody.analysis.assembly import assemble
 from symbody.analysis.closure import constraint_scales
 from symbody.analysis.state import State
-from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.compile import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.simulation.choice import Constraints, Integrator, run_chosen
 from symbody.simulation.constraints import PROJECTED, Baumgarte, Projection, projector_of
 from symbody.simulation.dense_output import DenseOutput
+from symbody.simulation.events import Event, checked_events
 from symbody.simulation.explicit import NOTHING_TO_PROJECT, Explicit, Progress, RawRun, integrate
+from symbody.simulation.input_laws import AskingFunction, InputLaws, Law, input_laws
+from symbody.simulation.native_interface import Projector
+from symbody.simulation.request import Request
+from symbody.simulation.status import Status
+from symbody.simulation.task import Evaluator, EventFunctions, Task
 from symbody.simulation.trajectory import Trajectory
-
-Floats = NDArray[np.float64]
+from symbody.simulation.watching import EventWatch
 
 
 def simulate(
@@ -29,10 +35,11 @@ def simulate(
     initial: Mapping[str, Value] | None = None,
     guess: Mapping[str, Value] | None = None,
     parameters: Mapping[str, Value] | None = None,
-    inputs: Mapping[str, Value] | None = None,
+    inputs: Mapping[str, Law] | None = None,
     times: ArrayLike | None = None,
-    integrator: Explicit | None = None,
-    constraints: Projection | Baumgarte | None = None,
+    integrator: Integrator | None = None,
+    constraints: Constraints | None = None,
+    events: Event | Sequence[Event] = (),
     *,
     rtol: float = 1e-8,
     atol: float = 1e-10,
@@ -51,118 +58,135 @@ def simulate(
         Where the others are looked for, see `assemble`; by default the model's initial values, then 0.
     parameters : mapping of name to number or formula
         Overrides values of the model.
-    inputs : mapping of name to expression
-        In t, states and parameters, for instance ``{"F": "sin(omega*t)"}``; inputs not named are 0.
+    inputs : mapping of name to expression, table or callable
+        In t, states and parameters, as ``{"F": "sin(omega*t)"}``; a `Table` or (times, values); a function
+        f(t, q, u) that returns a number, which is slow. Others are 0.
     times : array, optional
         Exactly the samples to store; by default every step.
     integrator, constraints : optional
-        ``Explicit(order=8)``, and ``Projection()`` to hold closed loops.
+        ``Explicit(order=8)``, with a change to `Stiff` where it pays; ``Projection()`` holds closed loops.
+    events : Event or sequence of Event
+        What to watch. Where one changes the state, both states are samples, of `times` only the one after.
     rtol, atol : float
         Relative and absolute tolerance of the local error.
 
     Raises
     ------
-    CompileError, AssemblyError, SimulationError
-        If a name or a value is missing, initial values do not fit the constraints or each other, or times
-        make no sense. Failures on the way do not raise: `status` tells.
+    CompileError, FormulationError, UsageError, AssemblyError, SimulationError
+        If names, values, times, tables or events make no sense, initial values do not fit, or a function
+        given as input fails. Other failures on the way do not raise: `status` tells.
     """
-    laws = dict.fromkeys(eqs.input_names, 0) | dict(inputs or {})
-    held = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
-    task = _Task(held, dict(parameters or {}), laws)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
-    first = assemble(eqs, initial, guess, parameters, inputs, span[0])
-    run = partial(
-        integrate,
-        t_span=span,
-        method=Explicit() if integrator is None else integrator,
-        times=times,
-        rtol=rtol,
-        atol=atol,
-        max_steps=max_steps,
-        progress=progress,
-    )
-    raw = task.integrated(run, first, Projection() if constraints is None else constraints, atol)
-    return _trajectory(task, raw, _notes(eqs, inputs or {}))
+    chosen, laws = checked_events(events, eqs), input_laws(eqs.input_names, inputs or {}, span)
+    held = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
+    task = Task(held, dict(parameters or {}), laws)
+    first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0])
+    wanted = partial(Request, times=times, rtol=rtol, atol=atol, max_steps=max_steps, progress=progress)
+    raw, found, watch = _run(task, first, span, wanted, integrator, constraints or Projection(), chosen)
+    return _trajectory(task, raw, (*_notes(eqs, inputs or {}, laws), *found), watch)
 
 
-def _notes(eqs: EquationSet, inputs: Mapping[str, Value]) -> tuple[str, ...]:
+def _run(
+    task: Task,
+    first: State,
+    span: tuple[float, float],
+    wanted: Callable[..., Request],
+    integrator: Integrator | None,
+    constraints: Constraints,
+    events: tuple[Event, ...],
+) -> tuple[RawRun, tuple[str, ...], EventWatch | None]:
+    """Return the run by the integrator chosen, what to note about it, and what looked for events."""
+    x = np.array([*first.u.values(), *first.q.values(), 0.0])
+    request = wanted(task=task, x0=x, span=span, watch=None)
+    projector, closing = _projector(task, constraints, request.atol)
+    watch = _watch(task, events, projector if closing else None, abs(span[1] - span[0]))
+    request = replace(request, watch=watch)
+    run = partial(integrate, t_span=span, times=request.times, projector=projector, watch=watch)
+    run = partial(run, rtol=request.rtol, atol=request.atol, max_steps=request.max_steps)
+
+    def explicit(method: Explicit, stop: bool) -> RawRun:
+        return _integrated(
+            task, partial(run, method=method, stop_when_stiff=stop, progress=request.progress), first
+        )
+
+    raw, notes = run_chosen(request, integrator, constraints, explicit)
+    del closing  # it had to live as long as the loop that calls it
+    return raw, notes, watch
+
+
+def _watch(
+    task: Task, events: tuple[Event, ...], projector: Projector | None, length: float
+) -> EventWatch | None:
+    """Return what looks for events, if there are any."""
+    if not events:
+        return None
+    functions = EventFunctions(task, events, None if projector is None else projector.scales)
+    return EventWatch(events, functions, functions.wrapping, length)
+
+
+def _notes(eqs: EquationSet, inputs: Mapping[str, Law], laws: InputLaws) -> tuple[str, ...]:
     silent = sorted(set(eqs.input_names).difference(inputs))
     notes = [f"input {name} has no value and is 0" for name in silent]
     if not eqs.speed_names:
         notes.append("every coordinate is prescribed: only efforts and reactions are computed")
-    return tuple(notes)
+    return (*notes, *laws.notes)
 
 
-@dataclass(frozen=True, slots=True)
-class _Task:
-    """Equations with the values of parameters and the laws of all inputs."""
-
-    eqs: EquationSet
-    parameters: Mapping[str, Value]
-    inputs: Mapping[str, Value]
-
-    def compiled(self, outputs: str | Sequence[str]) -> CompiledFunction:
-        """Return a function of t, q and u alone."""
-        return CompiledFunction(*form_sequence(self.eqs, outputs, self.parameters, (), self.inputs))
-
-    def integrated(
-        self, run: Callable[..., RawRun], first: State, method: Projection | Baumgarte, atol: float
-    ) -> RawRun:
-        """Return the run from a state; the compiled functions live until it ends."""
-        n_u, n_q = len(self.eqs.speed_names), len(self.eqs.coordinate_names)
-        # The work is one more state: the function writes its rate, the power, behind xdot.
-        function = self.compiled(("xdot", "power"))
-        closing, projector = None, NOTHING_TO_PROJECT
-        if isinstance(method, Projection) and (self.eqs.multiplier_names or self.eqs.quaternions):
-            closing = self.compiled(PROJECTED)
-            scales = constraint_scales(self.eqs, self.parameters)
-            projector = projector_of(closing, n_u, n_q, scales, method, atol)
-        return run(
-            function.address,
-            function.work_size,
-            n_u,
-            n_q + 1,
-            [*first.u.values(), *first.q.values(), 0.0],
-            constants=function.constants(),
-            projector=projector,
-        )
+def _projector(
+    task: Task, constraints: Constraints, atol: float
+) -> tuple[Projector, CompiledFunction | None]:
+    """Return what projects, and the function it calls by address."""
+    if isinstance(constraints, Baumgarte) or not task.is_closed:
+        return NOTHING_TO_PROJECT, None
+    # Other ways to hold constraints project only after events.
+    method = constraints if isinstance(constraints, Projection) else Projection()
+    n_u, n_q = len(task.eqs.speed_names), len(task.eqs.coordinate_names)
+    closing = task.compiled(PROJECTED)
+    scales = constraint_scales(task.eqs, task.parameters)
+    return projector_of(closing, n_u, n_q, scales, method, atol), closing
 
 
-@dataclass(frozen=True, slots=True)
-class _Evaluator:
-    """Computes outputs that are not stored, each compiled when it is first asked for."""
+def _integrated(task: Task, run: Callable[..., RawRun], first: State) -> RawRun:
+    """Return the run from a state; the compiled functions live until it ends.
 
-    task: _Task
-    work: DenseOutput | None
+    Raises
+    ------
+    SimulationError
+        If the law of an input fails.
+    """
+    n_u, n_q = len(task.eqs.speed_names), len(task.eqs.coordinate_names)
+    # The work is one more state: the function writes its rate, the power, behind xdot.
+    function = task.compiled(("xdot", "power"))
+    asking = AskingFunction(function, task.laws) if task.laws.asked else None
+    call = partial(
+        run,
+        function.address if asking is None else asking.address,
+        function.work_size,
+        n_u,
+        n_q + 1,
+        [*first.u.values(), *first.q.values(), 0.0],
+        inputs=np.zeros(len(task.laws.asked)),
+        constants=function.constants(),
+    )
+    if asking is None:
+        return call()
+    with asking.interruptible():
+        raw = call()
+    if asking.error is None:
+        return raw
+    if isinstance(asking.error, KeyboardInterrupt):
+        return replace(raw, status=Status.INTERRUPTED, kernel=None, state=None)
+    raise asking.error
 
-    def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
-        """Return the output with time last; q is (n_q, N), u is (n_u, N)."""
-        if name == "work" and self.work is not None:
-            done: Floats = self.work(t)[0]
-            return done
-        if name == "constraint_violation":
-            return self._violation(t, q, u)
-        values: Floats = self.task.compiled(name)(t, q.T, u.T)
-        if name in self.task.eqs.measured_angles:  # measured within half a turn, but motions go on
-            return np.unwrap(values)
-        return np.moveaxis(values, 0, -1)
 
-    def _violation(self, t: Floats, q: Floats, u: Floats) -> Floats:
-        """Return the largest constraint over its scale at each time."""
-        eqs = self.task.eqs
-        if not eqs.multiplier_names:
-            return np.zeros_like(t)
-        values = self.task.compiled("constraints")(t, q.T, u.T)
-        largest: Floats = np.abs(values / constraint_scales(eqs, self.task.parameters)).max(axis=-1)
-        return largest
-
-
-def _trajectory(task: _Task, raw: RawRun, notes: tuple[str, ...]) -> Trajectory:
+def _trajectory(task: Task, raw: RawRun, notes: tuple[str, ...], watch: EventWatch | None) -> Trajectory:
     """Return the run with its names."""
     eqs = task.eqs
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
     states, work = _divided(raw.dense_output, n)
     stop = raw.stop_note((*eqs.state_names, "work"))
+    if raw.status is Status.CHATTERING and watch is not None:
+        stop += f"; there event {watch.chattering!r} happens again and again"
     return Trajectory(
         t=raw.t,
         q=raw.x[n_u:n],
@@ -171,12 +195,13 @@ def _trajectory(task: _Task, raw: RawRun, notes: tuple[str, ...]) -> Trajectory:
         speed_names=eqs.speed_names,
         status=raw.status,
         statistics=raw.statistics,
-        evaluate=_Evaluator(task, work),
+        evaluate=Evaluator(task, work),
         dense_output=states,
         stored={"work": raw.x[-1]},
         units=eqs.units,
         notes=(*notes, stop) if stop else notes,
         name=eqs.model.name,
+        events=() if watch is None else tuple(watch.occurrences),
     )
 
 

@@ -28,6 +28,10 @@ class Status(Enum):
         "small steps"
     )
     STIFF = "fast damped motions, not accuracy, keep the steps small: use sb.Stiff()"
+    CHATTERING = (
+        "an event happens again and again within an instant: use action='stop', give it a dead band, or "
+        "describe what follows by another law"
+    )
     INTERRUPTED = "the run was interrupted: what had been computed by then is kept"
     OUT_OF_MEMORY = (
         "the samples outgrew the memory of this computer: pass times= to store fewer, or shorten the run"

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
 from symbody.simulation.archive import Path, not_ours, read_archive, unwritable, write_archive
 from symbody.simulation.dense_output import DenseOutput
+from symbody.simulation.events import Occurrence
 from symbody.simulation.native_run import Statistics
 from symbody.simulation.status import Status
 
@@ -59,6 +60,8 @@ class Trajectory:
         What the reader should know.
     name : str
         Of the model.
+    events : tuple of Occurrence
+        (name, t, state) of what happened, in order.
     """
 
     t: Floats
@@ -74,6 +77,7 @@ class Trajectory:
     units: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     name: str = ""
+    events: tuple[Occurrence, ...] = ()
 
     def __post_init__(self) -> None:
         rows = (("q", self.q, self.coordinate_names), ("u", self.u, self.speed_names))
@@ -180,6 +184,21 @@ class Trajectory:
         """Largest violation of a position constraint (N,), lengths over the model's size."""
         return self["constraint_violation"]
 
+    @property
+    def velocity_violation(self) -> Floats:
+        """Largest violation of a velocity constraint (N,), over the model's size times the largest speed."""
+        return self["velocity_violation"]
+
+    def reaction(self, joint: str) -> Floats:
+        """Return force [N] and moment [N m] of a joint on its end body (6, N), in the joint's start axes.
+
+        Raises
+        ------
+        FormulationError
+            If there is no such joint.
+        """
+        return self[f"reaction {joint}"]
+
     def columns(self, *names: str) -> dict[str, Floats]:
         """Return outputs as columns (N,); vectors are split into "name x", "name y", "name z".
 
@@ -237,6 +256,7 @@ class Trajectory:
             "units": dict(self.units),
             "notes": self.notes,
             "name": self.name,
+            "events": [[name, t, dict(state)] for name, t, state in self.events],
         }
         write_archive(path, arrays, about)
 
@@ -267,6 +287,7 @@ class Trajectory:
                 units=about["units"],
                 notes=tuple(about["notes"]),
                 name=about["name"],
+                events=tuple(Occurrence(*event) for event in about.get("events", ())),
             )
         except (KeyError, TypeError, ValueError) as error:
             raise not_ours(path) from error

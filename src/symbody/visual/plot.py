@@ -1,95 +1,99 @@
-"""Curves of a motion: outputs over time, or over each other, drawn with matplotlib."""
+"""Pictures of a motion: outputs over time or over each other, and paths, drawn with matplotlib."""
 
 from __future__ import annotations
 
-import math
-import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+import pathlib
+from collections.abc import Sequence
 from os import PathLike
-from pathlib import Path
-from typing import Final
 
-import numpy as np
-from cycler import cycler
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.trajectory import Trajectory
-
-Floats = NDArray[np.float64]
-
-SIZE: Final = (7.0, 4.2)  # inches: a column of text, and a slide
-RESOLUTION: Final = 150  # dots per inch
-SMOOTH: Final = 1000  # points a curve gets at least where the motion between its samples is known
-
-# The palette of Okabe and Ito, told apart by readers with any colour vision; yellow is too pale for lines.
-COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-DASHES: Final = ("-", "--", ":", "-.")
-
-# A unit at the end of a label; digits in brackets are the place of a component.
-UNIT: Final = re.compile(r"\[([^\[\]\d][^\[\]]*)\]$")
-
-# What a unit measures, for an axis that several curves share.
-QUANTITIES: Final[Mapping[str, str]] = {
-    "rad": "angle",
-    "rad/s": "angular velocity",
-    "rad/s^2": "angular acceleration",
-    "m": "length",
-    "m/s": "velocity",
-    "m/s^2": "acceleration",
-    "N": "force",
-    "N m": "torque",
-    "J": "energy",
-    "W": "power",
-}
+from symbody.visual.canvas import draw, is_in_space, label_curves, label_paths, new_axes
+from symbody.visual.curves import Path, curves_of, named, path_of, refined, single_curve
 
 
 def plot(
     run: Trajectory,
-    *expressions: str,
+    *expressions: str | tuple[str, ...],
     ax: Axes | None = None,
     x: str = "t",
     title: str | None = None,
     labels: Sequence[str] | None = None,
-    equal: bool = False,
+    equal: bool | None = None,
 ) -> Axes:
     """Draw outputs of a motion into one pair of axes and return it; nothing is shown.
 
     Parameters
     ----------
-    *expressions : str
+    *expressions : str or tuple of str
         Whatever ``run[...]`` knows; all coordinates if none is given. A vector makes three curves.
+        A tuple makes a path of its two or three components, in the plane or in space: ``("X", "Y")``, or
+        ``("frame r P",)`` for the way of a frame. Curves and paths do not mix.
     ax : Axes, optional
         Where to draw, for instance from ``matplotlib.pyplot.subplots()`` to see a window. By default a new
         figure that belongs to no window: ``ax.figure``, or `save_plot`.
     x : str
         The output along the horizontal axis; with another than time the start is marked by a dot.
     labels : sequence of str, optional
-        One for each curve, in place of the names.
-    equal : bool
-        Whether a unit is equally long on both axes.
+        One for each curve or path, in place of the names; a unit in brackets at the end is understood.
+    equal : bool, optional
+        Whether a unit is equally long on all axes; by default it is for paths of lengths.
 
     Raises
     ------
     UsageError
-        An unknown name, a horizontal output with several components, or too few labels.
+        An unknown name, an output with several components where one is needed, or too few labels.
     """
     chosen = expressions or run.coordinate_names
-    motion = run if run.stored.keys() & {x, *chosen} else _refined(run)
-    curves = _named([curve for name in chosen for curve in _curves(motion, name)], labels)
-    across = _across(motion, x)
-    axes = _new_axes() if ax is None else ax
+    known = {x, *(name for item in chosen for name in ((item,) if isinstance(item, str) else item))}
+    motion = run if run.stored.keys() & known else refined(run)
+    curves = [item for item in chosen if isinstance(item, str)]
+    if len(curves) == len(chosen):
+        return _curves(motion, curves, ax, x, title, labels, bool(equal))
+    if curves or x != "t":
+        what, fix = "curves over an output and paths do not share axes", "draw them by two calls of plot"
+        raise UsageError(Problem("plot.mixed", repr(curves[0] if curves else x), what, fix=fix))
+    paths = [path_of(motion, item) for item in chosen]
+    return _paths(named(paths, labels), ax, title, equal)
+
+
+def _curves(
+    run: Trajectory,
+    names: Sequence[str],
+    ax: Axes | None,
+    x: str,
+    title: str | None,
+    labels: Sequence[str] | None,
+    equal: bool,
+) -> Axes:
+    curves = named([curve for name in names for curve in curves_of(run, name)], labels)
+    across = single_curve(run, x)
+    axes = new_axes() if ax is None else ax
     for curve in curves:
-        _draw(axes, across.values, curve, marks_start=x != "t")
-    _write_labels(axes, across, title)
+        draw(axes, (across, curve), curve.text, marks_start=x != "t")
+    label_curves(axes, across, title)
     if equal:
         axes.set_aspect("equal", adjustable="datalim")
     elif x == "t":
         axes.margins(x=0.0)
+    return axes
+
+
+def _paths(paths: Sequence[Path], ax: Axes | None, title: str | None, equal: bool | None) -> Axes:
+    sizes = {len(path.curves) for path in paths}
+    axes = new_axes(sizes == {3}) if ax is None else ax
+    if sizes != {3 if is_in_space(axes) else 2}:
+        what = "paths have two components in the plane and three in space"
+        fix = "draw both kinds by two calls; axes for paths in space have projection='3d'"
+        raise UsageError(Problem("plot.path_axes", paths[0].name, what, fix=fix))
+    for path in paths:
+        draw(axes, path.curves, path.name, marks_start=True)
+    label_paths(axes, paths, title)
+    units = {curve.unit for path in paths for curve in path.curves}
+    if equal or (equal is None and units == {"m"}):
+        axes.set_aspect("equal", adjustable="datalim")
     return axes
 
 
@@ -104,7 +108,7 @@ def save_plot(ax: Axes, path: str | PathLike[str]) -> None:
         If the file cannot be written.
     """
     canvas = ax.figure.canvas
-    suffix = Path(path).suffix.lstrip(".").lower()
+    suffix = pathlib.Path(path).suffix.lstrip(".").lower()
     known = canvas.get_supported_filetypes()
     if suffix not in known:
         what = f"{suffix!r} is no picture format" if suffix else "the name has no suffix"
@@ -116,107 +120,3 @@ def save_plot(ax: Axes, path: str | PathLike[str]) -> None:
         what = f"the picture cannot be written: {error.strerror}"
         fix = "choose a folder that exists and is yours"
         raise EnvironmentFault(Problem("plot.unwritable", str(path), what, fix=fix)) from error
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Curve:
-    """One line: a name, a unit that may be unknown, and one value a sample."""
-
-    name: str
-    unit: str
-    values: Floats
-
-    @property
-    def text(self) -> str:
-        return _with_unit(self.name, self.unit)
-
-
-def _curves(run: Trajectory, expression: str) -> list[_Curve]:
-    """Return the components of an output."""
-    unit = run.units.get(expression, "")
-    return [_Curve(name, unit, values) for name, values in run.columns(expression).items()]
-
-
-def _named(curves: list[_Curve], labels: Sequence[str] | None) -> list[_Curve]:
-    """Return the curves under the labels of the caller."""
-    if labels is None:
-        return curves
-    if isinstance(labels, str) or len(labels) != len(curves):
-        count = "one text" if isinstance(labels, str) else f"{len(labels)}"
-        what = f"{len(curves)} curves need {len(curves)} labels, not {count}"
-        fix = f"give a list of labels for {', '.join(curve.name for curve in curves)}, in this order"
-        raise UsageError(Problem("plot.labels", "labels", what, fix=fix))
-    return [replace(curve, name=label) for curve, label in zip(curves, labels, strict=True)]
-
-
-def _across(run: Trajectory, x: str) -> _Curve:
-    """Return what runs along the horizontal axis."""
-    if x == "t":
-        return _Curve("time", "s", np.atleast_1d(run.t))
-    found = _curves(run, x)
-    if len(found) > 1:
-        names = ", ".join(repr(curve.name) for curve in found)
-        fix = f"choose a component: x={names}"
-        raise UsageError(Problem("plot.across", f"x={x!r}", f"{x!r} has {len(found)} components", fix=fix))
-    return found[0]
-
-
-def _refined(run: Trajectory) -> Trajectory:
-    """Return the motion at enough times for a smooth line: steps of order 8 are long."""
-    if run.dense_output is None or not 2 <= run.t.size < SMOOTH:
-        return run
-    pieces = max(4, math.ceil(SMOOTH / (run.t.size - 1)))
-    shares = np.arange(pieces) / pieces
-    inner = (run.t[:-1, np.newaxis] + np.diff(run.t)[:, np.newaxis] * shares).ravel()
-    return run.at(np.append(inner, run.t[-1]))
-
-
-def _new_axes() -> Axes:
-    """Return axes in a figure of their own, which belongs to no window and no global state."""
-    figure = Figure(figsize=SIZE, dpi=RESOLUTION, layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
-    axes.set_prop_cycle(cycler(linestyle=DASHES) * cycler(color=COLOURS))
-    axes.grid(True, color="0.88", linewidth=0.8)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
-    return axes
-
-
-def _draw(axes: Axes, across: Floats, curve: _Curve, marks_start: bool) -> None:
-    single = "o" if across.size == 1 else ""
-    (line,) = axes.plot(across, curve.values, label=_plain(curve.text), linewidth=1.6, marker=single)
-    if marks_start and across.size > 1:
-        axes.plot(across[0], curve.values[0], "o", color=line.get_color(), markersize=4.5, label="_start")
-
-
-def _write_labels(axes: Axes, across: _Curve, title: str | None) -> None:
-    """Label what the axes now hold, curves of earlier calls included."""
-    axes.set_xlabel(_plain(across.text))
-    lines, labels = axes.get_legend_handles_labels()
-    if len(lines) == 1:
-        axes.set_ylabel(labels[0])
-    else:
-        axes.set_ylabel(_shared_quantity(labels))
-        if axes.figure.get_layout_engine() is None:  # nothing would make room outside
-            axes.legend(lines, labels, loc="best")
-        else:
-            axes.legend(lines, labels, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
-    if title is not None:
-        axes.set_title(_plain(title))
-
-
-def _shared_quantity(labels: Sequence[str]) -> str:
-    """Return what all labels measure, such as "angle [rad]", or nothing if that differs or is unknown."""
-    units = {found[1] if (found := UNIT.search(label)) else "" for label in labels}
-    unit = units.pop() if len(units) == 1 else ""
-    return _plain(_with_unit(QUANTITIES.get(unit, ""), unit))
-
-
-def _with_unit(name: str, unit: str) -> str:
-    return f"{name} [{unit}]".lstrip() if unit else name
-
-
-def _plain(text: str) -> str:
-    """Return text that matplotlib prints as it is, not as mathematics."""
-    return text.replace("$", r"\$")

@@ -1,0 +1,118 @@
+"""`Event`: a moment when an expression passes zero, and what happens then."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
+
+from symbody.codegen.compile import Value
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import Problem, UsageError, nearest
+
+Action = Literal["record", "stop"] | Mapping[str, Value]
+
+
+class Occurrence(NamedTuple):
+    """One event of a motion.
+
+    Attributes
+    ----------
+    name : str
+        Of the event.
+    t : float
+        When it happened [s].
+    state : mapping of name to float
+        Speeds and coordinates then, before the action.
+    """
+
+    name: str
+    t: float
+    state: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """A moment when an expression passes zero.
+
+    A value that is zero at the start, or after an action, has to leave zero before the event can happen. A
+    value that touches zero from one side counts if `direction` is 0. Angles of cut joints are measured
+    within half a turn; their jump from one end to the other is no event.
+
+    Attributes
+    ----------
+    expression : str or number
+        In t, coordinates, speeds, inputs and parameters, or any output's name.
+    direction : int
+        1 for values that rise through zero as the motion goes on, -1 for those that fall, 0 for both.
+    action : "record", "stop" or mapping of name to formula
+        What follows: a note in ``run.events``; the end of the motion, which becomes its last sample; or new
+        values of coordinates and speeds, all computed from the state before, for instance
+        ``{"x_dot": "-e*x_dot"}``. Closed loops are closed again afterwards by the least move in the mass
+        matrix.
+    name : str, optional
+        By default the expression.
+
+    Raises
+    ------
+    UsageError
+        If the direction or the action means nothing.
+    """
+
+    expression: Value
+    direction: int = 0
+    action: Action = "record"
+    name: str | None = field(default=None)
+
+    def __post_init__(self) -> None:
+        if self.direction not in (-1, 0, 1):
+            raise _wrong(self, f"direction = {self.direction!r}", "give 1, -1 or 0")
+        if not (self.action in ("record", "stop") if isinstance(self.action, str) else self.action):
+            raise _wrong(
+                self, f"action = {self.action!r}", "give 'record', 'stop' or a mapping of new values"
+            )
+
+    @property
+    def label(self) -> str:
+        """Its name, or what it watches."""
+        return str(self.expression) if self.name is None else self.name
+
+    @property
+    def mapping(self) -> Mapping[str, Value]:
+        """New values by name; empty if the event only records or stops."""
+        return {} if isinstance(self.action, str) else self.action
+
+
+def checked_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[Event, ...]:
+    """Return events as a tuple.
+
+    Raises
+    ------
+    UsageError
+        If one of them is none, two share a name, or an action sets what is not a state.
+    """
+    found = (events,) if isinstance(events, Event) else tuple(events)
+    problems = [
+        Problem("simulation.event", "events", f"{event!r} is no event", fix="write sb.Event(expression, ...)")
+        for event in found if not isinstance(event, Event)
+    ]  # fmt: skip
+    if problems:
+        raise UsageError(*problems)
+    labels = [event.label for event in found]
+    problems = [
+        Problem("simulation.event_name", f"event {label!r}", "another event has this name", "",
+                "give each event a name of its own: sb.Event(..., name=...)")
+        for k, label in enumerate(labels) if label in labels[:k]
+    ]  # fmt: skip
+    problems += [
+        Problem("simulation.event_action", f"event {event.label!r}", f"{name!r} is not a state",
+                "an action gives new values to coordinates and speeds", nearest(name, eqs.state_names))
+        for event in found for name in event.mapping if name not in eqs.state_names
+    ]  # fmt: skip
+    if problems:
+        raise UsageError(*problems)
+    return found
+
+
+def _wrong(event: Event, what: str, fix: str) -> UsageError:
+    return UsageError(Problem("simulation.event", f"event {event.label!r}", f"{what} means nothing", fix=fix))

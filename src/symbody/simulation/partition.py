@@ -1,0 +1,275 @@
+"""Minimal coordinates by partition: `Partition` integrates independent ones, the others follow from Phi.
+
+Wehage and Haug, Generalized coordinate partitioning for dimension reduction in analysis of constrained
+dynamic systems, J. Mech. Design 104 (1982). The independent ones are integrated by SciPy's DOP853.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import DOP853
+from scipy.linalg import qr
+
+from symbody.analysis.closure import constraint_scales
+from symbody.errors import Problem, SimulationError, UsageError
+from symbody.simulation.constraints import Projection
+from symbody.simulation.explicit import Explicit
+from symbody.simulation.native_run import RawRun
+from symbody.simulation.request import Request
+from symbody.simulation.state_jacobian import without_idle_rows
+from symbody.simulation.status import Status
+from symbody.simulation.stepping import NODES, SHARES, Failure, Step, march
+from symbody.simulation.sundials import Watch
+
+Floats = NDArray[np.float64]
+Places = NDArray[np.intp]
+
+NOTE: Final = "independent coordinates are integrated by SciPy's DOP853 in Python: slower than Projection"
+# Rows whose part independent of the others is smaller than this share are redundant.
+_INDEPENDENT: Final = 1e-8
+_ROUNDS: Final = 12
+# Newton's method has arrived when a step is this small, in the units of the coordinates' sizes.
+_ARRIVED: Final = 1e-13
+_STALLED: Final = 1e-9
+_CONTRACTION: Final = 0.5
+# A step whose inside is out of reach is tried again, shorter, so often.
+_TRIALS: Final = 30
+
+
+@dataclass(frozen=True, slots=True)
+class Partition:
+    """Only independent coordinates and speeds are integrated; constraints hold to rounding at every stage.
+
+    Attributes
+    ----------
+    worst : float
+        Other coordinates are chosen when the pivots of the dependent ones have shrunk to this share of the
+        best choice, between 0 and 1.
+    """
+
+    worst: float = 0.1
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.worst < 1.0:
+            what = f"worst = {self.worst!r} is not between 0 and 1"
+            raise UsageError(Problem("simulation.constraints", "worst", what, "", "leave it out"))
+
+
+def run_partition(request: Request, method: Partition, explicit: Explicit) -> tuple[RawRun, tuple[str, ...]]:
+    """Integrate a set of independent coordinates and speeds; return run and notes."""
+    stepper = _PartitionStepper(request, method, explicit)
+    raw = march(stepper, request.course(request.projection(Projection())))
+    changes = stepper.changes
+    more = (f"other independent coordinates were chosen {changes} times",) if changes else ()
+    return raw, (NOTE, *more)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Choice:
+    """Which columns of a matrix follow from the others, by which rows, and how well."""
+
+    rows: Places
+    dependent: Places
+    independent: Places
+    pivot: float
+
+
+def _choice(matrix: Floats) -> _Choice:
+    """Return the dependent columns by pivoting, after the independent rows."""
+    columns = np.arange(matrix.shape[1])
+    triangle, order = qr(matrix.T, mode="r", pivoting=True)
+    sizes = np.abs(np.diagonal(triangle))
+    rank = int((sizes > _INDEPENDENT * sizes.max(initial=0.0)).sum())
+    rows = np.sort(order[:rank])
+    order = qr(matrix[rows], mode="r", pivoting=True)[1]
+    dependent = np.sort(order[:rank])
+    return _Choice(rows, dependent, np.setdiff1d(columns, dependent), _pivot(matrix, rows, dependent))
+
+
+def _pivot(matrix: Floats, rows: Places, dependent: Places) -> float:
+    """Return the smallest singular value of a dependent block."""
+    block = matrix[np.ix_(rows, dependent)]
+    return float(np.linalg.svd(block, compute_uv=False).min(initial=np.inf))
+
+
+class _Mechanism:
+    """Complete states from independent parts, for one choice of positions and one of speeds."""
+
+    def __init__(self, request: Request) -> None:
+        eqs = without_idle_rows(request.eqs, request.task.parameters)
+        names = ("constraints", "position_jacobian", "jacobian", "velocity_constraints")
+        self._closing = request.compiled(names, eqs)
+        self._rates = request.compiled("xdot")
+        self._scales = constraint_scales(eqs, request.task.parameters)
+        self._quaternions = request.quaternions()
+        self.n_u, self.n_q = request.n_u, request.n_q
+        self.q = request.state[self.n_u :]
+
+    def residual(self, t: float, q: Floats) -> tuple[Floats, Floats]:
+        """Return all conditions on positions, scaled, and their derivatives."""
+        found = self._closing(t, np.concatenate([np.zeros(self.n_u), q]))
+        values = [
+            found[0] / self._scales,
+            *((q[four] @ q[four] - 1.0)[np.newaxis] / 2.0 for four in self._quaternions),
+        ]
+        slopes = [found[1] / self._scales[:, np.newaxis]]
+        for four in self._quaternions:
+            values.append(np.array([(q[four] @ q[four] - 1.0) / 2.0]))
+            row = np.zeros((1, self.n_q))
+            row[0, four] = q[four]
+            slopes.append(row)
+        return np.concatenate(values), np.vstack(slopes)
+
+    def choose(self, t: float, q: Floats) -> tuple[_Choice, _Choice]:
+        """Return the best choice of positions and of speeds."""
+        return _choice(self.residual(t, q)[1]), _choice(self.jacobian(t, q)[0])
+
+    def jacobian(self, t: float, q: Floats) -> tuple[Floats, Floats]:
+        """Return J and b of the conditions on speeds ``J u + b = 0``, scaled."""
+        found = self._closing(t, np.concatenate([np.zeros(self.n_u), q]))
+        return found[2] / self._scales[:, np.newaxis], found[3] / self._scales
+
+    def state(self, t: float, y: Floats, positions: _Choice, speeds: _Choice) -> Floats:
+        """Return x = (u, q) from the independent speeds and coordinates.
+
+        Raises
+        ------
+        SimulationError
+            If Newton's method finds no configuration.
+        """
+        count = speeds.independent.size
+        q = self.q.copy()
+        q[positions.independent] = y[count:]
+        u = np.zeros(self.n_u)
+        u[speeds.independent] = y[:count]
+        try:
+            q = self._closed(t, q, positions)
+            rows, rest = self.jacobian(t, q)
+            rows, rest = rows[speeds.rows], rest[speeds.rows]
+            u[speeds.dependent] = np.linalg.solve(rows[:, speeds.dependent], -(rest + rows @ u))
+        except np.linalg.LinAlgError as error:
+            raise SimulationError(_lost(t)) from error
+        self.q = q
+        return np.concatenate([u, q])
+
+    def _closed(self, t: float, q: Floats, positions: _Choice) -> Floats:
+        size = np.inf
+        for _ in range(_ROUNDS):
+            values, slopes = self.residual(t, q)
+            block = slopes[np.ix_(positions.rows, positions.dependent)]
+            step = np.linalg.solve(block, -values[positions.rows])
+            q[positions.dependent] += step
+            size, before = float(np.abs(step).max(initial=0.0)), size
+            if size < _ARRIVED or before <= size < _STALLED:
+                return q
+            if not size <= _CONTRACTION * before and not size < _STALLED:
+                break  # it may be on its way to another assembly
+        raise SimulationError(_lost(t))
+
+    def rates(self, t: float, x: Floats) -> Floats:
+        """Return x' of a complete state."""
+        found: Floats = self._rates(t, x)
+        return found
+
+
+def _lost(t: float) -> Problem:
+    return Problem(
+        "simulation.partition", "constraints", f"no configuration was found at t = {t:.9g} s",
+        "the independent coordinates do not determine the others here", "use sb.Projection()",
+    )  # fmt: skip
+
+
+class _PartitionStepper:
+    """DOP853 over the independent coordinates, begun anew when they are chosen anew."""
+
+    def __init__(self, request: Request, method: Partition, explicit: Explicit) -> None:
+        self._request, self._worst, self._explicit = request, method.worst, explicit
+        self._mechanism = _Mechanism(request)
+        self._x, (self._t, self._end) = request.state, request.span
+        self._watch = Watch(self._derivative)
+        self.changes = 0
+        self._choose(None if explicit.first_step is None else float(explicit.first_step))
+
+    @property
+    def evaluations(self) -> int:
+        """How often the accelerations were computed."""
+        return self._watch.evaluations
+
+    def advance(self) -> Step | Failure:
+        """Take one step; the dependent coordinates inside it are solved for."""
+        for _ in range(_TRIALS):
+            solver = self._solver
+            if not np.isfinite(solver.f).all():
+                return self._watch.failure(0)
+            solver.step()
+            if solver.status == "failed":
+                return self._watch.failure(0)
+            nodes = self._nodes(solver)
+            if nodes is not None:
+                self._x, self._t = nodes[-1], float(solver.t)
+                self._watch.accept()
+                if self._t != self._end and self._is_worn():
+                    self._choose(abs(solver.h_abs))
+                return Step(self._t, nodes)
+            self._choose(0.25 * abs(solver.t - self._t))
+        return Failure(Status.STEP_COLLAPSE)
+
+    def restart(self, t: float, x: Floats) -> None:
+        """Go on from another state."""
+        self._t, self._x = t, x
+        self._choose(None)
+
+    def _nodes(self, solver: DOP853) -> Floats | None:
+        """Return the states inside the step; None if they are out of reach."""
+        inside = solver.dense_output()
+        nodes = np.empty((NODES, self._x.size))
+        nodes[0] = self._x
+        self._mechanism.q = self._x[self._mechanism.n_u :]
+        for k in range(1, NODES):
+            t = self._t + SHARES[k] * (solver.t - self._t) if k < NODES - 1 else float(solver.t)
+            try:
+                nodes[k] = self._mechanism.state(t, inside(t), self._positions, self._speeds)
+            except SimulationError:
+                return None
+        return nodes
+
+    def _is_worn(self) -> bool:
+        q = self._x[self._mechanism.n_u :]
+        matrices = self._mechanism.residual(self._t, q)[1], self._mechanism.jacobian(self._t, q)[0]
+        for matrix, choice in zip(matrices, (self._positions, self._speeds), strict=True):
+            pivot = _pivot(matrix, choice.rows, choice.dependent)
+            if pivot < self._worst * choice.pivot and pivot < self._worst * _choice(matrix).pivot:
+                return True
+        return False
+
+    def _choose(self, first_step: float | None) -> None:
+        """Choose the independent coordinates of the present state and begin with them."""
+        n_u = self._mechanism.n_u
+        q = self._x[n_u:]
+        self._mechanism.q = q
+        positions, speeds = self._mechanism.choose(self._t, q)
+        self.changes += int(self._t != self._request.span[0])
+        self._positions, self._speeds = positions, speeds
+        y = np.concatenate([self._x[:n_u][self._speeds.independent], q[self._positions.independent]])
+        longest = np.inf if self._explicit.max_step is None else float(self._explicit.max_step)
+        rest = abs(self._end - self._t)
+        self._solver = DOP853(
+            self._watch, self._t, y, self._end, max_step=longest, rtol=self._request.rtol,
+            atol=self._request.atol, first_step=None if first_step is None else min(first_step, rest),
+        )  # fmt: skip
+
+    def _derivative(self, t: float, y: Floats) -> Floats:
+        try:
+            x = self._mechanism.state(t, y, self._positions, self._speeds)
+        except SimulationError:
+            self._mechanism.q = self._x[self._mechanism.n_u :]
+            raise
+        rates = self._mechanism.rates(t, x)
+        n_u = self._mechanism.n_u
+        return np.concatenate(
+            [rates[:n_u][self._speeds.independent], rates[n_u:][self._positions.independent]]
+        )

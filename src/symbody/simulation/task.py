@@ -1,0 +1,185 @@
+"""One motion to compute: equations with the values of parameters, and the laws of inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.closure import constraint_scales
+from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.function import CompiledFunction
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import Problem, UsageError
+from symbody.simulation.constraints import PROJECTED
+from symbody.simulation.dense_output import DenseOutput
+from symbody.simulation.events import Event
+from symbody.simulation.input_laws import InputLaws
+
+Floats = NDArray[np.float64]
+
+_MOST_ROUNDS = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """Equations with the values of parameters and the laws of all inputs."""
+
+    eqs: EquationSet
+    parameters: Mapping[str, Value]
+    laws: InputLaws
+
+    def compiled(self, outputs: str | Sequence[str]) -> CompiledFunction:
+        """Return a function of t, q and u, and of the inputs that are asked for."""
+        sequence = form_sequence(self.eqs, outputs, self.parameters, (), self.laws.formulas)
+        return CompiledFunction(*sequence)
+
+    def evaluated(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
+        """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""
+        return function(t, q.T, u.T, self.laws.values(t, q, u))
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether states have to be projected."""
+        return bool(self.eqs.multiplier_names or self.eqs.quaternions)
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluator:
+    """Computes outputs that are not stored, each compiled when it is first asked for."""
+
+    task: Task
+    work: DenseOutput | None
+
+    def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
+        """Return the output with time last; q is (n_q, N), u is (n_u, N)."""
+        if name == "work" and self.work is not None:
+            done: Floats = self.work(t)[0]
+            return done
+        if name == "constraint_violation":
+            return self._violation("constraints", t, q, u)
+        if name == "velocity_violation":
+            fastest = np.abs(u).max(axis=0, initial=0.0)
+            violation = self._violation("velocity_constraints", t, q, u)
+            moving = fastest > 0.0
+            return np.where(moving, violation / np.where(moving, fastest, 1.0), violation)
+        values: Floats = self.task.evaluated(self.task.compiled(name), t, q, u)
+        if name in self.task.eqs.measured_angles:  # measured within half a turn, but motions go on
+            return np.unwrap(values)
+        return np.moveaxis(values, 0, -1)
+
+    def _violation(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
+        """Return the largest constraint over its scale at each time."""
+        task = self.task
+        if not task.eqs.multiplier_names:
+            return np.zeros_like(t)
+        values = task.evaluated(task.compiled(name), t, q, u)
+        largest: Floats = np.abs(values / constraint_scales(task.eqs, task.parameters)).max(axis=-1)
+        return largest
+
+
+class EventFunctions:
+    """Values and actions of events, compiled.
+
+    Parameters
+    ----------
+    task : Task
+        What moves.
+    events : sequence of Event
+        At least one.
+    tolerances : (n_h,) array or None
+        How far each constraint may stay open after an action; None where nothing is projected.
+
+    Raises
+    ------
+    FormulationError
+        If an expression has no meaning.
+    UsageError
+        If it is not a number but a vector or matrix.
+    """
+
+    def __init__(self, task: Task, events: Sequence[Event], tolerances: Floats | None) -> None:
+        self._task = task
+        self._events = tuple(events)
+        self._tolerances = tolerances
+        self._values = task.compiled([str(event.expression) for event in events])
+        self._check_shapes()
+        maps = {place: event.mapping for place, event in enumerate(events) if event.mapping}
+        self._maps = {k: task.compiled([str(value) for value in new.values()]) for k, new in maps.items()}
+        self._places = {k: [task.eqs.state_names.index(name) for name in new] for k, new in maps.items()}
+
+    def _check_shapes(self) -> None:
+        outputs = zip(self._events, self._values.sequence.outputs, strict=True)
+        problems = [
+            Problem("simulation.event_shape", f"event {event.label!r}", f"its value has shape {output.shape}",
+                    "an event watches one number", "name one component, such as 'reaction J Fx'")
+            for event, output in outputs if output.shape
+        ]  # fmt: skip
+        if problems:
+            raise UsageError(*problems)
+
+    @cached_property
+    def _closing(self) -> CompiledFunction:
+        return self._task.compiled(PROJECTED)
+
+    @cached_property
+    def _energy(self) -> CompiledFunction:
+        return self._task.compiled("energy")
+
+    @property
+    def wrapping(self) -> list[bool]:
+        """Whether each value reads an angle that jumps by a turn."""
+        angles = self._task.eqs.measured_angles
+        return [any(name in str(event.expression) for name in angles) for event in self._events]
+
+    def values(self, t: Floats, x: Floats) -> Floats:
+        """Return the values (events, N) at times (N,) and states (n, N)."""
+        q, u = self._parted(x)
+        found = self._task.evaluated(self._values, t, q, u)
+        return np.array(found if len(self._events) > 1 else [found], dtype=np.float64)
+
+    def closed(self, t: float, x: Floats) -> Floats:
+        """Return a state moved back onto the constraints.
+
+        Raises
+        ------
+        SimulationError
+            If its mass matrix is singular.
+        """
+        if self._tolerances is None:
+            return x
+        result = x.copy()
+        q, u = self._parted(result)  # views
+        for _ in range(_MOST_ROUNDS):
+            found = self._at(self._closing, t, result)
+            residual, move = found[0], found[1]
+            if (np.abs(residual) <= self._tolerances).all():
+                break
+            q += move
+        u += found[3]
+        return result
+
+    def after(self, place: int, t: float, x: Floats) -> Floats:
+        """Return the state after an event's action; energy that comes or goes counts as work."""
+        found = self._at(self._maps[place], t, x)
+        result = x.copy()
+        result[self._places[place]] = np.ravel(found)
+        result = self.closed(t, result)
+        result[-1] += self._at(self._energy, t, result) - self._at(self._energy, t, x)
+        return result
+
+    def named(self, x: Floats) -> dict[str, float]:
+        """Return a state by name."""
+        return dict(zip(self._task.eqs.state_names, x.tolist(), strict=False))
+
+    def _at(self, function: CompiledFunction, t: float, x: Floats) -> Any:
+        q, u = self._parted(x)
+        return function(t, q, u, self._task.laws.at(t, q, u))
+
+    def _parted(self, x: Floats) -> tuple[Floats, Floats]:
+        n_u, n = len(self._task.eqs.speed_names), len(self._task.eqs.state_names)
+        return x[n_u:n], x[:n_u]

@@ -1,0 +1,181 @@
+"""What is drawn: outputs of a motion as curves with names and units, over time or as paths."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.errors import Problem, UsageError
+from symbody.simulation.trajectory import Trajectory
+
+Floats = NDArray[np.float64]
+
+SMOOTH: Final = 1000  # points a curve gets at least where the motion between its samples is known
+
+# A unit at the end of a label; digits in brackets are the place of a component.
+UNIT: Final = re.compile(r"\[([^\[\]\d][^\[\]]*)\]$")
+
+# What a unit measures, for an axis that several curves share.
+QUANTITIES: Final[Mapping[str, str]] = {
+    "rad": "angle",
+    "deg": "angle",
+    "rad/s": "angular velocity",
+    "rad/s^2": "angular acceleration",
+    "m": "length",
+    "m/s": "velocity",
+    "m/s^2": "acceleration",
+    "N": "force",
+    "N m": "torque",
+    "J": "energy",
+    "W": "power",
+}
+
+_MOTION: Final = {"r": "m", "v": "m/s", "vdot": "m/s^2", "w": "rad/s", "wdot": "rad/s^2"}
+_WRENCH: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """A name, a unit that may be unknown, and one value a sample."""
+
+    name: str
+    unit: str
+    values: Floats
+
+    @property
+    def text(self) -> str:
+        """The name with the unit."""
+        return with_unit(self.name, self.unit)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Path:
+    """Curves that are drawn over each other: two in the plane, three in space."""
+
+    name: str
+    curves: tuple[Curve, ...]
+
+
+Drawn = TypeVar("Drawn", Curve, Path)
+
+
+def curves_of(run: Trajectory, expression: str) -> list[Curve]:
+    """Return the components of an output, under names that are short enough for a legend."""
+    columns = run.columns(expression)
+    wrench = len(columns) == len(_WRENCH) and expression.startswith("reaction ")
+    names = [f"{expression} {word}" for word in _WRENCH] if wrench else list(columns)
+    return [
+        Curve(_short(name), _unit(run, expression, name), values)
+        for name, values in zip(names, columns.values(), strict=True)
+    ]
+
+
+def single_curve(run: Trajectory, expression: str) -> Curve:
+    """Return the curve of what runs along the horizontal axis.
+
+    Raises
+    ------
+    UsageError
+        If the output has several components.
+    """
+    if expression == "t":
+        return Curve("time", "s", np.atleast_1d(run.t))
+    found = curves_of(run, expression)
+    if len(found) > 1:
+        names = ", ".join(repr(name) for name in run.columns(expression))
+        fix = f"choose a component: x={names}"
+        what = f"{expression!r} has {len(found)} components"
+        raise UsageError(Problem("plot.across", f"x={expression!r}", what, fix=fix))
+    return found[0]
+
+
+def path_of(run: Trajectory, expressions: Sequence[str]) -> Path:
+    """Return the path through the components of some outputs.
+
+    Raises
+    ------
+    UsageError
+        If there are not two or three components.
+    """
+    curves = [curve for expression in expressions for curve in curves_of(run, expression)]
+    if not 2 <= len(curves) <= 3:
+        told = ", ".join(curve.name for curve in curves)
+        raise UsageError(
+            Problem("plot.path", repr(tuple(expressions)), f"a path has 2 or 3 components, not {len(curves)}",
+                    f"they are {told}", "name two or three numbers, or one vector: ('frame r P',)")
+        )  # fmt: skip
+    return Path(_common_name([curve.name for curve in curves]), tuple(curves))
+
+
+def _common_name(names: Sequence[str]) -> str:
+    """Return ``"r P"`` for ``"r P x"``, ``"r P y"``, or all names."""
+    stems = {name[:-2] if name[-2:] in (" x", " y", " z") else "" for name in names}
+    stem = stems.pop() if len(stems) == 1 else ""
+    return stem or ", ".join(names)
+
+
+def named(drawn: list[Drawn], labels: Sequence[str] | None) -> list[Drawn]:
+    """Return curves or paths under the labels of the caller.
+
+    Raises
+    ------
+    UsageError
+        If there are too few labels, or too many.
+    """
+    if labels is None:
+        return drawn
+    if isinstance(labels, str) or len(labels) != len(drawn):
+        count = "one text" if isinstance(labels, str) else f"{len(labels)}"
+        what = f"{len(drawn)} curves need {len(drawn)} labels, not {count}"
+        fix = f"give a list of labels for {', '.join(each.name for each in drawn)}, in this order"
+        raise UsageError(Problem("plot.labels", "labels", what, fix=fix))
+    return [replace(each, name=label) for each, label in zip(drawn, labels, strict=True)]
+
+
+def refined(run: Trajectory) -> Trajectory:
+    """Return the motion at enough times for a smooth line: steps of order 8 are long."""
+    if run.dense_output is None or not 2 <= run.t.size < SMOOTH:
+        return run
+    pieces = max(4, math.ceil(SMOOTH / (run.t.size - 1)))
+    shares = np.arange(pieces) / pieces
+    inner = (run.t[:-1, np.newaxis] + np.diff(run.t)[:, np.newaxis] * shares).ravel()
+    return run.at(np.append(inner, run.t[-1]))
+
+
+def shared_quantity(labels: Sequence[str]) -> str:
+    """Return what all labels measure, such as "angle [rad]", or nothing if that differs or is unknown."""
+    units = {found[1] if (found := UNIT.search(label)) else "" for label in labels}
+    unit = units.pop() if len(units) == 1 else ""
+    return with_unit(QUANTITIES.get(unit, ""), unit)
+
+
+def with_unit(name: str, unit: str) -> str:
+    """Return ``"x [m]"``; a name that ends in a unit keeps its own."""
+    return f"{name} [{unit}]".lstrip() if unit and not UNIT.search(name) else name
+
+
+def _short(name: str) -> str:
+    """Return the name of a motion without what is plain: "r P x" for "frame r P ground ground x"."""
+    words = name.split(" ")
+    if words[0] != "frame" or '"' in name:
+        return name
+    return " ".join([*words[1:3], *(word for word in words[3:] if word.lower() != "ground")])
+
+
+def _unit(run: Trajectory, expression: str, name: str) -> str:
+    """Return the unit of a component, or nothing if its name does not tell."""
+    if expression in run.units:
+        return run.units[expression]
+    words = name.split(" ")
+    if words[0] == "frame":
+        return _MOTION.get(words[1], "")
+    if words[0] == "reaction" and words[-1] in _WRENCH:
+        return "N" if words[-1].startswith("F") else "N m"
+    rate = run.units.get(f"{expression.removesuffix('_ddot')}_dot", "")
+    return f"{rate}^2" if expression.endswith("_ddot") and rate.endswith("/s") else ""

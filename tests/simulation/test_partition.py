@@ -1,0 +1,74 @@
+"""Independent coordinates: constraints to rounding, another choice when a pivot wears out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import symbody as sb
+from tests.simulation.loops import damped_slider, example, held_pendulum, turning_pendulum
+
+
+def test_constraints_hold_to_rounding_at_every_step() -> None:
+    run = sb.simulate(example("slider_crank"), 2.0, constraints=sb.Partition())
+    assert run.success
+    # Lengths of 1 m, each a sum of four products.
+    assert run["constraint_violation"].max() < 1e-14
+    assert any("DOP853" in note for note in run.notes)
+    # The crank makes more than one turn and the work of gravity returns: energy of some 10 J to the tolerance.
+    assert np.ptp(run["energy"] - run["work"]) < 1e-6
+
+
+def test_a_full_turn_needs_another_choice() -> None:
+    """Of x and y of a turning pendulum neither is independent all the way round."""
+    eqs = held_pendulum()
+    run = sb.simulate(eqs, 5.0, {"theta": 0.0, "theta_dot": 9.0}, constraints=sb.Partition(worst=0.5))
+    reference = sb.simulate(
+        turning_pendulum(), 5.0, {"theta": 0.0, "theta_dot": 9.0}, times=run.t, rtol=1e-12
+    )
+    assert run.success and run["theta"][-1] > 2.0 * np.pi
+    assert run["constraint_violation"].max() < 1e-14
+    # Some 300 steps with 1e-8 each, angles that grow by a factor of ten.
+    assert np.abs(run["theta"] - reference["theta"]).max() < 3e-5
+    assert np.abs(run["x"] - np.sin(reference["theta"])).max() < 3e-5
+
+
+def test_samples_and_dense_output_lie_on_the_motion() -> None:
+    times = np.linspace(0.0, 2.0, 21)
+    run = sb.simulate(held_pendulum(), 2.0, times=times, constraints=sb.Partition())
+    reference = sb.simulate(turning_pendulum(), 2.0, rtol=1e-12)
+    assert (run.t == times).all()
+    assert run["constraint_violation"].max() <= 1e-10
+    assert np.abs(run["theta"] - reference.at(times).q[0]).max() < 1e-6
+    inside = np.linspace(0.0, 2.0, 77)
+    assert np.abs(run.at(inside).q[-1] - reference.at(inside).q[0]).max() < 1e-6
+
+
+def test_trees_are_integrated_as_they_are() -> None:
+    run = sb.simulate(turning_pendulum(), 1.0, constraints=sb.Partition())
+    assert run.success and not any("DOP853" in note for note in run.notes)
+
+
+def test_events() -> None:
+    stop = sb.Event("x", direction=-1, action="stop")
+    run = sb.simulate(held_pendulum(), 3.0, constraints=sb.Partition(), events=stop)
+    reference = sb.simulate(
+        turning_pendulum(), 3.0, events=sb.Event("theta", direction=-1, action="stop"), rtol=1e-11
+    )
+    assert run.status is sb.Status.STOPPED
+    assert abs(run.t[-1] - reference.t[-1]) < 1e-7
+
+
+def test_limits() -> None:
+    run = sb.simulate(held_pendulum(), 3.0, constraints=sb.Partition(), max_steps=3)
+    assert run.status is sb.Status.TOO_MANY_STEPS
+    run = sb.simulate(held_pendulum(), 1.0, constraints=sb.Partition(), integrator=sb.Explicit(max_step=0.05))
+    assert np.diff(run.t).max() <= 0.05 * (1.0 + 1e-9)
+
+
+def test_what_makes_no_sense() -> None:
+    with pytest.raises(sb.UsageError):
+        sb.Partition(worst=1.0)
+    with pytest.raises(sb.UsageError, match="sb.Explicit"):
+        sb.simulate(held_pendulum(), 1.0, constraints=sb.Partition(), integrator=sb.Stiff())
+    assert sb.simulate(damped_slider(), 1e-5, constraints=sb.Partition()).success

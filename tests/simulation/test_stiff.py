@@ -1,0 +1,196 @@
+"""Backward differentiation: closed forms, stiffness, the change from explicit steps, events, failures."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import symbody as sb
+from symbody.formats import model_from_toml
+from symbody.simulation.explicit import integrate
+from symbody.simulation.input_laws import input_laws
+from symbody.simulation.state_jacobian import STATE_JACOBIAN, with_state_jacobian
+from symbody.simulation.task import Task
+from tests.simulation.loops import damped_slider, example, held_pendulum, turning_pendulum
+
+# Global errors of backward differentiation over some hundred steps: 1e-8 each, of one sign.
+GLOBAL = 1e-5
+
+
+def slider_at(t: np.ndarray, push: float = 0.0) -> np.ndarray:
+    """``x'' + 1e6 x' + 1e6 x = push`` from x = 1 at rest."""
+    root = math.sqrt(1e12 - 4e6) / 2.0
+    slow, fast = -1e6 / (5e5 + root), -5e5 - root
+    rest = push / 1e6
+    share = (1.0 - rest) / (fast - slow)
+    return rest + share * (fast * np.exp(slow * t) - slow * np.exp(fast * t))
+
+
+def test_stiff_slider_takes_few_steps_where_explicit_steps_are_hopeless() -> None:
+    times = np.linspace(0.0, 5.0, 11)
+    run = sb.simulate(damped_slider(), 5.0, times=times, integrator=sb.Stiff())
+    assert run.success and run.statistics.accepted < 400
+    assert np.abs(run["x"] - slider_at(times)).max() < GLOBAL
+    assert np.abs(run.at(1.234).q[0] - slider_at(np.array(1.234))) < GLOBAL
+
+
+def test_explicit_stops_as_stiff() -> None:
+    function = sb.compile(damped_slider(), "xdot")
+    raw = integrate(
+        function.address, function.work_size, 1, 1, [0.0, 1.0], (0.0, 5.0), method=sb.Explicit(), inputs=[0.0],
+        constants=function.constants(), stop_when_stiff=True,
+    )  # fmt: skip
+    assert raw.status is sb.Status.STIFF and raw.reached < 1.0
+
+
+@pytest.mark.parametrize("times", [None, np.linspace(0.0, 5.0, 51)])
+def test_without_integrator_stiff_motions_change_over_on_the_way(times: np.ndarray | None) -> None:
+    run = sb.simulate(damped_slider(), 5.0, times=times, inputs={"F": 3e5})
+    assert run.success
+    assert any("sb.Stiff() integrates it" in note for note in run.notes)
+    assert run.t[0] == 0.0 and run.t[-1] == 5.0 and (np.diff(run.t) > 0.0).all()
+    if times is not None:
+        assert (run.t == times).all()
+    assert np.abs(run["x"] - slider_at(run.t, 3e5)).max() < GLOBAL
+    inside = np.linspace(0.0, 5.0, 333)
+    assert np.abs(run.at(inside).q[0] - slider_at(inside, 3e5)).max() < GLOBAL
+    # Energy and work are of the size of the spring's energy, 5e5 J.
+    balance = run["energy"] - run["work"]
+    assert np.ptp(balance) < GLOBAL * 5e5
+
+
+def test_motions_that_are_not_stiff_stay_explicit() -> None:
+    run = sb.simulate(example("slider_crank"), 1.0)
+    assert run.success and not any("Stiff" in note for note in run.notes)
+
+
+def test_a_short_rest_is_left_to_explicit_steps() -> None:
+    """0.05 s of the stiff slider are some 8,000 steps at the stability bound of 6 us."""
+    run = sb.simulate(damped_slider(), 0.05)
+    assert run.success and not any("Stiff" in note for note in run.notes)
+    assert np.abs(run["x"] - slider_at(run.t)).max() < 1e-8
+
+
+def test_the_jacobian_is_that_of_differences() -> None:
+    eqs = example("slider_crank")
+    inputs = {"F": "-20*s_dot"}
+    wider = with_state_jacobian(eqs, inputs)
+    task = Task(wider, {}, input_laws(("F",), inputs, (0.0, 1.0)))
+    rates, slopes = task.compiled("xdot"), task.compiled(STATE_JACOBIAN)
+    start = sb.assemble(eqs, inputs=inputs)
+    x = np.array([*start.u.values(), *start.q.values()])
+    step = 1e-6
+    found = slopes.of_state(0.0, x)
+    for k, unit in enumerate(np.eye(x.size)):
+        rise = rates.of_state(0.0, x + step * unit) - rates.of_state(0.0, x - step * unit)
+        # Third derivatives, below 1e4 here, times step^2, and rounding of 1e3 over the step.
+        assert np.abs(found[:, k] - rise / (2.0 * step)).max() < 1e-12 * 1e4 + 1e3 * 1e-15 / step * 10
+
+
+def test_closed_loops_keep_closed() -> None:
+    """The same motion as with explicit steps, the pin at most the tolerance open at every step."""
+    pendulum = sb.simulate(held_pendulum(), 2.0, integrator=sb.Stiff())
+    reference = sb.simulate(turning_pendulum(), 2.0, times=pendulum.t, rtol=1e-11)
+    assert pendulum["constraint_violation"].max() <= 1e-10
+    assert np.abs(pendulum["theta"] - reference["theta"]).max() < GLOBAL
+    assert np.abs(pendulum["x"] - np.sin(reference["theta"])).max() < GLOBAL
+
+
+def test_backwards_in_time() -> None:
+    run = sb.simulate(turning_pendulum(), (1.0, 0.0), integrator=sb.Stiff())
+    there = sb.simulate(turning_pendulum(), 1.0, rtol=1e-11)
+    # Released at rest, the motion is even in time.
+    assert run.success and run.t[-1] == 0.0
+    assert abs(run["theta"][-1] - there["theta"][-1]) < GLOBAL
+
+
+def test_quaternions_keep_their_norm() -> None:
+    run = sb.simulate(example("projectile"), 1.0, integrator=sb.Stiff())
+    assert run.success
+    names = example("projectile").quaternions
+    for four in names:
+        assert np.abs(sum(run[name] ** 2 for name in four) - 1.0).max() <= 1e-9
+
+
+def test_events_stop_and_change_the_motion() -> None:
+    stop = sb.Event("theta", direction=-1, action="stop")
+    run = sb.simulate(turning_pendulum(), 5.0, integrator=sb.Stiff(), events=stop)
+    reference = sb.simulate(turning_pendulum(), 5.0, events=stop, rtol=1e-11)
+    assert run.status is sb.Status.STOPPED
+    assert abs(run.t[-1] - reference.t[-1]) < GLOBAL
+    bounce = sb.Event("theta", direction=-1, action={"theta_dot": "-0.5*theta_dot"})
+    run, reference = (
+        sb.simulate(turning_pendulum(), 3.0, integrator=by, events=bounce, rtol=tolerance)
+        for by, tolerance in ((sb.Stiff(), 1e-8), (sb.Explicit(), 1e-11))
+    )
+    assert len(run.events) == len(reference.events) > 1
+    assert abs(run["theta"][-1] - reference["theta"][-1]) < GLOBAL
+    assert np.ptp(run["energy"] - run["work"]) < GLOBAL * 20.0  # J: the weight's work
+
+
+def test_inputs_that_are_functions() -> None:
+    run = sb.simulate(turning_pendulum(), 1.0, integrator=sb.Stiff(), inputs={"T": lambda t, q, u: 0.0})
+    assert run.success
+
+
+def test_limits_and_interruptions() -> None:
+    eqs = turning_pendulum()
+    assert sb.simulate(eqs, 9.0, integrator=sb.Stiff(), max_steps=7).status is sb.Status.TOO_MANY_STEPS
+    seen: list[float] = []
+
+    def enough(share: float) -> bool:
+        seen.append(share)
+        return False
+
+    run = sb.simulate(eqs, 1e5, integrator=sb.Stiff(), progress=enough)
+    assert run.status is sb.Status.INTERRUPTED and len(seen) == 1 and 0.0 < seen[0] < 1.0
+
+
+BLOW_UP = """
+name = "{name}"
+gravity = ["0", "0", "0"]
+[[body]]
+name = "Mass"
+mass = 1.0
+[[joint]]
+name = "slider"
+type = "prismatic"
+between = ["ground", "Mass"]
+axis = "x"
+coordinate = "x"
+force = {{ applied = "{law}" }}
+[initial]
+x = 1.0
+x_dot = {speed}
+"""
+
+
+def test_motions_that_end_on_the_way_say_so(capfd: pytest.CaptureFixture[str]) -> None:
+    """x'' = 6 x^2 with x = 1, x' = 2 is x = 1/(1 - t)^2; x'' = sqrt(x) - 9 is real until x < 0."""
+    pole = sb.form_equations(model_from_toml(BLOW_UP.format(name="pole", law="6*x^2", speed=2.0)))
+    run = sb.simulate(pole, 2.0, integrator=sb.Stiff())
+    assert run.status in (sb.Status.STEP_COLLAPSE, sb.Status.NOT_FINITE)
+    assert 0.99 < run.t[-1] < 1.01 and any("known up to" in note for note in run.notes)
+    root = sb.form_equations(model_from_toml(BLOW_UP.format(name="root", law="sqrt(x) - 9", speed=0.0)))
+    run = sb.simulate(root, 2.0, integrator=sb.Stiff())
+    assert run.status is sb.Status.NOT_FINITE
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("wrong", [{"max_order": 6}, {"max_order": 0}, {"max_step": 0.0}])
+def test_options_that_make_no_sense(wrong: dict[str, float]) -> None:
+    with pytest.raises(sb.UsageError):
+        sb.Stiff(**wrong)
+
+
+def test_longest_step() -> None:
+    run = sb.simulate(damped_slider(), 1.0, integrator=sb.Stiff(max_order=2, max_step=0.01))
+    assert np.diff(run.t).max() <= 0.01 * (1.0 + 1e-9)
+
+
+def test_requests_are_checked() -> None:
+    for wrong in ({"times": [1.0, 0.0]}, {"rtol": 1e-20}, {"atol": -1.0}):
+        with pytest.raises(sb.UsageError):
+            sb.simulate(turning_pendulum(), 1.0, integrator=sb.Stiff(), **wrong)
