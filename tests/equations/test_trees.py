@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.equations.solution import vanishing
+from symbody.equations.solving.solution import vanishing
 from symbody.expr.canonical import sub
 from symbody.expr.graph import Graph
 from symbody.graph.trees import Trees

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 from symbody.equations.formed import Formed
 from symbody.equations.forming import form
-from symbody.equations.mobility import degrees_of_freedom, independent_speeds
-from symbody.equations.noise import without_noise
-from symbody.equations.outputs import output_roots
-from symbody.equations.textbook import MOST_SPEEDS, Reaction, Textbook
+from symbody.equations.showing.outputs import output_roots
+from symbody.equations.showing.textbook import MOST_SPEEDS, Reaction, Textbook
+from symbody.equations.solving.mobility import degrees_of_freedom, independent_speeds
+from symbody.equations.solving.noise import without_noise
 from symbody.expr.graph import Symbol
 from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Roots

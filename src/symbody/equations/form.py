@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from symbody.equations.dynamics.virtual_work import VirtualWork
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.forming import form
-from symbody.equations.virtual_work import VirtualWork
 from symbody.expr.graph import Graph
 from symbody.graph.topology import choose_topology
 from symbody.graph.trees import TreeChoice

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from symbody.equations.balance import Wrench
-from symbody.equations.closings import Row
-from symbody.equations.inertia import Inertia, Rotor
-from symbody.equations.kinematics import Kinematics
-from symbody.equations.loads import Loads, effort_name
-from symbody.equations.measured import measured_coordinates
-from symbody.equations.naming import Names
-from symbody.equations.reactions import drive_wrench, joint_wrenches, row_wrenches
-from symbody.equations.variables import Use, Variables
-from symbody.equations.virtual_work import Projection
+from symbody.equations.dynamics.balance import Wrench
+from symbody.equations.dynamics.inertia import Inertia, Rotor
+from symbody.equations.dynamics.loads import Loads, effort_name
+from symbody.equations.dynamics.reactions import drive_wrench, joint_wrenches, row_wrenches
+from symbody.equations.dynamics.virtual_work import Projection
+from symbody.equations.kinematics.closings import Row
+from symbody.equations.kinematics.measured import measured_coordinates
+from symbody.equations.kinematics.motion import Kinematics
+from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.variables import Use, Variables
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph, Kind, Symbol

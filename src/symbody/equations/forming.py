@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from collections.abc import Set as AbstractSet
 
-from symbody.equations.closings import Row, alignments, closing_rows, motion_rows
-from symbody.equations.direct import project_directly
+from symbody.equations.dynamics.direct import project_directly
+from symbody.equations.dynamics.inertia import Rotor, form_inertia
+from symbody.equations.dynamics.loads import form_loads
+from symbody.equations.dynamics.virtual_work import kinetic_energy, project
 from symbody.equations.formed import Formed
-from symbody.equations.inertia import Rotor, form_inertia
-from symbody.equations.kinematics import Kinematics, form_kinematics
-from symbody.equations.loads import form_loads
-from symbody.equations.measured import measured_coordinates
-from symbody.equations.naming import Names, model_names
-from symbody.equations.placing import shiftings, turnings
-from symbody.equations.solution import vanishing
-from symbody.equations.variables import Use, Variables, form_variables
-from symbody.equations.virtual_work import kinetic_energy, project
+from symbody.equations.kinematics.closings import Row, alignments, closing_rows, motion_rows
+from symbody.equations.kinematics.measured import measured_coordinates
+from symbody.equations.kinematics.motion import Kinematics, form_kinematics
+from symbody.equations.kinematics.naming import Names, model_names
+from symbody.equations.kinematics.placing import shiftings, turnings
+from symbody.equations.kinematics.variables import Use, Variables, form_variables
+from symbody.equations.solving.solution import vanishing
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import time_derivative
 from symbody.expr.expression import Expr

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import qr
 
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.projection import velocity_residual
+from symbody.equations.solving.projection import velocity_residual
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Kind, Symbol
 from symbody.expr.rewrite import substitute

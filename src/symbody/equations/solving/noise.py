@@ -12,8 +12,8 @@ from dataclasses import replace
 from random import Random
 from typing import Final
 
-from symbody.equations.closings import Row
 from symbody.equations.formed import Formed
+from symbody.equations.kinematics.closings import Row
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr
 from symbody.expr.sequence import Input, Roots, build_sequence

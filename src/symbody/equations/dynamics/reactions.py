@@ -9,15 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from symbody.equations.balance import NOTHING, Wrench, balanced
-from symbody.equations.closings import Row
-from symbody.equations.inertia import Inertia
-from symbody.equations.joint_axes import free_directions
-from symbody.equations.kinematics import Kinematics, Velocity
-from symbody.equations.load import Load
-from symbody.equations.naming import Names
-from symbody.equations.variables import turns_of
-from symbody.equations.virtual_work import inertial, without_loads
+from symbody.equations.dynamics.balance import NOTHING, Wrench, balanced
+from symbody.equations.dynamics.inertia import Inertia
+from symbody.equations.dynamics.load import Load
+from symbody.equations.dynamics.virtual_work import inertial, without_loads
+from symbody.equations.kinematics.closings import Row
+from symbody.equations.kinematics.joint_axes import free_directions
+from symbody.equations.kinematics.motion import Kinematics, Velocity
+from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.variables import turns_of
 from symbody.expr.expression import Expr, symbol
 from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.graph.topology import Topology

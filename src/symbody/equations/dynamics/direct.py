@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from symbody.equations.inertia import Inertia, Rotor
-from symbody.equations.kinematics import Kinematics
-from symbody.equations.load import Effort, Load, Moment, Pull
-from symbody.equations.virtual_work import Projection, add_rotor
+from symbody.equations.dynamics.inertia import Inertia, Rotor
+from symbody.equations.dynamics.load import Effort, Load, Moment, Pull
+from symbody.equations.dynamics.virtual_work import Projection, add_rotor
+from symbody.equations.kinematics.motion import Kinematics
 from symbody.expr.expression import Expr, number
 from symbody.vectors.dyadic import apply, gyroscopic, quadratic
 from symbody.vectors.vector import cross, dot

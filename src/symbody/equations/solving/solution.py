@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from symbody.equations.dynamics.inertia import Inertia
+from symbody.equations.dynamics.linear_solve import solve_positive_definite
 from symbody.equations.formed import Formed
-from symbody.equations.inertia import Inertia
-from symbody.equations.linear_solve import solve_positive_definite
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr, saddle_entry
 from symbody.expr.fingerprint import fingerprints

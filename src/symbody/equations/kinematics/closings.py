@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from symbody.equations.joint_axes import completed, free_directions, perpendiculars, unit_axes
-from symbody.equations.kinematics import Kinematics
-from symbody.equations.naming import Names
-from symbody.equations.placing import joint_shift, predicted
-from symbody.equations.variables import Use, turns_of
+from symbody.equations.kinematics.joint_axes import completed, free_directions, perpendiculars, unit_axes
+from symbody.equations.kinematics.motion import Kinematics
+from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.placing import joint_shift, predicted
+from symbody.equations.kinematics.variables import Use, turns_of
 from symbody.expr.expression import Expr
 from symbody.model.joint import Joint
 from symbody.vectors.matrix import Triple

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from symbody.equations.naming import Names
+from symbody.equations.kinematics.naming import Names
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.model.joint import Joint, QuasiSpeeds

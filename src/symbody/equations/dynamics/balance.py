@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from symbody.equations.kinematics import Kinematics
+from symbody.equations.kinematics.motion import Kinematics
 from symbody.graph.spanning_tree import SpanningTree
 from symbody.graph.topology import Topology
 from symbody.vectors.vector import NULL, Vector, cross, drawn_near

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 from symbody.equations.formed import Formed
-from symbody.equations.frame_motion import frame_motion_entries
-from symbody.equations.joint_outputs import reaction_wrench
-from symbody.equations.outputs import output_roots
+from symbody.equations.showing.frame_motion import frame_motion_entries
+from symbody.equations.showing.joint_outputs import reaction_wrench
+from symbody.equations.showing.outputs import output_roots
 from symbody.expr.closed_form import ClosedForms, closed_forms, equated, readable
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph

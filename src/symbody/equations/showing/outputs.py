@@ -6,15 +6,15 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 from symbody.equations.formed import Formed
-from symbody.equations.frame_motion import frame_output
-from symbody.equations.joint_outputs import effort_names, joint_effort, reaction_output, total_power
-from symbody.equations.projection import (
+from symbody.equations.showing.frame_motion import frame_output
+from symbody.equations.showing.joint_outputs import effort_names, joint_effort, reaction_output, total_power
+from symbody.equations.solving.projection import (
     position_move,
     position_residual,
     velocity_move,
     velocity_residual,
 )
-from symbody.equations.solution import solve, solved
+from symbody.equations.solving.solution import solve, solved
 from symbody.errors import ExpressionError, FormulationError, Problem, nearest
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr

@@ -13,8 +13,8 @@ from random import Random
 from typing import Final
 
 from symbody.equations.formed import Formed
-from symbody.equations.noise import without_noise
-from symbody.equations.outputs import output_roots
+from symbody.equations.showing.outputs import output_roots
+from symbody.equations.solving.noise import without_noise
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.saddle import solve_saddle

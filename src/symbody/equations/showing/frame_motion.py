@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.equations.formed import Formed
-from symbody.equations.output_words import output_words
+from symbody.equations.showing.output_words import output_words
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr
 from symbody.vectors.vector import Vector, components, cross

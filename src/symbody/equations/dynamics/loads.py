@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from symbody.equations.inertia import Inertia
-from symbody.equations.kinematics import Kinematics
-from symbody.equations.load import Effort, Load, Moment, PointForce, Pull
-from symbody.equations.naming import Names
-from symbody.equations.variables import Use
+from symbody.equations.dynamics.inertia import Inertia
+from symbody.equations.dynamics.load import Effort, Load, Moment, PointForce, Pull
+from symbody.equations.kinematics.motion import Kinematics
+from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.variables import Use
 from symbody.expr.expression import Expr, number, sqrt
 from symbody.expr.graph import Kind
 from symbody.expr.rewrite import dependence

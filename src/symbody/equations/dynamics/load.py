@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from symbody.equations.kinematics import Kinematics
+from symbody.equations.kinematics.motion import Kinematics
 from symbody.expr.expression import Expr
 from symbody.vectors.vector import NULL, Vector, cross
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from symbody.equations.joint_axes import free_directions, perpendiculars
-from symbody.equations.kinematics import Kinematics
-from symbody.equations.naming import Names
-from symbody.equations.variables import Use, turns_of
+from symbody.equations.kinematics.joint_axes import free_directions, perpendiculars
+from symbody.equations.kinematics.motion import Kinematics
+from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.variables import Use, turns_of
 from symbody.expr.expression import Expr, atan2
 from symbody.model.joint import Joint
 from symbody.vectors.euler_angles import measured_angles

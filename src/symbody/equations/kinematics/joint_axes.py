@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from symbody.equations.naming import Names
+from symbody.equations.kinematics.naming import Names
 from symbody.expr.calculus import derivative
 from symbody.expr.expression import Expr, number, sqrt
 from symbody.expr.graph import Graph

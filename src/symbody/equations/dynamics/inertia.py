@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from symbody.equations.naming import Names
+from symbody.equations.kinematics.naming import Names
 from symbody.expr.expression import Expr
 from symbody.model.body import Body
 from symbody.vectors.dyadic import Dyadic, symmetric_split

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.equations.balance import Wrench
+from symbody.equations.dynamics.balance import Wrench
+from symbody.equations.dynamics.loads import effort_name
+from symbody.equations.dynamics.reactions import effort_along, free_turns, reaction
 from symbody.equations.formed import Formed
-from symbody.equations.joint_axes import free_directions
-from symbody.equations.loads import effort_name
-from symbody.equations.output_words import output_words
-from symbody.equations.reactions import effort_along, free_turns, reaction
-from symbody.equations.variables import Use
+from symbody.equations.kinematics.joint_axes import free_directions
+from symbody.equations.kinematics.variables import Use
+from symbody.equations.showing.output_words import output_words
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, symbol
 from symbody.expr.graph import Kind, Symbol

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from symbody.equations.kinematics import Shifting, Turning
-from symbody.equations.naming import Names
-from symbody.equations.variables import Use, joint_steps, quasi_vector, turns_of
+from symbody.equations.kinematics.motion import Shifting, Turning
+from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.variables import Use, joint_steps, quasi_vector, turns_of
 from symbody.graph.spanning_tree import Branch
 from symbody.graph.topology import Topology
 from symbody.model.element import Address

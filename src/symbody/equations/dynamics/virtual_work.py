@@ -11,11 +11,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from symbody.equations.balance import NOTHING, Wrench, balanced
-from symbody.equations.inertia import Inertia, Rotor
-from symbody.equations.kinematics import Kinematics
-from symbody.equations.load import Effort, Load, wrenches
-from symbody.equations.variables import Use
+from symbody.equations.dynamics.balance import NOTHING, Wrench, balanced
+from symbody.equations.dynamics.inertia import Inertia, Rotor
+from symbody.equations.dynamics.load import Effort, Load, wrenches
+from symbody.equations.kinematics.motion import Kinematics
+from symbody.equations.kinematics.variables import Use
 from symbody.expr.expression import Expr, number
 from symbody.graph.topology import Topology
 from symbody.vectors.dyadic import apply, gyroscopic, quadratic

@@ -1,0 +1,1 @@
+"""Forces, inertia and balance: from motion to the equations of motion."""

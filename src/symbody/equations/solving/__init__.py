@@ -1,0 +1,1 @@
+"""What follows from formed equations by solving: accelerations, projections, degrees of freedom."""
