@@ -10,12 +10,17 @@ from typing import Final
 
 from rich.console import Console
 
-from benchmarks import derivation, expressions, nodes
+from benchmarks import derivation, expressions, motion, nodes
 from benchmarks.table import Table, show
 from benchmarks.timing import Settings
 
 BENCHMARKS: Final[Mapping[str, Callable[[Settings], Iterator[Table]]]] = MappingProxyType(
-    {"nodes": nodes.tables, "expressions": expressions.tables, "derivation": derivation.tables}
+    {
+        "nodes": nodes.tables,
+        "expressions": expressions.tables,
+        "derivation": derivation.tables,
+        "motion": motion.tables,
+    }
 )
 
 _WIDTH: Final = 150

@@ -12,7 +12,7 @@ import pytest
 import sympy
 from rich.console import Console
 
-from benchmarks import derivation, expressions, nodes
+from benchmarks import derivation, expressions, motion, nodes
 from benchmarks.__main__ import BENCHMARKS, main
 from benchmarks.engines.algebra import Floats, Scalar
 from benchmarks.engines.counting import count_operations
@@ -269,3 +269,11 @@ def test_command_names_the_benchmarks_there_are(capsys: pytest.CaptureFixture[st
     for wrong in (["--rounds", "0"], ["--limit", "0"]):
         with pytest.raises(SystemExit):
             main(wrong)
+
+
+def test_motion_table_compares_evaluations() -> None:
+    table = motion.motions(Settings(rounds=1), [("spinning_top", 0.5, 1e-8), ("slider_crank", 0.2, 1e-6)])
+    assert [row[0] for row in table.rows] == ["spinning_top", "slider_crank"]
+    for row in table.rows:
+        share = float(row[2].partition("(")[2].rstrip(")"))
+        assert 0.8 < share < 1.25  # the same method with the same control of steps
