@@ -117,3 +117,19 @@ def test_antiparallel_axes_are_no_assembly() -> None:
         guess = {"A_qw": w, "A_qx": 1.0, "A_qy": 0.1, "A_qz": 0.1}
         state = sb.assemble(eqs, {}, guess)
         assert np.asarray(state["frame R A ground"])[2, 2] == pytest.approx(1.0, abs=1e-12)
+
+
+def test_fixed_quaternions_are_units_or_refused() -> None:
+    eqs = sb.form_equations(sb.Model("free", [sb.Body("B", mass=1, inertia=(1, 1, 1))]))
+    names = ("B_qw", "B_qx", "B_qy", "B_qz")
+    state = sb.assemble(eqs, dict(zip(names, (2.0, 0.0, 0.0, 2.0), strict=True)))
+    assert [state.q[name] for name in names] == pytest.approx(
+        [math.sqrt(0.5), 0, 0, math.sqrt(0.5)], abs=2 * EPS
+    )
+    state = sb.assemble(eqs, {"B_qx": 0.6})
+    assert [state.q[name] for name in names] == pytest.approx([0.8, 0.6, 0, 0], abs=2 * EPS)
+    assert sb.assemble(eqs, {"B_qw": 0.0}).q["B_qw"] == 0.0
+    for fixed in (dict.fromkeys(names, 0.0), {"B_qw": 1.1}):
+        with pytest.raises(sb.AssemblyError) as caught:
+            sb.assemble(eqs, fixed)
+        assert caught.value.problems[0].code == "assembly.quaternion"

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from symbody.analysis.closure import Closure, closure
+from symbody.analysis.quaternions import unit_quaternions
 from symbody.analysis.state import State
 from symbody.analysis.velocities import consistent_speeds
 from symbody.codegen.compile import Value, constant_values
@@ -60,6 +61,7 @@ def assemble(
     known = _values(eqs, {**eqs.model.initial, **(guess or {})}, parameters, strict=set(guess or ()))
     wanted = _values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     positions, rates = task.parted(wanted)
+    positions, known = unit_quaternions(eqs.quaternions, positions, known)
     start = task.start({**known, **positions})
     found = _closed(task, _near_measured(task, start, positions, known), positions)
     if found is None:

@@ -22,13 +22,26 @@ class Expr:
         self.graph = graph
         self.index = index
 
+    # Vectors are full of zeros: most sums and products with them need no look at the graph.
     def __add__(self, other: Expr | Constant) -> Expr:
+        if isinstance(other, Expr) and other.graph is self.graph:
+            if other.index == canonical.ZERO:
+                return self
+            if self.index == canonical.ZERO:
+                return other
         return _binary(canonical.add, self, other)
 
     def __sub__(self, other: Expr | Constant) -> Expr:
+        if isinstance(other, Expr) and other.index == canonical.ZERO and other.graph is self.graph:
+            return self
         return _binary(canonical.sub, self, other)
 
     def __mul__(self, other: Expr | Constant) -> Expr:
+        if isinstance(other, Expr) and other.graph is self.graph:
+            if self.index == canonical.ZERO:
+                return self
+            if other.index == canonical.ZERO:
+                return other
         return _binary(canonical.mul, self, other)
 
     def __truediv__(self, other: Expr | Constant) -> Expr:
@@ -50,6 +63,8 @@ class Expr:
         return Expr(self.graph, canonical.power(self.graph, self.graph.constant(other), self.index))
 
     def __neg__(self) -> Expr:
+        if self.index == canonical.ZERO:
+            return self
         return Expr(self.graph, canonical.neg(self.graph, self.index))
 
     def __eq__(self, other: object) -> bool:

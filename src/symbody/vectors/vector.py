@@ -157,4 +157,5 @@ def _moved(tree: FrameTree, x: Triple, home: str, frame: str) -> Triple:
 
 
 def _without_zeros(terms: Mapping[str, Triple]) -> Vector:
-    return Vector({frame: c for frame, c in terms.items() if not all(component.is_zero for component in c)})
+    gone = [frame for frame, parts in terms.items() if vanishes(parts)]
+    return Vector({frame: parts for frame, parts in terms.items() if frame not in gone} if gone else terms)
