@@ -13,9 +13,12 @@ from symbody.analysis.state import State
 from symbody.codegen.compile import Value, constant_values, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.errors import AssemblyError, Problem
 
 Floats = NDArray[np.float64]
 
+# Rounding of solve_saddle on badly scaled mechanisms is far below; a broken row is of order one.
+_CONSISTENT: Final = 1e-3
 _STEP: Final = 1e-6  # of central differences for coordinates that are measured
 
 
@@ -156,7 +159,8 @@ class Closure:
     ) -> State:
         """Return the state with its accelerations and multipliers."""
         eqs = self.eqs
-        solved = self.function(("udot", "lambda"))(self.t, q, u)
+        solved = self.function(("udot", "lambda", "jacobian", "gamma"))(self.t, q, u)
+        _check_accelerations(solved.udot, solved.jacobian, solved.gamma)
         phi = self.constraints(self.t, q, u).constraints
         moved = {
             name: float(d) for name, d in zip(eqs.coordinate_names, q - start, strict=True) if abs(d) > 1e-12
@@ -206,6 +210,23 @@ def closure(
     names = ("constraints", "position_jacobian", "jacobian", "velocity_constraints", "alignment")
     function = CompiledFunction(*form_sequence(eqs, names, parameters, (), given))
     return Closure(eqs, parameters, inputs, t, sizes, scales, function)
+
+
+def _check_accelerations(udot: Floats, jacobian: Floats, gamma: Floats) -> None:
+    """Refuse accelerations that break constraints, as rows do that depend on others at a singular position.
+
+    Raises
+    ------
+    AssemblyError
+        If ``J u' = gamma`` has no solution.
+    """
+    wanted = np.abs(jacobian) @ np.abs(udot) + np.abs(gamma)
+    if (np.abs(jacobian @ udot - gamma) > _CONSISTENT * wanted + 1e-300).any():
+        raise AssemblyError(
+            Problem("assembly.singular", "configuration", "the accelerations do not exist here",
+                    "it is a singular position, such as a flat parallelogram's, with velocities that no "
+                    "motion through it has", "start beside this position, or give other velocities")
+        )  # fmt: skip
 
 
 def constraint_scales(eqs: EquationSet, parameters: Mapping[str, Value]) -> Floats:
