@@ -160,7 +160,7 @@ class Closure:
         """Return the state with its accelerations and multipliers."""
         eqs = self.eqs
         solved = self.function(("udot", "lambda", "jacobian", "gamma"))(self.t, q, u)
-        _check_accelerations(solved.udot, solved.jacobian, solved.gamma)
+        _check_accelerations(u, solved.udot, solved.jacobian, solved.gamma)
         phi = self.constraints(self.t, q, u).constraints
         moved = {
             name: float(d) for name, d in zip(eqs.coordinate_names, q - start, strict=True) if abs(d) > 1e-12
@@ -212,7 +212,7 @@ def closure(
     return Closure(eqs, parameters, inputs, t, sizes, scales, function)
 
 
-def _check_accelerations(udot: Floats, jacobian: Floats, gamma: Floats) -> None:
+def _check_accelerations(u: Floats, udot: Floats, jacobian: Floats, gamma: Floats) -> None:
     """Refuse accelerations that break constraints, as rows do that depend on others at a singular position.
 
     Raises
@@ -220,7 +220,9 @@ def _check_accelerations(udot: Floats, jacobian: Floats, gamma: Floats) -> None:
     AssemblyError
         If ``J u' = gamma`` has no solution.
     """
-    wanted = np.abs(jacobian) @ np.abs(udot) + np.abs(gamma)
+    # gamma is quadratic in u; where all its terms cancel, that is what they are small against.
+    largest = float(np.abs(jacobian).max(initial=0.0)) * float(np.abs(u).max(initial=0.0)) ** 2
+    wanted = np.abs(jacobian) @ np.abs(udot) + np.abs(gamma) + largest
     if (np.abs(jacobian @ udot - gamma) > _CONSISTENT * wanted + 1e-300).any():
         raise AssemblyError(
             Problem("assembly.singular", "configuration", "the accelerations do not exist here",
