@@ -112,10 +112,7 @@ class _Mechanism:
     def residual(self, t: float, q: Floats) -> tuple[Floats, Floats]:
         """Return all conditions on positions, scaled, and their derivatives."""
         found = self._closing(t, np.concatenate([np.zeros(self.n_u), q]))
-        values = [
-            found[0] / self._scales,
-            *((q[four] @ q[four] - 1.0)[np.newaxis] / 2.0 for four in self._quaternions),
-        ]
+        values = [found[0] / self._scales]
         slopes = [found[1] / self._scales[:, np.newaxis]]
         for four in self._quaternions:
             values.append(np.array([(q[four] @ q[four] - 1.0) / 2.0]))
