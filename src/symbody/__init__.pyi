@@ -19,19 +19,50 @@ from .errors import TopologyError as TopologyError
 from .errors import UsageError as UsageError
 
 # the mechanism
+from .model import Bearing as Bearing
 from .model import Body as Body
+from .model import Bushing as Bushing
+from .model import Cartesian as Cartesian
+from .model import ConstantVelocity as ConstantVelocity
+from .model import Curve as Curve
+from .model import Cylindrical as Cylindrical
 from .model import Drive as Drive
 from .model import Force as Force
 from .model import Frame as Frame
 from .model import Free as Free
+from .model import Friction as Friction
+from .model import Gimbal as Gimbal
 from .model import Model as Model
+from .model import PinSlot as PinSlot
 from .model import Planar as Planar
 from .model import Prismatic as Prismatic
+from .model import Rectangular as Rectangular
 from .model import Revolute as Revolute
+from .model import Screw as Screw
 from .model import Spherical as Spherical
 from .model import SpringDamper as SpringDamper
+from .model import Telescoping as Telescoping
+from .model import TorsionSpring as TorsionSpring
 from .model import Torque as Torque
+from .model import Universal as Universal
 from .model import Weld as Weld
+
+# its constraints beside the joints
+from .model import Angle as Angle
+from .model import Belt as Belt
+from .model import Constraint as Constraint
+from .model import Differential as Differential
+from .model import Distance as Distance
+from .model import Gear as Gear
+from .model import KnifeEdge as KnifeEdge
+from .model import Parallel as Parallel
+from .model import Perpendicular as Perpendicular
+from .model import PointOnCurve as PointOnCurve
+from .model import PointOnLine as PointOnLine
+from .model import PointOnPlane as PointOnPlane
+from .model import PointOnSurface as PointOnSurface
+from .model import RackPinion as RackPinion
+from .model import Rolling as Rolling
 
 # its file
 from .formats import load_model as load_model
@@ -40,6 +71,8 @@ from .formats import save_model as save_model
 # its equations
 from .graph import Trees as Trees
 from .equations import EquationSet as EquationSet
+from .equations import Lagrange as Lagrange
+from .equations import NewtonEuler as NewtonEuler
 from .equations import VirtualWork as VirtualWork
 from .equations import form_equations as form_equations
 

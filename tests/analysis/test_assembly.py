@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
+from symbody.analysis import state as state_module
 
 EPS = np.finfo(float).eps
 
@@ -106,6 +107,44 @@ def test_a_tree_is_taken_as_it_is() -> None:
     )
     state = sb.assemble(eqs, {"x_dot": 2})
     assert dict(state.q) == {"x": 0.5} and dict(state.u) == {"x_dot": 2.0} and state.branches == ()
+
+
+def test_what_a_state_computes_is_compiled_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    state = sb.assemble(sb.form_equations(slider_crank()), {"theta": 0.7}, {"s": 4.0})
+    formed: list[str] = []
+    form_sequence = state_module.form_sequence
+
+    def counted(eqs: sb.EquationSet, outputs: str, *rest: object) -> object:
+        formed.append(outputs)
+        return form_sequence(eqs, outputs, *rest)
+
+    monkeypatch.setattr(state_module, "form_sequence", counted)
+    energies = {other["s + beta"] for other in (state, state, *state.branches)}
+    assert formed == ["s + beta"] and len(energies) == 1 + len(state.branches)
+
+
+def test_guessed_rates_that_are_no_speeds_are_told_when_they_move() -> None:
+    """Rates of a quaternion follow from the angular velocity: q' = q (0, w) / 2, here (0, 0.5, 0, 0) at q = 1."""
+    eqs = sb.form_equations(sb.Model("free", [sb.Body("B", mass=1, inertia=(1, 1, 1))]))
+    spin = next(name for name in eqs.speed_names if eqs.units[name] == "rad/s")
+    state = sb.assemble(eqs, {spin: 1.0}, {"B_qx_dot": 2.0})
+    assert dict(state.moved) == {"B_qx_dot": pytest.approx(-1.5, abs=4 * EPS)}
+
+
+@pytest.mark.parametrize("reach", [(0.0, 0.0, 2.0), (1.0, 0.0, 2.0), (-3.0, 0.0, 0.0)])
+def test_a_body_is_rigid_where_its_ends_stay_open(reach: tuple[float, float, float]) -> None:
+    """A body of 1 m between two balls points from one to the other; both are open by half of what is missing."""
+    body = sb.Body("B", mass=1, inertia=(1, 1, 1), frames={"far": sb.Frame(at=(0, 0, 1))})
+    joints = [
+        sb.Spherical("near", "ground", "B", tree=False),
+        sb.Spherical("far", "ground.far", "B.far", tree=False),
+    ]
+    eqs = sb.form_equations(sb.Model("rod", [body, *joints], ground={"far": sb.Frame(at=reach)}))
+    with pytest.raises(sb.AssemblyError) as caught:
+        sb.assemble(eqs)
+    gap = (math.hypot(*reach) - 1.0) / 2.0
+    assert f"joint near stays open by {gap:.3g} m" in str(caught.value)
+    assert f"joint far by {gap:.3g} m" in str(caught.value)
 
 
 def test_antiparallel_axes_are_no_assembly() -> None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.equations.solving.solution import vanishing
 from symbody.expr.canonical import sub
+from symbody.expr.fingerprint import vanishing
 from symbody.expr.graph import Graph
 from symbody.graph.trees import Trees
 

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from copy import deepcopy
 from dataclasses import FrozenInstanceError
+from functools import partial
+from itertools import product
 
 import numpy as np
 import pytest
@@ -18,7 +20,20 @@ from symbody.expr.graph import Graph
 from symbody.formats import model_from_toml
 from symbody.graph.topology import choose_topology
 from symbody.graph.trees import Trees
-from symbody.model import Body, Drive, Force, Frame, Model, Planar, Prismatic, Revolute, Torque, Weld
+from symbody.model import (
+    Body,
+    Drive,
+    Force,
+    Frame,
+    Model,
+    PinSlot,
+    Planar,
+    Prismatic,
+    Revolute,
+    Torque,
+    Universal,
+    Weld,
+)
 from symbody.simulation.simulate import simulate
 from symbody.vectors.frame import FrameTree
 from symbody.vectors.rotation import Rotation
@@ -161,7 +176,17 @@ def test_row_09_the_plane_of_a_planar_joint_is_one_normal() -> None:
 
 
 def test_row_09_parallel_axes_of_a_universal_joint() -> None:
-    pytest.skip("universal joint with parallel axes -> error with the angle: there is no universal joint yet")
+    cases = ((((0, 0, 1), (0, 0, 2)), "0 deg"), (("x", (1, 1, 0)), "45 deg"), (((1, 0, 0), "x"), "0 deg"))
+    for make, (axes, angle) in product((Universal, PinSlot), cases):
+        found = refused(partial(make, "j", "ground", "A", axes), words=f"the axes is {angle}")
+        assert found == [("model.skew_axes", "joint j, axes")]
+    refused_file("parallel_axes", "model.skew_axes")
+    # Axes in parameters are judged by their values.
+    by_parameter = Universal("j", "ground", "A", axes=("x", (0, "c", "s")))
+    Model("m", [Body("A"), by_parameter], parameters={"c": 0.6, "s": 0.8})
+    skew = Universal("j", "ground", "A", axes=("x", ("c", "s", 0)))
+    found = refused_model(Body("A"), skew, parameters={"c": "1/2", "s": "sqrt(3)/2"}, words="60 deg")
+    assert found == [("model.skew_axes", "joint j, axes")]
 
 
 @pytest.mark.parametrize(

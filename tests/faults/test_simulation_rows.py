@@ -60,6 +60,32 @@ def test_row_78_a_singular_mass_matrix_ends_the_run_there() -> None:
         sb.simulate(cart(), 1.0, parameters={"m": 0})
 
 
+def test_row_78_what_no_mass_resists_is_named() -> None:
+    for attempt in (
+        lambda: sb.simulate(cart(), 1.0, parameters={"m": 0}),
+        lambda: sb.compile(cart(), "udot", {"m": 0}),
+    ):
+        assert refused(attempt, words="no mass or inertia resists a motion of x") == [
+            ("compile.singular_mass", "x")
+        ]
+    # A massless body between two slides: x and y move against each other, z has a mass.
+    joints = [
+        sb.Prismatic("a", "ground", "A", axis="x", coordinate="x"),
+        sb.Prismatic("b", "A", "B", axis="x", coordinate="y", force=sb.Drive("F")),
+        sb.Prismatic("c", "B", "C", axis="z", coordinate="z"),
+    ]
+    bodies = [sb.Body("A", mass="m"), sb.Body("B", mass=1), sb.Body("C", mass=1)]
+    eqs = sb.form_equations(sb.Model("slides", [*bodies, *joints], parameters={"m": 1}, inputs=["F"]))
+    assert refused(lambda: sb.simulate(eqs, 1.0, parameters={"m": 0}, inputs={"F": 1})) == [
+        ("compile.singular_mass", "x, y")
+    ]
+    assert sb.simulate(eqs, 1.0).success
+    # What is divided by zero without a singular mass matrix is told with the output.
+    assert refused(lambda: sb.compile(cart(), "F/(m - 1)")) == [
+        ("expression.division_by_zero", "output F/(m - 1)")
+    ]
+
+
 def test_row_79_a_stiff_motion_is_told_what_to_use() -> None:
     law = {"F": "-1e8*(x - cos(t)) - 1e6*x_dot"}
     run = sb.simulate(cart(), 100.0, inputs=law, max_steps=5_000, integrator=sb.Explicit())

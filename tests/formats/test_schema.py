@@ -37,14 +37,18 @@ def arguments(make: object) -> set[str]:
     return (names - {"start", "end"}) | ({"between"} if "start" in names else set())
 
 
+def class_word(word: str) -> str:
+    return word.title().replace("_", "")
+
+
 @pytest.mark.parametrize("kind", ELEMENTS)
 def test_keys_of_elements_are_their_arguments(kind: str) -> None:
-    assert words(getattr(schema, f"{kind.title()}Entry")) == arguments(ELEMENTS[kind])
+    assert words(getattr(schema, f"{class_word(kind)}Entry")) == arguments(ELEMENTS[kind])
 
 
 @pytest.mark.parametrize("word", JOINTS)
 def test_keys_of_joints_are_their_arguments(word: str) -> None:
-    assert words(getattr(schema_joints, f"{word.title()}Entry")) == arguments(JOINTS[word]) | {"type"}
+    assert words(getattr(schema_joints, f"{class_word(word)}Entry")) == arguments(JOINTS[word]) | {"type"}
 
 
 def test_keys_of_parts_and_of_the_model() -> None:

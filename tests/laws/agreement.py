@@ -39,7 +39,7 @@ def outcome(mechanism: Mechanism, eqs: sb.EquationSet, state: State) -> Outcome:
     """Accelerations and reactions at a state, by plain evaluation."""
     vdot = {body.name: f"frame vdot {body.name} ground ground" for body in mechanism.bodies}
     wdot = {body.name: f"frame wdot {body.name} ground ground" for body in mechanism.bodies}
-    reactions = {joint.name: f"reaction {joint.name}" for joint in mechanism.joints}
+    reactions = {name: f"reaction {name}" for name in mechanism.linked}
     found = values_at(eqs, state, [*SYSTEM, *vdot.values(), *wdot.values(), *reactions.values()])
     return Outcome(
         {name: np.concatenate([found[vdot[name]], found[wdot[name]]]) for name in vdot},
@@ -87,11 +87,13 @@ def _weighted(mechanism: Mechanism, state: State, accelerations: dict[str, Array
 def random_trees(mechanism: Mechanism, rng: random.Random) -> Trees:
     """Any two forests of joints; what they do not reach gets absolute coordinates."""
     rotation, translation = _forest(mechanism, rng), _forest(mechanism, rng)
-    # Speeds in axes of the end frame need the orientation: such a joint is in both trees or in neither.
+    # What needs the orientation for its translation is in both trees or in neither: speeds in axes of the end
+    # frame, screws, displacements along axes of the end frame.
     parted = {
         j.name
         for j in mechanism.joints
-        if j.speeds == "twist" and (j.name in rotation) != (j.name in translation)
+        if (j.speeds == "twist" or j.kind in ("screw", "telescoping"))
+        and (j.name in rotation) != (j.name in translation)
     }
     return Trees([j for j in rotation if j not in parted], [j for j in translation if j not in parted])
 
@@ -125,7 +127,7 @@ def other_orientations(mechanism: Mechanism) -> Mechanism:
 
 
 def _other(joint: JointPart, rng: random.Random) -> JointPart:
-    if not joint.sequence or joint.drives:
+    if joint.kind not in ("spherical", "free") or joint.drives:
         return joint
     r = orientation(joint, joint.values)
     position = joint.values[:3] if joint.kind == "free" else ()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 import symbody as sb
@@ -10,10 +12,11 @@ from symbody.expr.graph import TIME
 from symbody.expr.sequence import Roots
 from tests.laws.agreement import SYSTEM
 from tests.laws.consistent_states import State
+from tests.laws.contact_wrenches import contact_errors, contact_outputs, coupled_efforts, wrench_on_end
 from tests.laws.evaluation import EPS, arguments, condition, evaluator, values_at
 from tests.laws.joint_laws import effort_wrench
 from tests.laws.motion import frame_place
-from tests.laws.parts import JointPart, Mechanism, law_value
+from tests.laws.parts import ContactPart, JointPart, Mechanism, law_value
 from tests.laws.rotations import Array, unit
 
 # Body or ground to force and torque about its centre of mass (ground: origin), in ground axes.
@@ -85,21 +88,29 @@ def balance_errors(mechanism: Mechanism, eqs: sb.EquationSet, state: State) -> d
         for body in mechanism.bodies
     }
     outputs = [*SYSTEM, *(f"reaction {joint.name}" for joint in mechanism.joints), *efforts.values()]
+    outputs += contact_outputs(mechanism)
     found = values_at(eqs, state, [*outputs, *(output for pair in motion.values() for output in pair)])
     accelerations = {name: (found[pair[0]], found[pair[1]]) for name, pair in motion.items()}
     wrenches = applied(mechanism, state)
     size = _size(mechanism, wrenches)
+    coupled = coupled_efforts(mechanism, eqs, state, found)
     for joint in mechanism.joints:
         along = {name: float(found[word]) for (owner, name), word in efforts.items() if owner == joint.name}
         if joint.armature:
             name = joint.names[0]
             rotor = joint.armature * second_rate(mechanism, state, joint, accelerations)
             along[name] = along.get(name, 0.0) - rotor
+        along |= {name: along.get(name, 0.0) + coupled[name] for name in joint.names if name in coupled}
         size = max(
             size, _add_joint(mechanism, state, wrenches, joint, found[f"reaction {joint.name}"], along)
         )
+    errors: dict[str, float] = {}
+    for contact in mechanism.contacts:
+        size = max(size, _add_contact(mechanism, state, wrenches, contact, found))
+        own = contact_errors(mechanism, state, contact, found)
+        errors |= {law: error / (EPS * condition(found).number) for law, error in own.items()}
     least = EPS * condition(found).number * size
-    return _left_over(mechanism, state, wrenches, accelerations, least)
+    return errors | _left_over(mechanism, state, wrenches, accelerations, least)
 
 
 def _left_over(
@@ -181,6 +192,21 @@ def _add_joint(
     force, moment = effort_wrench(joint, efforts)
     force, moment = axes @ (force + reaction[:3]), axes @ (moment + reaction[3:])
     for address, sign in ((joint.end, 1), (joint.start, -1)):
+        add(wrenches, state, address.partition(".")[0], sign * force, sign * moment, point)
+    return float(max(np.abs(force).max(), np.abs(moment).max() / mechanism.units.length))
+
+
+def _add_contact(
+    mechanism: Mechanism,
+    state: State,
+    wrenches: Wrenches,
+    contact: ContactPart,
+    found: Mapping[str, Array],
+) -> float:
+    """Add what a contact does to its two bodies, and return the size of it."""
+    force, moment = wrench_on_end(mechanism, state, contact, found)
+    point = frame_place(mechanism, state.places, contact.end)[0]
+    for address, sign in ((contact.end, 1), (contact.start, -1)):
         add(wrenches, state, address.partition(".")[0], sign * force, sign * moment, point)
     return float(max(np.abs(force).max(), np.abs(moment).max() / mechanism.units.length))
 

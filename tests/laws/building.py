@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import symbody as sb
+from tests.laws.built_conditions import contact_element, coupling_element
+from tests.laws.joint_laws import translations
 from tests.laws.parts import (
     BodyPart,
     DrivePart,
@@ -19,9 +21,13 @@ from tests.laws.parts import (
 
 Value = float | str
 _CLASSES = {
-    "weld": sb.Weld, "revolute": sb.Revolute, "prismatic": sb.Prismatic, "planar": sb.Planar,
-    "spherical": sb.Spherical, "free": sb.Free,
+    "weld": sb.Weld, "revolute": sb.Revolute, "prismatic": sb.Prismatic, "screw": sb.Screw,
+    "cylindrical": sb.Cylindrical, "universal": sb.Universal, "constant_velocity": sb.ConstantVelocity,
+    "pin_slot": sb.PinSlot, "planar": sb.Planar, "rectangular": sb.Rectangular, "cartesian": sb.Cartesian,
+    "spherical": sb.Spherical, "gimbal": sb.Gimbal, "bearing": sb.Bearing, "telescoping": sb.Telescoping,
+    "free": sb.Free,
 }  # fmt: skip
+_WITHOUT_AXIS = ("weld", "universal", "pin_slot", "cartesian", "spherical", "gimbal", "free")
 
 
 @dataclass(slots=True)
@@ -45,6 +51,8 @@ def build_model(mechanism: Mechanism) -> sb.Model:
     elements += [_joint(number, joint) for joint in mechanism.joints]
     elements += [_spring(number, spring) for spring in mechanism.springs]
     elements += [_load(load) for load in mechanism.loads]
+    elements += [contact_element(number, contact) for contact in mechanism.contacts]
+    elements += [coupling_element(number, coupling) for coupling in mechanism.couplings]
     gravity = [number(f"g{axis}", value) for axis, value in zip("xyz", mechanism.gravity, strict=True)]
     ground = {name: _frame(number, f"ground_{name}", frame) for name, frame in mechanism.ground.items()}
     return sb.Model(
@@ -91,17 +99,21 @@ def _drive(number: _Numbers, name: str, drive: DrivePart) -> sb.Drive:
 
 def _joint(number: _Numbers, joint: JointPart) -> Any:
     words: dict[str, Any] = {}
-    if joint.kind in ("revolute", "prismatic", "planar"):
+    if joint.kind not in _WITHOUT_AXIS:
         words["axis"] = joint.axis
+    if joint.kind in ("universal", "pin_slot"):
+        words["axes"] = (joint.axis, joint.second)
+    words |= {"pitch": number(f"pitch_{joint.name}", joint.pitch)} if joint.kind == "screw" else {}
+    words |= {"angles": joint.sequence} if joint.sequence else {}
     if joint.kind in ("spherical", "free"):
-        words |= {"angles": joint.sequence, "speeds": joint.speeds}
+        words["speeds"] = joint.speeds
         words["speed_names"] = joint.speed_names or None
     if joint.named and joint.names:
         words |= {"coordinate": joint.names[0]} if len(joint.names) == 1 else {"coordinates": joint.names}
     drives = {name: _drive(number, name, drive) for name, drive in joint.drives.items()}
     motions = {name: motion.text for name, motion in joint.motions.items()}
-    if joint.kind in ("revolute", "prismatic"):
-        word = "torque" if joint.kind == "revolute" else "force"
+    if len(joint.names) == 1:
+        word = "force" if joint.kind == "prismatic" else "torque"
         for name in joint.names:
             words |= {word: drives[name]} if name in drives else {}
             words |= {"motion": motions[name]} if name in motions else {}
@@ -115,12 +127,6 @@ def _joint(number: _Numbers, joint: JointPart) -> Any:
     if joint.motions:
         words["as_constraint"] = joint.as_constraint
     return _CLASSES[joint.kind](joint.name, joint.start, joint.end, **words)
-
-
-def translations(joint: JointPart) -> tuple[str, ...]:
-    """The coordinates that are lengths."""
-    counts = {"prismatic": 1, "planar": 2, "free": 3}
-    return joint.names[: counts.get(joint.kind, 0)]
 
 
 def _keyed(word: str, table: dict[str, Any]) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from tests.laws.draws import PLANE, Draws
-from tests.laws.joint_laws import FREEDOMS
+from tests.laws.joint_laws import FREEDOMS, LAYOUT, letters
 from tests.laws.motion import all_freedoms
 from tests.laws.parts import BodyPart, FramePart, JointPart, Mechanism
 from tests.laws.rotations import Array, Axis
@@ -74,44 +74,45 @@ class Draft:
         name = f"J{len(self.joints) + 1}"
         sequence, speeds = "", "rates"
         speed_names: tuple[str, ...] = ()
-        values: tuple[float, ...] = tuple(draws.number(-3, 3) for _ in range(kind == "revolute"))
-        if kind in ("prismatic", "planar", "free"):
-            values = tuple(
-                draws.number() * draws.units.length
-                for _ in range({"prismatic": 1, "planar": 2, "free": 3}[kind])
-            )
-        if kind == "planar":
-            values = (*values, draws.number(-3, 3))
+        if "o" in LAYOUT[kind]:
+            sequence = draws.sequence(kind in ("spherical", "free"))
+        values: tuple[float, ...] = ()
+        for letter in LAYOUT[kind]:
+            if letter == "o":
+                values += draws.orientation(sequence)
+            else:
+                values += (draws.number(-3, 3) if letter == "a" else draws.number() * draws.units.length,)
+        if kind == "constant_velocity":  # away from the singularity; a bend backwards is another azimuth
+            values = (draws.number(0.3, 1.4), values[1])
         if kind in ("spherical", "free"):
-            sequence = draws.sequence()
-            values = (*values, *draws.orientation(sequence))
             words = ["start", "end", "rates"] + ["twist"] * (kind == "free")
             speeds = rng.choice([w for w in words if w != "rates" or sequence != "quaternion"])
             if speeds != "rates" and draws.chance(0.3):
                 speed_names = tuple(f"{name}_s{k}" for k in range(FREEDOMS[kind]))
         named = not (closing and draws.chance(0.4))
+        axis = self.axis(kind)
+        second: Axis = self.axis("prismatic") if self.normal else draws.across(axis)
         joint = JointPart(
-            name, kind, start, end, coordinate_names(name, kind, sequence, named), values, self.axis(kind),
-            sequence, speeds, speed_names, named, closing=closing,
+            name, kind, start, end, coordinate_names(name, kind, sequence, named), values, axis, second,
+            draws.number(-4, 4) * draws.units.length, sequence, speeds, speed_names, named, closing=closing,
         )  # fmt: skip
         return self._driven(joint)
 
     def _driven(self, joint: JointPart) -> JointPart:
         """The joint, with one of its coordinates prescribed now and then."""
         draws = self.draws
-        if joint.kind not in ("revolute", "prismatic", "planar") or not draws.chance(
-            0.07 if joint.closing else 0.12
-        ):
+        if joint.kind in ("weld", "spherical", "free") or not draws.chance(0.07 if joint.closing else 0.12):
             return joint
         k = draws.rng.randrange(len(joint.names))
-        is_angle = joint.kind == "revolute" or k == 2
+        is_angle = letters(joint)[k] != "d"
         motion = draws.motion(joint.values[k], 1.0 if is_angle else draws.units.length, self.t)
         return replace(joint, motions={joint.names[k]: motion}, as_constraint=draws.chance(0.4))
 
     def axis(self, kind: str) -> Axis:
         draws = self.draws
         if not self.normal:
-            return draws.rng.choice("xyz") if kind == "planar" else draws.axis()
+            plain = kind in ("planar", "rectangular", "constant_velocity")
+            return draws.rng.choice("xyz") if plain else draws.axis()
         if kind != "prismatic":
             return self.normal
         first, second = PLANE[self.normal]
@@ -133,10 +134,10 @@ class Draft:
 def coordinate_names(name: str, kind: str, sequence: str, named: bool) -> tuple[str, ...]:
     """Names of the coordinates: of their own, or those that the joint's name gives."""
     orientation = ("qw", "qx", "qy", "qz") if sequence == "quaternion" else ("1", "2", "3")
-    words = {
-        "weld": (), "revolute": ("",), "prismatic": ("",), "planar": ("1", "2", "3"),
-        "spherical": orientation, "free": ("x", "y", "z", *orientation),
-    }[kind]  # fmt: skip
+    count = len(LAYOUT[kind].replace("o", "ooo"))
+    words = tuple(str(k + 1) for k in range(count)) if count > 1 else ("",) * count
+    if kind in ("spherical", "free"):
+        words = ("x", "y", "z", *orientation)[0 if kind == "free" else 3 :]
     own = f"c{name}" if named else name
     return tuple(f"{own}_{word}" if word else own for word in words)
 

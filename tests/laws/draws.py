@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from tests.laws.parts import EXACT_ANGLES, BodyPart, DrivePart, FramePart, Law, MotionPart, Term, Units
-from tests.laws.rotations import Array, Axis, turned
+from tests.laws.rotations import Array, Axis, turned, unit
 
 SEQUENCES = tuple("".join(w) for w in product("xyz", repeat=3) if w[0] != w[1] != w[2])
 EXACT_AXES = ((1.0, 2.0, 2.0), (3.0, 0.0, 4.0), (2.0, -3.0, 6.0), (0.0, 0.0, -1.0), (-1.0, 4.0, 8.0))
@@ -36,6 +36,16 @@ class Draws:
         if kind == 0:
             return self.rng.choice("xyz")
         return self.rng.choice(EXACT_AXES) if kind == 1 else (self.number(), self.number(), self.number())
+
+    def across(self, axis: Axis) -> Axis:
+        """An axis perpendicular to another."""
+        others = [letter for letter in "xyz" if letter != axis]
+        if isinstance(axis, str) and self.chance(0.5):
+            return self.rng.choice(others)
+        x, y, z = np.cross(unit(axis), unit(self.axis()))
+        if x * x + y * y + z * z < 0.1:
+            return self.across(axis)
+        return (float(x), float(y), float(z))
 
     def at(self) -> tuple[float, float, float]:
         """An offset; some components are zero."""
@@ -79,9 +89,9 @@ class Draws:
             tensor = (tensor + tensor.T) / 2
         return BodyPart(name, mass, tensor)
 
-    def sequence(self) -> str:
+    def sequence(self, quaternions: bool = True) -> str:
         """Any of 12 sequences about body axes, 12 about space axes, or a quaternion."""
-        if self.chance(0.3):
+        if quaternions and self.chance(0.3):
             return "quaternion"
         word = self.rng.choice(SEQUENCES)
         word = "".join("123"["xyz".index(c)] for c in word) if self.chance(0.5) else word

@@ -22,6 +22,8 @@ from tests.laws.rotations import Array, Axis, euler_zyx, turned, unit
 WORLD: Axis = (2.0, -3.0, 6.0)
 WORLD_ANGLE = 1.1
 MILLI = 1e3
+# Constraints that hold their two ends in the same way.
+_MUTUAL = ("distance", "parallel", "perpendicular", "angle")
 
 
 def errors_of(mechanism: Mechanism, transforms: Iterable[str]) -> dict[str, float]:
@@ -113,6 +115,19 @@ def other_names(mechanism: Mechanism) -> Mechanism:
             )  # fmt: skip
             for load in mechanism.loads[::-1]
         ),
+        contacts=tuple(
+            replace(part, name=f"{RENAMED}{part.name}", start=place(part.start), end=place(part.end))
+            for part in mechanism.contacts[::-1]
+        ),
+        couplings=tuple(
+            replace(
+                part,
+                name=f"{RENAMED}{part.name}",
+                terms=law(part.terms),
+                along=tuple(words[name] for name in part.along),
+            )
+            for part in mechanism.couplings[::-1]
+        ),
         inputs={f"in_{name}": value for name, value in mechanism.inputs.items()},
         placed={f"{RENAMED}{name}": place for name, place in mechanism.placed.items()},
     )
@@ -122,7 +137,8 @@ def other_order(mechanism: Mechanism) -> Mechanism:
     """Bodies and loads in another order; joints in an order that still leads outward from ground."""
     rng = random.Random(f"order {mechanism.seed}")
     bodies, loads, springs = list(mechanism.bodies), list(mechanism.loads), list(mechanism.springs)
-    for items in (bodies, loads, springs):
+    contacts, couplings = list(mechanism.contacts), list(mechanism.couplings)
+    for items in (bodies, loads, springs, contacts, couplings):
         rng.shuffle(items)
     waiting, reached, joints = list(mechanism.joints), {"ground", *mechanism.placed}, []
     while waiting:
@@ -135,18 +151,25 @@ def other_order(mechanism: Mechanism) -> Mechanism:
         if not joint.closing:
             reached |= {joint.start.partition(".")[0], joint.end.partition(".")[0]}
     return replace(
-        mechanism, bodies=tuple(bodies), joints=tuple(joints), loads=tuple(loads), springs=tuple(springs)
-    )
+        mechanism, bodies=tuple(bodies), joints=tuple(joints), loads=tuple(loads), springs=tuple(springs),
+        contacts=tuple(contacts), couplings=tuple(couplings),
+    )  # fmt: skip
 
 
 def exchange_ends(mechanism: Mechanism) -> Mechanism | None:
-    """Start and end of joints exchanged: seen from the other side the end moves backwards along the axis."""
+    """Start and end exchanged: seen from the other side the end of a joint moves backwards along the axis."""
     joints = tuple(_exchanged(joint) for joint in mechanism.joints)
-    return None if joints == mechanism.joints else replace(mechanism, joints=joints)
+    contacts = tuple(
+        replace(c, start=c.end, end=c.start, axis=c.second, second=c.axis) if c.kind in _MUTUAL else c
+        for c in mechanism.contacts
+    )
+    if joints == mechanism.joints and contacts == mechanism.contacts:
+        return None
+    return replace(mechanism, joints=joints, contacts=contacts)
 
 
 def _exchanged(joint: JointPart) -> JointPart:
-    if joint.kind not in ("weld", "revolute", "prismatic"):
+    if joint.kind not in ("weld", "revolute", "prismatic", "screw", "cylindrical"):
         return joint
     x, y, z = (-component for component in unit(joint.axis))
     axis: Axis = (x, y, z) if joint.kind != "weld" else joint.axis

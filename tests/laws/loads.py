@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.laws.building import translations
 from tests.laws.drafts import independent_speeds
 from tests.laws.draws import Draws
+from tests.laws.joint_laws import translations
 from tests.laws.loops import loop_rank
 from tests.laws.motion import body_places, frame_place
 from tests.laws.parts import JointPart, LoadPart, Mechanism, SpringPart

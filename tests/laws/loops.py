@@ -17,9 +17,13 @@ TRIES = 8  # before another body is hung on, which gives freedom
 MOST_BODIES = 7
 # Relative singular values of what loops demand: above the first a row counts, below the second it depends on
 # others; a pose in between is near a singular one, where every formulation loses digits.
-COUNTS, DEPENDS = 3e-3, 1e-9
-FLAT = ("revolute", "revolute", "revolute", "prismatic")
-SPATIAL = ("spherical",) * 5 + ("planar",) * 3 + ("revolute",) * 3 + ("prismatic", "weld")
+COUNTS, DEPENDS = 2e-2, 1e-9
+FLAT = ("revolute",) * 6 + ("prismatic", "prismatic", "pin_slot", "rectangular")
+SPATIAL = (
+    ("spherical", "planar") * 3 + ("revolute",) * 2 + ("prismatic", "weld")
+    + ("bearing", "telescoping", "gimbal", "cartesian", "cylindrical", "universal", "constant_velocity") * 2
+    + ("screw", "pin_slot", "rectangular")
+)  # fmt: skip
 IDLE_ROWS = 3  # those of a planar loop that hold identically
 
 
@@ -64,18 +68,24 @@ def loop_rank(mechanism: Mechanism) -> tuple[int, int, int]:
 
     The rank is -1 where it is in doubt.
     """
+    last = mechanism.joints[-1]
+    own = 6 - len(last.names) + (last.sequence == "quaternion") + len(last.motions)
+    rank, left = demanded_rank(mechanism)
+    return rank, left, own
+
+
+def demanded_rank(mechanism: Mechanism) -> tuple[int, int]:
+    """Rank of all that is demanded, and independent speeds left; -1 and 0 where the rank is in doubt."""
     places = body_places(mechanism)
     motion = all_freedoms(mechanism, places)
     rows = demands(mechanism, places, motion).rows * freedom_scales(mechanism, motion)
     open_columns = [k for k in range(motion.size) if k not in motion.known]
-    last = mechanism.joints[-1]
-    own = 6 - len(last.names) + (last.sequence == "quaternion") + len(last.motions)
     singular = np.linalg.svd(rows[:, open_columns], compute_uv=False)
     relative = singular / max(singular.max(initial=0.0), 1.0)  # rows are unit vectors times arms of order 1
     if ((relative < COUNTS) & (relative > DEPENDS)).any():
-        return -1, 0, own
+        return -1, 0
     rank = int((relative >= COUNTS).sum())
-    return rank, len(open_columns) - rank, own
+    return rank, len(open_columns) - rank
 
 
 def _closing_joint(draft: Draft, a: str, b: str) -> JointPart:

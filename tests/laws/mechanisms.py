@@ -1,4 +1,4 @@
-"""Random mechanisms: trees, planar loops and spatial loops of all joints, always assembled.
+"""Random mechanisms: trees, planar and spatial loops of all joints, a third with constraints; always assembled.
 
 Scale rule: a mechanism is made of numbers of order one and of masses over three decades, in its own units of
 length, mass and time, each log-uniform over six decades. So parameters span six decades and more, while the
@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from tests.laws.conditions import add_conditions
 from tests.laws.drafts import Draft, Rejection
 from tests.laws.draws import Draws
 from tests.laws.loads import add_loads
@@ -22,6 +23,13 @@ from tests.laws.parts import Mechanism, Units
 
 FAMILIES = ("tree",) * 28 + ("planar",) * 27 + ("spatial",) * 45
 ATTEMPTS = 30
+# Joints that bodies are hung on by, as often as they stand here.
+_FLAT = ("revolute",) * 6 + ("prismatic",) * 2 + ("planar", "pin_slot", "rectangular")
+_RARE = ("screw", "cylindrical", "universal", "constant_velocity", "pin_slot", "rectangular", "cartesian", "gimbal",
+         "bearing", "telescoping")  # fmt: skip
+_TREE = ("revolute",) * 4 + ("prismatic", "planar", "spherical") * 2 + ("free", "weld", "none", *_RARE)
+_SPATIAL = ("revolute",) * 4 + ("prismatic", "planar", "free") + ("spherical",) * 5 + _RARE
+_HANGERS = ("revolute", "prismatic", "spherical", "weld", "planar", "free", "none", *_RARE[::2])
 
 
 def random_mechanism(seed: int, units: Units | None = None) -> Mechanism:
@@ -45,27 +53,20 @@ def _attempt(seed: int, draws: Draws) -> Mechanism:
     if family == "planar":
         draft.normal = rng.choice("xyz")
         for _ in range(min(MOST_BODIES, 2 * loops + 1 + rng.choice([0, 0, 0, 1, 1, 2]))):
-            draft.add_body(rng.choice(["revolute"] * 6 + ["prismatic"] * 2 + ["planar"]))
+            draft.add_body(rng.choice(_FLAT))
     else:
-        kinds = {
-            "tree": ["revolute"] * 4
-            + ["prismatic"] * 2
-            + ["planar"] * 2
-            + ["spherical"] * 3
-            + ["free", "weld", "none"],
-            "spatial": ["revolute"] * 4 + ["prismatic", "planar"] + ["spherical"] * 5 + ["free"],
-        }[family]
+        kinds = {"tree": _TREE, "spatial": _SPATIAL}[family]
         least = 1 + loops
         for _ in range(max(least, rng.choice([1, 1, 2, 2, 3, 3, 4, 4, 5, 6, 7]))):
             draft.add_body(rng.choice(kinds))
     found = add_loops(draft, loops) if loops else draft.finished()
     draft.normal = ""
     for _ in range(rng.choice([0, 0, 1, 2]) if loops and len(draft.bodies) < MOST_BODIES - 1 else 0):
-        draft.add_body(rng.choice(["revolute", "prismatic", "spherical", "weld", "planar", "free", "none"]))
+        draft.add_body(rng.choice(_HANGERS))
         found = replace(draft.finished(), loops=found.loops, redundant=found.redundant)
     x, y, z = (draws.number() * draws.units.acceleration if draws.chance(0.85) else 0.0 for _ in range(3))
     found = replace(found, seed=seed, family=family, gravity=(x, y, z), symbolic=draws.chance(0.5))
-    return add_loads(found, draws)
+    return add_conditions(add_loads(found, draws), draws)
 
 
 def report(mechanisms: Iterable[Mechanism]) -> dict[str, float]:
@@ -82,6 +83,9 @@ def report(mechanisms: Iterable[Mechanism]) -> dict[str, float]:
     found |= {f"family {k}": n / number for k, n in sorted(Counter(m.family for m in listed).items())}
     found["share with a loop"] = float(np.mean([m.loops >= 1 for m in listed]))
     found["share with two loops"] = float(np.mean([m.loops >= 2 for m in listed]))
+    conditions = Counter(kind for m in listed for _, kind in m.constrained)
+    found |= {f"constraints {kind}": float(count) for kind, count in sorted(conditions.items())}
+    found["share with constraints"] = float(np.mean([bool(m.constrained) for m in listed]))
     found["share that moves"] = float(np.mean([m.freedoms >= 1 for m in listed]))
     found["share redundant"] = float(np.mean([m.redundant >= 1 for m in listed]))
     found["share with a motion"] = float(np.mean([any(j.motions for j in m.joints) for m in listed]))

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tests.laws.contact_laws import contact_rows, row_values, slopes
 from tests.laws.joint_laws import FREEDOMS, freedoms, rotation, shift
-from tests.laws.parts import JointPart, Mechanism
+from tests.laws.parts import ContactPart, CouplingPart, JointPart, Mechanism
 from tests.laws.rotations import Array, skew
 
 Places = dict[str, tuple[Array, Array]]
@@ -111,7 +112,9 @@ def _add_joint(mechanism: Mechanism, places: Places, joint: JointPart, found: Fr
     found.slides[far] = far_point + skew((r_e if forward else r_s) - places[far][0]) @ spin
 
 
-def relative_motion(mechanism: Mechanism, places: Places, motion: Freedoms, joint: JointPart) -> Array:
+def relative_motion(
+    mechanism: Mechanism, places: Places, motion: Freedoms, joint: JointPart | ContactPart
+) -> Array:
     """(6, n): angular velocity, then rate of the shift, of end relative to start, in start axes."""
     start, end = joint.start.partition(".")[0], joint.end.partition(".")[0]
     (r_s, a_s), (r_e, _) = (frame_place(mechanism, places, address) for address in (joint.start, joint.end))
@@ -140,14 +143,14 @@ def locked_rows(joint: JointPart, length: float) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Demands:
-    """What closing joints demand of the freedoms: ``rows s = values``; lengths are divided by the unit."""
+    """What closing joints and constraints demand of the freedoms: ``rows s = values``; lengths are divided by the unit."""
 
     rows: Array
     values: Array
 
 
 def demands(mechanism: Mechanism, places: Places, motion: Freedoms) -> Demands:
-    """The rows of all closing joints and motions, in freedoms scaled to the unit of length."""
+    """The rows of all closing joints, motions and constraints."""
     rows, values = [np.zeros((0, motion.size))], [np.zeros(0)]
     for joint in (joint for joint in mechanism.joints if joint.closing):
         locked, driven = locked_rows(joint, mechanism.units.length)
@@ -156,15 +159,63 @@ def demands(mechanism: Mechanism, places: Places, motion: Freedoms) -> Demands:
         )
         rows.append(locked @ relative_motion(mechanism, places, motion, joint))
         values.append(locked @ driven @ rates)
+    for contact in mechanism.contacts:
+        own, rate = _contact_demand(mechanism, places, motion, contact)
+        rows.append(own)
+        values.append(rate)
+    for coupling in mechanism.couplings:
+        own, rate = _coupling_demand(mechanism, places, motion, coupling)
+        rows.append(own)
+        values.append(rate)
     return Demands(np.vstack(rows), np.concatenate(values))
+
+
+def relative_place(mechanism: Mechanism, places: Places, part: ContactPart) -> tuple[Array, Array]:
+    """Position and axes of end, in start axes."""
+    (r_s, a_s), (r_e, a_e) = (frame_place(mechanism, places, address) for address in (part.start, part.end))
+    return a_s.T @ (r_e - r_s), a_s.T @ a_e
+
+
+def _contact_demand(
+    mechanism: Mechanism, places: Places, motion: Freedoms, contact: ContactPart
+) -> tuple[Array, Array]:
+    local = contact_rows(contact, *relative_place(mechanism, places, contact))
+    # Rows on velocities are divided by the unit of length; those on directions and of surfaces have none.
+    turning = contact.kind in ("parallel", "perpendicular", "angle", "surface")
+    length = 1.0 if turning else mechanism.units.length
+    rows = local @ relative_motion(mechanism, places, motion, contact)
+    return rows / length, row_values(contact, mechanism.t) / length
+
+
+def _coupling_demand(
+    mechanism: Mechanism, places: Places, motion: Freedoms, coupling: CouplingPart
+) -> tuple[Array, Array]:
+    known = {name: x for joint in mechanism.joints for name, x in zip(joint.names, joint.values, strict=True)}
+    row = np.zeros(motion.size)
+    for name, slope in slopes(coupling, known).items():
+        joint = next(joint for joint in mechanism.joints if name in joint.names)
+        rates = coordinate_rates(mechanism, places, motion, joint)
+        row += slope * rates[joint.names.index(name)]
+    length = mechanism.units.length if coupling.kind in ("rack", "belt") else 1.0
+    time = mechanism.t
+    value = coupling.offset.at(time) if coupling.along else coupling.offset.rate(time)
+    return row[None, :] / length, np.array([value / length])
+
+
+def coordinate_rates(mechanism: Mechanism, places: Places, motion: Freedoms, joint: JointPart) -> Array:
+    """(f, n): the freedoms of any joint, closing or not, by the freedoms of the mechanism."""
+    scale = np.array([1.0] * 3 + [1 / mechanism.units.length] * 3)[:, None]
+    relative = relative_motion(mechanism, places, motion, joint)
+    found: Array = np.linalg.pinv(np.vstack(freedoms(joint)) * scale) @ (relative * scale)
+    return found
 
 
 def freedom_scales(mechanism: Mechanism, motion: Freedoms) -> Array:
     """The unit of each freedom: 1 for angles, the unit of length for displacements."""
     scales = np.ones(motion.size)
     for joint in (joint for joint in mechanism.joints if not joint.closing):
-        _, v = freedoms(joint)
-        scales[motion.columns[joint.name]] = np.where(v.any(axis=0), mechanism.units.length, 1.0)
+        w, _ = freedoms(joint)
+        scales[motion.columns[joint.name]] = np.where(w.any(axis=0), 1.0, mechanism.units.length)
     for body in mechanism.placed:
         scales[motion.columns[body]] = [mechanism.units.length] * 3 + [1.0] * 3
     return scales

@@ -6,7 +6,7 @@ Every number is in the mechanism's own units of length, mass and time, already m
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -22,7 +22,11 @@ EXACT_ANGLES = {
     "-pi/6": -math.pi / 6,
 }
 Angle = float | str
-FUNCTIONS = {
+SLOPES: dict[str, Callable[[float], float]] = {
+    "one": lambda x: 0.0, "line": lambda x: 1.0, "square": lambda x: 2 * x, "sin": math.cos,
+    "cos": lambda x: -math.sin(x),
+}  # fmt: skip
+FUNCTIONS: dict[str, Callable[[float], float]] = {
     "one": lambda x: 1.0, "line": lambda x: x, "square": lambda x: x * x, "sin": math.sin, "cos": math.cos,
 }  # fmt: skip
 
@@ -55,6 +59,10 @@ class Term:
         return self.factor * float(
             FUNCTIONS[self.function](known[self.name] / self.scale if self.name else 0.0)
         )
+
+    def slope(self, known: Mapping[str, float]) -> float:
+        """The derivative by what is named."""
+        return self.factor / self.scale * float(SLOPES[self.function](known[self.name] / self.scale))
 
 
 Law = tuple[Term, ...]
@@ -118,6 +126,9 @@ class MotionPart:
     def text(self) -> str:
         return f"({self.mean!r}) + ({self.amplitude!r})*sin(t/({self.scale!r}))"
 
+    def at(self, t: float) -> float:
+        return self.mean + self.amplitude * math.sin(t / self.scale)
+
     def rate(self, t: float) -> float:
         return self.amplitude / self.scale * math.cos(t / self.scale)
 
@@ -132,13 +143,17 @@ class JointPart:
     Attributes
     ----------
     kind : str
-        "weld", "revolute", "prismatic", "planar", "spherical" or "free".
+        The type as a model file calls it.
     start, end : str
         "Body.frame", or "ground.frame".
     names : tuple of str
         Coordinates; of a free joint three for the position, then the orientation.
+    second : letter or components
+        The second axis of a universal joint or pin in a slot.
+    pitch : float
+        Of a screw, for a full turn.
     sequence : str
-        Of spherical and free joints: "xyz", "space xyz", "quaternion".
+        Of joints that turn in any direction: "xyz", "space xyz", "quaternion".
     """
 
     name: str
@@ -148,6 +163,8 @@ class JointPart:
     names: tuple[str, ...] = ()
     values: tuple[float, ...] = ()
     axis: Axis = "z"
+    second: Axis = "x"
+    pitch: float = 0.0
     sequence: str = ""
     speeds: str = "rates"
     speed_names: tuple[str, ...] = ()
@@ -182,6 +199,58 @@ class LoadPart:
     vector: tuple[Law, Law, Law]
     resolved_in: str
     reaction_on: str
+
+
+STILL = MotionPart(0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class ContactPart:
+    """A constraint between two frames.
+
+    Attributes
+    ----------
+    kind : str
+        distance, line, plane, surface, parallel, perpendicular, angle, knife, sphere or disc.
+    axis, second : letter or components
+        A direction in start (of the line, the normal of plane or ground) and one in end (of the blade, the axle).
+    value : MotionPart
+        The distance, the angle or, still, the radius.
+    surface : tuple of laws in x, y, z
+    """
+
+    name: str
+    kind: str
+    start: str
+    end: str
+    axis: Axis = "z"
+    second: Axis = "z"
+    value: MotionPart = STILL
+    surface: tuple[Law, ...] = ()
+
+    @property
+    def rolls(self) -> bool:
+        """Whether it is a sphere or a disc, which has a contact frame of its own."""
+        return self.kind in ("sphere", "disc")
+
+
+@dataclass(frozen=True, slots=True)
+class CouplingPart:
+    """An equation in coordinates, ``sum of terms = offset``, or in rates, ``sum of terms times rates = offset``.
+
+    Attributes
+    ----------
+    kind : str
+        gear, rack, belt, differential (terms are lines without scales), equation or rates.
+    along : tuple of str
+        The coordinate whose rate each term is multiplied by; () where coordinates are coupled.
+    """
+
+    name: str
+    kind: str
+    terms: Law
+    offset: MotionPart = STILL
+    along: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,6 +303,8 @@ class Mechanism:
     joints: tuple[JointPart, ...]
     springs: tuple[SpringPart, ...] = ()
     loads: tuple[LoadPart, ...] = ()
+    contacts: tuple[ContactPart, ...] = ()
+    couplings: tuple[CouplingPart, ...] = ()
     inputs: dict[str, float] = field(default_factory=dict)
     placed: dict[str, tuple[Array, Array]] = field(default_factory=dict)
     t: float = 0.0
@@ -242,6 +313,17 @@ class Mechanism:
     freedoms: int = 0
     redundant: int = 0
     rejected: tuple[str, ...] = ()
+
+    @property
+    def linked(self) -> tuple[str, ...]:
+        """Names of joints and contacts: each has a reaction."""
+        return (*(joint.name for joint in self.joints), *(contact.name for contact in self.contacts))
+
+    @property
+    def constrained(self) -> tuple[tuple[str, str], ...]:
+        """Name and kind of each constraint."""
+        found = [(contact.name, contact.kind) for contact in self.contacts]
+        return (*found, *((coupling.name, coupling.kind) for coupling in self.couplings))
 
     def frame(self, address: str) -> tuple[str, FramePart]:
         """The body and the frame of an address."""

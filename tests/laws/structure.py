@@ -12,8 +12,9 @@ from scipy.linalg import null_space
 import symbody as sb
 from symbody.expr.calculus import jacobian
 from symbody.expr.sequence import Roots
+from tests.laws.agreement import SYSTEM
 from tests.laws.consistent_states import State
-from tests.laws.evaluation import EPS, arguments, evaluator
+from tests.laws.evaluation import EPS, arguments, condition, evaluator
 from tests.laws.parts import Mechanism
 from tests.laws.rotations import Array
 
@@ -70,14 +71,34 @@ def row_errors(mechanism: Mechanism, eqs: sb.EquationSet, state: State) -> dict[
         scale = np.maximum(scale, np.abs(rows.astype(float)))
         scale = np.where(scale > 0, scale, 1.0)
         along = at["position_jacobian"] @ at["qdot"]
+        # Constraints on velocities alone come last.
+        held = slice(len(along))
         errors = {
-            "rate of positions": _apart(_slope(ahead, behind, "constraints", h), rows, scale),
+            "rate of positions": _apart(_slope(ahead, behind, "constraints", h), rows[held], scale[held]),
             "gamma": _apart(
                 -_slope(ahead, behind, "velocity_constraints", h), at["gamma"], _sizes(at, scale, mechanism)
             ),
-            "position jacobian": _apart(_slope(still, back, "constraints", h), along, scale),
+            "position jacobian": _apart(_slope(still, back, "constraints", h), along, scale[held]),
         }
     return errors | {"jacobian": _column_error(eqs, state)}
+
+
+def closed_errors(mechanism: Mechanism, eqs: sb.EquationSet, state: State) -> dict[str, float]:
+    """What is left of the rows at a state that NumPy closed, in units of eps; and the count of the freedoms."""
+    outputs = [*SYSTEM, "constraints", "velocity_constraints"]
+    found = evaluator(eqs, outputs)(*arguments(eqs, state))
+    freedoms = len(eqs.speed_names) - condition(found).rank
+    errors = {"freedoms": 0.0 if freedoms == mechanism.freedoms else float("inf")}
+    if eqs.multiplier_names:
+        u = np.abs(state.of(eqs.speed_names))
+        # Speeds are of order one; those that are zero could be of any size up to that.
+        scale = np.abs(np.atleast_2d(found["jacobian"])) @ (u + u.max() + 1e-2 / mechanism.units.time)
+        places = found["constraints"]
+        errors["velocities"] = _apart(found["velocity_constraints"], np.zeros(len(scale)), scale)
+        errors["positions"] = _apart(
+            places, np.zeros(len(places)), scale[: len(places)] * mechanism.units.time
+        )
+    return errors
 
 
 def _column_error(eqs: sb.EquationSet, state: State) -> float:

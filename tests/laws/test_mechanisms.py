@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.laws.building import build_model
+from tests.laws.conditions import CONTACTS, COUPLINGS
 from tests.laws.consistent_states import consistent_state
 from tests.laws.joint_laws import FREEDOMS, rotation, shift
 from tests.laws.mechanisms import random_mechanism, report
@@ -13,6 +14,7 @@ from tests.laws.motion import body_places, frame_place
 
 WHOLE = 2000
 LEAST = 30  # of each joint type in the whole
+LEAST_CONSTRAINTS = 20  # of each type: balls and discs take three of the freedoms of trees that have more
 
 
 def check_mix(number: int) -> None:
@@ -24,6 +26,9 @@ def check_mix(number: int) -> None:
     assert found["share that moves"] > 0.9
     for kind in (*FREEDOMS, "none"):
         assert found[f"joints {kind}"] >= LEAST * number / WHOLE, kind
+    assert 0.28 < found["share with constraints"] < 0.4
+    for kind in (*CONTACTS, *COUPLINGS):
+        assert found[f"constraints {kind}"] >= LEAST_CONSTRAINTS * number / WHOLE, kind
 
 
 def test_the_mix_is_as_promised() -> None:
@@ -41,7 +46,9 @@ def test_the_mix_of_all_is_as_promised() -> None:
 @pytest.mark.parametrize("seed", range(40))
 def test_every_joint_is_closed_at_the_pose_and_the_model_is_accepted(seed: int) -> None:
     mechanism = random_mechanism(seed)
-    assert len(build_model(mechanism).joints) == len(mechanism.joints)
+    model = build_model(mechanism)
+    assert len(model.joints) == len(mechanism.joints)
+    assert len(model.constraints) == len(mechanism.constrained)
     places = body_places(mechanism)
     length = mechanism.units.length
     for joint in mechanism.joints:

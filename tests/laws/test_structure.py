@@ -1,4 +1,4 @@
-"""M, J, gamma and the rates of the rows; ``u^T (Mdot - 2 C) u = 0``."""
+"""M, J, gamma and the rates of the rows, how many freedoms they leave; ``u^T (Mdot - 2 C) u = 0``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from symbody.graph.trees import TreeChoice
 from tests.laws.consistent_states import consistent_state
 from tests.laws.evaluation import equations
 from tests.laws.mechanisms import random_mechanism
-from tests.laws.structure import mass_matrix_errors, row_errors, skewness_error
+from tests.laws.structure import closed_errors, mass_matrix_errors, row_errors, skewness_error
 from tests.laws.tally import Tally, chunks, name_of
 
 # Rows are compared at 50 digits, so this counts what the derivation rounded when it folded numbers, and by how
@@ -27,7 +27,8 @@ def check(seeds: Iterable[int], tree: TreeChoice) -> None:
         eqs = equations(mechanism, tree)
         for law, error in mass_matrix_errors(mechanism, eqs, state).items():
             mass.enter(seed, law, error if law != "indefinite" else (float("inf") if error else 0.0))
-        for law, error in row_errors(mechanism, eqs, state).items():
+        checked = row_errors(mechanism, eqs, state) | closed_errors(mechanism, eqs, state)
+        for law, error in checked.items():
             rows.enter(seed, law, error)
         skew.enter(seed, "skewness", skewness_error(mechanism, eqs, state))
     mass.close("mass matrix")

@@ -79,6 +79,7 @@ def test_drives_and_motions_by_coordinate() -> None:
         "torque.stiffness",
         "torque.damping",
         "torque.free",
+        "torque.law",
         "motion",
     ]
 

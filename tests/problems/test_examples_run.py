@@ -66,7 +66,14 @@ def test_the_symbols_of_the_manual(name: str) -> None:
         assert eqs.frame_motion("r", frame, "Ground", "Ground").shape == (3, 1)
 
 
-@pytest.mark.parametrize("name", FOLDERS)
+# Free bodies for every leg of the platform: 20 s for its degrees of freedom.
+SLOW = {"stewart_platform"}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.exhaustive] if name in SLOW else []) for name in FOLDERS],
+)
 def test_commands_read_the_model(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     for path in sorted((EXAMPLES / name).glob("*.toml")):
         freedoms = set()

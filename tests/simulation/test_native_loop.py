@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +16,7 @@ from symbody.simulation import native_interface, native_loop
 from symbody.simulation.runge_kutta import DORMAND_PRINCE_8
 from tests.simulation.right_hand_sides import nothing, oscillator, pendulum, rational, run
 
+COMPILED_IN = ("native_interface.py", "native_places.py", "native_projection.py", "native_stages.py")
 FRESH_PROCESS = """
 from symbody.simulation import native_loop
 print(len(native_loop.advance.signatures))
@@ -59,3 +62,10 @@ def test_dense_output_rows_match_the_tableau() -> None:
     assert result.dense_output is not None
     assert result.dense_output.pieces.shape[1] == DORMAND_PRINCE_8.dense_degree + 1
     assert np.isfinite(result.dense_output.pieces).all()
+
+
+def test_the_cache_is_renewed_with_every_file_compiled_into_the_loop() -> None:
+    # numba compares the text of native_loop.py alone; a new release over an old one would run the old loop.
+    folder = Path(native_loop.__file__).parent
+    texts = "".join((folder / name).read_text(encoding="utf-8") for name in COMPILED_IN)
+    assert hashlib.sha256(texts.encode()).hexdigest()[:16] == native_loop.SOURCES

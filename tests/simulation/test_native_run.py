@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import _thread
 import os
-import threading
 
 import numpy as np
 import pytest
@@ -13,6 +11,7 @@ from symbody.errors import SimulationError
 from symbody.simulation import native_run
 from symbody.simulation.explicit import RawRun
 from symbody.simulation.status import Status
+from tests.simulation.interruption import ctrl_c
 from tests.simulation.right_hand_sides import pendulum, run
 
 
@@ -23,11 +22,8 @@ def long_run(**options: object) -> RawRun:
 
 
 def test_ctrl_c_ends_a_run_and_keeps_what_there_is() -> None:
-    run(pendulum, 1, 1, [0.0, 2.0], (0.0, 1.0))  # compiled before the clock ticks
-    timer = threading.Timer(0.2, _thread.interrupt_main)
-    timer.start()
-    result = long_run()
-    timer.join()
+    with ctrl_c() as press:
+        result = long_run(progress=press)
     assert result.status is Status.INTERRUPTED
     assert result.t.tolist() == [0.0, 1.0]
     assert 1.0 < result.reached < 1e9

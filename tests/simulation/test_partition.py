@@ -44,6 +44,17 @@ def test_samples_and_dense_output_lie_on_the_motion() -> None:
     assert np.abs(run.at(inside).q[-1] - reference.at(inside).q[0]).max() < 1e-6
 
 
+def test_steps_in_vain_are_counted() -> None:
+    run = sb.simulate(example("slider_crank"), 2.0, constraints=sb.Partition())
+    spent = run.statistics
+    assert spent.rejected is not None and spent.rejected > 0
+    changes = sum("other independent coordinates" in note for note in run.notes)
+    # Twelve stages a step, tried or taken, three more for its polynomial, two to begin.
+    least = 12 * (spent.accepted + spent.rejected) + 3 * spent.accepted + 2
+    assert spent.evaluations == least or changes
+    assert spent.evaluations >= least
+
+
 def test_trees_are_integrated_as_they_are() -> None:
     run = sb.simulate(turning_pendulum(), 1.0, constraints=sb.Partition())
     assert run.success and not any("DOP853" in note for note in run.notes)

@@ -6,20 +6,22 @@ with fixed values never moved; then velocities, then accelerations and multiplie
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from symbody.analysis.closure import Closure, closure
+from symbody.analysis.least_open import least_open
 from symbody.analysis.quaternions import unit_quaternions
+from symbody.analysis.ropes import assembled_with_ropes
 from symbody.analysis.state import State
 from symbody.analysis.velocities import consistent_speeds
 from symbody.codegen.compile import Value, constant_values
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError, Problem, nearest
 
 Floats = NDArray[np.float64]
@@ -27,6 +29,9 @@ Floats = NDArray[np.float64]
 CLOSED: Final = 1e-9  # of the size of the mechanism: closer than any loop is built
 _STARTS: Final = 24
 _STEPS: Final = 80
+# The nearest of all ends from which the least gaps are looked for, and gaps too small to tell.
+_LEAST_OPEN: Final = 3
+_TOLD: Final = 1e-6
 
 
 def assemble(
@@ -51,12 +56,37 @@ def assemble(
     t : float
         Time [s].
 
+    Ropes are closed where the guess would have them longer than they are, and where their ends would move
+    apart although they are taut, unless fixed speeds ask for that; those that are shorter are left alone.
+
     Raises
     ------
     AssemblyError
-        If the loops do not close, naming the joint that stays farthest open, or fixed values contradict
-        each other, naming the smallest set that does; or if a name is unknown.
+        If the loops do not close, naming the joint that stays farthest open where the sum of squares of all
+        gaps is least, and the others open there; or fixed values contradict each other, naming the smallest
+        set that does; or if a name is unknown.
     """
+    if not ropes(eqs.formed):
+        return _assembled(eqs, fixed, guess, parameters, inputs, t)
+
+    def attempt(equations: EquationSet, values: Mapping[str, float]) -> State:
+        return _assembled(equations, values, guess, parameters, inputs, t)
+
+    known = _values(eqs, {**eqs.model.initial, **(guess or {})}, parameters, strict=set(guess or ()))
+    wanted = _values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
+    values = dict(parameters or {}), dict(inputs or {})
+    return assembled_with_ropes(eqs, wanted, known, attempt, lambda held: closure(held, *values, t))
+
+
+def _assembled(
+    eqs: EquationSet,
+    fixed: Mapping[str, Value] | None,
+    guess: Mapping[str, Value] | None,
+    parameters: Mapping[str, Value] | None,
+    inputs: Mapping[str, Value] | None,
+    t: float,
+) -> State:
+    """Return a state in which all constraints of some equations hold."""
     task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t)
     known = _values(eqs, {**eqs.model.initial, **(guess or {})}, parameters, strict=set(guess or ()))
     wanted = _values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
@@ -67,13 +97,16 @@ def assemble(
     if found is None:
         raise AssemblyError(_why_open(task, task.start(known), start, positions))
     q = found.q
-    u = consistent_speeds(task, q, rates, {name: known[name] for name in known if name not in positions})
+    guessed = {name: value for name, value in known.items() if name not in positions and name not in rates}
+    u = consistent_speeds(task, q, rates, guessed)
 
     def others() -> list[State]:
         attempts = _others(task, start, positions, q)
-        return [task.state(b.q, consistent_speeds(task, b.q, rates, known), start) for b in attempts]
+        return [
+            task.state(b.q, consistent_speeds(task, b.q, rates, guessed), start, guessed) for b in attempts
+        ]
 
-    return task.state(q, u, start, others)
+    return task.state(q, u, start, guessed, others)
 
 
 def _near_measured(
@@ -143,7 +176,7 @@ def _newton(task: Closure, q: Floats, fixed: Mapping[str, float]) -> _Attempt:
     values, slopes = task.residuals(q, fixed)
     norm = float(np.linalg.norm(values))
     for _ in range(_STEPS):
-        if not np.isfinite(norm) or norm < 1e-15 * task.size:
+        if not (np.isfinite(norm) and np.isfinite(slopes).all()) or norm < 1e-15 * task.size:
             break
         columns = slopes[:, free] * task.sizes[free]
         step = np.linalg.lstsq(columns, -values, rcond=1e-10)[0] * task.sizes[free]
@@ -198,36 +231,41 @@ def _why_open(task: Closure, guess: Floats, start: Floats, fixed: Mapping[str, f
             "assembly.conflict", "fixed", f"no configuration has {listed}",
             "the loops close without these values, but not with them", "leave one of them to guess=",
         )  # fmt: skip
-    best = min(
-        (_newton(task, guess, fixed) for guess in _starts(task, start, fixed)), key=lambda a: a.residual
-    )
-    q = _least_open(task, best.q, fixed)
-    joint, distance, angle = task.widest(q)
+    attempts = sorted((_newton(task, guess, fixed) for guess in _starts(task, start, fixed)),
+                      key=lambda attempt: np.nan_to_num(attempt.residual, nan=np.inf))  # fmt: skip
+    return _open_joints(task, attempts, fixed)
+
+
+def _open_joints(task: Closure, attempts: Sequence[_Attempt], fixed: Mapping[str, float]) -> Problem:
+    """Say by how much joints stay open, from where Newton's method came nearest to closing them."""
+    best = attempts[0]
+    told = f"{_STARTS} starts about the guess were tried"
     if not task.is_aligned(best.q) and best.residual <= CLOSED * task.size:
+        joint = next(iter(task.gaps(best.q)), "")
         what = f"joint {joint} closes only with its axes opposite to each other"
     else:
-        what = f"joint {joint} stays open by {distance:.3g} m and {np.degrees(angle):.3g} deg"
+        finite = [attempt.q for attempt in attempts if np.isfinite(attempt.residual)][:_LEAST_OPEN]
+        trials = [(best.q, np.inf), *(least_open(task, task.normalized(q), fixed) for q in finite)]
+        q, _ = min(trials, key=lambda trial: trial[1])
+        (joint, gap), *others = task.gaps(q).items() or [("", (0.0, 0.0))]
+        size = float(task.scales.max(initial=0.0))
+        what = f"joint {joint} stays open by {_width(gap, size)}"
+        wide = [(name, gap) for name, gap in others if gap[0] > _TOLD * size or gap[1] > _TOLD]
+        if wide:
+            listed = ", ".join(f"joint {name} by {_width(gap, size)}" for name, gap in wide)
+            told += f"; with the least squares of all gaps {listed}"
     return Problem(
-        "assembly.open", f"joint {joint}", what, f"{_STARTS} starts about the guess were tried",
+        "assembly.open", f"joint {joint}", what, told,
         "check lengths and frames of the loop, or give guess= values nearer to a configuration that closes",
     )  # fmt: skip
 
 
-def _least_open(task: Closure, q: Floats, fixed: Mapping[str, float]) -> Floats:
-    """Return coordinates near q at which the constraints are least open, in the sum of squares."""
-    free = task.free(fixed)
-
-    def moved(x: Floats) -> Floats:
-        result = q.copy()
-        result[free] = x
-        return result
-
-    found = least_squares(
-        lambda x: task.residuals(moved(x), fixed)[0],
-        q[free],
-        jac=lambda x: task.residuals(moved(x), fixed)[1][:, free],
+def _width(gap: tuple[float, float], size: float) -> str:
+    """Return a distance and an angle in words, without the rounding of what is closed."""
+    distance, angle = (
+        value if value > _TOLD * unit else 0.0 for value, unit in zip(gap, (size, 1.0), strict=True)
     )
-    return moved(found.x)
+    return f"{distance:.3g} m and {np.degrees(angle):.3g} deg"
 
 
 def _values(

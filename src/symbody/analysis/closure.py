@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,13 +12,16 @@ from numpy.typing import NDArray
 from symbody.analysis.state import State
 from symbody.codegen.compile import Value, constant_values, form_sequence
 from symbody.codegen.function import CompiledFunction
+from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import AssemblyError, Problem
+from symbody.errors import AssemblyError, Problem, SimulationError
 
 Floats = NDArray[np.float64]
 
 # Rounding of solve_saddle on badly scaled mechanisms is far below; a broken row is of order one.
 _CONSISTENT: Final = 1e-3
+# Rates closer to their guess are that up to the rounding of a least squares solution.
+_CHANGED: Final = 1e-9
 _STEP: Final = 1e-6  # of central differences for coordinates that are measured
 
 
@@ -32,6 +35,8 @@ class Closure:
         What counts as a large change of each coordinate: 1 rad, or the size of the mechanism [m].
     scales : (n_h,) array
         What the constraints are measured by: the size of the mechanism for lengths, 1 for angles.
+    angles : frozenset of str
+        Names of angles.
     size : float
         1, the residual of a mechanism that is as far open as it is large.
     """
@@ -43,6 +48,7 @@ class Closure:
     sizes: Floats
     scales: Floats
     constraints: CompiledFunction
+    angles: frozenset[str] = frozenset()
     size: float = 1.0
     # Functions already compiled; they follow from the fields above.
     _functions: dict[str | tuple[str, ...], CompiledFunction] = field(default_factory=dict, repr=False)
@@ -63,8 +69,9 @@ class Closure:
 
     def parted(self, wanted: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
         """Return what is wanted of positions, and of velocities."""
-        joints = self.eqs.formed.topology.joints
-        coordinates = {name for joint in joints for name in joint.coordinates}
+        topology = self.eqs.formed.topology
+        coordinates = {name for joint in topology.joints for name in joint.coordinates}
+        coordinates.update(topology.model.coordinates)
         positions = {name: value for name, value in wanted.items() if name in coordinates}
         return positions, {name: value for name, value in wanted.items() if name not in coordinates}
 
@@ -75,7 +82,7 @@ class Closure:
     def normalized(self, q: Floats) -> Floats:
         """Return coordinates with quaternions of unit norm; one that is zero becomes 1, 0, 0, 0."""
         result = q.copy()
-        for places in self._quaternions():
+        for places in self.quaternions():
             norm = float(np.linalg.norm(result[places]))
             result[places] = result[places] / norm if norm > 0 else np.array([1.0, 0.0, 0.0, 0.0])
         return result
@@ -89,7 +96,7 @@ class Closure:
         found = self.constraints(self.t, q, np.zeros(len(self.eqs.speed_names)))
         values = [found.constraints / self.scales]
         slopes = [found.position_jacobian / self.scales[:, np.newaxis]]
-        for places in self._quaternions():
+        for places in self.quaternions():
             row = np.zeros((1, q.size))
             row[0, places] = q[places]
             values.append(np.array([(q[places] @ q[places] - 1.0) / 2.0]))
@@ -109,17 +116,28 @@ class Closure:
         found = self.constraints(self.t, q, still)
         rows, right = [found.jacobian], [-found.velocity_constraints]
         for name, value in fixed.items():
-            row = np.zeros(len(names))
-            drift = 0.0
-            if name in names:
-                row[names.index(name)] = 1.0
-            else:
-                rate = self.function(name)
-                drift = float(rate(self.t, q, still))
-                row[:] = [float(rate(self.t, q, unit)) - drift for unit in np.eye(len(names))]
+            row, rest = self.speed_row(q, name, value)
             rows.append(row[np.newaxis, :])
-            right.append(np.array([value - drift]))
+            right.append(np.array([rest]))
         return np.vstack(rows), np.concatenate(right)
+
+    @property
+    def all_speeds(self) -> tuple[str, ...]:
+        """Names of the speeds, those eliminated too, in the order of the joints."""
+        elimination = self.eqs.formed.elimination
+        return self.eqs.speed_names if elimination is None else tuple(u.label for u in elimination.speeds)
+
+    def speed_row(self, q: Floats, name: str, value: float) -> tuple[Floats, float]:
+        """Return a and b of the condition ``a . u = b`` that a speed, or a rate, has a value."""
+        names = self.eqs.speed_names
+        row = np.zeros(len(names))
+        if name in names:
+            row[names.index(name)] = 1.0
+            return row, value
+        rate = self.function(name)
+        drift = float(rate(self.t, q, np.zeros(len(names))))
+        row[:] = [float(rate(self.t, q, unit)) - drift for unit in np.eye(len(names))]
+        return row, value - drift
 
     def is_aligned(self, q: Floats) -> bool:
         """Return whether no joint is closed with opposite axes."""
@@ -131,7 +149,7 @@ class Closure:
         for k, name in enumerate(self.eqs.coordinate_names):
             if self._is_angle(name):
                 apart[k] = np.arctan2(np.sin(apart[k]), np.cos(apart[k]))
-        for places in self._quaternions():
+        for places in self.quaternions():
             if a[places] @ b[places] < 0.0:
                 apart[places] = a[places] + b[places]
         return bool(np.abs(apart).max(initial=0.0) > 1e-5)
@@ -141,30 +159,35 @@ class Closure:
         columns = self.residuals(q, fixed)[1][:, self.free(fixed)]
         return bool(np.linalg.matrix_rank(columns, tol=1e-8) == columns.shape[1])
 
-    def widest(self, q: Floats) -> tuple[str, float, float]:
-        """Return the joint that is farthest open, its distance [m] and angle [rad]."""
+    def gaps(self, q: Floats) -> dict[str, tuple[float, float]]:
+        """Return the distance [m] and angle [rad] by which each joint is open, the farthest open first."""
         values = self.constraints(self.t, q, np.zeros(len(self.eqs.speed_names))).constraints
         gaps: dict[str, list[float]] = {}
-        for row, value in zip(self.eqs.formed.rows, values, strict=True):
+        for row, value in zip(self.eqs.formed.holonomic, values, strict=True):
             gap = gaps.setdefault(row.element, [0.0, 0.0])
-            place = 0 if row.moment.is_zero else 1
+            place = 1 if row.force.is_zero else 0
             gap[place] = float(np.hypot(gap[place], value))
         scale = float(self.scales.max(initial=1.0))
-        joint = max(gaps, key=lambda name: gaps[name][0] / scale + gaps[name][1], default="")
-        distance, sine = gaps.get(joint, [0.0, 0.0])
-        return joint, distance, float(np.arcsin(min(sine, 1.0)))
+        # Of joints that share a gap equally, up to what is told, the first of the model is named first.
+        ordered = sorted(gaps, key=lambda name: -round(gaps[name][0] / scale + gaps[name][1], 6))
+        return {name: (gaps[name][0], float(np.arcsin(min(gaps[name][1], 1.0)))) for name in ordered}
 
     def state(
-        self, q: Floats, u: Floats, start: Floats, others: Callable[[], Iterable[State]] = tuple
+        self,
+        q: Floats,
+        u: Floats,
+        start: Floats,
+        guess: Mapping[str, float],
+        others: Callable[[], Iterable[State]] = tuple,
     ) -> State:
-        """Return the state with its accelerations and multipliers."""
+        """Return the state with its accelerations and multipliers; `guess` has the rates guessed."""
         eqs = self.eqs
-        solved = self.function(("udot", "lambda", "jacobian", "gamma"))(self.t, q, u)
+        solved = self._accelerations(q, u)
         _check_accelerations(u, solved.udot, solved.jacobian, solved.gamma)
         phi = self.constraints(self.t, q, u).constraints
         moved = {
             name: float(d) for name, d in zip(eqs.coordinate_names, q - start, strict=True) if abs(d) > 1e-12
-        }
+        } | self._changed_rates(q, u, guess)
         return State(
             eqs,
             dict(zip(eqs.coordinate_names, q.tolist(), strict=True)),
@@ -177,14 +200,48 @@ class Closure:
             self.parameters,
             self.inputs,
             others,
+            _functions=self._functions,
         )
 
-    def _quaternions(self) -> list[list[int]]:
+    def _accelerations(self, q: Floats, u: Floats) -> Any:
+        """Return accelerations, multipliers, J and gamma.
+
+        Raises
+        ------
+        SimulationError
+            If no mass resists some motion, naming its coordinates.
+        """
+        try:
+            return self.function(("udot", "lambda", "jacobian", "gamma"))(self.t, q, u)
+        except SimulationError as error:
+            eqs = self.eqs
+            places = massless_speeds(*self.function(("mass_matrix", "jacobian"))(self.t, q, u))
+            if not places:
+                raise
+            names = [eqs.speed_names[k] for k in places]
+            raise SimulationError(
+                massless_problem("numerics.singular_mass", names, eqs.coordinate_names)
+            ) from error
+
+    def _changed_rates(self, q: Floats, u: Floats, guess: Mapping[str, float]) -> dict[str, float]:
+        """Return by how much speeds, and rates of coordinates, differ from what was guessed for them."""
+        eqs = self.eqs
+        rates = dict(zip(eqs.speed_names, u.tolist(), strict=True))
+        names = [f"{name}_dot" for name in eqs.coordinate_names]
+        if any(name in guess and name not in rates for name in names):
+            found = self.function("qdot")(self.t, q, u).tolist()
+            rates = dict(zip(names, found, strict=True)) | rates
+        scale = max(map(abs, [*rates.values(), *guess.values()]), default=0.0)
+        changes = {name: rates[name] - value for name, value in guess.items() if name in rates}
+        return {name: change for name, change in changes.items() if abs(change) > _CHANGED * scale}
+
+    def quaternions(self) -> list[list[int]]:
+        """Return the places of each quaternion in q."""
         names = self.eqs.coordinate_names
         return [[names.index(name) for name in four] for four in self.eqs.quaternions]
 
     def _is_angle(self, name: str) -> bool:
-        return self.eqs.units.get(name) == "rad"
+        return name in self.angles
 
     def _measured(self, name: str, q: Floats) -> tuple[float, Floats]:
         f, still = self.function(name), np.zeros(len(self.eqs.speed_names))
@@ -203,13 +260,14 @@ def closure(
     eqs: EquationSet, parameters: Mapping[str, Value], inputs: Mapping[str, Value], t: float
 ) -> Closure:
     """Return the constraints of equations as numbers."""
-    length = mechanism_size(eqs, parameters)
-    sizes = np.array([length if eqs.units.get(name) == "m" else 1.0 for name in eqs.coordinate_names])
-    scales = constraint_scales(eqs, parameters)
+    length, units = mechanism_size(eqs, parameters), eqs.units
+    angles = frozenset(name for name, unit in units.items() if unit == "rad")
+    sizes = np.array([length if units.get(name) == "m" else 1.0 for name in eqs.coordinate_names])
+    scales = constraint_scales(eqs, parameters)[: len(eqs.formed.holonomic)]
     given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
     names = ("constraints", "position_jacobian", "jacobian", "velocity_constraints", "alignment")
     function = CompiledFunction(*form_sequence(eqs, names, parameters, (), given))
-    return Closure(eqs, parameters, inputs, t, sizes, scales, function)
+    return Closure(eqs, parameters, inputs, t, sizes, scales, function, angles)
 
 
 def _check_accelerations(u: Floats, udot: Floats, jacobian: Floats, gamma: Floats) -> None:
@@ -223,7 +281,10 @@ def _check_accelerations(u: Floats, udot: Floats, jacobian: Floats, gamma: Float
     # gamma is quadratic in u; where all its terms cancel, that is what they are small against.
     largest = float(np.abs(jacobian).max(initial=0.0)) * float(np.abs(u).max(initial=0.0)) ** 2
     wanted = np.abs(jacobian) @ np.abs(udot) + np.abs(gamma) + largest
-    if (np.abs(jacobian @ udot - gamma) > _CONSISTENT * wanted + 1e-300).any():
+    # A row whose accelerations vanish holds nothing but the rounding of the others.
+    rounding = udot.size * np.finfo(float).eps * float(np.abs(udot).max(initial=0.0))
+    noise = rounding * np.abs(jacobian).max(axis=1, initial=0.0)
+    if (np.abs(jacobian @ udot - gamma) > _CONSISTENT * wanted + noise + 1e-300).any():
         raise AssemblyError(
             Problem("assembly.singular", "configuration", "the accelerations do not exist here",
                     "it is a singular position, such as a flat parallelogram's, with velocities that no "
@@ -232,9 +293,15 @@ def _check_accelerations(u: Floats, udot: Floats, jacobian: Floats, gamma: Float
 
 
 def constraint_scales(eqs: EquationSet, parameters: Mapping[str, Value]) -> Floats:
-    """Return what each constraint is measured by: the size of the mechanism for lengths [m], 1 for angles."""
+    """Return what each constraint is measured by: the size of the mechanism for lengths [m], 1 for angles.
+
+    Those on positions come first, as in ``eqs.formed.holonomic``.
+    """
     length, units = mechanism_size(eqs, parameters), eqs.units
-    is_length = [not row.force.is_zero or units.get(row.coordinate) == "m" for row in eqs.formed.rows]
+    is_length = [
+        not row.force.is_zero or units.get(row.coordinate) == "m" or units.get(row.name) == "N"
+        for row in eqs.formed.rows
+    ]
     return np.where(is_length, length, 1.0)
 
 

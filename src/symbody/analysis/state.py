@@ -23,7 +23,8 @@ class State:
     residual : float
         Largest absolute constraint, of lengths [m] and dot products of unit vectors.
     moved : mapping of name to float
-        How far each coordinate is from the guess it was assembled from, where it moved.
+        How far each coordinate is from the guess it was assembled from, by default 0, and each speed or
+        ``_dot`` name from the value guessed for it, where it moved; the model's initial values are guesses.
     t : float
         Time [s].
     """
@@ -41,6 +42,8 @@ class State:
     # Finds the branches; they are looked for on first request.
     _others: Callable[[], Iterable[State]] = field(default=tuple, repr=False)
     _branches: list[State] = field(default_factory=list, repr=False)
+    # Compiled functions of these equations, parameters and inputs: all branches share them.
+    _functions: dict[str | tuple[str, ...], CompiledFunction] = field(default_factory=dict, repr=False)
 
     @property
     def branches(self) -> tuple[State, ...]:
@@ -60,7 +63,9 @@ class State:
         for values in (self.q, self.u, self.udot, self.multipliers):
             if name in values:
                 return values[name]
-        inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
-        f = CompiledFunction(*form_sequence(self.eqs, name, self.parameters, (), inputs))
-        value = np.asarray(f(self.t, list(self.q.values()), list(self.u.values())))
+        if name not in self._functions:
+            inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
+            sequence = form_sequence(self.eqs, name, self.parameters, (), inputs)
+            self._functions[name] = CompiledFunction(*sequence)
+        value = np.asarray(self._functions[name](self.t, list(self.q.values()), list(self.u.values())))
         return float(value) if value.ndim == 0 else value

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.closure import Closure
+from symbody.analysis.dependent_speeds import check_pivots
 from symbody.errors import AssemblyError, Problem
 
 Floats = NDArray[np.float64]
@@ -21,21 +22,28 @@ def consistent_speeds(
 ) -> Floats:
     """Return u with ``J u + b = 0`` and the fixed rates; independent speeds left take their guess, else 0.
 
+    Speeds are asked in their order, eliminated ones too, so that both forms of the equations start alike.
+
     Raises
     ------
     AssemblyError
-        If the fixed rates contradict the constraints or each other, naming the smallest set that does.
+        If dependent speeds do not follow from the others, or the fixed rates contradict the constraints or
+        each other, naming the smallest set that does.
     """
+    check_pivots(task, q)
     rows, right = task.velocity_rows(q, fixed)
     u, error = _solved(rows, right)
     if error > _CONSISTENT * (1.0 + float(np.abs(right).max(initial=0.0))):
         raise AssemblyError(_conflict(task, q, fixed))
-    for k, name in enumerate(task.eqs.speed_names):
-        unit = np.zeros((1, len(task.eqs.speed_names)))
-        unit[0, k] = 1.0
-        if _distance(rows, unit[0]) > _INDEPENDENT:
-            rows = np.vstack([rows, unit])
-            right = np.append(right, guess.get(name, 0.0))
+    basis = _basis(rows)
+    for name in task.all_speeds:
+        own, value = task.speed_row(q, name, guess.get(name, 0.0))
+        left = _outside(basis, own / max(float(np.linalg.norm(own)), 1e-300))
+        distance = float(np.linalg.norm(left))
+        if distance > _INDEPENDENT:
+            rows = np.vstack([rows, own])
+            right = np.append(right, value)
+            basis = np.vstack([basis, _outside(basis, left / distance)])
     return _solved(rows, right)[0]
 
 
@@ -49,13 +57,17 @@ def _solved(rows: Floats, right: Floats) -> tuple[Floats, float]:
     return u, float(np.abs(rows @ u - right).max(initial=0.0))
 
 
-def _distance(rows: Floats, unit: Floats) -> float:
-    """Return the sine of the angle between a unit row and the span of the rows."""
-    if rows.shape[0] == 0:
-        return 1.0
-    left, sizes, right = np.linalg.svd(rows, full_matrices=False)
-    basis = right[sizes > _INDEPENDENT * sizes.max(initial=1e-300)]
-    return float(np.linalg.norm(unit - basis.T @ (basis @ unit)))
+def _basis(rows: Floats) -> Floats:
+    """Return orthonormal rows that span the rows given, each of which counts whatever its unit."""
+    lengths = np.linalg.norm(rows, axis=1)
+    lengths[lengths == 0.0] = 1.0
+    sizes, right = np.linalg.svd(rows / lengths[:, np.newaxis], full_matrices=False)[1:]
+    return np.asarray(right[sizes > _INDEPENDENT * sizes.max(initial=1e-300)])
+
+
+def _outside(basis: Floats, row: Floats) -> Floats:
+    """Return the part of a row that is perpendicular to the basis."""
+    return np.asarray(row - basis.T @ (basis @ row))
 
 
 def _conflict(task: Closure, q: Floats, fixed: Mapping[str, float]) -> Problem:

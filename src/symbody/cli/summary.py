@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import SymbodyError
@@ -21,6 +21,7 @@ def summary(model: Model, eqs: EquationSet) -> list[str]:
         _fact("gravity", [component.text for component in model.gravity]),
         _fact("bodies", [body.name for body in model.bodies]),
         *_joint_lines(model, eqs),
+        *_constraint_lines(model, eqs),
         *(line for line in kinds if not line.endswith("none")),
         _fact("inputs", eqs.input_names),
         _fact("parameters", [f"{name} = {value.text}" for name, value in model.parameters.items() if value]),
@@ -46,12 +47,30 @@ def _joint_lines(model: Model, eqs: EquationSet) -> list[str]:
     """Return the joints, one a line, in columns; free bodies have none."""
     types = {entry["name"]: entry["type"] for entry in to_data(model).get("joint", [])}
     rows = [_joint_row(joint, types[joint.name]) for joint in model.joints]
+    return ["joints:" if rows else "joints: none", *_columns(rows)]
+
+
+def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = [
+    return [
         "  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
         for row in rows
     ]
-    return ["joints:" if rows else "joints: none", *lines]
+
+
+def _constraint_lines(model: Model, eqs: EquationSet) -> list[str]:
+    """Return the constraints beside the joints, one a line: what they connect, and what they hold."""
+    entries = to_data(model).get("constraint", [])
+    rows = [row for row, _ in eqs.formed.rows_and_multipliers]
+    lines = []
+    for entry in entries:
+        kinds = [row.is_holonomic for row in rows if row.element == entry["name"]]
+        counts = [(kinds.count(True), "position"), (kinds.count(False), "velocity")]
+        held = " and ".join(f"{count} in {word}" for count, word in counts if count)
+        between = " -> ".join(entry.get("between", ())) or ", ".join(entry.get("coupled", ()))
+        word = entry["type"].replace("_", " ")
+        lines.append((entry["name"], word, between, f"holds {held or 'nothing that is not held already'}"))
+    return ["constraints beside joints:", *_columns(lines)] if lines else []
 
 
 def _joint_row(joint: Joint, word: str) -> tuple[str, str, str, str]:

@@ -5,17 +5,23 @@ The only file of this folder that knows EquationSet.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from collections.abc import Sequence as Items
+from dataclasses import replace
+
+import numpy as np
 
 from symbody.codegen.function import CompiledFunction, Signature, source_text
+from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import CompileError, Problem, nearest
+from symbody.errors import CompileError, ExpressionError, Problem, nearest
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import substitute, symbols_of
 from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
+from symbody.model.door import plain
 
 Value = int | float | str | Formula
 
@@ -89,13 +95,40 @@ def form_sequence(
     eqs = eqs.for_values(_known_values(eqs, replacements)) if eqs.multiplier_names else eqs
     replacements |= _input_nodes(eqs, inputs or {}, replacements)
     left = tuple(name for name in eqs.input_names if name not in (inputs or {}))
-    roots = [_replaced(eqs, eqs.roots(name), replacements) for name in names]
     signature = Signature(eqs.coordinate_names, eqs.speed_names, left, kept)
+    try:
+        roots = [_replaced(eqs, eqs.roots(name), replacements) for name in names]
+    except ExpressionError as error:
+        raise _undefined(eqs, names, replacements, signature, error) from error
     return build_sequence(eqs.formed.graph, roots, _places(eqs, signature)), signature
 
 
 def _replaced(eqs: EquationSet, roots: Roots, replacements: Mapping[int, int]) -> Roots:
     return Roots(roots.name, roots.shape, tuple(substitute(eqs.formed.graph, roots.nodes, replacements)))
+
+
+def _undefined(
+    eqs: EquationSet,
+    outputs: Items[str],
+    replacements: Mapping[int, int],
+    signature: Signature,
+    error: ExpressionError,
+) -> CompileError | ExpressionError:
+    """Return why outputs cannot be formed with these values: what no mass resists, or what was divided."""
+    matrices = [_replaced(eqs, eqs.roots(name), replacements) for name in ("mass_matrix", "jacobian")]
+    sequence = build_sequence(eqs.formed.graph, matrices, _places(eqs, signature))
+    # A configuration without symmetries; mass matrices that are singular everywhere are so there.
+    anywhere = {
+        group: [0.3 + math.sin(1 + k) / 4 for k in range(len(signature.names(group)))] for group in "qurp"
+    }
+    mass, rows = evaluate_sequence(sequence, {"t": [0.7], **anywhere})
+    n = len(eqs.speed_names)
+    places = massless_speeds(np.reshape(mass, (n, n)), np.reshape(rows, (-1, n))) if n else []
+    if places:
+        names = [eqs.speed_names[k] for k in places]
+        return CompileError(massless_problem("compile.singular_mass", names, eqs.coordinate_names))
+    where = f"output {', '.join(outputs)}"
+    return ExpressionError(*(p if p.where else replace(p, where=where) for p in error.problems))
 
 
 def _places(eqs: EquationSet, signature: Signature) -> dict[int, Input]:
@@ -116,7 +149,7 @@ def _parameter_nodes(eqs: EquationSet, given: Mapping[str, Value], free: Items[s
     for name in model.parameter_order():
         if name in nodes:
             continue
-        formula = Formula.of(given[name], where=name) if name in given else model.parameters[name]
+        formula = Formula.of(plain(given[name]), where=name) if name in given else model.parameters[name]
         if formula is None:
             missing.append(name)
         else:

@@ -24,6 +24,7 @@ _PARAMETERS: Final = ", ".join(
     [f"ptr readonly %{g}" for g in GROUPS] + ["ptr noalias %out", "ptr noalias %work"]
 )
 _ARGUMENTS: Final = ", ".join(f"ptr %{name}" for name in (*GROUPS, "out", "work"))
+_ZERO: Final = "0x0000000000000000"
 _ABI: Final = "i32 (" + ", ".join(["ptr"] * 8) + ")"
 
 _INSTRUCTIONS: Final = {
@@ -76,6 +77,7 @@ _FUNCTIONS: Final = {
     "@pow": "double @pow(double, double)",
     "@atan2": "double @atan2(double, double)",
     "@llvm.fma.f64": "double @llvm.fma.f64(double, double, double)",
+    "@llvm.memset.p0.i64": "void @llvm.memset.p0.i64(ptr, i8, i64, i1)",
     f"@{SINCOS_NAME}": f"{{double, double}} @{SINCOS_NAME}(double)",
     f"@{SADDLE_NAME}": f"i32 @{SADDLE_NAME}(i32, i32, ptr, ptr, ptr, ptr, ptr, ptr)",
 } | {
@@ -250,8 +252,16 @@ class _PieceWriter:
 
     def _saddle(self, k: int, operands: tuple[int, ...], datum: int) -> None:
         plan, kernel = self._plan, self._sequence.kernels[datum]
-        for place, operand in enumerate(operands, plan.arguments):
-            self._store("work", place, self._operand(operand))
+        names = [self._operand(operand) for operand in operands]
+        if cleared := 2 * names.count(_ZERO) > len(names):
+            # One by one, LLVM takes longer to gather the zeros of large matrices than for all the rest.
+            start = self._address("work", plan.arguments)
+            self._lines.append(
+                f"call void @llvm.memset.p0.i64(ptr {start}, i8 0, i64 {8 * len(names)}, i1 false)"
+            )
+        for place, name in enumerate(names, plan.arguments):
+            if not cleared or name != _ZERO:
+                self._store("work", place, name)
         arguments = [f"i32 {kernel.n}", f"i32 {kernel.m}"]
         for place in (*argument_places(kernel, plan.arguments), plan.results[k], plan.scratch):
             arguments.append(f"ptr {self._address('work', place)}")

@@ -118,7 +118,9 @@ class ModelEquations:
         alpha, beta = self._baumgarte
         if not alpha and not beta:
             return plain
-        return plain - 2 * alpha * formed.velocity_constraints - beta**2 * formed.constraints
+        opened = formed.constraints  # of rows on velocities alone there is none
+        opened = opened.col_join(opened.zeros(plain.rows - opened.rows, 1))
+        return plain - 2 * alpha * formed.velocity_constraints - beta**2 * opened
 
     def GetDynEQs(self) -> list[SympyEquation]:
         """Return ``xM vPdot = vF + xJacVel^T f``, one equation a speed."""

@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 
 from symbody.equations.formed import Formed
 from symbody.equations.forming import form
-from symbody.equations.showing.outputs import output_roots
+from symbody.equations.freedoms.mobility import degrees_of_freedom, independent_speeds
+from symbody.equations.showing.outputs import evaluable_roots
 from symbody.equations.showing.textbook import MOST_SPEEDS, Reaction, Textbook
-from symbody.equations.solving.mobility import degrees_of_freedom, independent_speeds
+from symbody.equations.showing.units import Units, output_units
+from symbody.equations.solving.idle import check_idle
 from symbody.equations.solving.noise import without_noise
 from symbody.expr.graph import Symbol
 from symbody.expr.rewrite import operation_count
@@ -99,24 +101,9 @@ class EquationSet:
         return tuple(row.name for row in self.formed.rows)
 
     @property
-    def units(self) -> dict[str, str]:
-        """SI units of coordinates, speeds and energies, as far as the joints tell."""
-        units = {
-            "t": "s",
-            "kinetic_energy": "J",
-            "potential_energy": "J",
-            "energy": "J",
-            "work": "J",
-            "power": "W",
-        }
-        for joint in self.formed.topology.joints:
-            for name in joint.translation_coordinates:
-                units |= {name: "m", f"{name}_dot": "m/s"}
-            for name in joint.rotation_coordinates if joint.quaternion is None else ():
-                units |= {name: "rad", f"{name}_dot": "rad/s"}
-            for speeds, unit in ((joint.translation_speeds, "m/s"), (joint.rotation_speeds, "rad/s")):
-                units |= dict.fromkeys(speeds.names if speeds else (), unit)
-        return units
+    def units(self) -> Units:
+        """SI units of coordinates, rates, energies, efforts, reactions, frames, as far as they are known."""
+        return output_units(self.formed)
 
     @property
     def coordinates(self) -> tuple[SympyExpr, ...]:
@@ -238,7 +225,13 @@ class EquationSet:
         ----------
         parameters : mapping of name to float
             Parameters not named may have any value.
+
+        Raises
+        ------
+        FormulationError
+            If a constraint on parameters alone excludes these values.
         """
+        check_idle(self.formed, parameters)
         formed = without_noise(self.formed, parameters)
         return self if formed is self.formed else EquationSet(self.model, formed, self.notes)
 
@@ -248,7 +241,13 @@ class EquationSet:
         if not self._textbook:
             formed = self.formed
             if len(formed.u) <= MOST_SPEEDS:
-                formed = form(formed.topology, formed.graph, spread=True)
+                formed = form(
+                    formed.topology,
+                    formed.graph,
+                    formed.formulation,
+                    spread=True,
+                    dependent=formed.dependent_names,
+                )
             self._textbook.append(Textbook(formed))
         return self._textbook[0]
 
@@ -258,10 +257,10 @@ class EquationSet:
         return operation_count(self.formed.graph, nodes)
 
     def roots(self, name: str) -> Roots:
-        """Return the roots of an output in the expression graph; see `output_roots`."""
+        """Return the roots of an output in the expression graph; see `evaluable_roots`."""
         found = self._roots.get(name)
         if found is None:
-            found = output_roots(self.formed, name)
+            found = evaluable_roots(self.formed, name)
             self._roots[name] = found
         return found
 

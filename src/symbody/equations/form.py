@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-from symbody.equations.dynamics.virtual_work import VirtualWork
+from collections.abc import Sequence
+
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.forming import form
+from symbody.equations.formulations.formulation import Formulation
+from symbody.equations.formulations.virtual_work import VIRTUAL_WORK
+from symbody.equations.freedoms.chosen_speeds import chosen_speeds
 from symbody.expr.graph import Graph
-from symbody.graph.topology import choose_topology
+from symbody.graph.topology import Topology, choose_topology
 from symbody.graph.trees import TreeChoice
 from symbody.model.model import Model
 
 
 def form_equations(
-    model: Model, formulation: VirtualWork | None = None, *, tree: TreeChoice = None
+    model: Model,
+    formulation: Formulation | None = None,
+    *,
+    tree: TreeChoice = None,
+    dependent_speeds: Sequence[str] | None = None,
 ) -> EquationSet:
     """Return the equations of motion of a model; all parameters stay symbols.
 
@@ -20,20 +28,50 @@ def form_equations(
     ----------
     model : Model
         The mechanism.
-    formulation : VirtualWork, optional
-        How the equations are formed; virtual work by default.
+    formulation : VirtualWork, NewtonEuler or Lagrange, optional
+        How the equations are formed; virtual work by default. All give the same equations: Newton-Euler
+        with every reaction an unknown, Lagrange from energies.
     tree : Trees, "joints", "absolute" or None
         Which joints give the coordinates: those named; those of spanning trees, whatever the model's flags
         say; none, so that all bodies are free and all joints constraints; by default the flags of the
         model, completed to spanning trees. The choice stands in `notes`.
+    dependent_speeds : sequence of str, "auto" or None
+        Speeds that constraints on velocities eliminate, one for each: rolling, blades, equations in rates.
+        The equations are then in the other speeds alone; the multipliers of these constraints, reactions and
+        dependent speeds stay outputs. "auto" takes those farthest from where they do not follow from the
+        others, by the model's values of the parameters. By default no speed is eliminated.
 
     Raises
     ------
     TopologyError
         If the trees are no trees.
     FormulationError
-        If a cut joint cannot do what is asked of it, or a loop can never close.
+        If a cut joint cannot do what is asked of it, a loop can never close, or the dependent speeds do not
+        follow from the others.
+    AssemblyError, ModelError
+        If "auto" finds no configuration, or no value of a parameter.
     """
-    topology = choose_topology(model, tree)
-    formed = form(topology, Graph())
-    return EquationSet(model, formed, model.notes + topology.notes + formed.notes)
+    topology, how = choose_topology(model, tree), formulation or VIRTUAL_WORK
+    if dependent_speeds == "auto":
+        dependent, told = _chosen(topology, how)
+    else:
+        dependent, told = _named(dependent_speeds), ()
+    formed = form(topology, Graph(), how, dependent=dependent)
+    return EquationSet(model, formed, model.notes + topology.notes + told + formed.notes)
+
+
+def _named(wanted: Sequence[str] | None) -> tuple[str, ...]:
+    if wanted is None:
+        return ()
+    return (wanted,) if isinstance(wanted, str) else tuple(wanted)
+
+
+def _chosen(topology: Topology, how: Formulation) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return dependent speeds, and what is said of the choice."""
+    chosen = chosen_speeds(form(topology, Graph(), how))
+    note = (
+        f"dependent speeds {', '.join(chosen)}: chosen by column pivoting at several assembled "
+        "configurations, farthest from where they do not follow from the others; dependent_speeds=(...) "
+        "names others"
+    )
+    return chosen, (note,)

@@ -5,20 +5,29 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from symbody.equations.dynamics.balance import Wrench
+from symbody.equations.constraints.rolling import enter_contact
+from symbody.equations.dynamics.balance import NOTHING, Wrench
 from symbody.equations.dynamics.inertia import Inertia, Rotor
-from symbody.equations.dynamics.loads import Loads, effort_name
-from symbody.equations.dynamics.reactions import drive_wrench, joint_wrenches, row_wrenches
-from symbody.equations.dynamics.virtual_work import Projection
-from symbody.equations.kinematics.closings import Row
+from symbody.equations.dynamics.projection import Projection
+from symbody.equations.dynamics.reactions import drive_wrench, joint_wrenches, row_wrenches, summed
+from symbody.equations.elimination.elimination import Elimination
+from symbody.equations.formulations.formulation import Formulation
+from symbody.equations.formulations.newton_euler import FreeBodies, NewtonEuler, Solution
+from symbody.equations.formulations.virtual_work import VIRTUAL_WORK
 from symbody.equations.kinematics.measured import measured_coordinates
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.placing import joint_shift
+from symbody.equations.kinematics.row import Row
 from symbody.equations.kinematics.variables import Use, Variables
+from symbody.equations.loads.friction import FrictionLaw, Resistance
+from symbody.equations.loads.loads import Loads, effort_name
 from symbody.errors import FormulationError, Problem
+from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.graph.topology import Topology
+from symbody.model.constraints import Rolling
 from symbody.model.element import Address, address_of
 from symbody.model.lookup import places_of
 
@@ -39,8 +48,16 @@ class Formed:
         Mass matrix and forcing.
     notes : tuple of str
         What was dropped, and where the equations do not hold.
+    friction : tuple of FrictionLaw
+        What holds joints back; its efforts are unknowns of the forcing.
     armatures : mapping of coordinate to Rotor
         What turns with the rates of joints.
+    formulation : VirtualWork, NewtonEuler or Lagrange
+        How mass matrix and forcing were found.
+    elimination : Elimination or None
+        What made some speeds functions of the others; their rows are not among `rows`.
+    slack : tuple of Row
+        Rows of ropes that are slack; they are not among `rows`.
     """
 
     names: Names
@@ -58,10 +75,17 @@ class Formed:
     projection: Projection
     kinetic_energy: Expr
     notes: tuple[str, ...]
+    friction: tuple[FrictionLaw, ...] = ()
+    formulation: Formulation = VIRTUAL_WORK
+    elimination: Elimination | None = None
+    slack: tuple[Row, ...] = ()
     # Made on first request; a pure function of the fields above, so it cannot go stale.
     _wrenches: dict[str, Wrench] = field(default_factory=dict, repr=False)
     _names: list[Names] = field(default_factory=list, repr=False)
     solved: list[tuple[list[Expr], list[Expr]]] = field(default_factory=list, repr=False)
+    resistances: list[Resistance] = field(default_factory=list, repr=False)
+    _free: list[Solution] = field(default_factory=list, repr=False)
+    _released: dict[str, Expr] = field(default_factory=dict, repr=False)
 
     @property
     def graph(self) -> Graph:
@@ -79,6 +103,11 @@ class Formed:
         return self.variables.u
 
     @property
+    def holonomic(self) -> tuple[Row, ...]:
+        """The constraints on positions, which stand first."""
+        return tuple(row for row in self.rows if row.is_holonomic)
+
+    @property
     def multipliers(self) -> tuple[Symbol, ...]:
         """Multipliers, one a row."""
         return tuple(Symbol(row.name, Kind.MULTIPLIER) for row in self.rows)
@@ -90,31 +119,127 @@ class Formed:
         return [[row.slopes.get(u, zero) for u in self.kinematics.speeds] for row in self.rows]
 
     @property
+    def dependent_names(self) -> tuple[str, ...]:
+        """Names of the speeds eliminated."""
+        return () if self.elimination is None else tuple(u.label for u in self.elimination.dependent)
+
+    @property
+    def released(self) -> Mapping[str, Expr]:
+        """The multipliers of rows eliminated, in u', the other multipliers and friction efforts."""
+        if self.elimination is not None and not self._released:
+            # Rows that were silenced have no slopes, and their multipliers are 0.
+            others = [row.name for row in self.rows if row.slopes]
+            self._released.update(self.elimination.multipliers(others))
+        return self._released
+
+    @property
+    def rows_and_multipliers(self) -> list[tuple[Row, Expr]]:
+        """All constraints, those eliminated too, each with its multiplier."""
+        found = list(zip(self.rows, self.expressions(self.multipliers), strict=True))
+        tied = () if self.elimination is None else self.elimination.rows
+        return [*found, *((row, self.released[row.name]) for row in tied)]
+
+    @property
+    def position_jacobian(self) -> list[list[Expr]]:
+        """The derivatives of Phi by q, one row a holonomic constraint."""
+        by = [q.index for q in self.expressions(self.q)]
+        rows = jacobian(self.graph, [row.value.index for row in self.holonomic], by)
+        return [[Expr(self.graph, entry) for entry in row] for row in rows]
+
+    @property
     def wrenches(self) -> Mapping[str, Wrench]:
         """The total wrench of every joint in terms of u' and the multipliers."""
         if not self._wrenches:
-            cut = [*row_wrenches(self.graph, self.rows), *self._measured_drives()]
-            found = joint_wrenches(self.topology, self.kinematics, self.bodies, self.loads.loads, cut)
-            self._wrenches.update(found)
+            rows = self.rows_and_multipliers
+            cut = [*row_wrenches(rows), *self._measured_drives(), *self._couplings()]
+            free = self.free_bodies
+            if free is None:
+                found = joint_wrenches(self.topology, self.kinematics, self.bodies, self.loads.loads, cut)
+            else:
+                found = dict.fromkeys((joint.name for joint in self.topology.joints), NOTHING)
+                found |= summed([*cut, *free.wrenches.items()])
+            contacts = [pair for pair in rows if pair[0].element in self.topology.contacts]
+            self._wrenches.update(found | summed(row_wrenches(contacts)))
         return self._wrenches
+
+    @property
+    def free_bodies(self) -> Solution | None:
+        """Accelerations, multipliers and wrenches with every reaction an unknown, by Newton-Euler.
+
+        None for other formulations, for equations to read, with friction, and where speeds were eliminated:
+        there the balance of bodies follows the accelerations.
+        """
+        if not isinstance(self.formulation, NewtonEuler) or self.kinematics.spread or self.friction:
+            return None
+        if self.elimination is not None:
+            return None
+        if not self._free:
+            free = FreeBodies(
+                topology=self.topology,
+                kinematics=self.kinematics,
+                uses=self.uses,
+                shifts={use.joint.name: joint_shift(self.names, use.joint) for use in self.uses},
+                bodies=self.bodies,
+                loads=self.loads.loads,
+                rotors=tuple(self.armatures.values()),
+                rows=self.rows,
+                within=dict(self._measured_efforts()),
+                coupled={row.name: tuple(self._coupled(row)) for row in self.rows if row.shares},
+            )
+            self._free.append(free.solved())
+        return self._free[0]
+
+    def _measured_efforts(self) -> Iterator[tuple[int, tuple[str, Wrench]]]:
+        """Return what a unit effort along each measured coordinate does, by the node of the rate."""
+        names, one = self.names, Expr(self.graph, self.graph.constant(1))
+        for use in self.uses:
+            joint = use.joint
+            for coordinate in {**joint.drives, **joint.armature}:
+                if coordinate not in use.coordinates:
+                    share = drive_wrench(names, self.kinematics, joint, coordinate, one)
+                    yield names.value(f"{coordinate}_dot").index, (joint.name, share)
 
     def _measured_drives(self) -> Iterator[tuple[str, Wrench]]:
         """Return the wrenches of drives and rotors along coordinates that are not variables."""
         names, kinematics = self.names, self.kinematics
         for use in self.uses:
             joint = use.joint
-            for coordinate in {**joint.drives, **joint.armature}:
+            rubbing = {law.coordinate: law for law in self.friction if law.joint.name == joint.name}
+            for coordinate in {**joint.drives, **joint.armature, **rubbing}:
                 if coordinate in use.coordinates:
                     continue
                 effort = self.loads.efforts.get(effort_name(joint, coordinate), Expr(self.graph, 0))
                 if coordinate in self.armatures:
                     rotor = self.armatures[coordinate]
                     effort = effort - rotor.inertia * kinematics.rate(rotor.rate)
+                if coordinate in rubbing:
+                    effort = effort + rubbing[coordinate].effort
                 yield joint.name, drive_wrench(names, kinematics, joint, coordinate, effort)
+
+    def _couplings(self) -> Iterator[tuple[str, Wrench]]:
+        """Return the wrenches of constraints written in coordinates that are not variables."""
+        for row, multiplier in self.rows_and_multipliers:
+            for joint, share in self._coupled(row):
+                yield joint, Wrench(share.force * multiplier, share.moment * multiplier)
+
+    def _coupled(self, row: Row) -> Iterator[tuple[str, Wrench]]:
+        """Return what a unit multiplier of a row does along measured coordinates it is written in."""
+        for use in self.uses:
+            measured = set(use.joint.coordinates).difference(use.coordinates)
+            for coordinate, share in row.shares.items():
+                if coordinate in measured:
+                    wrench = drive_wrench(self.names, self.kinematics, use.joint, coordinate, share)
+                    yield use.joint.name, wrench
 
     def with_rows(self, rows: tuple[Row, ...]) -> Formed:
         """Return the same equations under other constraints."""
-        return replace(self, rows=rows, solved=[], _wrenches={}, _names=[])
+        return replace(
+            self, rows=rows, solved=[], resistances=[], _wrenches={}, _names=[], _free=[], _released={}
+        )
+
+    def own_rest(self, row: Row) -> Expr:
+        """Return the rest of a row as it is in all speeds: what it demands of them."""
+        return row.rest if self.elimination is None else self.elimination.given[row.name][1]
 
     def expressions(self, symbols: Sequence[Symbol]) -> tuple[Expr, ...]:
         """Return symbols as expressions of the graph."""
@@ -122,9 +247,12 @@ class Formed:
 
     @property
     def readable_names(self) -> Names:
-        """The names with all coordinates of cut joints, which are measured on first request."""
+        """The names with multipliers, and all coordinates of cut joints, measured on first request."""
         if not self._names:
-            names = self.names
+            multipliers = zip(self.multipliers, self.expressions(self.multipliers), strict=True)
+            values = {symbol.label: value for symbol, value in multipliers} | dict(self.released)
+            pivots = {} if self.elimination is None else self.elimination.pivots
+            names = self.names.with_values(values | dict(pivots))
             for use in self.uses:
                 names = names.with_values(measured_coordinates(names, self.kinematics, use))
             self._names.append(names)
@@ -138,6 +266,10 @@ class Formed:
         FormulationError
             If there is none, with the nearest names.
         """
+        link = self.topology.link(name)
+        if isinstance(link, Rolling):
+            enter_contact(self.names, self.kinematics, link)
+            return link.name
         body, _, point = name.partition(".")
         places = places_of(self.topology.model.bodies, self.topology.model.ground)
         found = places.find(address_of(body, point))

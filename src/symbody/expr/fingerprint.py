@@ -38,6 +38,7 @@ from symbody.expr.opcodes import (
 # (PRIME - 1) / 2 is prime too, so no power of 2 below 2**(10**18) is 1: floats, which are whole numbers times
 # powers of 2, stay distinct. (In the field of 2**61 - 1 the float 2**-60 is 2.) It is 3 modulo 4, see Circle.
 PRIME: Final = 2**61 - 2373
+_WORD: Final = 2**64 - 1
 
 
 def fingerprints(graph: Graph, nodes: Sequence[int]) -> dict[int, Pair]:
@@ -122,6 +123,12 @@ class _Fingerprinter:
         return (s1, s2) if op == SIN else self._quotient(node, (s1, s2), (c1, c2))
 
 
+def vanishing(graph: Graph, nodes: Sequence[int]) -> list[bool]:
+    """Return which nodes are identically zero."""
+    values = fingerprints(graph, list(graph.reachable(nodes)))
+    return [values[node] == (0, 0) for node in nodes]
+
+
 def unsigned(pair: Pair) -> tuple[Pair, bool]:
     """Return the smaller of a fingerprint and its negative, and whether the sign was changed."""
     opposite = (-pair[0] % PRIME, -pair[1] % PRIME)
@@ -130,4 +137,16 @@ def unsigned(pair: Pair) -> tuple[Pair, bool]:
 
 def scrambled(*words: int) -> Pair:
     """Return a fingerprint that is a random function of `words`."""
-    return (hash((1, *words)) % PRIME, hash((2, *words)) % PRIME)
+    return (_mixed(hash((1, *words))) % PRIME, _mixed(hash((2, *words))) % PRIME)
+
+
+def _mixed(word: int) -> int:
+    """Return 64 bits that no addition relates to those of other words (splitmix64, Steele et al. 2014).
+
+    Hashes of tuples are sums of multiples of their entries but for carries: those of entries 0, 1, 5, 6 of
+    one solution may fulfil h0 + h6 = h1 + h5, and then a sum of the solution would be taken for an entry.
+    """
+    word &= _WORD
+    word = (word ^ word >> 30) * 0xBF58476D1CE4E5B9 & _WORD
+    word = (word ^ word >> 27) * 0x94D049BB133111EB & _WORD
+    return word ^ word >> 31

@@ -20,6 +20,7 @@ Schema: TypeAlias = dict[str, Any]
 
 _MAX_PROBLEMS: Final = 50
 _LARGE: Final = 10**60
+_TYPED: Final = (("joint",), ("constraint",))
 
 _EXPECTED: Final = MappingProxyType(
     {
@@ -84,7 +85,7 @@ def _said(found: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
             "update symbody",
         )
     if kind in ("union_tag_invalid", "union_tag_not_found"):
-        return _joint_type(found)
+        return _type_of(found, str(path[0]))
     if kind in ("too_short", "too_long"):
         context = found["ctx"]
         number = context.get("min_length") or context.get("max_length")
@@ -107,12 +108,13 @@ def _causes(kind: str, value: object) -> str:
     return "true and false are not numbers" if isinstance(value, bool) else ""
 
 
-def _joint_type(found: dict[str, Any]) -> tuple[str, str, str, str]:
+def _type_of(found: dict[str, Any], kind: str) -> tuple[str, str, str, str]:
     known = [name.strip("'") for name in found["ctx"].get("expected_tags", "").split(", ") if name]
     if not known:
-        return "missing_key", "'type' is missing", "", 'add type = "revolute", for instance'
+        word = "distance" if kind == "constraint" else "revolute"
+        return "missing_key", "'type' is missing", "", f'add type = "{word}", for instance'
     tag = found["ctx"]["tag"]
-    return "unknown_type", f"there is no joint type {tag!r}", "", nearest(tag, known)
+    return "unknown_type", f"there is no {kind} type {tag!r}", "", nearest(tag, known)
 
 
 def _known_keys(root: Schema, location: Path) -> list[str]:
@@ -140,8 +142,8 @@ def _child(root: Schema, node: Schema, part: str | int) -> Schema:
 
 
 def _without_tag(location: tuple[str | int, ...]) -> Path:
-    """Return a path without the joint type that pydantic inserts."""
-    return (*location[:2], *location[3:]) if location[:1] == ("joint",) else location
+    """Return a path without the type of joint or constraint that pydantic inserts."""
+    return (*location[:2], *location[3:]) if location[:1] in _TYPED else location
 
 
 def _element(path: Path, data: object) -> str:

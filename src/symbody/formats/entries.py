@@ -12,11 +12,49 @@ from symbody.errors import ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.formats.places import words
 from symbody.model.body import Body
+from symbody.model.constraint import Condition
+from symbody.model.constraints import (
+    Angle,
+    Belt,
+    Constraint,
+    Differential,
+    Distance,
+    Gear,
+    KnifeEdge,
+    Parallel,
+    Perpendicular,
+    PointOnCurve,
+    PointOnLine,
+    PointOnPlane,
+    PointOnSurface,
+    RackPinion,
+    Rolling,
+)
 from symbody.model.element import Address, Element
-from symbody.model.forces import Drive, Force, SpringDamper, Torque
 from symbody.model.frame import Frame
 from symbody.model.joint import InTrees, Joint
-from symbody.model.joints import Free, Planar, Prismatic, Revolute, Spherical, Weld
+from symbody.model.joints import (
+    Bearing,
+    Cartesian,
+    ConstantVelocity,
+    Cylindrical,
+    Free,
+    Gimbal,
+    PinSlot,
+    Planar,
+    Prismatic,
+    Rectangular,
+    Revolute,
+    Screw,
+    Spherical,
+    Telescoping,
+    Universal,
+    Weld,
+)
+from symbody.model.loads.curve import Curve
+from symbody.model.loads.forces import Drive, Force, SpringDamper, Torque
+from symbody.model.loads.friction import Friction
+from symbody.model.loads.springs import Bushing, TorsionSpring
 from symbody.model.table import Table
 
 T = TypeVar("T")
@@ -25,21 +63,62 @@ T = TypeVar("T")
 Node = Formula | str | bool | list["Node"] | dict[str, "Node"]
 
 ELEMENTS: Final = MappingProxyType[str, Callable[..., Element]](
-    {"body": Body, "spring": SpringDamper, "force": Force, "torque": Torque}
+    {
+        "body": Body,
+        "spring": SpringDamper,
+        "torsion_spring": TorsionSpring,
+        "force": Force,
+        "torque": Torque,
+    }
 )
-JOINTS: Final = MappingProxyType[str, Callable[..., Joint]](
+JOINTS: Final = MappingProxyType[str, Callable[..., Element]](
     {
         "weld": Weld,
         "revolute": Revolute,
         "prismatic": Prismatic,
+        "screw": Screw,
+        "cylindrical": Cylindrical,
+        "universal": Universal,
+        "constant_velocity": ConstantVelocity,
+        "pin_slot": PinSlot,
         "planar": Planar,
+        "rectangular": Rectangular,
+        "cartesian": Cartesian,
         "spherical": Spherical,
+        "gimbal": Gimbal,
+        "bearing": Bearing,
+        "telescoping": Telescoping,
         "free": Free,
+        "bushing": Bushing,  # no joint of the trees, but a file lists it among them
     }
 )
-_JOINT_WORDS: Final = MappingProxyType({maker: word for word, maker in JOINTS.items()})
+CONSTRAINTS: Final = MappingProxyType[str, Callable[..., Condition]](
+    {
+        "distance": Distance,
+        "point_on_line": PointOnLine,
+        "point_on_plane": PointOnPlane,
+        "point_on_curve": PointOnCurve,
+        "point_on_surface": PointOnSurface,
+        "parallel": Parallel,
+        "perpendicular": Perpendicular,
+        "angle": Angle,
+        "knife_edge": KnifeEdge,
+        "rolling": Rolling,
+        "gear": Gear,
+        "rack_pinion": RackPinion,
+        "belt": Belt,
+        "differential": Differential,
+        "equation": Constraint,
+    }
+)
+_TYPES: Final = MappingProxyType[str, Mapping[str, Callable[..., Element]]](
+    {"joint": JOINTS, "constraint": CONSTRAINTS}
+)
+_TYPE_WORDS: Final = MappingProxyType(
+    {maker: word for types in _TYPES.values() for word, maker in types.items()}
+)
 # Written even where they have their default: a reader looks for them, or other defaults depend on them.
-_ALWAYS: Final = frozenset({"angles", "axis"})
+_ALWAYS: Final = frozenset({"angles", "axes", "axis"})
 # Keyed by coordinate in the model; in the file too, unless the joint has only one.
 _BY_COORDINATE: Final = frozenset({"armature", "force", "motion", "torque"})
 
@@ -53,7 +132,7 @@ def element_from(kind: str, entry: Mapping[str, object]) -> Element:
         With everything in it that is not a name, a place or a formula.
     """
     arguments = dict(entry)
-    make = JOINTS[str(arguments.pop("type"))] if kind == "joint" else ELEMENTS[kind]
+    make = _TYPES[kind][str(arguments.pop("type"))] if kind in _TYPES else ELEMENTS[kind]
     between = arguments.pop("between", None)
     if isinstance(between, list):
         arguments["start"], arguments["end"] = between
@@ -64,6 +143,8 @@ def element_from(kind: str, entry: Mapping[str, object]) -> Element:
     if kind == "joint":
         for word in {"force", "torque"} & set(arguments):
             arguments[word] = _drives(arguments[word], f"{label}, {word}", problems)
+        if "friction" in arguments:
+            arguments["friction"] = _nested(Friction, arguments["friction"], f"{label}, friction", problems)
     element = _attempt(lambda: make(**arguments), problems)
     if element is None or problems:
         raise ModelError(*problems)
@@ -78,7 +159,7 @@ def ground_frames(entry: object, problems: list[Problem]) -> dict[str, Frame]:
 def entry_of(element: Element) -> dict[str, Node]:
     """Return the table of an element, without what has its default."""
     entry: dict[str, Node] = {"name": element.name}
-    word = _JOINT_WORDS.get(type(element)) if isinstance(element, Joint) else None
+    word = _TYPE_WORDS.get(type(element))
     if word is not None:
         entry["type"] = word
     values = _values(element)
@@ -88,7 +169,7 @@ def entry_of(element: Element) -> dict[str, Node]:
     plainest = type(element)(**{name: getattr(element, name) for name in given})
     defaults = {name: value for name, value in _values(plainest).items() if name not in given}
     for name, value in values.items():
-        if name not in entry and (name not in defaults or value != defaults[name]):
+        if name not in entry and value is not None and (name not in defaults or value != defaults[name]):
             entry[name] = node_of(_alone(element, value) if name in _BY_COORDINATE else value)
     return entry
 
@@ -106,7 +187,10 @@ def node_of(value: object) -> Node:
     if isinstance(value, InTrees) and value.rotation is not None and value.rotation == value.translation:
         return value.rotation
     values = _values(value)
-    empty = {InTrees: InTrees, Drive: Drive, Frame: Frame}[type(value)]()
+    if isinstance(value, Curve):
+        plain = {"kind": "linear", "outside": "hold"}
+        return {name: node_of(item) for name, item in values.items() if item != plain.get(name)}
+    empty = {InTrees: InTrees, Drive: Drive, Frame: Frame, Friction: Friction}[type(value)]()
     defaults = _values(empty)
     return {name: node_of(item) for name, item in values.items() if item != defaults[name]}
 
@@ -132,7 +216,10 @@ def _needed(element: Element) -> list[str]:
 
 def _drives(entry: object, where: str, problems: list[Problem]) -> object:
     """Return the drive of a table, or those of a table of tables by coordinate."""
-    if isinstance(entry, Mapping) and entry and all(isinstance(item, Mapping) for item in entry.values()):
+    law = entry.get("law") if isinstance(entry, Mapping) else None
+    is_curve = isinstance(law, Mapping) and "x" in law  # and not the drive of a coordinate called law
+    keyed = isinstance(entry, Mapping) and entry and all(isinstance(item, Mapping) for item in entry.values())
+    if isinstance(entry, Mapping) and keyed and not is_curve:
         return {name: _nested(Drive, item, f"{where}.{name}", problems) for name, item in entry.items()}
     return _nested(Drive, entry, where, problems)
 

@@ -12,8 +12,9 @@ from pydantic import Field, WithJsonSchema
 from pydantic.functional_validators import PlainValidator
 from pydantic_core import PydanticCustomError
 
+from symbody.formats.schema_constraints import ConstraintEntry
 from symbody.formats.schema_joints import JointEntry
-from symbody.formats.schema_types import Angle, Between, Entry, Expression, Triple, Turn
+from symbody.formats.schema_types import Angle, Axis, Between, Entry, Expression, Law, Triple, Turn
 
 VERSION: Final = 1
 
@@ -64,6 +65,27 @@ class SpringEntry(Entry):
     damping: Expression = Field(default=0, description="[N s/m]")
     free: Expression = Field(default=0, description="Length at which it is relaxed [m].")
     applied: Expression = Field(default=0, description="Further force, pushing the ends apart [N].")
+    law: Law = Field(
+        default=0,
+        description="Further force, pushing the ends apart, in length and length_rate; a curve is one over "
+        "the length [N].",
+    )
+
+
+class TorsionSpringEntry(Entry):
+    """A spring and damper about an axis."""
+
+    name: str
+    between: Between
+    axis: Axis = Field(default="z", description="In the start frame.")
+    stiffness: Expression = Field(default=0, description="[N m/rad]")
+    damping: Expression = Field(default=0, description="[N m s/rad]")
+    free: Angle = Field(default=0, description="Angle at which it is relaxed [rad].")
+    applied: Expression = Field(default=0, description="Further torque on end along the axis [N m].")
+    law: Law = Field(
+        default=0,
+        description="Further torque on end, in angle and angle_rate; a curve is one over the angle [N m].",
+    )
 
 
 class ForceEntry(Entry):
@@ -104,8 +126,10 @@ class ModelFile(Entry):
     body: list[BodyEntry] = []
     joint: list[JointEntry] = []
     spring: list[SpringEntry] = []
+    torsion_spring: list[TorsionSpringEntry] = []
     force: list[ForceEntry] = []
     torque: list[TorqueEntry] = []
+    constraint: list[ConstraintEntry] = []
     initial: dict[str, Angle] = Field(default={}, description="Initial values of coordinates and speeds.")
     layout: dict[str, Any] = Field(default={}, description="The diagram; of no meaning to the mechanism.")
 

@@ -35,6 +35,21 @@ def _trees(value: object) -> object:
     raise PydanticCustomError("trees", "true, false, or { rotation = true, translation = false }")
 
 
+def _law(value: object) -> object:
+    return value if isinstance(value, dict) else _expression(value)
+
+
+def _six(value: object) -> object:
+    if not isinstance(value, list) or len(value) != 6:
+        raise PydanticCustomError("six", "six numbers or expressions, or six rows of six")
+    for row in value:
+        if isinstance(row, list) and len(row) != 6:
+            raise PydanticCustomError("six", "rows of six numbers or expressions")
+        for item in row if isinstance(row, list) else [row]:
+            _expression(item)
+    return value
+
+
 _TEXT_OR_NUMBER: Final = {"type": ["string", "number"]}
 Expression = Annotated[
     Any,
@@ -57,6 +72,43 @@ Axis = Annotated[
                 {"type": "array", "items": _TEXT_OR_NUMBER, "minItems": 3, "maxItems": 3},
             ],
             "description": "A letter, or components of a vector of any length.",
+        }
+    ),
+]
+Law = Annotated[
+    Any,
+    PlainValidator(_law),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                _TEXT_OR_NUMBER,
+                {
+                    "type": "object",
+                    "properties": {
+                        "x": {"type": "array", "items": _TEXT_OR_NUMBER, "minItems": 2},
+                        "y": {"type": "array", "items": _TEXT_OR_NUMBER, "minItems": 2},
+                        "kind": {"enum": ["linear", "pchip"]},
+                        "outside": {"enum": ["hold", "slope"]},
+                    },
+                    "required": ["x", "y"],
+                    "additionalProperties": False,
+                },
+            ],
+            "description": "A formula, or a curve through points.",
+        }
+    ),
+]
+_SIX: Final = {"type": "array", "minItems": 6, "maxItems": 6}
+Six = Annotated[
+    Any,
+    PlainValidator(_six),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {**_SIX, "items": _TEXT_OR_NUMBER},
+                {**_SIX, "items": {**_SIX, "items": _TEXT_OR_NUMBER}},
+            ],
+            "description": "Six values along and about x, y, z, or six rows of six.",
         }
     ),
 ]

@@ -12,6 +12,7 @@ from symbody.errors import Problem, TopologyError
 from symbody.graph.linear_graph import Edge, LinearGraph
 from symbody.graph.spanning_tree import SpanningTree, least_forest, spanning_tree
 from symbody.graph.trees import Preference, TreeChoice, cycle_problem, preferences
+from symbody.model.constraint import Contact
 from symbody.model.joint import InTrees, Joint
 from symbody.model.joints import Free
 from symbody.model.model import Model
@@ -37,14 +38,27 @@ class Topology:
     rotation: SpanningTree
     translation: SpanningTree
     notes: tuple[str, ...]
-    # The joints by name, filled on first use.
+    # The joints, and all that connects frames, by name; filled on first use.
     _named: dict[str, Joint] = field(default_factory=dict, init=False, compare=False, repr=False)
+    _links: dict[str, Joint | Contact] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def joint(self, name: str) -> Joint:
         """Return the joint called `name`."""
         if not self._named:
             self._named.update((joint.name, joint) for joint in self.joints)
         return self._named[name]
+
+    @property
+    def contacts(self) -> Mapping[str, Contact]:
+        """The constraints between two frames, by name."""
+        return {part.name: part for part in self.model.constraints if isinstance(part, Contact)}
+
+    def link(self, name: str) -> Joint | Contact | None:
+        """Return what is called `name` and connects two frames, if it does."""
+        if not self._links:
+            self._links.update(self.contacts)
+            self._links.update((joint.name, joint) for joint in self.joints)
+        return self._links.get(name)
 
     @property
     def turning(self) -> frozenset[str]:
@@ -146,10 +160,12 @@ def _check_mixing(topology: Topology) -> None:
 
 def _shared(joint: Joint) -> str:
     """Return what rotation and translation of a joint have in common, or nothing."""
-    both = set(joint.rotation_coordinates) & set(joint.translation_coordinates)
+    both = joint.coupled_coordinates
+    if joint.shift_in == "end":
+        return "the axes of its end, along which it shifts"
     speeds = joint.translation_speeds
     if both or speeds is None or speeds.resolved_in == "start":
-        return ", ".join(sorted(both))
+        return ", ".join(both)
     return "the axes of its end, in which the velocity is resolved"
 
 

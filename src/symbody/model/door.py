@@ -58,11 +58,11 @@ class Door:
 
     def formula(self, value: object, path: str) -> Formula:
         """Return a formula from text, a real number or a formula."""
-        return self._parsed(lambda where: Formula.of(_plain(value), where=where), path)
+        return self._parsed(lambda where: Formula.of(plain(value), where=where), path)
 
     def angle(self, value: object, path: str) -> Formula:
         """Return a formula [rad]; a text such as ``"30 deg"`` is understood too."""
-        return self._parsed(lambda where: parse_angle(_plain(value), where=where), path)
+        return self._parsed(lambda where: parse_angle(plain(value), where=where), path)
 
     def optional(self, value: object, path: str) -> Formula | None:
         """Return a formula, or None for None."""
@@ -141,7 +141,7 @@ class Door:
             return ZERO
 
 
-def _plain(value: object) -> FormulaLike:
+def plain(value: object) -> FormulaLike:
     """Return a scalar of another library as float; anything else as it is, to be told what is wrong."""
     is_known = isinstance(value, str | Formula | Real | Decimal | complex)
     if type(value).__name__ in ("bool", "bool_"):  # NumPy's does what bool does, and is no number either

@@ -10,7 +10,8 @@ from typing import ClassVar, Final, Literal
 from symbody.expr.language.formula import Formula
 from symbody.model.door import ZERO
 from symbody.model.element import Address, Element
-from symbody.model.forces import Drive
+from symbody.model.loads.forces import Drive
+from symbody.model.loads.friction import Friction
 from symbody.model.naming import symbol_from
 from symbody.model.table import Table
 from symbody.model.turn import Axis, Turn
@@ -85,7 +86,7 @@ class Joint(Element):
 
     @abstractmethod
     def shift(self) -> Triple:
-        """Return the position of the end frame's origin, from the start frame's, in start axes [m]."""
+        """Return the position of end's origin from start's, in axes of `shift_in` [m]."""
 
     # What a joint may have besides.
 
@@ -100,9 +101,19 @@ class Joint(Element):
         return tuple(self.coordinate or name for name in self.default_coordinates)
 
     @property
-    def axes(self) -> Mapping[str, Axis]:
-        """Each axis by field name, in the start frame."""
+    def directions(self) -> Mapping[str, Axis]:
+        """Each axis by the place where it stands."""
         return {}
+
+    @property
+    def constants(self) -> Mapping[str, Formula]:
+        """Each further constant of the law by its word."""
+        return {}
+
+    @property
+    def shift_in(self) -> Literal["start", "end"]:
+        """The axes in which the shift has its components."""
+        return "start"
 
     @property
     def force(self) -> Table[Drive]:
@@ -128,6 +139,11 @@ class Joint(Element):
     def armature(self) -> Mapping[str, Formula]:
         """Rotor inertia along a coordinate [kg, kg m^2]."""
         return {}
+
+    @property
+    def friction(self) -> Friction | None:
+        """Dry friction along the only coordinate."""
+        return None
 
     @property
     def quaternion(self) -> tuple[str, str, str, str] | None:
@@ -212,6 +228,17 @@ class Joint(Element):
         return tuple(name for name in self.coordinates if name in inside)
 
     @property
+    def coupled_coordinates(self) -> tuple[str, ...]:
+        """The coordinates that turn the end frame and shift its origin, as in a screw."""
+        both = set(self.translation_coordinates)
+        return tuple(name for name in self.rotation_coordinates if name in both)
+
+    @property
+    def is_untwisted(self) -> bool:
+        """Whether the last turn takes the first one back, so that end never turns about its shaft."""
+        return len(self.turns()) == 3 and len(self.rotation_coordinates) == 2
+
+    @property
     def locked_rotations(self) -> int:
         """Number of rotations the joint prevents."""
         return 0 if self.quaternion else 3 - len(self.rotation_coordinates)
@@ -238,12 +265,16 @@ class Joint(Element):
 
     def uses(self) -> Iterator[Use]:
         """Return where the formulas stand."""
-        for path, axis in self.axes.items():
+        for path, axis in self.directions.items():
             if not isinstance(axis, str):
                 yield from triple_uses(path, axis, Scope.CONSTANT)
+        for path, constant in self.constants.items():
+            yield Use(path, constant, Scope.CONSTANT)
         for path, _, drive in self.placed_drives():
             yield from drive.uses(path)
         for coordinate, motion in self.motion.items():
             yield Use(self.path_of("motion", coordinate), motion, Scope.PRESCRIBED)
         for coordinate, inertia in self.armature.items():
             yield Use(self.path_of("armature", coordinate), inertia, Scope.CONSTANT)
+        if self.friction is not None:
+            yield from self.friction.uses("friction")

@@ -10,21 +10,22 @@ from symbody.errors import ModelError, Problem, nearest
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body, frame_table
+from symbody.model.checks.structure import free_joints
+from symbody.model.checks.validation import Draft, checked
+from symbody.model.constraint import Condition
 from symbody.model.door import Door, Value
 from symbody.model.element import Element
 from symbody.model.frame import Frame
 from symbody.model.joint import Joint
 from symbody.model.lookup import with_carried
 from symbody.model.parameters import dependence_order, resolve
-from symbody.model.structure import free_joints
 from symbody.model.table import Table
 from symbody.model.uses import Triple
-from symbody.model.validation import Draft, checked
 
 E = TypeVar("E", bound=Element)
 
 # Elements are kept in this order, as a file lists them; within a kind, in the order given.
-KINDS: Final = ("body", "joint", "spring", "force", "torque", "constraint")
+KINDS: Final = ("body", "joint", "spring", "torsion_spring", "force", "torque", "constraint")
 
 
 @final
@@ -53,7 +54,7 @@ class Model:
 
     Attributes
     ----------
-    bodies, joints : tuple of Body, of Joint
+    bodies, joints, constraints : tuple of Body, of Joint, of Condition
         Those among `elements`.
     notes : tuple of str
         What was assumed, and what is legal but unusual.
@@ -81,6 +82,7 @@ class Model:
     ground: Table[Frame]
     bodies: tuple[Body, ...] = field(init=False, compare=False)
     joints: tuple[Joint, ...] = field(init=False, compare=False)
+    constraints: tuple[Condition, ...] = field(init=False, compare=False)
     notes: tuple[str, ...] = field(init=False, compare=False)
 
     def __init__(
@@ -123,6 +125,7 @@ class Model:
         object.__setattr__(self, "ground", draft.ground)
         object.__setattr__(self, "bodies", tuple(e for e in placed if isinstance(e, Body)))
         object.__setattr__(self, "joints", tuple(e for e in placed if isinstance(e, Joint)))
+        object.__setattr__(self, "constraints", tuple(e for e in placed if isinstance(e, Condition)))
         object.__setattr__(self, "notes", notes)
 
     def __repr__(self) -> str:
@@ -135,8 +138,9 @@ class Model:
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """Names of the coordinates of all joints, in their order."""
-        return tuple(name for joint in self.joints for name in joint.coordinates)
+        """Names of the coordinates of all joints, in their order, then of those that constraints bring."""
+        own = [name for condition in self.constraints for name in condition.coordinates]
+        return (*(name for joint in self.joints for name in joint.coordinates), *own)
 
     def body(self, name: str) -> Body:
         """Return the body called `name`.

@@ -17,6 +17,9 @@ class Scope(StrEnum):
     CONSTANT = "parameters"
     PRESCRIBED = "parameters and t"
     LOAD = "parameters, inputs, t, coordinates, their rates, and speeds"
+    MOTION = "parameters, t, coordinates, their rates, and speeds"
+    POINT = "x, y, z of the point, parameters and t"
+    COORDINATE = "the name of a joint's coordinate"
 
 
 class Use(NamedTuple):
@@ -26,11 +29,14 @@ class Use(NamedTuple):
     ----------
     path : str
         Where in the element, in the words of the model file: ``"frames.tip.at[1]"``.
+    own : tuple of str
+        Names that mean something in this formula alone.
     """
 
     path: str
     formula: Formula
     scope: Scope
+    own: tuple[str, ...] = ()
 
 
 def triple_uses(path: str, formulas: Iterable[Formula], scope: Scope) -> Iterator[Use]:

@@ -92,7 +92,7 @@ def _continued(request: Request, first: RawRun, constraints: Projection | Baumga
         x0=first.dense_output(start),
         span=(start, end),
         times=times,
-        max_steps=request.max_steps - first.statistics.accepted - first.statistics.rejected,
+        max_steps=request.max_steps - first.statistics.accepted - (first.statistics.rejected or 0),
         before=first,
     )
     note = f"from t = {start:.6g} s on the motion is stiff and sb.Stiff() integrates it"

@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.closure import constraint_scales, mechanism_size
+from symbody.codegen.compile import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
 from symbody.expr.expression import Expr
 from symbody.simulation.native_interface import Projector
+from symbody.simulation.native_loop import EPSILON
 
 Floats = NDArray[np.float64]
+
+# A residual is the difference of two chains of offsets, each turned by the joints before it. A product with
+# a 3 by 3 matrix is good to 3 eps of the vector's length [Higham, Accuracy and Stability of Numerical
+# Algorithms, 2nd ed., section 3.5], and a coordinate brings one such product; its own rounding turns or
+# shifts what follows by eps times it. So residuals are known to 3 eps of the largest coordinate, for each.
+ROUNDED_PER_COORDINATE: Final = 3.0
 
 # Outputs of the projecting function, in the order that the compiled loop expects.
 PROJECTED = ("position_residual", "position_move", "velocity_residual", "velocity_move")
@@ -26,9 +37,10 @@ class Projection:
     Attributes
     ----------
     tolerance : float
-        Constraints may be open by this share of the mechanism's size, or of atol if that is less.
+        Constraints may be open by this share of the mechanism's size, or by atol of it if that is less; by
+        what rounding leaves open if that is more, as at coordinates far larger than the mechanism.
     limit : float
-        A move above so many tolerated errors rejects the step.
+        A move above so many tolerated errors rejects the step, unless its start is as far off already.
     """
 
     tolerance: float = 1e-10
@@ -64,17 +76,23 @@ class Baumgarte:
             rate = row.rest
             for u, slope in row.slopes.items():
                 rate = rate + slope * Expr(graph, u)
-            pull = rate * (2 * self.zeta * self.omega) + row.value * self.omega**2
+            pull = rate * (2 * self.zeta * self.omega) + row.value * self.omega**2  # no value: Phi' decays
             rows.append(replace(row, gamma=row.gamma - pull))
         return EquationSet(eqs.model, eqs.formed.with_rows(tuple(rows)), eqs.notes)
 
 
 def projector_of(
-    function: CompiledFunction, n_u: int, n_q: int, scales: Floats, method: Projection, atol: float
+    function: CompiledFunction,
+    eqs: EquationSet,
+    parameters: Mapping[str, Value],
+    method: Projection,
+    atol: float,
 ) -> Projector:
     """Return what the compiled loop calls to project; `function` computes `PROJECTED`."""
-    residuals = function.sequence.outputs[0].shape[0]
-    ones = np.ones(residuals)
+    n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
+    length, tolerance = mechanism_size(eqs, parameters), min(method.tolerance, atol)
+    scales = constraint_scales(eqs, parameters)[: len(eqs.formed.holonomic)]
+    ones = np.ones(function.sequence.outputs[0].shape[0])
     ones[: scales.size] = scales
     empty = np.zeros(0)
     return Projector(
@@ -86,8 +104,10 @@ def projector_of(
         np.zeros(function.work_size),
         np.zeros(1),
         n_q,
-        min(method.tolerance, atol) * ones,
+        tolerance * ones,
         method.limit,
+        np.array([length if eqs.units.get(name) == "m" else 1.0 for name in eqs.coordinate_names]),
+        ROUNDED_PER_COORDINATE * n_q * EPSILON / tolerance,
         np.zeros((1, function.sequence.output_size)),
     )
 

@@ -22,7 +22,19 @@ Floats = NDArray[np.float64]
 
 _NOTHING: Final = np.zeros(0)
 NOTHING_TO_PROJECT: Final = Projector(
-    0, 0, _NOTHING, _NOTHING, _NOTHING, _NOTHING, np.zeros(1), 0, _NOTHING, math.inf, np.zeros((1, 0))
+    0,
+    0,
+    _NOTHING,
+    _NOTHING,
+    _NOTHING,
+    _NOTHING,
+    np.zeros(1),
+    0,
+    _NOTHING,
+    math.inf,
+    _NOTHING,
+    0.0,
+    np.zeros((1, 0)),
 )
 
 # rtol below this asks for more than rounding allows.

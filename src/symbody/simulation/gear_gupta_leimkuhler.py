@@ -16,6 +16,7 @@ from scipy.linalg import qr
 
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.projection import velocity_residual
+from symbody.equations.solving.solution import solved
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Kind, Symbol
 from symbody.expr.rewrite import substitute
@@ -58,8 +59,8 @@ def run_ggl(request: Request, method: Stiff) -> tuple[RawRun, tuple[str, ...]]:
     """
     eqs = without_idle_rows(request.eqs, request.task.parameters)
     eqs, notes = _independent(request, eqs)
-    system = _System(request, _with_residual(eqs, request), len(eqs.multiplier_names))
-    n, size = request.state.size, request.state.size + 2 * system.m
+    system = _System(request, _with_residual(eqs, request))
+    n, size = request.state.size, request.state.size + system.m + system.m_positions
     watch = Watch(system.residual)
 
     def residual(t: float, y: Floats, rate: Floats, out: Floats) -> None:
@@ -100,14 +101,14 @@ def _independent(request: Request, eqs: EquationSet) -> tuple[EquationSet, tuple
 def _with_residual(eqs: EquationSet, request: Request) -> EquationSet:
     """Return the equations with the residual and its derivatives; udot, lambda and mu become inputs."""
     formed, graph = eqs.formed, eqs.formed.graph
-    m = len(formed.rows)
+    m, m_positions = len(formed.rows), len(formed.holonomic)
     udot = {f"ggl udot {k}": Symbol(f"ggl udot {k}", Kind.INPUT) for k in range(len(formed.u))}
     first = {f"ggl lambda {k}": Symbol(f"ggl lambda {k}", Kind.INPUT) for k in range(m)}
-    second = {f"ggl mu {k}": Symbol(f"ggl mu {k}", Kind.INPUT) for k in range(m)}
+    second = {f"ggl mu {k}": Symbol(f"ggl mu {k}", Kind.INPUT) for k in range(m_positions)}
     accelerations, pulls, pushes = (formed.expressions(tuple(g.values())) for g in (udot, first, second))
     rows = formed.jacobian
     values = []
-    for i, force in enumerate(formed.projection.forcing):
+    for i, force in enumerate(solved(formed, formed.projection.forcing)):
         total = -force
         for j, acceleration in enumerate(accelerations):
             total = total + formed.projection.mass_matrix[i][j] * acceleration
@@ -122,7 +123,7 @@ def _with_residual(eqs: EquationSet, request: Request) -> EquationSet:
         moved[u] = speed.index
     rates = substitute(graph, eqs.roots("qdot").nodes, moved)
     values += [-(Expr(graph, node) + pull) for node, pull in zip(rates, _norming(eqs), strict=True)]
-    values += [*(row.value for row in formed.rows), *velocity_residual(formed)]
+    values += [*(row.value for row in formed.holonomic), *velocity_residual(formed)]
     nodes = with_laws(eqs, [value.index for value in values], request.task.laws.formulas)
     by = (*formed.u, *formed.q, *first.values(), *second.values())
     outputs = [Roots(_RESIDUAL, (len(nodes),), tuple(nodes)), partial_derivatives(eqs, _SLOPES, nodes, by)]
@@ -143,8 +144,8 @@ def _norming(eqs: EquationSet) -> list[Expr]:
 class _System:
     """The residual ``R(t, y, y')`` with y = (u, q, lambda, mu), and its derivatives, as numbers."""
 
-    def __init__(self, request: Request, eqs: EquationSet, m: int) -> None:
-        self.m = m
+    def __init__(self, request: Request, eqs: EquationSet) -> None:
+        self.m, self.m_positions = len(eqs.formed.rows), len(eqs.formed.holonomic)
         self._n_u, self._n = request.n_u, request.state.size
         self._residual = request.compiled(_RESIDUAL, eqs)
         self._slopes = request.compiled((_SLOPES, _MASS), eqs)
@@ -168,12 +169,12 @@ class _System:
 
     def consistent(self, t: float, x: Floats) -> tuple[Floats, Floats]:
         """Return y and y' that fulfil the equations at a state on the constraints."""
-        mass, force, rows, gamma, rates = self._start(t, x, np.zeros(self._n_u + 2 * self.m))
+        mass, force, rows, gamma, rates = self._start(t, x, np.zeros(self._n_u + self.m + self.m_positions))
         saddle = np.block([[mass, -rows.T], [rows, np.zeros((self.m, self.m))]])
         solution = np.linalg.lstsq(saddle, np.concatenate([force, gamma]), rcond=None)[0]
         udot, multipliers = np.split(solution, [self._n_u])
-        still = np.zeros(self.m)
-        return np.concatenate([x, multipliers, still]), np.concatenate([udot, rates, still, still])
+        still, pushes = np.zeros(self.m), np.zeros(self.m_positions)
+        return np.concatenate([x, multipliers, pushes]), np.concatenate([udot, rates, still, pushes])
 
     def _called(self, function: Called, t: float, y: Floats, rate: Floats) -> Any:
         return function(t, y[: self._n], np.concatenate([rate[: self._n_u], y[self._n :]]))

@@ -1,6 +1,6 @@
 """What the compiled loop takes, how it is compiled, and how it calls a function by address.
 
-The cache of the compiled loop does not see a change of this file: touch `native_loop.py` after one.
+The cache of the compiled loop does not see a change of this file: renew `native_loop.SOURCES` after one.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Places = NDArray[np.uintp]
 Function = TypeVar("Function", bound=Callable[..., object])
 
 
@@ -57,7 +58,11 @@ class Projector(NamedTuple):
     scales : array (n,)
         The largest position residuals that count as closed; velocity residuals have none, being linear.
     limit : float
-        Moves above so many tolerated errors reject the step.
+        Moves above so many tolerated errors, or what the old state asks for, reject the step.
+    sizes : array (n_q,)
+        What counts as a large coordinate: 1 rad, or the size of the mechanism [m].
+    rounding : float
+        How exactly residuals are known at coordinates that are not large, over what counts as closed.
     out : array (1, size)
         What the function writes.
     """
@@ -72,16 +77,28 @@ class Projector(NamedTuple):
     n_q: int
     scales: Floats
     limit: float
+    sizes: Floats
+    rounding: float
     out: Floats
 
 
 class Method(NamedTuple):
-    """A `runge_kutta.Tableau` as arrays: A (k, k), c (k,), error (2, stages + 1), dense (d, k)."""
+    """A `runge_kutta.Tableau` as arrays.
 
-    A: Floats
+    Attributes
+    ----------
+    first : (k + 2 + d + 1,) array of int
+        Where each row of A, of the two error estimates and of the dense output begins in the next two.
+    columns, weights : arrays
+        The coefficients that are not zero, and which stages they belong to.
+    c : (k,) array
+        The nodes.
+    """
+
+    first: Integers
+    columns: Places
+    weights: Floats
     c: Floats
-    error: Floats
-    dense: Floats
     order: int
     stages: int
     error_reads_end: bool
@@ -109,12 +126,12 @@ class Memory(NamedTuple):
 
     Attributes
     ----------
-    vectors : (5, n) array
-        Old state, state of the last stage, new state, two error estimates.
+    vectors : (6, n) array
+        Old state, state of the last stage, new state, two error estimates, zeros.
     K : (k, n) array
         The derivatives of the stages.
-    F : (4 + d, n) array
-        The dense output of the last step, see `dense_output`.
+    F : (1, 4 + d, n) array
+        The dense output of the last step, see `dense_output`, where it is not kept.
     real : array
         Time, next step, error norm of the step before.
     counts : array of int

@@ -6,9 +6,10 @@ The right-hand side comes in as the address of a function with the signature of 
           const double *p, const double *c, double *out, double *work)
 
 so the loop is compiled at its first call only, and later processes read it from numba's cache. Coefficients
-arrive as arguments: numba renews what it keeps only when the file of the outermost function, this one,
-changes. States are ordered x = (u, q); sections are those of Hairer, Norsett and Wanner, Solving Ordinary
-Differential Equations I, 2nd ed., and from IV on of Hairer and Wanner, part II.
+arrive as arguments: numba renews what it keeps only when the text of the file of the outermost function, this
+one, changes; `SOURCES` stands for the files compiled into it. States are ordered x = (u, q); sections are
+those of Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, 2nd ed., and from IV on of
+Hairer and Wanner, part II.
 """
 
 from __future__ import annotations
@@ -55,22 +56,41 @@ from symbody.simulation.native_places import (
     TIME,
     TOO_MANY,
 )
-from symbody.simulation.native_projection import project
-from symbody.simulation.native_stages import attempt, evaluate, form_dense_output, row_is_finite, scale
+from symbody.simulation.native_projection import asked_move, project
+from symbody.simulation.native_stages import (
+    attempt,
+    evaluate,
+    form_dense_output,
+    four_states,
+    row_is_finite,
+    scale,
+)
 
+# Of the files below that are compiled into these functions; a test says what it has to be.
+SOURCES: Final = "7b0ce1eeba0cc780"
 EPSILON: Final = 2.220446049250313e-16
 SMALLEST_STEP: Final = 1e-290  # absolute, for motions that fail at t = 0
 SAFETY: Final = 0.9
 
 
 @inlined
-def _interpolate(F: Floats, s: float, x: Floats, target: int) -> None:
+def _interpolate(F: Floats, piece: int, s: float, x: Floats, target: int) -> None:
     """Set x[target] to the dense output at the share s of the step; `dense_output` repeats it."""
-    for i in range(F.shape[1]):
-        value = 0.0
-        for row in range(F.shape[0] - 1, 0, -1):
-            value = (value + F[row, i]) * (s if row % 2 == 1 else 1.0 - s)
-        x[target, i] = F[0, i] + value
+    rows, n = F.shape[1], F.shape[2]
+    for block in range(0, n, 4):
+        i, j, k, m = four_states(block, n)
+        a = b = c = d = 0.0
+        factor, other = (s, 1.0 - s) if rows % 2 == 0 else (1.0 - s, s)
+        for row in range(rows - 1, 0, -1):
+            a = (a + F[piece, row, i]) * factor
+            b = (b + F[piece, row, j]) * factor
+            c = (c + F[piece, row, k]) * factor
+            d = (d + F[piece, row, m]) * factor
+            factor, other = other, factor
+        x[target, i] = F[piece, 0, i] + a
+        x[target, j] = F[piece, 0, j] + b
+        x[target, k] = F[piece, 0, k] + c
+        x[target, m] = F[piece, 0, m] + d
 
 
 @inlined
@@ -95,12 +115,10 @@ def _store_sample(memory: Memory, record: Record, t: float, source: int) -> None
 
 @inlined
 def _store(projector: Projector, goal: Goal, memory: Memory, record: Record, t: float, t_new: float) -> None:
-    """Store the samples and the dense output of an accepted step."""
+    """Store the samples of an accepted step, and its end if the dense output is kept."""
     counts = memory.counts
+    F, piece = (record.pieces, counts[STEPS]) if record.keep_dense else (memory.F, 0)
     if record.keep_dense:
-        for row in range(memory.F.shape[0]):  # an assignment of arrays would take 4 s to compile
-            for i in range(memory.F.shape[1]):
-                record.pieces[counts[STEPS], row, i] = memory.F[row, i]
         record.breaks[counts[STEPS] + 1] = t_new
         counts[STEPS] += 1
     if record.every_step:
@@ -113,7 +131,7 @@ def _store(projector: Projector, goal: Goal, memory: Memory, record: Record, t: 
         if time == t_new:
             _store_sample(memory, record, time, STATE_NEW)
         else:
-            _interpolate(memory.F, (time - t) / (t_new - t), record.x, counts[SAMPLES])
+            _interpolate(F, piece, (time - t) / (t_new - t), record.x, counts[SAMPLES])
             if projector.address != 0:
                 project(projector, goal.rtol, goal.atol, time, record.x, counts[SAMPLES])
             record.t[counts[SAMPLES]] = time
@@ -147,9 +165,9 @@ def _is_stiff(method: Method, memory: Memory, h: float) -> bool:
 def _accept(method: Method, memory: Memory, goal: Goal, t_new: float, h: float, error: float) -> None:
     """Make the new state the old one and choose the next step: sections II.4 and IV.2."""
     real, counts = memory.real, memory.counts
-    factor = (
-        SAFETY * error ** (-method.exponent) * real[ERROR] ** method.memory if error > 0.0 else method.growth
-    )
+    factor = SAFETY * error ** (-method.exponent) if error > 0.0 else method.growth
+    if method.memory != 0.0 and error > 0.0:
+        factor *= real[ERROR] ** method.memory
     factor = min(max(factor, method.shrink), method.growth)
     if counts[AFTER_REJECTION] != 0:
         factor = min(factor, 1.0)
@@ -186,10 +204,16 @@ def _failure(method: Method, goal: Goal, memory: Memory) -> int:
 def _close(
     rhs: RightHandSide, projector: Projector, method: Method, goal: Goal, memory: Memory, t_new: float
 ) -> bool:
-    """Project the new state and renew its derivative; return whether it needed no large move."""
+    """Project the new state and renew its derivative; return whether it needed no large move.
+
+    What the state before the step asks for already is no fault of the step, and a shorter one mends nothing.
+    """
     moved = project(projector, goal.rtol, goal.atol, t_new, memory.vectors, STATE_NEW)
     if not moved <= projector.limit:
-        return False
+        t = memory.real[TIME]
+        asked = asked_move(projector, goal.rtol, goal.atol, t, memory.vectors, STATE_OLD)
+        if not moved <= projector.limit * asked:
+            return False
     if moved > 0.0:
         evaluate(rhs, memory, t_new, STATE_NEW, method.stages)
     return memory.counts[KERNEL] == 0 and row_is_finite(memory.K, method.stages)
@@ -213,7 +237,8 @@ def _try_step(
     if error <= 1.0 and projector.address != 0 and not _close(rhs, projector, method, goal, memory, t_new):
         error = np.inf
     if error <= 1.0 and _needs_dense_output(goal, memory, record, t_new):
-        if not form_dense_output(rhs, method, memory, t, h):
+        F, piece = (record.pieces, counts[STEPS]) if record.keep_dense else (memory.F, 0)
+        if not form_dense_output(rhs, method, memory, t, h, F, piece):
             error = np.inf
     if error <= 1.0:
         _store(projector, goal, memory, record, t, t_new)
@@ -311,3 +336,10 @@ def begin(
     step = first_step if first_step > 0.0 else _first_step(rhs, method, goal, memory)
     memory.real[STEP] = goal.direction * min(step, goal.max_step)
     return RUNNING
+
+
+@compiled
+def project_row(projector: Projector, rtol: float, atol: Floats, t: float, x: Floats, row: int) -> float:
+    """Move x[row] onto the constraints; see `native_projection.project`."""
+    moved: float = project(projector, rtol, atol, t, x, row)
+    return moved

@@ -16,7 +16,7 @@ from symbody.simulation import native_loop as native
 from symbody.simulation import native_places as places
 from symbody.simulation.dense_output import DenseOutput
 from symbody.simulation.native_interface import Floats, Goal, Memory, Method, Projector, Record, RightHandSide
-from symbody.simulation.runge_kutta import Row, Tableau
+from symbody.simulation.runge_kutta import Tableau
 from symbody.simulation.segments import Watch, cut_back, go_on
 from symbody.simulation.status import Status
 
@@ -45,8 +45,10 @@ class Statistics:
 
     Attributes
     ----------
-    accepted, rejected : int
-        Steps.
+    accepted : int
+        Steps taken.
+    rejected : int or None
+        Steps tried in vain; None if the integrator does not tell, as SUNDIALS.
     evaluations : int
         Calls of the right-hand side.
     loop_seconds : float
@@ -54,7 +56,7 @@ class Statistics:
     """
 
     accepted: int
-    rejected: int
+    rejected: int | None
     evaluations: int
     loop_seconds: float
 
@@ -113,12 +115,13 @@ class NativeRun(NamedTuple):
 
 def method_arrays(tableau: Tableau) -> Method:
     """Return a tableau as arrays."""
-    size = len(tableau.A)
+    rows = (*tableau.A, *tableau.error, *tableau.dense)
+    columns = [[j for j, weight in enumerate(row) if weight != 0.0] for row in rows]
     return Method(
-        _rectangle(tableau.A, size),
+        np.cumsum([0, *map(len, columns)], dtype=np.int64),
+        np.array([j for places in columns for j in places], dtype=np.uintp),
+        np.array([weight for row in rows for weight in row if weight != 0.0]),
         np.array(tableau.c, dtype=np.float64),
-        _rectangle(tableau.error, tableau.stages + 1),
-        _rectangle(tableau.dense, size),
         tableau.order,
         tableau.stages,
         tableau.error_reads_end,
@@ -130,19 +133,12 @@ def method_arrays(tableau: Tableau) -> Method:
     )
 
 
-def _rectangle(rows: tuple[Row, ...], width: int) -> Floats:
-    array = np.zeros((len(rows), width))
-    for row, values in zip(array, rows, strict=True):
-        row[: len(values)] = values
-    return array
-
-
 def fresh_memory(tableau: Tableau, x: Floats, t: float) -> Memory:
     """Return the loop's memory at its first time and state."""
     memory = Memory(
         np.zeros((places.VECTORS, x.size)),
         np.zeros((len(tableau.A), x.size)),
-        np.zeros((4 + len(tableau.dense), x.size)),
+        np.zeros((1, 4 + len(tableau.dense), x.size)),
         np.zeros(places.REALS),
         np.zeros(places.COUNTS, dtype=np.int64),
     )
@@ -159,7 +155,7 @@ def fresh_record(run: NativeRun, times: Floats | None, dense: bool) -> Record:
     SimulationError
         More samples than the memory holds.
     """
-    rows, n = run.memory.F.shape
+    _, rows, n = run.memory.F.shape
     if times is not None and 8 * times.size * (n + 1) > memory_limit():
         size = 8e-9 * times.size * (n + 1)
         what = (

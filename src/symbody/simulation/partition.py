@@ -1,7 +1,9 @@
 """Minimal coordinates by partition: `Partition` integrates independent ones, the others follow from Phi.
 
 Wehage and Haug, Generalized coordinate partitioning for dimension reduction in analysis of constrained
-dynamic systems, J. Mech. Design 104 (1982). The independent ones are integrated by SciPy's DOP853.
+dynamic systems, J. Mech. Design 104 (1982). The independent ones are integrated by SciPy's DOP853. It carries
+the others along: to choose the step by them too, which alone do it where all motion is prescribed, and to
+start Newton's method from them, so that it stays on the branch of the motion.
 """
 
 from __future__ import annotations
@@ -15,11 +17,13 @@ from scipy.integrate import DOP853
 from scipy.linalg import qr
 
 from symbody.analysis.closure import constraint_scales
+from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.simulation.constraints import Projection
 from symbody.simulation.explicit import Explicit
+from symbody.simulation.native_loop import EPSILON
 from symbody.simulation.native_run import RawRun
-from symbody.simulation.request import Request
+from symbody.simulation.request import Called, Request
 from symbody.simulation.state_jacobian import without_idle_rows
 from symbody.simulation.status import Status
 from symbody.simulation.stepping import NODES, SHARES, Failure, Step, march
@@ -36,6 +40,8 @@ _ROUNDS: Final = 12
 _ARRIVED: Final = 1e-13
 _STALLED: Final = 1e-9
 _CONTRACTION: Final = 0.5
+# A step of so few roundings of the time: near a lock-up what is solved for is rounding, too.
+_SHORTEST: Final = 1000.0
 # A step whose inside is out of reach is tried again, shorter, so often.
 _TRIALS: Final = 30
 
@@ -103,17 +109,18 @@ class _Mechanism:
         eqs = without_idle_rows(request.eqs, request.task.parameters)
         names = ("constraints", "position_jacobian", "jacobian", "velocity_constraints")
         self._closing = request.compiled(names, eqs)
-        self._rates = request.compiled("xdot")
+        self._request, self._eqs = request, eqs
+        self._rates: dict[tuple[int, ...], Called] = {}
         self._scales = constraint_scales(eqs, request.task.parameters)
         self._quaternions = request.quaternions()
         self.n_u, self.n_q = request.n_u, request.n_q
-        self.q = request.state[self.n_u :]
 
     def residual(self, t: float, q: Floats) -> tuple[Floats, Floats]:
         """Return all conditions on positions, scaled, and their derivatives."""
         found = self._closing(t, np.concatenate([np.zeros(self.n_u), q]))
-        values = [found[0] / self._scales]
-        slopes = [found[1] / self._scales[:, np.newaxis]]
+        scales = self._scales[: found[0].size]
+        values = [found[0] / scales]
+        slopes = [found[1] / scales[:, np.newaxis]]
         for four in self._quaternions:
             values.append(np.array([(q[four] @ q[four] - 1.0) / 2.0]))
             row = np.zeros((1, self.n_q))
@@ -131,26 +138,21 @@ class _Mechanism:
         return found[2] / self._scales[:, np.newaxis], found[3] / self._scales
 
     def state(self, t: float, y: Floats, positions: _Choice, speeds: _Choice) -> Floats:
-        """Return x = (u, q) from the independent speeds and coordinates.
+        """Return x = (u, q) from the independent speeds and coordinates in y, near the others in it.
 
         Raises
         ------
         SimulationError
             If Newton's method finds no configuration.
         """
-        count = speeds.independent.size
-        q = self.q.copy()
-        q[positions.independent] = y[count:]
-        u = np.zeros(self.n_u)
-        u[speeds.independent] = y[:count]
+        u = y[: self.n_u].copy()
         try:
-            q = self._closed(t, q, positions)
+            q = self._closed(t, y[self.n_u :].copy(), positions)
             rows, rest = self.jacobian(t, q)
             rows, rest = rows[speeds.rows], rest[speeds.rows]
-            u[speeds.dependent] = np.linalg.solve(rows[:, speeds.dependent], -(rest + rows @ u))
+            u[speeds.dependent] -= np.linalg.solve(rows[:, speeds.dependent], rest + rows @ u)
         except np.linalg.LinAlgError as error:
             raise SimulationError(_lost(t)) from error
-        self.q = q
         return np.concatenate([u, q])
 
     def _closed(self, t: float, q: Floats, positions: _Choice) -> Floats:
@@ -167,9 +169,22 @@ class _Mechanism:
                 break  # it may be on its way to another assembly
         raise SimulationError(_lost(t))
 
-    def rates(self, t: float, x: Floats) -> Floats:
-        """Return x' of a complete state."""
-        found: Floats = self._rates(t, x)
+    def rates(self, t: float, x: Floats, speeds: _Choice) -> Floats:
+        """Return x' of a complete state.
+
+        Rows that follow from others once all loops are closed, as in Bennett's linkage, are left out: they
+        are independent in a state that is closed to rounding only, and then nothing could move.
+        """
+        key = tuple(speeds.rows.tolist())
+        if key not in self._rates:
+            formed = self._eqs.formed
+            if len(key) == len(formed.rows):
+                self._rates[key] = self._request.compiled("xdot")
+            else:
+                chosen = formed.with_rows(tuple(formed.rows[k] for k in key))
+                eqs = EquationSet(self._eqs.model, chosen, self._eqs.notes)
+                self._rates[key] = self._request.compiled("xdot", eqs)
+        found: Floats = self._rates[key](t, x)
         return found
 
 
@@ -188,8 +203,9 @@ class _PartitionStepper:
         self._mechanism = _Mechanism(request)
         self._x, (self._t, self._end) = request.state, request.span
         self._watch = Watch(self._derivative)
-        self.changes = 0
-        self._choose(None if explicit.first_step is None else float(explicit.first_step))
+        self.changes, self.rejected = 0, 0
+        self._positions, self._speeds = self._mechanism.choose(self._t, self._x[request.n_u :])
+        self._begin(None if explicit.first_step is None else float(explicit.first_step))
 
     @property
     def evaluations(self) -> int:
@@ -199,20 +215,22 @@ class _PartitionStepper:
     def advance(self) -> Step | Failure:
         """Take one step; the dependent coordinates inside it are solved for."""
         for _ in range(_TRIALS):
-            solver = self._solver
+            solver, before = self._solver, self._watch.evaluations
             if not np.isfinite(solver.f).all():
                 return self._watch.failure(0)
             solver.step()
+            self.rejected += (self._watch.evaluations - before) // solver.n_stages
             if solver.status == "failed":
                 return self._watch.failure(0)
             nodes = self._nodes(solver)
             if nodes is not None:
-                self._x, self._t = nodes[-1], float(solver.t)
-                self._watch.accept()
-                if self._t != self._end and self._is_worn():
-                    self._choose(abs(solver.h_abs))
+                self.rejected -= 1
+                length = abs(solver.t - self._t)
+                self._accept(solver, nodes[-1])
+                if length <= _SHORTEST * EPSILON * abs(self._t) and self._t != self._end:
+                    return Failure(Status.STEP_COLLAPSE)
                 return Step(self._t, nodes)
-            self._choose(0.25 * abs(solver.t - self._t))
+            self._begin(0.25 * abs(solver.t - self._t))
         return Failure(Status.STEP_COLLAPSE)
 
     def restart(self, t: float, x: Floats) -> None:
@@ -220,12 +238,19 @@ class _PartitionStepper:
         self._t, self._x = t, x
         self._choose(None)
 
+    def _accept(self, solver: DOP853, x: Floats) -> None:
+        """Go on from the end of a step; what was carried along is brought onto the constraints."""
+        self._x, self._t = x, float(solver.t)
+        solver.y = x.copy()
+        self._watch.accept()
+        if self._t != self._end and self._is_worn():
+            self._choose(abs(solver.h_abs))
+
     def _nodes(self, solver: DOP853) -> Floats | None:
         """Return the states inside the step; None if they are out of reach."""
         inside = solver.dense_output()
         nodes = np.empty((NODES, self._x.size))
         nodes[0] = self._x
-        self._mechanism.q = self._x[self._mechanism.n_u :]
         for k in range(1, NODES):
             t = self._t + SHARES[k] * (solver.t - self._t) if k < NODES - 1 else float(solver.t)
             try:
@@ -245,28 +270,19 @@ class _PartitionStepper:
 
     def _choose(self, first_step: float | None) -> None:
         """Choose the independent coordinates of the present state and begin with them."""
-        n_u = self._mechanism.n_u
-        q = self._x[n_u:]
-        self._mechanism.q = q
-        positions, speeds = self._mechanism.choose(self._t, q)
-        self.changes += int(self._t != self._request.span[0])
-        self._positions, self._speeds = positions, speeds
-        y = np.concatenate([self._x[:n_u][self._speeds.independent], q[self._positions.independent]])
+        self._positions, self._speeds = self._mechanism.choose(self._t, self._x[self._mechanism.n_u :])
+        self.changes += 1
+        self._begin(first_step)
+
+    def _begin(self, first_step: float | None) -> None:
+        """Start DOP853 from the present state."""
         longest = np.inf if self._explicit.max_step is None else float(self._explicit.max_step)
         rest = abs(self._end - self._t)
         self._solver = DOP853(
-            self._watch, self._t, y, self._end, max_step=longest, rtol=self._request.rtol,
+            self._watch, self._t, self._x.copy(), self._end, max_step=longest, rtol=self._request.rtol,
             atol=self._request.atol, first_step=None if first_step is None else min(first_step, rest),
         )  # fmt: skip
 
     def _derivative(self, t: float, y: Floats) -> Floats:
-        try:
-            x = self._mechanism.state(t, y, self._positions, self._speeds)
-        except SimulationError:
-            self._mechanism.q = self._x[self._mechanism.n_u :]
-            raise
-        rates = self._mechanism.rates(t, x)
-        n_u = self._mechanism.n_u
-        return np.concatenate(
-            [rates[:n_u][self._speeds.independent], rates[n_u:][self._positions.independent]]
-        )
+        x = self._mechanism.state(t, y, self._positions, self._speeds)
+        return self._mechanism.rates(t, x, self._speeds)

@@ -9,16 +9,16 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.analysis.closure import constraint_scales
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.simulation.constraints import PROJECTED, Projection, projector_of
 from symbody.simulation.explicit import checked_atol, checked_rtol, checked_span, checked_times
 from symbody.simulation.input_laws import InputLaws
 from symbody.simulation.native_interface import Projector
+from symbody.simulation.native_loop import project_row
 from symbody.simulation.native_run import Progress, RawRun
 from symbody.simulation.segments import Watch
-from symbody.simulation.stepping import Course, project_row
+from symbody.simulation.stepping import Course
 from symbody.simulation.task import Task
 
 Floats = NDArray[np.float64]
@@ -92,8 +92,7 @@ class Request:
         if not self.task.is_closed:
             return None
         function = self.task.compiled(PROJECTED)
-        scales = constraint_scales(self.eqs, self.task.parameters)
-        projector = projector_of(function, self.n_u, self.n_q, scales, method, self.atol)
+        projector = projector_of(function, self.eqs, self.task.parameters, method, self.atol)
         return Closing(function, projector, self.rtol, np.full(self.n_u + self.n_q, self.atol))
 
     def course(self, closing: Closing | None) -> Course:

@@ -10,20 +10,25 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symbody.analysis.assembly import assemble
-from symbody.analysis.closure import constraint_scales
 from symbody.analysis.state import State
 from symbody.codegen.compile import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.simulation.change_point import run_held
 from symbody.simulation.choice import Constraints, Integrator, run_chosen
 from symbody.simulation.constraints import PROJECTED, Baumgarte, Projection, projector_of
 from symbody.simulation.dense_output import DenseOutput
+from symbody.simulation.dependent_speeds import pivot_events, pivots_judged
 from symbody.simulation.events import Event, checked_events
 from symbody.simulation.explicit import NOTHING_TO_PROJECT, Explicit, Progress, RawRun, integrate
 from symbody.simulation.input_laws import AskingFunction, InputLaws, Law, input_laws
 from symbody.simulation.native_interface import Projector
+from symbody.simulation.painleve import judged
 from symbody.simulation.request import Request
+from symbody.simulation.singular_angles import singular_passages
 from symbody.simulation.status import Status
+from symbody.simulation.stop_note import stop_note
+from symbody.simulation.switching import run_switching, switches
 from symbody.simulation.task import Evaluator, EventFunctions, Task
 from symbody.simulation.trajectory import Trajectory
 from symbody.simulation.watching import EventWatch
@@ -82,8 +87,31 @@ def simulate(
     task = Task(held, dict(parameters or {}), laws)
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0])
     wanted = partial(Request, times=times, rtol=rtol, atol=atol, max_steps=max_steps, progress=progress)
-    raw, found, watch = _run(task, first, span, wanted, integrator, constraints or Projection(), chosen)
-    return _trajectory(task, raw, (*_notes(eqs, inputs or {}, laws), *found), watch)
+    notes = _notes(eqs, inputs or {}, laws)
+    move = partial(_moved, integrator=integrator, constraints=constraints, notes=notes)
+    if switches(eqs.formed):
+        return run_switching(task, first, span, wanted, chosen, move)
+    return move(task, first, span, wanted, chosen)
+
+
+def _moved(
+    task: Task,
+    first: State,
+    span: tuple[float, float],
+    wanted: Callable[..., Request],
+    events: tuple[Event, ...],
+    *,
+    integrator: Integrator | None,
+    constraints: Constraints | None,
+    notes: tuple[str, ...],
+) -> Trajectory:
+    """Return the motion of equations that stay the same."""
+    pivots = pivot_events(task, first, span[0])
+    run = partial(_run, task, first, span, wanted, integrator, events=(*events, *pivots))
+    raw, found, watch = run_held(task, first, span[0], integrator, constraints, run)
+    raw, blamed = judged(task, raw)
+    raw, lost = pivots_judged(raw, watch, pivots)
+    return _trajectory(task, raw, (*notes, *found, *blamed, *lost), watch)
 
 
 def _run(
@@ -140,10 +168,8 @@ def _projector(
         return NOTHING_TO_PROJECT, None
     # Other ways to hold constraints project only after events.
     method = constraints if isinstance(constraints, Projection) else Projection()
-    n_u, n_q = len(task.eqs.speed_names), len(task.eqs.coordinate_names)
     closing = task.compiled(PROJECTED)
-    scales = constraint_scales(task.eqs, task.parameters)
-    return projector_of(closing, n_u, n_q, scales, method, atol), closing
+    return projector_of(closing, task.eqs, task.parameters, method, atol), closing
 
 
 def _integrated(task: Task, run: Callable[..., RawRun], first: State) -> RawRun:
@@ -184,7 +210,9 @@ def _trajectory(task: Task, raw: RawRun, notes: tuple[str, ...], watch: EventWat
     eqs = task.eqs
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
     states, work = _divided(raw.dense_output, n)
-    stop = raw.stop_note((*eqs.state_names, "work"))
+    passages = [] if states is None else list(singular_passages(eqs, states))
+    notes = (*notes, *(told for _, told in passages))
+    stop = stop_note(task, raw)
     if raw.status is Status.CHATTERING and watch is not None:
         stop += f"; there event {watch.chattering!r} happens again and again"
     return Trajectory(
@@ -201,7 +229,7 @@ def _trajectory(task: Task, raw: RawRun, notes: tuple[str, ...], watch: EventWat
         units=eqs.units,
         notes=(*notes, stop) if stop else notes,
         name=eqs.model.name,
-        events=() if watch is None else tuple(watch.occurrences),
+        events=(*(() if watch is None else watch.occurrences), *(event for event, _ in passages)),
     )
 
 

@@ -12,8 +12,8 @@ class Status(Enum):
     SUCCESS = "the motion was computed to its end"
     STOPPED = "a stopping event ended the motion"
     STEP_COLLAPSE = (
-        "no step is small enough here: the motion runs to infinity or jumps; end the run earlier, smooth the "
-        "law that jumps, or loosen rtol and atol if they are close to rounding"
+        "no step is small enough here: the motion runs to infinity, locks or jumps; end the run earlier, "
+        "smooth the law that jumps, or loosen rtol and atol if they are close to rounding"
     )
     NOT_FINITE = (
         "the accelerations are not finite: look for a division by zero, a root or logarithm of a negative "
@@ -22,6 +22,14 @@ class Status(Enum):
     SINGULAR = (
         "the accelerations are not determined: the mass matrix is not positive definite in some direction "
         "that the constraints leave free; look for a body without mass or inertia or a zero parameter"
+    )
+    FRICTION = (
+        "friction and the reaction it comes from have no solution, or two (Painleve): the joint named in "
+        "the notes locks or jumps; lower its mu, change the direction of what loads it, or give the friction as a force"
+    )
+    DEPENDENT_SPEEDS = (
+        "the dependent speeds named in the notes do not follow from the others a little farther on: name "
+        "other dependent_speeds, or leave them out, so that multipliers hold the constraints"
     )
     TOO_MANY_STEPS = (
         "max_steps ran out: raise it, loosen rtol and atol, or use sb.Stiff() if fast damped motions force "

@@ -15,8 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.simulation.dense_output import DenseOutput, shortened
-from symbody.simulation.native_interface import Projector, compiled
-from symbody.simulation.native_projection import project
 from symbody.simulation.native_run import SLICE_SECONDS, Progress, RawRun, Statistics, memory_limit
 from symbody.simulation.segments import Cut, Watch, steps_before
 from symbody.simulation.status import Status
@@ -86,6 +84,11 @@ class Stepper(Protocol):
         """How often the right-hand side was computed so far."""
         ...
 
+    @property
+    def rejected(self) -> int | None:
+        """How many steps were tried in vain; None if that is not known."""
+        ...
+
     def advance(self) -> Step | Failure:
         """Take one step, not beyond the end."""
         ...
@@ -137,7 +140,7 @@ def march(stepper: Stepper, course: Course) -> RawRun:
         failure = Failure(Status.INTERRUPTED)
     except MemoryError:
         failure = Failure(Status.OUT_OF_MEMORY)
-    spent = Statistics(log.taken, 0, stepper.evaluations, time.perf_counter() - began)
+    spent = Statistics(log.taken, stepper.rejected, stepper.evaluations, time.perf_counter() - began)
     return log.raw_run(failure, spent)
 
 
@@ -292,14 +295,7 @@ class _Log:
 def _sum(first: Statistics, second: Statistics) -> Statistics:
     return Statistics(
         first.accepted + second.accepted,
-        first.rejected + second.rejected,
+        None if first.rejected is None or second.rejected is None else first.rejected + second.rejected,
         first.evaluations + second.evaluations,
         first.loop_seconds + second.loop_seconds,
     )
-
-
-@compiled
-def project_row(projector: Projector, rtol: float, atol: Floats, t: float, x: Floats, row: int) -> float:
-    """Move x[row] onto the constraints; see `native_projection.project`."""
-    moved: float = project(projector, rtol, atol, t, x, row)
-    return moved

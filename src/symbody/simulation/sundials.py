@@ -39,7 +39,10 @@ VERDICTS: Final[Mapping[int, Status]] = {
 }
 
 # Faults of one evaluation that a shorter step may avoid; others, as of a law that fails, end the run.
-MENDABLE: Final = ("numerics.singular_mass", "simulation.partition")
+MENDABLE: Final[Mapping[str, Status]] = {
+    "numerics.singular_mass": Status.SINGULAR,
+    "simulation.partition": Status.STEP_COLLAPSE,
+}
 
 
 class Result(Protocol):
@@ -69,8 +72,8 @@ class Watch:
     ----------
     evaluations : int
         Calls so far.
-    singular : bool
-        Whether a linear system had no solution since the last accepted step.
+    fault_of_call : Status or None
+        What the last call that had no value means, if there was one since the last accepted step.
     fault : int or None
         The first entry of a value that was not finite since then.
     """
@@ -78,7 +81,7 @@ class Watch:
     def __init__(self, function: Callable[[float, Floats], Floats]) -> None:
         self._function = function
         self.evaluations = 0
-        self.singular = False
+        self.fault_of_call: Status | None = None
         self.fault: int | None = None
 
     def __call__(self, t: float, y: Floats) -> Floats:
@@ -89,7 +92,7 @@ class Watch:
         except SimulationError as error:
             if error.problems[0].code not in MENDABLE:
                 raise
-            self.singular = True
+            self.fault_of_call = MENDABLE[error.problems[0].code]
             return np.full_like(y, np.nan)
         if not np.isfinite(value).all():
             self.fault = int(np.flatnonzero(~np.isfinite(value))[0])
@@ -97,12 +100,12 @@ class Watch:
 
     def accept(self) -> None:
         """Forget the faults: a step was found in spite of them."""
-        self.singular, self.fault = False, None
+        self.fault_of_call, self.fault = None, None
 
     def failure(self, flag: int) -> Failure:
         """Return what a flag means after these faults."""
-        if self.singular:
-            return Failure(Status.SINGULAR)
+        if self.fault_of_call is not None:
+            return Failure(self.fault_of_call)
         if self.fault is not None:
             return Failure(Status.NOT_FINITE, self.fault)
         return Failure(VERDICTS.get(flag, Status.STEP_COLLAPSE))
@@ -138,6 +141,11 @@ class SundialsStepper:
     def evaluations(self) -> int:
         """How often the equations were evaluated."""
         return self._watch.evaluations
+
+    @property
+    def rejected(self) -> None:
+        """Not known: scikit-sundae does not hand over the counters of SUNDIALS."""
+        return None
 
     def advance(self) -> Step | Failure:
         """Take one step; the state inside it is the solver's own polynomial."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -32,11 +32,19 @@ class Task:
     eqs: EquationSet
     parameters: Mapping[str, Value]
     laws: InputLaws
+    # Functions already compiled; they follow from the fields above.
+    _functions: dict[tuple[EquationSet, tuple[str, ...], bool], CompiledFunction] = field(
+        default_factory=dict, repr=False, compare=False
+    )
 
     def compiled(self, outputs: str | Sequence[str]) -> CompiledFunction:
         """Return a function of t, q and u, and of the inputs that are asked for."""
-        sequence = form_sequence(self.eqs, outputs, self.parameters, (), self.laws.formulas)
-        return CompiledFunction(*sequence)
+        is_one = isinstance(outputs, str)
+        key = (self.eqs, (outputs,) if isinstance(outputs, str) else tuple(outputs), is_one)
+        if key not in self._functions:
+            sequence = form_sequence(self.eqs, outputs, self.parameters, (), self.laws.formulas)
+            self._functions[key] = CompiledFunction(*sequence)
+        return self._functions[key]
 
     def evaluated(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
         """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""
@@ -78,7 +86,8 @@ class Evaluator:
         if not task.eqs.multiplier_names:
             return np.zeros_like(t)
         values = task.evaluated(task.compiled(name), t, q, u)
-        largest: Floats = np.abs(values / constraint_scales(task.eqs, task.parameters)).max(axis=-1)
+        scales = constraint_scales(task.eqs, task.parameters)[: values.shape[-1]]
+        largest: Floats = np.abs(values / scales).max(axis=-1, initial=0.0)
         return largest
 
 

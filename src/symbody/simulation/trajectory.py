@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from symbody.equations.showing.units import Units
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
 from symbody.simulation.archive import Path, not_ours, read_archive, unwritable, write_archive
 from symbody.simulation.dense_output import DenseOutput
@@ -55,7 +56,7 @@ class Trajectory:
     stored : mapping of name to array
         Further arrays with time last.
     units : mapping of name to str
-        Units of what is known, such as ``{"theta": "rad"}``.
+        Units of what is known, such as ``run.units["effort j"]``; of frames, too, which no list holds.
     notes : tuple of str
         What the reader should know.
     name : str
@@ -284,7 +285,7 @@ class Trajectory:
                 Statistics(**about["statistics"]),
                 dense_output=dense_output,
                 stored={name: arrays[f"stored_{k}"] for k, name in enumerate(about["stored"])},
-                units=about["units"],
+                units=Units(about["units"]),
                 notes=tuple(about["notes"]),
                 name=about["name"],
                 events=tuple(Occurrence(*event) for event in about.get("events", ())),

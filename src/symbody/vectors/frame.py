@@ -6,7 +6,6 @@ choice makes another FrameTree.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from symbody.errors import FrameError, Problem, nearest
@@ -52,7 +51,7 @@ class FrameTree:
     """
 
     graph: Graph
-    parents: Mapping[str, tuple[str, Rotation]]
+    parents: dict[str, tuple[str, Rotation]]
     # What was found already. Each entry follows from the entries of `parents` on its way to the
     # root, and those stay, so none can go stale.
     _places: dict[str, Place] = field(default_factory=dict, init=False, compare=False, repr=False)

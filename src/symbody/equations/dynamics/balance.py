@@ -63,7 +63,9 @@ def _carry(
     """Add to `found` what the branches carry, given what the cut joints do."""
     rest = dict(needed)
     for name, carried in found.items():
-        joint = topology.joint(name)
+        joint = topology.link(name)
+        if joint is None:
+            continue
         rest[joint.end.body] = rest.get(joint.end.body, NULL) - carried
         rest[joint.start.body] = rest.get(joint.start.body, NULL) + carried
     for branch in reversed(tree.branches):
@@ -82,7 +84,9 @@ def _count_levers(
 ) -> None:
     """Take from the moments that bodies need what the joints' forces give about their centres of mass."""
     for name, force in forces.items():
-        joint = topology.joint(name)
+        joint = topology.link(name)
+        if joint is None:
+            continue
         end = joint.end.frame
         for body, share in ((joint.end.body, force), (joint.start.body, -force)):
             arm = kinematics.arm(body, end)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.expr.expression import Expr
+from symbody.expr.graph import Kind
+from symbody.expr.rewrite import dependence
 from symbody.vectors.vector import NULL, Vector, cross
 
 
@@ -65,6 +68,35 @@ class Effort:
 Load = PointForce | Moment | Pull | Effort
 
 
+@dataclass(frozen=True, slots=True)
+class Law:
+    """What one element does.
+
+    Attributes
+    ----------
+    loads : tuple of Load
+        On the bodies.
+    potential : Expr
+        Its energy, as far as it has one [J].
+    power : Expr
+        Of what has none [W].
+    rest : tuple of Load or None
+        The loads of what has none; None: all of `loads`.
+    efforts, measures : mapping of name to Expr
+        What "effort NAME" means, and other outputs by their whole names.
+    notes : tuple of str
+        What was chosen.
+    """
+
+    loads: tuple[Load, ...]
+    potential: Expr
+    power: Expr
+    rest: tuple[Load, ...] | None = None
+    efforts: Mapping[str, Expr] = field(default_factory=dict)
+    measures: Mapping[str, Expr] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
 def wrenches(kinematics: Kinematics, load: Load) -> list[tuple[str, Vector, Vector]]:
     """Return (frame, force, torque) for each body on which a load acts, the torque about the frame's origin.
 
@@ -78,3 +110,13 @@ def wrenches(kinematics: Kinematics, load: Load) -> list[tuple[str, Vector, Vect
         force = load.arm * load.factor
         return [(load.end, force, NULL), (load.start, -force, NULL)]
     return [(load.frame, load.force, cross(kinematics.tree, load.arm, load.force))]
+
+
+def couple(start: str, end: str, torque: Vector) -> tuple[Moment, Moment]:
+    """Return a torque on the body end, and the opposite one on start."""
+    return (Moment(end, torque), Moment(start, -torque))
+
+
+def is_constant(x: Expr) -> bool:
+    """Return whether an expression holds nothing but parameters."""
+    return dependence(x.graph, [x.index])[x.index] <= {Kind.PARAMETER}

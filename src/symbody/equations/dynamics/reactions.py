@@ -7,19 +7,18 @@ the reaction.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from symbody.equations.dynamics.balance import NOTHING, Wrench, balanced
 from symbody.equations.dynamics.inertia import Inertia
 from symbody.equations.dynamics.load import Load
-from symbody.equations.dynamics.virtual_work import inertial, without_loads
-from symbody.equations.kinematics.closings import Row
-from symbody.equations.kinematics.joint_axes import free_directions
+from symbody.equations.dynamics.needs import inertial, without_loads
+from symbody.equations.kinematics.joint_axes import coordinate_slide, coordinate_turn, free_slides
 from symbody.equations.kinematics.motion import Kinematics, Velocity
 from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.row import Row
 from symbody.equations.kinematics.variables import turns_of
 from symbody.expr.expression import Expr, symbol
-from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.graph.topology import Topology
 from symbody.model.joint import Joint
 from symbody.vectors.vector import NULL, Vector, cross, dot, vector
@@ -39,10 +38,7 @@ def joint_wrenches(
     cut : iterable of (joint name, Wrench)
         What joints transmit where they are cut, in any number of parts.
     """
-    parts: dict[str, Wrench] = {}
-    for name, part in cut:
-        other = parts.get(name, NOTHING)
-        parts[name] = Wrench(other.force + part.force, other.moment + part.moment)
+    parts = summed(cut)
     needed = {}
     for body in bodies:
         v, w = kinematics.velocities[body.frame], kinematics.angular_velocities[body.frame]
@@ -53,44 +49,74 @@ def joint_wrenches(
     return {joint.name: found.get(joint.name, NOTHING) for joint in topology.joints}
 
 
-def row_wrenches(graph: Graph, rows: Iterable[Row]) -> Iterator[tuple[str, Wrench]]:
-    """Return what the multipliers of rows give at the joints the rows belong to."""
-    for row in rows:
-        multiplier = symbol(graph, Symbol(row.name, Kind.MULTIPLIER))
+def summed(parts: Iterable[tuple[str, Wrench]]) -> dict[str, Wrench]:
+    """Return the sum of the parts of each joint's wrench."""
+    found: dict[str, Wrench] = {}
+    for name, part in parts:
+        other = found.get(name, NOTHING)
+        found[name] = Wrench(other.force + part.force, other.moment + part.moment)
+    return found
+
+
+def row_wrenches(rows: Iterable[tuple[Row, Expr]]) -> Iterator[tuple[str, Wrench]]:
+    """Return what rows with their multipliers give at the joints the rows belong to."""
+    for row, multiplier in rows:
         yield row.element, Wrench(row.force * multiplier, row.moment * multiplier)
 
 
 def drive_wrench(names: Names, kinematics: Kinematics, joint: Joint, coordinate: str, effort: Expr) -> Wrench:
     """Return the wrench of an effort along a coordinate that is measured, not a variable."""
-    start = kinematics.tree.home(joint.start.frame)
+    tree = kinematics.tree
     if coordinate in joint.rotation_coordinates:
-        return Wrench(NULL, free_turns(names, kinematics, joint)[0] * effort)
+        return Wrench(NULL, coordinate_turn(names, tree, joint, coordinate) * effort)
     k = joint.translation_coordinates.index(coordinate)
-    return Wrench(vector(start, free_directions(names, joint)[k]) * effort, NULL)
+    return Wrench(free_slides(names, tree, joint)[k] * effort, NULL)
 
 
 def reaction(names: Names, kinematics: Kinematics, joint: Joint, total: Wrench) -> Wrench:
-    """Return the part of a joint's wrench that does no work in any of its motions."""
-    start = kinematics.tree.home(joint.start.frame)
-    slides = [vector(start, direction) for direction in free_directions(names, joint)]
-    turning = 3 if joint.quaternion is not None else 0
-    turns = free_turns(names, kinematics, joint)
-    return Wrench(
-        _without(kinematics, total.force, slides, len(slides)),
-        _without(kinematics, total.moment, turns, turning or len(turns)),
-    )
+    """Return the part of a joint's wrench that does no work in any of its motions.
+
+    What is left out are forces along its displacements and moments in the plane of its turns.
+    """
+    slides = free_slides(names, kinematics.tree, joint)
+    force = _without(kinematics, total.force, slides)
+    return Wrench(force, _locked_moment(names, kinematics, joint, Wrench(force, total.moment)))
 
 
-def free_turns(names: Names, kinematics: Kinematics, joint: Joint) -> list[Vector]:
-    """Return the axes about which a joint turns; of two, the first in start and the second in end."""
+def effort_along(names: Names, kinematics: Kinematics, joint: Joint, coordinate: str, total: Wrench) -> Expr:
+    """Return the generalized force of a joint's wrench along one of its coordinates."""
     tree = kinematics.tree
-    turns = turns_of(names, joint.turns(), f"joint {joint.name}")
-    if len(turns) == 1:
-        return [vector(tree.home(joint.start.frame), turns[0].axis)]
-    ends = (joint.start.frame, joint.end.frame)
-    if len(turns) == 2:
-        return [vector(tree.home(frame), turn.axis) for frame, turn in zip(ends, turns, strict=True)]
-    return [vector(tree.home(joint.end.frame), turn.axis) for turn in turns]
+    turn = coordinate_turn(names, tree, joint, coordinate)
+    slide = coordinate_slide(names, kinematics, joint, coordinate)
+    return dot(tree, slide, total.force) + dot(tree, turn, total.moment)
+
+
+def _locked_moment(names: Names, kinematics: Kinematics, joint: Joint, total: Wrench) -> Vector:
+    """Return the moment without that in the plane of a joint's turns; with the force, it does no work."""
+    tree = kinematics.tree
+    angles = joint.rotation_coordinates
+    if not angles:
+        return total.moment
+    if len(angles) == 1:
+        axis = coordinate_turn(names, tree, joint, angles[0])
+        return total.moment - axis * effort_along(names, kinematics, joint, angles[0], total)
+    if len(angles) == 2:
+        normal = _across_turns(names, kinematics, joint)
+        return normal * (dot(tree, normal, total.moment) / dot(tree, normal, normal))
+    if joint.shift_in == "end":  # the force acts through the origin of start
+        return cross(tree, total.force, kinematics.arm(joint.start.frame, joint.end.frame))
+    return NULL
+
+
+def _across_turns(names: Names, kinematics: Kinematics, joint: Joint) -> Vector:
+    """Return the direction about which a joint with two angles cannot turn."""
+    tree = kinematics.tree
+    if joint.is_untwisted:  # the bisector of both shafts, also where they are in line
+        shaft = turns_of(names, joint.turns(), f"joint {joint.name}")[0].axis
+        start, end = tree.home(joint.start.frame), tree.home(joint.end.frame)
+        return vector(start, shaft) + vector(end, shaft)
+    first, second = (coordinate_turn(names, tree, joint, name) for name in joint.rotation_coordinates)
+    return cross(tree, first, second)
 
 
 def acceleration(kinematics: Kinematics, velocity: Velocity) -> Vector:
@@ -102,23 +128,10 @@ def acceleration(kinematics: Kinematics, velocity: Velocity) -> Vector:
     return total
 
 
-def _without(kinematics: Kinematics, total: Vector, free: list[Vector], count: int) -> Vector:
-    """Return the part of a vector that stands on all free directions."""
-    tree = kinematics.tree
-    if count == 0:
-        return total
-    if count == 1:
-        return total - free[0] * dot(tree, free[0], total)
-    if count == 2:
-        normal = cross(tree, free[0], free[1])
-        return normal * (dot(tree, normal, total) / dot(tree, normal, normal))
-    return NULL
-
-
-def effort_along(kinematics: Kinematics, total: Wrench, slide: Vector | None, turn: Vector | None) -> Expr:
-    """Return the generalized force of a wrench along a free direction."""
-    tree = kinematics.tree
-    if slide is not None:
-        return dot(tree, slide, total.force)
-    assert turn is not None
-    return dot(tree, turn, total.moment)
+def _without(kinematics: Kinematics, total: Vector, free: Sequence[Vector]) -> Vector:
+    """Return the part of a vector across free directions, which are perpendicular unit vectors."""
+    if len(free) == 3:
+        return NULL
+    for direction in free:
+        total = total - direction * dot(kinematics.tree, direction, total)
+    return total

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from symbody.equations.kinematics.joint_axes import free_directions, perpendiculars
+from symbody.equations.kinematics.joint_axes import free_slides, perpendiculars
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import Use, turns_of
-from symbody.expr.expression import Expr, atan2
+from symbody.expr.expression import Expr, atan2, cos, sin, sqrt
 from symbody.model.joint import Joint
 from symbody.vectors.euler_angles import measured_angles
-from symbody.vectors.matrix import Triple
-from symbody.vectors.vector import cross, dot, vector
+from symbody.vectors.matrix import Triple, outer
+from symbody.vectors.vector import Vector, cross, dot, vector
 
 
 def measured_coordinates(names: Names, kinematics: Kinematics, use: Use) -> dict[str, Expr]:
@@ -33,37 +33,89 @@ def _displacements(names: Names, kinematics: Kinematics, joint: Joint) -> dict[s
     tree = kinematics.tree
     start, end = joint.start.frame, joint.end.frame
     arm = kinematics.arm(start, end)
-    swing = cross(tree, kinematics.angular_velocities[start].value, arm)
+    carrier = end if joint.shift_in == "end" else start
+    swing = cross(tree, kinematics.angular_velocities[carrier].value, arm)
     slide = kinematics.velocities[end].value - kinematics.velocities[start].value - swing
     found = {}
-    turning = set(joint.rotation_coordinates)
-    coordinates = [name for name in joint.translation_coordinates if name not in turning]
-    for name, direction in zip(coordinates, free_directions(names, joint), strict=True):
-        along = vector(tree.home(start), direction)
+    coordinates = [name for name in joint.translation_coordinates if name not in joint.coupled_coordinates]
+    for name, along in zip(coordinates, free_slides(names, tree, joint), strict=True):
         found[name], found[f"{name}_dot"] = dot(tree, along, arm), dot(tree, along, slide)
     return found
 
 
 def _angles(names: Names, kinematics: Kinematics, joint: Joint) -> dict[str, Expr]:
-    tree = kinematics.tree
-    start, end = tree.home(joint.start.frame), tree.home(joint.end.frame)
     turns = turns_of(names, joint.turns(), f"joint {joint.name}")
-    turning = kinematics.angular_velocities[end].value - kinematics.angular_velocities[start].value
     if len(turns) == 1:
-        axis = turns[0].axis
-        first, second = perpendiculars(tree.graph, axis)
-        seen = vector(end, first)
-        sine, cosine = dot(tree, vector(start, second), seen), dot(tree, vector(start, first), seen)
-        name = joint.rotation_coordinates[0]
-        return {name: atan2(sine, cosine), f"{name}_dot": dot(tree, vector(start, axis), turning)}
+        return _single_angle(kinematics, joint, turns[0].axis)
+    if len(turns) == 2:
+        return _two_angles(kinematics, joint, turns[0].axis, turns[1].axis)
+    if joint.is_untwisted:
+        return _bend(kinematics, joint, turns[0].axis)
     letters = [_letter(turn.axis) for turn in turns]
     if len(turns) != 3 or None in letters:
         return {}
+    tree = kinematics.tree
+    start, end = tree.home(joint.start.frame), tree.home(joint.end.frame)
     angles = measured_angles(tree.matrix(start, end), "".join(letter or "" for letter in letters))
     # In the order of the turns, which a sequence about space axes reverses.
     ordered = [turn.angle.names[0] for turn in joint.turns()]
     found = dict(zip(ordered, angles, strict=True))
     return found | {f"{name}_dot": kinematics.rate(angle) for name, angle in found.items()}
+
+
+def _single_angle(kinematics: Kinematics, joint: Joint, axis: Triple) -> dict[str, Expr]:
+    tree = kinematics.tree
+    start, end = tree.home(joint.start.frame), tree.home(joint.end.frame)
+    first, second = perpendiculars(tree.graph, axis)
+    seen = vector(end, first)
+    sine, cosine = dot(tree, vector(start, second), seen), dot(tree, vector(start, first), seen)
+    name = joint.rotation_coordinates[0]
+    turning = _turning(kinematics, joint)
+    return {name: atan2(sine, cosine), f"{name}_dot": dot(tree, vector(start, axis), turning)}
+
+
+def _two_angles(kinematics: Kinematics, joint: Joint, a: Triple, b: Triple) -> dict[str, Expr]:
+    """Return the angles about an axis of start and an axis of end, which stay perpendicular."""
+    tree = kinematics.tree
+    start, end = tree.home(joint.start.frame), tree.home(joint.end.frame)
+    first, second = vector(start, a), vector(end, b)
+    across = outer(a, b)
+    turning = _turning(kinematics, joint)
+    found = {}
+    for name, axis, seen, line, side in (
+        (joint.coordinates[0], first, second, vector(start, b), vector(start, across)),
+        (joint.coordinates[1], second, first, vector(end, a), vector(end, across)),
+    ):
+        found[name] = atan2(dot(tree, side, seen), dot(tree, line, seen))
+        found[f"{name}_dot"] = dot(tree, axis, turning)
+    return found
+
+
+def _bend(kinematics: Kinematics, joint: Joint, axis: Triple) -> dict[str, Expr]:
+    """Return the angle between two shafts, in [0, pi], and its azimuth; that has no rate where they align."""
+    tree = kinematics.tree
+    start, end = tree.home(joint.start.frame), tree.home(joint.end.frame)
+    x, y = (vector(start, across) for across in perpendiculars(tree.graph, axis))
+    near, far = vector(start, axis), vector(end, axis)
+    turning = _turning(kinematics, joint)
+    east, north = dot(tree, x, far), dot(tree, y, far)
+    azimuth = atan2(north, east)
+    bend, direction = joint.coordinates
+    lean = sqrt(east * east + north * north)
+    apart = near - far
+    square = dot(tree, apart, apart)
+    found = {
+        bend: atan2(lean, dot(tree, near, far)),
+        direction: azimuth,
+        f"{bend}_dot": dot(tree, y * cos(azimuth) - x * sin(azimuth), turning),
+    }
+    # Shafts in line whatever the coordinates have no azimuth that could change.
+    return found if square.is_zero else found | {f"{direction}_dot": dot(tree, apart, turning) / square}
+
+
+def _turning(kinematics: Kinematics, joint: Joint) -> Vector:
+    angular = kinematics.angular_velocities
+    return angular[joint.end.frame].value - angular[joint.start.frame].value
 
 
 def _letter(axis: Triple) -> str | None:

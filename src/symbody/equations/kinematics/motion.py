@@ -17,7 +17,7 @@ from symbody.expr.opcodes import SYMBOL
 from symbody.expr.rewrite import substitute, symbols_of
 from symbody.vectors.euler_parameters import EulerParameters
 from symbody.vectors.frame import FrameTree
-from symbody.vectors.rotation import Rotation, Turn, rotation_of
+from symbody.vectors.rotation import DirectionCosines, Matrix, Rotation, Turn, rotation_of
 from symbody.vectors.vector import NULL, Vector, cross, drawn_near, lifted, vector
 
 
@@ -186,10 +186,13 @@ class Kinematics:
 
     def bias(self, x: Expr) -> Expr:
         """Return the time derivative of a scalar in q, u, t with all u' = 0."""
+        return self.resting(self.rate(x))
+
+    def resting(self, x: Expr) -> Expr:
+        """Return a scalar with all u' = 0."""
         graph = self.graph
-        rate = self.rate(x)
-        zero = {node: 0 for node in symbols_of(graph, [rate.index]) if _is_acceleration(graph, node)}
-        return Expr(graph, substitute(graph, [rate.index], zero)[0]) if zero else rate
+        zero = {node: 0 for node in symbols_of(graph, [x.index]) if _is_acceleration(graph, node)}
+        return Expr(graph, substitute(graph, [x.index], zero)[0]) if zero else x
 
     def slopes(self, x: Expr) -> dict[int, Expr]:
         """Return the coefficient of each speed in a scalar, zeros left out."""
@@ -241,8 +244,24 @@ def form_kinematics(
     for turning in turnings:
         _turn(kinematics, parents, turning)
     for shifting in shiftings:
-        _shift(kinematics, shifting)
+        enter_origin(kinematics, shifting)
     return kinematics
+
+
+def enter_axes(
+    kinematics: Kinematics, child: str, parent: str, cosines: Matrix, angular_velocity: Vector
+) -> None:
+    """Enter a frame by its rotation matrix, child components to parent components.
+
+    Parameters
+    ----------
+    angular_velocity : Vector
+        Of the child relative to the parent, in coordinates and speeds.
+    """
+    near = kinematics.angular_velocities[parent]
+    kinematics.tree.parents[child] = (parent, Rotation((DirectionCosines(cosines),)))
+    bias = kinematics.derivative(angular_velocity).map(kinematics.resting)
+    kinematics.angular_velocities[child] = near.combined(kinematics.affine(angular_velocity, bias))
 
 
 def _turn(kinematics: Kinematics, parents: dict[str, tuple[str, Rotation]], turning: Turning) -> None:
@@ -278,7 +297,7 @@ def _turned(kinematics: Kinematics, near: Velocity, frame: str, turn: Turn) -> V
     return near.combined(kinematics.affine(spin, bias))
 
 
-def _shift(kinematics: Kinematics, shifting: Shifting) -> None:
+def enter_origin(kinematics: Kinematics, shifting: Shifting) -> None:
     """Enter the origin of a frame."""
     tree, parent, child = kinematics.tree, shifting.parent, shifting.child
     # Frames that are not turned share one set of components, so that terms can add up.

@@ -51,7 +51,8 @@ def shiftings(topology: Topology, names: Names) -> Iterator[Shifting]:
 
 def joint_shift(names: Names, joint: Joint) -> Vector:
     """Return the position of a joint's end frame from its start frame, in the joint's coordinates."""
-    return vector(joint.start.frame, names.triple(joint.shift(), f"joint {joint.name}"))
+    home = joint.end.frame if joint.shift_in == "end" else joint.start.frame
+    return vector(home, names.triple(joint.shift(), f"joint {joint.name}"))
 
 
 def _fixed_turnings(names: Names, body: str, frames: Iterable[tuple[str, Frame]]) -> Iterator[Turning]:

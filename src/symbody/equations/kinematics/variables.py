@@ -110,8 +110,8 @@ class Variables:
     singularities: Mapping[str, Expr]
 
 
-def form_variables(names: Names, uses: Sequence[Use]) -> Variables:
-    """Return the variables that the joints in use bring."""
+def form_variables(names: Names, uses: Sequence[Use], own: Sequence[str] = ()) -> Variables:
+    """Return the variables that the joints in use bring, then `own` coordinates of constraints."""
     graph = names.graph
     q: list[Symbol] = []
     u: list[Symbol] = []
@@ -129,6 +129,11 @@ def form_variables(names: Names, uses: Sequence[Use]) -> Variables:
                 singular[use.joint.name] = determinant
         if use.turns and use.joint.quaternion is not None:
             quaternions.append(tuple(names.value(name).index for name in use.joint.quaternion))
+    for name in own:
+        coordinate = Symbol(name, Kind.COORDINATE)
+        q.append(coordinate)
+        u.append(coordinate.derivative)
+        rates[graph.symbol(coordinate)] = graph.symbol(coordinate.derivative)
     return Variables(tuple(q), tuple(u), rates, tuple(quaternions), singular)
 
 

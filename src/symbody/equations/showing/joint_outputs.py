@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.equations.dynamics.balance import Wrench
-from symbody.equations.dynamics.loads import effort_name
-from symbody.equations.dynamics.reactions import effort_along, free_turns, reaction
+from symbody.equations.dynamics.balance import NOTHING, Wrench
+from symbody.equations.dynamics.reactions import effort_along, reaction
 from symbody.equations.formed import Formed
-from symbody.equations.kinematics.joint_axes import free_directions
 from symbody.equations.kinematics.variables import Use
+from symbody.equations.loads.loads import effort_name
 from symbody.equations.showing.output_words import output_words
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, symbol
 from symbody.expr.graph import Kind, Symbol
-from symbody.vectors.vector import components, cross, vector
+from symbody.model.constraints import Rolling
+from symbody.vectors.vector import components, cross
 
 _ENTRIES: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 
@@ -28,21 +28,23 @@ def reaction_wrench(formed: Formed, joint: str, on: str = "", at: str = "") -> W
     on : str, optional
         The body it acts on; the end body by default.
     at : str, optional
-        The frame whose origin the moment is about; the end frame by default.
+        The frame whose origin the moment is about; by default the end frame, or the point of contact.
 
     Raises
     ------
     FormulationError
         If there is no such joint or frame, or the body is none of its two.
     """
-    owner = next((use.joint for use in formed.uses if use.joint.name == joint), None)
+    owner = formed.topology.link(joint)
     if owner is None:
-        names = [use.joint.name for use in formed.uses]
         raise FormulationError(
-            Problem("equations.unknown_joint", f"joint {joint}", f"there is no joint {joint!r}", "",
-                    nearest(joint, names))
+            Problem("equations.unknown_joint", f"joint {joint}", f"no joint or constraint {joint!r} connects "
+                    "two bodies", "", nearest(joint, formed.wrenches))
         )  # fmt: skip
-    found = reaction(formed.names, formed.kinematics, owner, formed.wrenches[joint])
+    found = formed.wrenches.get(joint, NOTHING)
+    if joint not in formed.topology.contacts:
+        found = reaction(formed.names, formed.kinematics, formed.topology.joint(joint), found)
+    at = joint if isinstance(owner, Rolling) and not at else at
     if at:
         arm = formed.kinematics.arm(formed.frame(at), owner.end.frame)
         found = Wrench(found.force, found.moment + cross(formed.kinematics.tree, arm, found.force))
@@ -54,19 +56,25 @@ def reaction_wrench(formed: Formed, joint: str, on: str = "", at: str = "") -> W
     return Wrench(-found.force, -found.moment) if on == owner.start.body else found
 
 
+def reaction_axes(formed: Formed, name: str) -> str:
+    """Return the frame in whose axes a reaction is told: start; the frame of contact of what rolls."""
+    link = formed.topology.link(name)
+    assert link is not None
+    return formed.frame(name) if isinstance(link, Rolling) else link.start.frame
+
+
 def reaction_output(formed: Formed, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
-    """Return the output "reaction J", (6,) in the axes of the start frame, or one entry "reaction J Fx"."""
-    words = output_words(rest, [use.joint.name for use in formed.uses])
+    """Return the output "reaction J", (6,), or one entry "reaction J Fx"; see `reaction_axes`."""
+    words = output_words(rest, formed.wrenches)
     name, entry = words[0], words[1] if len(words) == 2 else ""
     if len(words) > 2 or (entry and entry not in _ENTRIES):
         raise FormulationError(
             Problem("equations.reaction_words", f"reaction {rest}", f"{rest!r} does not name a reaction", "",
                     f'write "reaction JOINT" or "reaction JOINT ENTRY" with one of {", ".join(_ENTRIES)}')
         )  # fmt: skip
-    wrench = reaction_wrench(formed, name)
-    start = next(use.joint.start.frame for use in formed.uses if use.joint.name == name)
+    wrench, axes = reaction_wrench(formed, name), reaction_axes(formed, name)
     tree = formed.kinematics.tree
-    values = [*components(tree, wrench.force, start), *components(tree, wrench.moment, start)]
+    values = [*components(tree, wrench.force, axes), *components(tree, wrench.moment, axes)]
     return ((), [values[_ENTRIES.index(entry)]]) if entry else ((6,), values)
 
 
@@ -105,7 +113,10 @@ def total_power(formed: Formed) -> Expr:
         total = total + _held(formed, use, coordinate) * names.value(f"{coordinate}_dot")
     for row in formed.rows:
         if row.coordinate:
-            total = total - symbol(graph, Symbol(row.name, Kind.MULTIPLIER)) * row.rest
+            total = total - symbol(graph, Symbol(row.name, Kind.MULTIPLIER)) * formed.own_rest(row)
+    for row, multiplier in formed.rows_and_multipliers:
+        if row.driven is not None and not row.driven.is_zero:
+            total = total + multiplier * row.driven
     return total
 
 
@@ -120,15 +131,14 @@ def _held(formed: Formed, use: Use, coordinate: str) -> Expr:
     """Return the effort that holds a prescribed coordinate: the joint's wrench along it, and its rotor."""
     joint, names, kinematics = use.joint, formed.names, formed.kinematics
     total = formed.wrenches[joint.name]
-    if coordinate in joint.rotation_coordinates:
-        order = [turn.angle.names[0] for turn in joint.turns()]
-        turn = free_turns(names, kinematics, joint)[order.index(coordinate)]
-        effort = effort_along(kinematics, total, None, turn)
-    else:
-        k = joint.translation_coordinates.index(coordinate)
-        direction = vector(kinematics.tree.home(joint.start.frame), free_directions(names, joint)[k])
-        effort = effort_along(kinematics, total, direction, None)
+    effort = effort_along(names, kinematics, joint, coordinate, total)
     if coordinate in joint.armature:
         rotor = names.expression(joint.armature[coordinate], f"joint {joint.name}")
         effort = effort + rotor * names.value(f"{coordinate}_ddot")
+    for law in formed.friction:
+        if law.joint.name == joint.name:
+            effort = effort - law.effort
+    for row, multiplier in formed.rows_and_multipliers:
+        if coordinate in row.shares:
+            effort = effort - row.shares[coordinate] * multiplier
     return effort

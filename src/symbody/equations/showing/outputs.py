@@ -7,16 +7,23 @@ from typing import Final
 
 from symbody.equations.formed import Formed
 from symbody.equations.showing.frame_motion import frame_output
+from symbody.equations.showing.friction_outputs import (
+    friction_effort,
+    friction_names,
+    friction_normal,
+    friction_reserve,
+)
 from symbody.equations.showing.joint_outputs import effort_names, joint_effort, reaction_output, total_power
+from symbody.equations.showing.rope_outputs import ROPE_OUTPUTS
 from symbody.equations.solving.projection import (
     position_move,
     position_residual,
     velocity_move,
     velocity_residual,
 )
-from symbody.equations.solving.solution import solve, solved
+from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.solution import resistance, solve, solved
 from symbody.errors import ExpressionError, FormulationError, Problem, nearest
-from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Kind, Symbol
 from symbody.expr.language.formula import Formula
@@ -38,6 +45,9 @@ def output_roots(formed: Formed, name: str) -> Roots:
     maker = _MAKERS.get(name)
     if maker is not None:
         return maker(formed)
+    measured = formed.loads.measures.get(name.replace('"', ""))
+    if measured is not None:
+        return _roots(name, (), [measured])
     first, _, rest = name.partition(" ")
     if first in _ABOUT and rest:
         shape, values = _ABOUT[first](formed, rest)
@@ -68,11 +78,23 @@ def _check_measured(formed: Formed, name: str, value: Expr) -> None:
         )  # fmt: skip
 
 
+def evaluable_roots(formed: Formed, name: str) -> Roots:
+    """Return the roots of an output without unknown friction efforts, which formulas for reading keep."""
+    roots = output_roots(formed, name)
+    if not formed.friction:
+        return roots
+    found = solved(formed, [Expr(formed.graph, node) for node in roots.nodes])
+    return _roots(name, roots.shape, found)
+
+
 def output_names(formed: Formed) -> tuple[str, ...]:
     """Return the reserved output names of these equations; those of frames are made on demand."""
-    reactions = (f"reaction {joint.name}" for joint in formed.topology.joints)
+    links = (*formed.topology.joints, *formed.topology.contacts.values())
+    reactions = (f"reaction {link.name}" for link in links)
     efforts = (f"effort {name}" for name in effort_names(formed))
-    return (*_MAKERS, *efforts, *reactions)
+    friction = (f"friction {name}" for name in friction_names(formed))
+    tensions = (f"rope_tension {name}" for name in ropes(formed))
+    return (*_MAKERS, *efforts, *friction, *tensions, *reactions, *formed.loads.measures)
 
 
 def _udot(formed: Formed) -> list[Expr]:
@@ -112,13 +134,6 @@ def _matrix(
     return make
 
 
-def _position_jacobian(formed: Formed) -> list[list[Expr]]:
-    graph = formed.graph
-    by = [q.index for q in formed.expressions(formed.q)]
-    rows = jacobian(graph, [row.value.index for row in formed.rows], by)
-    return [[Expr(graph, entry) for entry in row] for row in rows]
-
-
 def _bias(formed: Formed) -> list[Expr]:
     return [-force for force in formed.projection.forcing]
 
@@ -136,21 +151,31 @@ _MAKERS: Final[dict[str, Callable[[Formed], Roots]]] = {
     "potential_energy": _scalar("potential_energy", lambda formed: formed.loads.potential_energy),
     "energy": _scalar("energy", lambda formed: formed.kinetic_energy + formed.loads.potential_energy),
     "power": _scalar("power", lambda formed: solved(formed, [total_power(formed)])[0]),
-    "constraints": _vector("constraints", lambda formed: [row.value for row in formed.rows]),
+    "constraints": _vector("constraints", lambda formed: [row.value for row in formed.holonomic]),
     "velocity_constraints": _vector("velocity_constraints", velocity_residual),
     "gamma": _vector("gamma", lambda formed: [row.gamma for row in formed.rows]),
     "jacobian": _matrix("jacobian", lambda formed: formed.jacobian),
-    "position_jacobian": _matrix("position_jacobian", _position_jacobian, lambda formed: formed.q),
+    "position_jacobian": _matrix(
+        "position_jacobian", lambda formed: formed.position_jacobian, lambda formed: formed.q
+    ),
     # for those who integrate themselves: what drifts, and how to bring it back
     "position_residual": _vector("position_residual", position_residual),
     "position_move": _vector("position_move", position_move),
     "velocity_residual": _vector("velocity_residual", velocity_residual),
     "velocity_move": _vector("velocity_move", velocity_move),
+    # joint by joint: zero where friction and the reactions it comes from fit; positive where they are
+    # determined
+    "friction_residual": _vector("friction_residual", lambda formed: resistance(formed).residuals),
+    "friction_margin": _vector("friction_margin", lambda formed: resistance(formed).margins),
     "alignment": _vector("alignment", lambda formed: list(formed.alignments)),
 }
 
 # Words followed by names.
 _ABOUT: Final[dict[str, Callable[[Formed, str], tuple[tuple[int, ...], list[Expr]]]]] = {
+    "friction": friction_effort,
+    "friction_normal": friction_normal,
+    "friction_reserve": friction_reserve,
+    **ROPE_OUTPUTS,
     "effort": lambda formed, rest: ((), [joint_effort(formed, rest)]),
     "reaction": reaction_output,
     "frame": frame_output,

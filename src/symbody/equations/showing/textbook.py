@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 from symbody.equations.formed import Formed
 from symbody.equations.showing.frame_motion import frame_motion_entries
-from symbody.equations.showing.joint_outputs import reaction_wrench
+from symbody.equations.showing.joint_outputs import reaction_axes, reaction_wrench
 from symbody.equations.showing.outputs import output_roots
 from symbody.expr.closed_form import ClosedForms, closed_forms, equated, readable
 from symbody.expr.expression import Expr
@@ -141,7 +141,7 @@ class Textbook:
         """Return a reaction as matrices; see `EquationSet.reaction`."""
         wrench = reaction_wrench(self.formed, joint, on, at)
         tree = self.formed.kinematics.tree
-        axes = self.formed.frame(frame) if frame else self.formed.topology.joint(joint).start.frame
+        axes = self.formed.frame(frame) if frame else reaction_axes(self.formed, joint)
         force = self._matrix("force", (3, 1), components(tree, wrench.force, axes))
         moment = self._matrix("moment", (3, 1), components(tree, wrench.moment, axes))
         return Reaction(force, moment)

@@ -13,11 +13,11 @@ from random import Random
 from typing import Final
 
 from symbody.equations.formed import Formed
-from symbody.equations.kinematics.closings import Row
+from symbody.equations.kinematics.row import Row
 from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.expression import Expr
+from symbody.expr.expression import Expr, number
 from symbody.expr.sequence import Input, Roots, build_sequence
-from symbody.vectors.vector import NULL, Vector, cross, dot
+from symbody.vectors.vector import cross, dot
 
 _POINTS: Final = 3
 # Of the motions a row compares. Axes typed with 10 digits still count as what they mean; no mechanism works
@@ -70,21 +70,24 @@ def _silent(formed: Formed, parameters: Mapping[str, float]) -> list[bool]:
 def _slopes_and_squares(formed: Formed, row: Row) -> tuple[list[Expr], list[Expr]]:
     """Return the slopes of a row, and for each the square of the motions whose difference it is part of."""
     kinematics, tree = formed.kinematics, formed.kinematics.tree
-    joint = formed.topology.joint(row.element)
-    start, end = joint.start.frame, joint.end.frame
+    link = formed.topology.link(row.element)
+    if link is None:  # written in coordinates, not in motions of frames
+        return [number(formed.graph, 1)], [number(formed.graph, 0)]
+    start, end = link.start.frame, link.end.frame
     w, w_end = kinematics.angular_velocities[start], kinematics.angular_velocities[end]
     v, v_end = kinematics.velocities[start], kinematics.velocities[end]
     arm = kinematics.arm(start, end)
+    # A moment beside a force has the length of a lever; alone it stands for an angle.
+    lever = number(formed.graph, 1) if row.force.is_zero else dot(tree, row.moment, row.moment)
     slopes, squares = [], []
     for u, slope in row.slopes.items():
-        parts: list[Vector] = [NULL]
-        if not row.moment.is_zero:
-            parts = [w.partial(u), w_end.partial(u)]
-        elif not row.force.is_zero:
-            parts = [v.partial(u), v_end.partial(u), cross(tree, w.partial(u), arm)]
         square = Expr(formed.graph, 0)
-        for part in parts:
-            square = square + dot(tree, part, part)
+        if not row.force.is_zero:
+            for part in (v.partial(u), v_end.partial(u), cross(tree, w.partial(u), arm)):
+                square = square + dot(tree, part, part)
+        if not row.moment.is_zero:
+            for part in (w.partial(u), w_end.partial(u)):
+                square = square + dot(tree, part, part) * lever
         slopes.append(slope)
         squares.append(square)
     return slopes, squares

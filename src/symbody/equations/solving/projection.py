@@ -6,7 +6,10 @@ same `solve_saddle` as for accelerations, with no force. Quaternions are brought
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from symbody.equations.formed import Formed
+from symbody.equations.kinematics.row import Row
 from symbody.expr.expression import Expr, number, saddle_entry, sqrt
 from symbody.expr.graph import Kernel
 from symbody.expr.rewrite import substitute
@@ -15,13 +18,14 @@ from symbody.expr.rewrite import substitute
 def position_residual(formed: Formed) -> list[Expr]:
     """Return the constraints Phi, then by how much the norm of each quaternion exceeds 1."""
     norms = [sqrt(_square(formed, quaternion)) - 1 for quaternion in formed.variables.quaternions]
-    return [*(row.value for row in formed.rows), *norms]
+    return [*(row.value for row in formed.holonomic), *norms]
 
 
 def position_move(formed: Formed) -> list[Expr]:
     """Return what to add to q so that the position residual vanishes to first order."""
     graph = formed.graph
-    moves = _along_rates(formed, _least_move(formed, [-row.value for row in formed.rows]))
+    holonomic = formed.holonomic
+    moves = _along_rates(formed, _least_move(formed, holonomic, [-row.value for row in holonomic]))
     place = {graph.symbol(symbol): k for k, symbol in enumerate(formed.q)}
     for quaternion in formed.variables.quaternions:
         norm = sqrt(_square(formed, quaternion))
@@ -43,17 +47,17 @@ def velocity_residual(formed: Formed) -> list[Expr]:
 
 def velocity_move(formed: Formed) -> list[Expr]:
     """Return what to add to u so that the velocity residual vanishes."""
-    return _least_move(formed, [-x for x in velocity_residual(formed)])
+    return _least_move(formed, formed.rows, [-x for x in velocity_residual(formed)])
 
 
-def _least_move(formed: Formed, gamma: list[Expr]) -> list[Expr]:
-    """Return the move of the speeds with ``J move = gamma`` that is least in the mass matrix."""
+def _least_move(formed: Formed, rows: Sequence[Row], gamma: Sequence[Expr]) -> list[Expr]:
+    """Return the move of the speeds with ``J move = gamma`` for some rows, least in the mass matrix."""
     zero = number(formed.graph, 0)
-    n, m = len(formed.u), len(formed.rows)
+    n, m = len(formed.u), len(rows)
     if m == 0:
         return [zero] * n
     mass = [entry for row in formed.projection.mass_matrix for entry in row]
-    slopes = [entry for row in formed.jacobian for entry in row]
+    slopes = [row.slopes.get(u, zero) for row in rows for u in formed.kinematics.speeds]
     operands = tuple(x.index for x in (*mass, *slopes, *[zero] * n, *gamma))
     kernel = formed.graph.kernel(Kernel(n, m))
     return [saddle_entry(formed.graph, kernel, operands, k) for k in range(n)]
@@ -63,10 +67,10 @@ def _along_rates(formed: Formed, speeds: list[Expr]) -> list[Expr]:
     """Return the change of q for a small motion ``u dt``: N times it, without explicit time."""
     graph, rates = formed.graph, formed.variables.rates
     nodes = [rates[graph.symbol(q)] for q in formed.q]
-    moved = substitute(
-        graph, nodes, {u: x.index for u, x in zip(formed.kinematics.speeds, speeds, strict=True)}
-    )
-    return [Expr(graph, node) for node in moved]
+    own = formed.kinematics.speeds
+    moved = substitute(graph, nodes, {u: x.index for u, x in zip(own, speeds, strict=True)})
+    rest = substitute(graph, nodes, dict.fromkeys(own, 0))
+    return [Expr(graph, node) - Expr(graph, other) for node, other in zip(moved, rest, strict=True)]
 
 
 def _square(formed: Formed, nodes: tuple[int, ...]) -> Expr:

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 from symbody.equations.dynamics.inertia import Inertia
 from symbody.equations.dynamics.linear_solve import solve_positive_definite
 from symbody.equations.formed import Formed
+from symbody.equations.loads.friction import Resistance
+from symbody.equations.solving.friction import solve_with_friction, unknown_symbols
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr, saddle_entry
-from symbody.expr.fingerprint import fingerprints
-from symbody.expr.graph import Graph, Kernel
+from symbody.expr.fingerprint import vanishing
+from symbody.expr.graph import Kernel
 from symbody.expr.rewrite import substitute
-
-
-def vanishing(graph: Graph, nodes: Sequence[int]) -> list[bool]:
-    """Return which nodes are identically zero, by fingerprint."""
-    values = fingerprints(graph, list(graph.reachable(nodes)))
-    return [values[node] == (0, 0) for node in nodes]
 
 
 def solve(formed: Formed) -> tuple[list[Expr], list[Expr]]:
@@ -29,27 +26,48 @@ def solve(formed: Formed) -> tuple[list[Expr], list[Expr]]:
         If there are no constraints and no mass resists some speed, naming it.
     """
     if not formed.solved:
-        formed.solved.append(_solve_saddle(formed) if formed.rows else (_solve_tree(formed), []))
+        linear = partial(_solve_linear, formed)
+        free = formed.free_bodies
+        if free is not None:
+            formed.solved.append((free.udot, free.multipliers))
+        elif formed.friction:
+            formed.solved.append(solve_with_friction(formed, linear))
+        else:
+            formed.solved.append(linear(formed.projection.forcing, [row.gamma for row in formed.rows]))
     return formed.solved[0]
 
 
+def resistance(formed: Formed) -> Resistance:
+    """Return what friction is."""
+    if not formed.friction:
+        return Resistance([], [], [], [])
+    solve(formed)
+    return formed.resistances[0]
+
+
 def solved(formed: Formed, values: Sequence[Expr]) -> list[Expr]:
-    """Return expressions in q, u, u' and the multipliers with the last two replaced by the solution."""
+    """Return expressions with u', the multipliers and friction efforts replaced by the solution."""
     graph = formed.graph
-    symbols = [*(u.derivative for u in formed.u), *formed.multipliers]
+    symbols = unknown_symbols(formed)
     nodes = {graph.symbol(symbol): k for k, symbol in enumerate(symbols)}
     if nodes.keys().isdisjoint(graph.reachable([value.index for value in values])):
         return list(values)
     udot, multipliers = solve(formed)
-    solution = [*udot, *multipliers]
+    solution = [*udot, *multipliers, *resistance(formed).efforts]
     replacements = {node: solution[k].index for node, k in nodes.items()}
     found = substitute(graph, [value.index for value in values], replacements)
     return [Expr(graph, node) for node in found]
 
 
-def _solve_tree(formed: Formed) -> list[Expr]:
-    projection = formed.projection
-    found = solve_positive_definite(projection.mass_matrix, projection.forcing, _outward(formed))
+def _solve_linear(
+    formed: Formed, forcing: Sequence[Expr], gamma: Sequence[Expr]
+) -> tuple[list[Expr], list[Expr]]:
+    """Return u' and the multipliers for a forcing and the right-hand side of the constraints."""
+    return _solve_saddle(formed, forcing, gamma) if formed.rows else (_solve_tree(formed, forcing), [])
+
+
+def _solve_tree(formed: Formed, forcing: Sequence[Expr]) -> list[Expr]:
+    found = solve_positive_definite(formed.projection.mass_matrix, forcing, _outward(formed))
     if any(map(_is_light, formed.bodies)):
         gone = vanishing(formed.graph, [pivot.index for pivot in found.pivots])
         problems = [_massless(formed, k) for k, zero in enumerate(gone) if zero]
@@ -58,14 +76,16 @@ def _solve_tree(formed: Formed) -> list[Expr]:
     return found.values
 
 
-def _solve_saddle(formed: Formed) -> tuple[list[Expr], list[Expr]]:
+def _solve_saddle(
+    formed: Formed, forcing: Sequence[Expr], gamma: Sequence[Expr]
+) -> tuple[list[Expr], list[Expr]]:
     graph, projection, jacobian = formed.graph, formed.projection, formed.jacobian
     n, m = len(formed.u), len(formed.rows)
     operands = [
         *(entry for row in projection.mass_matrix for entry in row),
         *(entry for row in jacobian for entry in row),
-        *projection.forcing,
-        *(row.gamma for row in formed.rows),
+        *forcing,
+        *gamma,
     ]
     nodes = tuple(operand.index for operand in operands)
     kernel = graph.kernel(Kernel(n, m))

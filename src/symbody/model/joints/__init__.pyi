@@ -1,6 +1,16 @@
+from .bearing import Bearing as Bearing
+from .cartesian import Cartesian as Cartesian
+from .constant_velocity import ConstantVelocity as ConstantVelocity
+from .cylindrical import Cylindrical as Cylindrical
 from .free import Free as Free
+from .gimbal import Gimbal as Gimbal
+from .pin_slot import PinSlot as PinSlot
 from .planar import Planar as Planar
 from .prismatic import Prismatic as Prismatic
+from .rectangular import Rectangular as Rectangular
 from .revolute import Revolute as Revolute
+from .screw import Screw as Screw
 from .spherical import Spherical as Spherical
+from .telescoping import Telescoping as Telescoping
+from .universal import Universal as Universal
 from .weld import Weld as Weld

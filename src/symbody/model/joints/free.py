@@ -11,7 +11,6 @@ from typing import Final, final
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Place
 from symbody.model.door import Value
-from symbody.model.forces import Drive
 from symbody.model.joint import RATES, Joint, QuasiSpeeds, Turn
 from symbody.model.joints.orientation import (
     QUATERNION,
@@ -24,6 +23,7 @@ from symbody.model.joints.orientation import (
     speeds_from,
 )
 from symbody.model.joints.words import Reader, Trees, take
+from symbody.model.loads.forces import Drive
 from symbody.model.table import Table
 from symbody.model.uses import Triple
 

@@ -38,6 +38,21 @@ def angles_from(joint: Joint, door: Door, value: object, path: str) -> str:
     return QUATERNION
 
 
+def three_angles_from(joint: Joint, door: Door, value: object, path: str) -> str:
+    """Return a sequence in digits; a quaternion is refused."""
+    if value != QUATERNION:
+        found = angles_from(joint, door, value, path)
+        return "123" if found == QUATERNION else found
+    door.refuse(
+        "model.angle_sequence",
+        path,
+        "the joint has three angles, no quaternion",
+        "",
+        'write three axes such as "123", or make it a spherical or free joint',
+    )
+    return "123"
+
+
 def orientation_suffixes(angles: str) -> tuple[str, ...]:
     """Return what follows the joint's name in the default names of the coordinates."""
     return ("_qw", "_qx", "_qy", "_qz") if angles == QUATERNION else ("_1", "_2", "_3")

@@ -9,10 +9,11 @@ from typing import ClassVar, Final, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Place
-from symbody.model.door import ZERO, Door, Value
-from symbody.model.forces import Drive
+from symbody.model.door import Value
 from symbody.model.joint import Joint, Turn
+from symbody.model.joints.directions import in_plane, letter_from
 from symbody.model.joints.words import Reader, Trees, take
+from symbody.model.loads.forces import Drive
 from symbody.model.table import Table
 from symbody.model.turn import LETTERS
 from symbody.model.uses import Triple
@@ -100,20 +101,7 @@ class Planar(Joint):
     def shift(self) -> Triple:
         """Return the two displacements, in cyclic order after the normal."""
         first, second = (Formula.of(name) for name in self.coordinates[:2])
-        return {"x": (ZERO, first, second), "y": (second, ZERO, first), "z": (first, second, ZERO)}[self.axis]
+        return in_plane(self.axis, first, second)
 
 
-def _normal(joint: Joint, door: Door, value: object, path: str) -> str:
-    if isinstance(value, str) and value in LETTERS:
-        return value
-    door.refuse(
-        "model.axis_letter",
-        path,
-        f"{value!r} is not an axis of the start frame",
-        "the displacements are along the other two axes",
-        'write "x", "y" or "z"; for another plane turn the frames that are joined',
-    )
-    return "z"
-
-
-_OWN: Final[Mapping[str, Reader]] = MappingProxyType({"axis": _normal})
+_OWN: Final[Mapping[str, Reader]] = MappingProxyType({"axis": letter_from})

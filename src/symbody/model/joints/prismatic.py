@@ -9,9 +9,10 @@ from typing import ClassVar, final
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Place
 from symbody.model.door import Value
-from symbody.model.forces import Drive
 from symbody.model.joint import Joint, Turn
 from symbody.model.joints.words import Trees, along, take
+from symbody.model.loads.forces import Drive
+from symbody.model.loads.friction import Friction
 from symbody.model.table import Table
 from symbody.model.turn import Axis, unit_axis
 from symbody.model.uses import Triple
@@ -42,6 +43,8 @@ class Prismatic(Joint):
         Whether the prescribed motion becomes a constraint instead of replacing the displacement.
     armature : number or formula
         Inertia of the drive's rotor as felt at the displacement [kg].
+    friction : Friction, optional
+        What holds the displacement back, from the reaction or of given strength.
 
     Raises
     ------
@@ -62,6 +65,7 @@ class Prismatic(Joint):
     motion: Table[Formula]
     as_constraint: bool
     armature: Table[Formula]
+    friction: Friction | None
 
     def __init__(
         self,
@@ -75,6 +79,7 @@ class Prismatic(Joint):
         motion: Value | None = None,
         as_constraint: bool = False,
         armature: Value = 0,
+        friction: Friction | None = None,
     ) -> None:
         take(
             self,
@@ -88,10 +93,11 @@ class Prismatic(Joint):
             motion=motion,
             as_constraint=as_constraint,
             armature=armature,
+            friction=friction,
         )
 
     @property
-    def axes(self) -> Mapping[str, Axis]:
+    def directions(self) -> Mapping[str, Axis]:
         """The axis of the motion."""
         return {"axis": self.axis}
 

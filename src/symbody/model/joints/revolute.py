@@ -9,9 +9,10 @@ from typing import ClassVar, final
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Place
 from symbody.model.door import Value
-from symbody.model.forces import Drive
 from symbody.model.joint import ORIGIN, Joint, Turn
 from symbody.model.joints.words import Trees, take
+from symbody.model.loads.forces import Drive
+from symbody.model.loads.friction import Friction
 from symbody.model.table import Table
 from symbody.model.turn import Axis, unit_axis
 from symbody.model.uses import Triple
@@ -42,6 +43,8 @@ class Revolute(Joint):
         Whether the prescribed motion becomes a constraint instead of replacing the angle.
     armature : number or formula
         Inertia of the drive's rotor as felt at the angle [kg m^2].
+    friction : Friction, optional
+        What holds the angle back, from the reaction or of given strength.
 
     Raises
     ------
@@ -57,6 +60,7 @@ class Revolute(Joint):
     motion: Table[Formula]
     as_constraint: bool
     armature: Table[Formula]
+    friction: Friction | None
 
     def __init__(
         self,
@@ -70,6 +74,7 @@ class Revolute(Joint):
         motion: Value | None = None,
         as_constraint: bool = False,
         armature: Value = 0,
+        friction: Friction | None = None,
     ) -> None:
         take(
             self,
@@ -83,10 +88,11 @@ class Revolute(Joint):
             motion=motion,
             as_constraint=as_constraint,
             armature=armature,
+            friction=friction,
         )
 
     @property
-    def axes(self) -> Mapping[str, Axis]:
+    def directions(self) -> Mapping[str, Axis]:
         """The axis of the turn."""
         return {"axis": self.axis}
 

@@ -13,9 +13,10 @@ from typing import Final, TypeVar
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Place, address_from
 from symbody.model.door import ZERO, Door
-from symbody.model.forces import Drive, drive_from
 from symbody.model.joint import InTrees, Joint
 from symbody.model.joints.keys import check_keys
+from symbody.model.loads.forces import Drive, drive_from
+from symbody.model.loads.friction import Friction, friction_from
 from symbody.model.table import Table
 from symbody.model.turn import axis_from
 
@@ -107,6 +108,20 @@ def _armature(joint: Joint, door: Door, value: object, path: str) -> Table[Formu
     return Table({name: inertia for name, inertia in inertias.items() if inertia.constant() != 0})
 
 
+def _friction(joint: Joint, door: Door, value: object, path: str) -> Friction | None:
+    found = friction_from(door, value, path)
+    if found is None or len(joint.coordinates) == 1:
+        return found
+    door.refuse(
+        "model.friction_directions",
+        path,
+        f"the joint has {len(joint.coordinates)} free directions",
+        "friction is defined along one",
+        "build it from joints with one coordinate, with bodies without mass between them",
+    )
+    return None
+
+
 def _flag(joint: Joint, door: Door, value: object, path: str) -> bool:
     if isinstance(value, bool):
         return value
@@ -124,6 +139,7 @@ _READERS: Final[Mapping[str, Reader]] = MappingProxyType(
         "motion": _motion,
         "as_constraint": _flag,
         "armature": _armature,
+        "friction": _friction,
     }
 )
 

@@ -1,0 +1,153 @@
+"""Assembly of mechanisms with ropes: which of them are constraints of a state, and which are slack."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.closure import Closure
+from symbody.analysis.state import State
+from symbody.analysis.velocities import consistent_speeds
+from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.ropes import ropes, slackened
+from symbody.errors import AssemblyError, Problem
+
+Floats = NDArray[np.float64]
+# From equations and fixed positions to a state in which their constraints hold.
+Attempt = Callable[[EquationSet, Mapping[str, float]], State]
+
+AT_LENGTH: Final = 2e-9  # of its length: a rope that is closer to it is taut
+_STEADY: Final = 1e-9  # of speeds: ends that move apart more slowly do not
+
+
+def assembled_with_ropes(
+    eqs: EquationSet,
+    fixed: Mapping[str, float],
+    guess: Mapping[str, float],
+    attempt: Attempt,
+    closed: Callable[[EquationSet], Closure],
+) -> State:
+    """Return a state in which no rope is longer than it is, and no taut one gets longer.
+
+    Fixed speeds may have the ends of a taut rope move apart: a shock begins the motion.
+
+    Parameters
+    ----------
+    attempt : callable
+        Assembles equations from the guess, with some coordinates fixed.
+    closed : callable
+        Returns the constraints of equations as numbers.
+
+    Raises
+    ------
+    AssemblyError
+        If the mechanism does not close, or a rope is too short for the positions fixed.
+    """
+    positions, rates = closed(eqs).parted(fixed)
+    state = _placed(eqs, positions, attempt)
+    search = _Speeds(eqs, np.array([*state.q.values()]), rates, guess, closed)
+    found = search.found(state)
+    places = {name: change for name, change in state.moved.items() if name in found.q}
+    return replace(found, moved=places | dict(found.moved))
+
+
+def _held(eqs: EquationSet, names: Collection[str]) -> EquationSet:
+    """Return equations in which only some of the ropes are constraints."""
+    slack = [name for name in ropes(eqs.formed) if name not in names]
+    return EquationSet(eqs.model, slackened(eqs.formed, slack), eqs.notes)
+
+
+def _placed(eqs: EquationSet, fixed: Mapping[str, float], attempt: Attempt) -> State:
+    """Return a state in which no rope is longer than it is; its speeds do not matter."""
+    taut: list[str] = []
+    state = attempt(_held(eqs, taut), fixed)
+    while True:
+        longer = [name for name in ropes(eqs.formed) if name not in taut and _is_longer(state, name)]
+        if not longer:
+            return state
+        taut += longer
+        try:
+            state = attempt(_held(eqs, taut), fixed)
+        except AssemblyError as error:
+            problems = [_too_short(state, name, error) for name in longer]
+            raise AssemblyError(*problems) from error
+
+
+def _is_longer(state: State, name: str) -> bool:
+    return float(state[f"rope_slack {name}"]) < -AT_LENGTH * float(state[f"rope_length {name}"])
+
+
+def _too_short(state: State, name: str, error: AssemblyError) -> Problem:
+    length, slack = float(state[f"rope_length {name}"]), float(state[f"rope_slack {name}"])
+    return Problem(
+        "assembly.rope_too_short", f"constraint {name}",
+        f"its ends are {length - slack:.9g} m apart, but the rope is {length:.9g} m long",
+        f"nothing that is free to move brings them closer: {error.problems[0].what}",
+        "give other initial positions, or a longer rope",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Speeds:
+    """The speeds at given positions, and which ropes they keep taut."""
+
+    eqs: EquationSet
+    q: Floats
+    rates: Mapping[str, float]
+    guess: Mapping[str, float]
+    closed: Callable[[EquationSet], Closure]
+
+    def found(self, state: State) -> State:
+        """Return the state with speeds and accelerations; the ropes that pull are its constraints."""
+        near = [name for name in ropes(self.eqs.formed) if not _is_slack(state, name)]
+        u, apart = self._speeds(near)
+        taut = [name for name in near if abs(apart[name]) <= _STEADY * self._scale(u)]
+        while True:
+            task = self.closed(_held(self.eqs, taut))
+            result = task.state(self.q, u, self.q, self._guessed(task))
+            pushes = {name: -float(result[f"rope_tension {name}"]) for name in taut}
+            worst = max(pushes, key=lambda name: pushes[name], default="")
+            if not worst or pushes[worst] <= 0.0:
+                return result
+            taut.remove(worst)
+
+    def _speeds(self, near: list[str]) -> tuple[Floats, dict[str, float]]:
+        """Return speeds, and the rates at which the ends of ropes at their length move apart."""
+        taut: list[str] = []
+        refused: set[str] = set()
+        u = self._consistent(taut)
+        while True:
+            apart = self._apart(near, u)
+            limit = _STEADY * self._scale(u)
+            longer = [n for n in near if apart[n] > limit and n not in taut and n not in refused]
+            if not longer:
+                return u, apart
+            try:
+                u = self._consistent([*taut, longer[0]])
+                taut.append(longer[0])
+            except AssemblyError:
+                refused.add(longer[0])
+
+    def _consistent(self, taut: list[str]) -> Floats:
+        task = self.closed(_held(self.eqs, taut))
+        return consistent_speeds(task, self.q, self.rates, self._guessed(task))
+
+    def _guessed(self, task: Closure) -> dict[str, float]:
+        """Return the rates guessed that are not fixed."""
+        return {name: x for name, x in task.parted(self.guess)[1].items() if name not in self.rates}
+
+    def _apart(self, names: list[str], u: Floats) -> dict[str, float]:
+        task = self.closed(_held(self.eqs, ()))
+        return {name: -float(task.function(f"rope_slack_dot {name}")(task.t, self.q, u)) for name in names}
+
+    @staticmethod
+    def _scale(u: Floats) -> float:
+        return max(1.0, float(np.abs(u).max(initial=0.0)))
+
+
+def _is_slack(state: State, name: str) -> bool:
+    return float(state[f"rope_slack {name}"]) > AT_LENGTH * float(state[f"rope_length {name}"])

@@ -1,0 +1,122 @@
+"""Rows of equations between coordinates: gears, racks, belts, differentials, and what users write."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from symbody.equations.constraints.pairs import by_time
+from symbody.equations.kinematics.motion import Kinematics
+from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.row import Row, scalar_row
+from symbody.errors import FormulationError, Problem
+from symbody.expr.calculus import gradient
+from symbody.expr.expression import Expr
+from symbody.expr.fingerprint import vanishing
+from symbody.expr.graph import Kind
+from symbody.expr.printing.text import to_text
+from symbody.expr.rewrite import substitute, symbols_of
+from symbody.model.constraints.couplings import Constraint, Coupling
+
+
+def coupling_rows(names: Names, kinematics: Kinematics, coupling: Coupling) -> Iterator[Row]:
+    """Return the sum of factors times coordinates less the offset."""
+    where = f"constraint {coupling.name}"
+    factors = [names.expression(factor, where) for factor in coupling.factors]
+    offset = names.expression(coupling.offset, where)
+    value = -offset
+    for factor, name in zip(factors, coupling.coupled, strict=True):
+        value = value + factor * names.value(name)
+    row = scalar_row(kinematics, "", coupling.name, value)
+    shares = dict(zip(coupling.coupled, factors, strict=True))
+    yield replace(row, shares=shares, driven=by_time(offset))
+
+
+def equation_rows(names: Names, kinematics: Kinematics, constraint: Constraint) -> Iterator[Row]:
+    """Return the rows of equations in coordinates, or of first degree in speeds.
+
+    Raises
+    ------
+    FormulationError
+        If an equation is not of first degree in the speeds.
+    """
+    where = f"constraint {constraint.name}"
+    for k, formula in enumerate(constraint.equations):
+        value = names.expression(formula, where)
+        by_rate = _contains_speeds(kinematics, value)
+        if by_rate:
+            row = _velocity_row(kinematics, constraint.name, value, f"{where}, equations[{k}]")
+        else:
+            row = scalar_row(kinematics, "", constraint.name, value)
+        written = _Written(names, Names(names.graph, names.symbols, {}).expression(formula, where), by_rate)
+        yield replace(row, shares=written.shares(formula.names), driven=written.driven())
+
+
+def _velocity_row(kinematics: Kinematics, element: str, value: Expr, where: str) -> Row:
+    """Return the row of an equation that is affine in the speeds."""
+    slopes = kinematics.slopes(value)
+    for u, slope in slopes.items():
+        if _contains_speeds(kinematics, slope):
+            graph = kinematics.graph
+            speed = graph.symbols[graph.left[u]].label
+            raise FormulationError(
+                Problem("equations.nonlinear_in_speeds", where, f"it is not of first degree in {speed}",
+                        f"its derivative by {speed} is {to_text(graph, slope.index)}, which contains speeds",
+                        "write an equation of the form a*u + b = 0 with a and b in coordinates and time")
+            )  # fmt: skip
+    rest = kinematics.without_speeds(value)
+    return Row(
+        name="",
+        element=element,
+        value=Expr(kinematics.graph, 0),
+        slopes=slopes,
+        rest=rest,
+        gamma=-kinematics.bias(value),
+        is_holonomic=False,
+    )
+
+
+def _contains_speeds(kinematics: Kinematics, value: Expr) -> bool:
+    """Return whether an expression depends on speeds, by fingerprint."""
+    graph = kinematics.graph
+    slopes = gradient(graph, value.index, [u for u in kinematics.speeds if u <= value.index])
+    return not all(vanishing(graph, slopes))
+
+
+@dataclass(frozen=True, slots=True)
+class _Written:
+    """An equation in the symbols it is written in, whatever these are in the equations of motion.
+
+    Attributes
+    ----------
+    by_rate : bool
+        Whether it is one on velocities.
+    """
+
+    names: Names
+    plain: Expr
+    by_rate: bool
+
+    def shares(self, read: Iterable[str]) -> dict[str, Expr]:
+        """Return the derivative by each coordinate, or rate, it is written in."""
+        names, suffix = self.names, "_dot" if self.by_rate else ""
+        used = [name for name in read if name in names.symbols and name.endswith(suffix)]
+        by = [names.graph.symbol(names.symbols[name]) for name in used]
+        found = self._here(gradient(names.graph, self.plain.index, by))
+        return {name.removesuffix(suffix): x for name, x in zip(used, found, strict=True) if not x.is_zero}
+
+    def driven(self) -> Expr:
+        """Return less its derivative by time, or less what is left of it at rest."""
+        graph = self.names.graph
+        if not self.by_rate:
+            return -self._here([by_time(self.plain).index])[0]
+        symbols = {node: graph.symbols[graph.left[node]] for node in symbols_of(graph, [self.plain.index])}
+        rest = {node: 0 for node, x in symbols.items() if x.order or x.kind is Kind.SPEED}
+        return -self._here(substitute(graph, [self.plain.index], rest))[0]
+
+    def _here(self, nodes: Sequence[int]) -> list[Expr]:
+        """Return expressions with the symbols replaced by what they are in the equations of motion."""
+        names, graph = self.names, self.names.graph
+        labels = {graph.symbol(symbol): name for name, symbol in names.symbols.items()}
+        here = {node: names.value(labels[node]).index for node in symbols_of(graph, nodes) if node in labels}
+        return [Expr(graph, node) for node in substitute(graph, nodes, here)]

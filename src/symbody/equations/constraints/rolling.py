@@ -1,0 +1,68 @@
+"""Rows of blades, discs and spheres.
+
+A disc of radius R with axle a touches the plane with normal n in ``C = P - R e``, where ``e = (n - (n . a) a)
+/ s`` and ``s = |n x a|``: the lowest point of its rim (Neimark & Fufaev 1972, chapter 1). Forward is
+``(a x n) / s``, where the centre goes when the disc spins positively about its axle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from symbody.equations.constraints.pairs import pair_row
+from symbody.equations.constraints.points import direction
+from symbody.equations.kinematics.joint_axes import perpendiculars
+from symbody.equations.kinematics.motion import Kinematics, Shifting, enter_axes, enter_origin
+from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.row import Row
+from symbody.expr.expression import sqrt
+from symbody.model.constraints import KnifeEdge, Rolling
+from symbody.vectors.matrix import transpose
+from symbody.vectors.vector import Vector, components, cross, dot, vector
+
+
+def blade_rows(names: Names, kinematics: Kinematics, blade: KnifeEdge) -> Iterator[Row]:
+    """Return the row of the velocity across the blade."""
+    normal = vector(kinematics.tree.home(blade.end.frame), direction(names, blade, blade.axis))
+    yield pair_row(kinematics, blade, value=None, force=normal)
+
+
+def rolling_rows(names: Names, kinematics: Kinematics, wheel: Rolling) -> Iterator[Row]:
+    """Return the rows of height, of the velocity forward and of that to the left in the point of contact."""
+    tree = kinematics.tree
+    arm = kinematics.arm(wheel.start.frame, wheel.end.frame)
+    normal, forward, spoke = contact_axes(names, kinematics, wheel)
+    left = cross(tree, normal, forward)
+    height = dot(tree, normal, arm) + dot(tree, normal, spoke)
+    for value, force in ((height, normal), (None, forward), (None, left)):
+        yield pair_row(kinematics, wheel, value=value, force=force, moment=cross(tree, spoke, force))
+
+
+def enter_contact(names: Names, kinematics: Kinematics, wheel: Rolling) -> None:
+    """Enter a frame called like the constraint: origin in the point of contact, z normal, x forward."""
+    if wheel.name in kinematics.velocities:
+        return
+    tree, start = kinematics.tree, wheel.start.frame
+    normal, forward, spoke = contact_axes(names, kinematics, wheel)
+    left = cross(tree, normal, forward)
+    x, y, z = (components(tree, axis, start) for axis in (forward, left, normal))
+    turning = dot(tree, left, kinematics.derivative(forward, start))
+    enter_axes(kinematics, wheel.name, start, transpose((x, y, z)), normal * turning)
+    arm = kinematics.arm(start, wheel.end.frame)
+    enter_origin(kinematics, Shifting(wheel.name, start, start, arm + spoke))
+
+
+def contact_axes(names: Names, kinematics: Kinematics, wheel: Rolling) -> tuple[Vector, Vector, Vector]:
+    """Return normal, forward direction, and the vector from the wheel's centre to the point of contact."""
+    tree = kinematics.tree
+    home = tree.home(wheel.start.frame)
+    upright = direction(names, wheel, wheel.normal)
+    normal = vector(home, upright)
+    radius = names.expression(wheel.radius, f"constraint {wheel.name}")
+    if wheel.axis is None:
+        return normal, vector(home, perpendiculars(names.graph, upright)[0]), normal * -radius
+    axle = vector(tree.home(wheel.end.frame), direction(names, wheel, wheel.axis))
+    lean = dot(tree, normal, axle)
+    across = sqrt(1 - lean * lean)
+    forward = cross(tree, axle, normal) * (1 / across)
+    return normal, forward, (axle * lean - normal) * (radius / across)

@@ -1,0 +1,44 @@
+"""What each body needs: the wrench of its inertia, less what loads give."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from symbody.equations.dynamics.balance import Wrench
+from symbody.equations.dynamics.inertia import Inertia
+from symbody.equations.dynamics.load import Load, wrenches
+from symbody.equations.kinematics.motion import Kinematics
+from symbody.graph.topology import Topology
+from symbody.vectors.dyadic import apply, gyroscopic
+from symbody.vectors.vector import Vector, cross
+
+
+def inertial(kinematics: Kinematics, body: Inertia, a: Vector, alpha: Vector) -> Wrench:
+    """Return ``m a`` and ``I alpha + w x I w`` of a body, about its centre of mass."""
+    tree = kinematics.tree
+    w = kinematics.angular_velocities[body.frame].value
+    return Wrench(a * body.mass, apply(tree, body.tensor, alpha) + gyroscopic(tree, w, body.tensor))
+
+
+def without_loads(
+    topology: Topology, kinematics: Kinematics, needed: Mapping[str, Wrench], loads: Iterable[Load]
+) -> dict[str, Wrench]:
+    """Return what the joints must give each body, from what it needs in all: loads give the rest."""
+    owners = frame_owners(topology)
+    result = dict(needed)
+    for load in loads:
+        for frame, force, torque in wrenches(kinematics, load):
+            owner = owners[frame]
+            if owner in result:
+                moment = torque + cross(kinematics.tree, kinematics.arm(owner, frame), force)
+                result[owner] = Wrench(result[owner].force - force, result[owner].moment - moment)
+    return result
+
+
+def frame_owners(topology: Topology) -> dict[str, str]:
+    """Return the body, or ground, that each frame of the model is fixed on."""
+    owners = {"ground": "ground"} | {f"ground.{name}": "ground" for name in topology.model.ground}
+    for body in topology.model.bodies:
+        owners[body.name] = body.name
+        owners |= {f"{body.name}.{name}": body.name for name in body.frames}
+    return owners

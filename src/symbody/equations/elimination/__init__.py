@@ -1,0 +1,1 @@
+"""Dependent speeds, written in the independent ones."""

@@ -1,0 +1,219 @@
+"""From names of dependent speeds to their elimination, or to what is wrong with them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+from symbody.equations.dynamics.projection import Projection
+from symbody.equations.elimination.dependent_block import Block, Pivot, solvable
+from symbody.equations.elimination.elimination import Elimination
+from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.placements import without_zeros
+from symbody.equations.kinematics.row import Row
+from symbody.errors import FormulationError, Problem, nearest
+from symbody.expr.calculus import gradient
+from symbody.expr.expression import Expr, maximum, number, sqrt
+from symbody.expr.fingerprint import fingerprints, vanishing
+from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.printing.text import to_text
+from symbody.expr.rewrite import symbols_of, tree_size
+
+_TINY: Final = 1e-200  # under a root that would else be 0 where something has no mass for an instant
+_SHOWN: Final = 40  # operations of a pivot that is written down in a note
+
+
+def eliminated(
+    names: Names,
+    speeds: Sequence[Symbol],
+    rows: Sequence[Row],
+    projection: Projection,
+    dependent: Sequence[str],
+) -> Elimination:
+    """Return the elimination of dependent speeds by the rows that are not holonomic.
+
+    Parameters
+    ----------
+    names : Names
+        With every name that the model knows.
+    speeds, rows, projection
+        Of the equations with multipliers.
+    dependent : sequence of str
+        Names of speeds, as many as there are rows.
+
+    Raises
+    ------
+    FormulationError
+        If there are no such rows, a name is no speed, their number is wrong, or the rows do not determine
+        them at any configuration.
+    """
+    graph = names.graph
+    tied = [row for row in rows if not row.is_holonomic]
+    problems = list(_misnamed(names, speeds, tied, dependent))
+    if problems:
+        raise FormulationError(*problems)
+    chosen = tuple(next(u for u in speeds if u.label == name) for name in dependent)
+    zero = number(graph, 0)
+    columns = [graph.symbol(u) for u in chosen]
+    block = solvable(graph, [[row.slopes.get(u, zero) for u in columns] for row in tied])
+    if block is None:
+        raise FormulationError(_singular(graph, speeds, tied, dependent))
+    rest = dict(zip(columns, block.solve([-row.rest for row in tied]), strict=True))
+    units = [[number(graph, int(i == k)) for i in range(len(tied))] for k in range(len(tied))]
+    inverse = list(zip(*(block.solve(unit) for unit in units), strict=True))
+    # gamma contains speeds, the dependent ones too.
+    slow = Elimination(
+        graph=graph,
+        speeds=tuple(speeds),
+        dependent=chosen,
+        rows=tuple(tied),
+        given={row.name: (row.slopes, row.rest) for row in rows},
+        slopes=_slopes(tied, block, columns, [graph.symbol(u) for u in speeds if u not in chosen]),
+        rest=rest,
+        bias=dict.fromkeys(columns, zero),
+        inverse=tuple(inverse),
+        block=block,
+        pivots=_pivots(graph, speeds, tied, chosen, block, projection),
+        full=projection,
+    )
+    return slow.with_bias([row.gamma for row in tied])
+
+
+def _slopes(
+    rows: Sequence[Row], block: Block, columns: Sequence[int], others: Sequence[int]
+) -> dict[int, dict[int, Expr]]:
+    """Return T: of each dependent speed by the others, zeros left out."""
+    T: dict[int, dict[int, Expr]] = {column: {} for column in columns}
+    for u in others:
+        if any(u in row.slopes for row in rows):
+            zero = rows[0].rest * 0
+            found = block.solve([-row.slopes.get(u, zero) for row in rows])
+            for column, slope in zip(columns, without_zeros(zero.graph, found), strict=True):
+                if not slope.is_zero:
+                    T[column][u] = slope
+    return T
+
+
+def nothing_to_eliminate() -> Problem:
+    """Return what is wrong where there are no constraints on velocities."""
+    return Problem(
+        "equations.nothing_to_eliminate", "dependent_speeds",
+        "no constraint on velocities ties speeds to each other",
+        "all constraints are on positions, or there are none",
+        "leave dependent_speeds out; dependent coordinates of loops go with another tree",
+    )  # fmt: skip
+
+
+def elimination_notes(elimination: Elimination) -> tuple[str, ...]:
+    """Return which speeds were eliminated, by which rows, and where they do not follow from the others."""
+    graph, dependent = elimination.graph, elimination.dependent
+    listed = ", ".join(row.name for row in elimination.rows)
+    told = [
+        f"dependent speeds {', '.join(u.label for u in dependent)} are eliminated by the constraints on "
+        f"velocities {listed}, whose multipliers are outputs; {len(elimination.independent)} speeds are left"
+    ]
+    for pivot in elimination.block.pivots:
+        if _varies(graph, pivot):
+            which = ", ".join(dependent[k].label for k in pivot.columns)
+            shown = tree_size(graph, pivot.determinant.index) <= _SHOWN
+            where = (
+                f"{to_text(graph, pivot.determinant.index).removeprefix('-')} = 0"
+                if shown
+                else "their determinant vanishes"
+            )
+            told.append(
+                f"dependent speeds {which}: they do not follow from the others where {where}; "
+                f"{dependent[pivot.columns[0]].label}_pivot tells how near that is, and a run stops before"
+            )
+    return tuple(told)
+
+
+def _varies(graph: Graph, pivot: Pivot) -> bool:
+    """Return whether a pivot depends on coordinates or time, by fingerprint of its derivatives."""
+    node = pivot.determinant.index
+    first, second = fingerprints(graph, list(graph.reachable([node])))[node]
+    if first == second:  # at two random points: a number, such as the square of a norm that is 1
+        return False
+    kinds = (Kind.COORDINATE, Kind.TIME, Kind.INPUT)
+    by = [x for x in symbols_of(graph, [node]) if graph.symbols[graph.left[x]].kind in kinds]
+    return not all(vanishing(graph, gradient(graph, node, by)))
+
+
+def _pivots(
+    graph: Graph,
+    speeds: Sequence[Symbol],
+    rows: Sequence[Row],
+    chosen: Sequence[Symbol],
+    block: Block,
+    projection: Projection,
+) -> dict[str, Expr]:
+    """Return determinants that vary over what they could be at most, by the names of their speeds.
+
+    Speeds are measured by their share of the kinetic energy, the determinant by the lengths of its rows
+    (Hadamard's inequality), so that the result does not depend on units.
+    """
+    weights = {graph.symbol(u): projection.mass_matrix[k][k] for k, u in enumerate(speeds)}
+    sizes = {u: 1 / sqrt(maximum(m, _TINY)) for u, m in weights.items() if not m.is_zero}
+    one = number(graph, 1)
+    found: dict[str, Expr] = {}
+    for pivot in block.pivots:
+        if not _varies(graph, pivot):
+            continue
+        share = pivot.determinant
+        for k in pivot.columns:
+            share = share * sizes.get(graph.symbol(chosen[k]), one)
+        for k in pivot.rows:
+            square = number(graph, 0)
+            for u, slope in rows[k].slopes.items():
+                if u in sizes or u in {graph.symbol(own) for own in chosen}:
+                    square = square + (slope * sizes.get(u, one)) ** 2
+            share = share / sqrt(square)
+        found |= {f"{chosen[k].label}_pivot": share for k in pivot.columns}
+    return found
+
+
+def _misnamed(
+    names: Names, speeds: Sequence[Symbol], rows: Sequence[Row], dependent: Sequence[str]
+) -> Iterator[Problem]:
+    """Return what is wrong with the names alone."""
+    where, labels = "dependent_speeds", [u.label for u in speeds]
+    if not rows:
+        yield nothing_to_eliminate()
+        return
+    told = f"{len(rows)} constraint{'s' if len(rows) > 1 else ''} on velocities ({_listed(rows)})"
+    for name in dict.fromkeys(dependent):
+        if name not in labels:
+            yield Problem("equations.unknown_speed", where, f"{name!r} is no speed of these equations",
+                          f"the speeds are {', '.join(labels)}", nearest(name, labels))  # fmt: skip
+        elif f"{name}_pivot" in names.symbols or f"{name}_pivot" in names.values:
+            yield Problem("equations.name_clash", where, f"{name}_pivot stands for two things",
+                          f"it tells how well {name} follows from the other speeds",
+                          "rename this symbol of the model")  # fmt: skip
+    if len(dependent) != len(rows) or len(set(dependent)) != len(dependent):
+        yield Problem(
+            "equations.dependent_number", where,
+            f"{len(set(dependent))} different dependent speeds are named, for {told}",
+            "each of these constraints gives one speed",
+            f"name {len(rows)} of {', '.join(_tied_speeds(names.graph, speeds, rows))}, or write \"auto\"",
+        )  # fmt: skip
+
+
+def _singular(
+    graph: Graph, speeds: Sequence[Symbol], rows: Sequence[Row], dependent: Sequence[str]
+) -> Problem:
+    return Problem(
+        "equations.singular_choice", "dependent_speeds",
+        f"{', '.join(dependent)} do not follow from the other speeds at any configuration",
+        f"in the constraints on velocities {_listed(rows)} their coefficients form a singular matrix",
+        f"name others of {', '.join(_tied_speeds(graph, speeds, rows))}, or write \"auto\"; leave "
+        "dependent_speeds out if one of the constraints follows from the others",
+    )  # fmt: skip
+
+
+def _listed(rows: Sequence[Row]) -> str:
+    return ", ".join(row.name for row in rows)
+
+
+def _tied_speeds(graph: Graph, speeds: Sequence[Symbol], rows: Sequence[Row]) -> list[str]:
+    """Return the speeds that occur in the rows."""
+    return [u.label for u in speeds if any(graph.symbol(u) in row.slopes for row in rows)]

@@ -1,0 +1,1 @@
+"""Ways to mass matrix and forcing; none knows another."""

@@ -1,0 +1,1 @@
+"""Freedoms counted, and speeds chosen, at assembled configurations."""

@@ -1,0 +1,112 @@
+"""The choice of dependent speeds: those that follow best from the others, wherever the mechanism may stand.
+
+At each of several assembled configurations the rows of the constraints on velocities are factored with column
+pivoting (Golub & Van Loan 2013, section 5.4.2), speeds measured by their share of the kinetic energy. Each
+configuration proposes the speeds of its pivots; taken are those whose coefficients are farthest from singular
+where they are nearest to it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+from symbody.equations.elimination.dependent_speeds import nothing_to_eliminate
+from symbody.equations.formed import Formed
+from symbody.equations.freedoms.mobility import assembled_values
+from symbody.errors import FormulationError, Problem
+
+Rows = list[list[float]]
+
+_INDEPENDENT: Final = 1e-6
+_LEAST_MASS: Final = 1e-12  # of the largest: what is lighter counts as this, so that it is taken first
+
+
+def chosen_speeds(formed: Formed) -> tuple[str, ...]:
+    """Return the names of speeds to eliminate, one for each constraint on velocities.
+
+    Raises
+    ------
+    FormulationError
+        If there are no such constraints, or they depend on each other at every configuration, naming one
+        that does.
+    AssemblyError, ModelError
+        If there are no configurations, or no values of the parameters, to look at.
+    """
+    places = [k for k, row in enumerate(formed.rows) if not row.is_holonomic]
+    if not places:
+        raise FormulationError(nothing_to_eliminate())
+    found = [
+        _scaled(formed, places, *values) for values in assembled_values(formed, ("jacobian", "mass_matrix"))
+    ]
+    proposals = list(dict.fromkeys(_pivots(rows) for rows in found))
+    whole = [columns for columns in proposals if len(columns) == len(places)]
+    if not whole:
+        raise FormulationError(_dependent(formed, places, found[0]))
+    best = max(whole, key=lambda columns: min(_share(rows, columns) for rows in found))
+    return tuple(formed.u[k].label for k in sorted(best))
+
+
+def _scaled(formed: Formed, places: Sequence[int], slopes: Sequence[float], mass: Sequence[float]) -> Rows:
+    """Return the rows in speeds of equal kinetic energy, each of unit length."""
+    n = len(formed.u)
+    weights = [mass[k * n + k] for k in range(n)]
+    least = _LEAST_MASS * max(weights) or 1.0
+    rows = []
+    for place in places:
+        row = [slopes[place * n + k] / math.sqrt(max(weights[k], least)) for k in range(n)]
+        size = math.sqrt(sum(x * x for x in row)) or 1.0
+        rows.append([x / size for x in row])
+    return rows
+
+
+def _pivots(rows: Rows) -> tuple[int, ...]:
+    """Return the columns of a factorization with column pivoting, as many as are independent."""
+    left = [list(column) for column in zip(*rows, strict=True)]
+    chosen: list[int] = []
+    for _ in rows:
+        sizes = [sum(x * x for x in column) for column in left]
+        k = max(range(len(left)), key=sizes.__getitem__)
+        if sizes[k] <= _INDEPENDENT**2:
+            break
+        unit = [x / math.sqrt(sizes[k]) for x in left[k]]
+        for _ in range(2):
+            for column in left:
+                share = sum(x * y for x, y in zip(unit, column, strict=True))
+                column[:] = [x - share * y for x, y in zip(column, unit, strict=True)]
+        chosen.append(k)
+    return tuple(sorted(chosen))
+
+
+def _share(rows: Rows, columns: Sequence[int]) -> float:
+    """Return the size of the determinant of some columns, at most 1 for rows of unit length."""
+    matrix = [[row[k] for k in columns] for row in rows]
+    size = 1.0
+    for k in range(len(matrix)):
+        place = max(range(k, len(matrix)), key=lambda i: abs(matrix[i][k]))
+        matrix[k], matrix[place] = matrix[place], matrix[k]
+        if matrix[k][k] == 0.0:
+            return 0.0
+        size *= abs(matrix[k][k])
+        for row in matrix[k + 1 :]:
+            factor = row[k] / matrix[k][k]
+            row[:] = [x - factor * y for x, y in zip(row, matrix[k], strict=True)]
+    return size
+
+
+def _dependent(formed: Formed, places: Sequence[int], rows: Rows) -> Problem:
+    """Say which row depends on those before it."""
+    kept: Rows = []
+    name = formed.rows[places[-1]].name
+    for place, row in zip(places, rows, strict=True):
+        if len(_pivots([*kept, row])) == len(kept):
+            name = formed.rows[place].name
+            break
+        kept.append(row)
+    return Problem(
+        "equations.dependent_rows", "dependent_speeds",
+        f"the constraints on velocities depend on each other: {name} follows from those before it",
+        f"of {len(places)} such constraints each must give one speed",
+        "remove the constraint that says what others say, or leave dependent_speeds out",
+    )  # fmt: skip

@@ -1,0 +1,71 @@
+"""The names of a mechanism on the graph: symbols, prescribed motions, rates in quasi-speeds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from symbody.equations.kinematics.motion import Kinematics
+from symbody.equations.kinematics.naming import Names, model_names
+from symbody.equations.kinematics.variables import Use, Variables
+from symbody.errors import FormulationError, Problem
+from symbody.expr.calculus import time_derivative
+from symbody.expr.expression import Expr
+from symbody.expr.graph import Graph
+from symbody.graph.topology import Topology
+
+
+def mechanism_names(graph: Graph, topology: Topology, uses: Iterable[Use]) -> Names:
+    """Return the names of the model, prescribed coordinates as functions of time."""
+    model = topology.model
+    coordinates = [name for joint in topology.joints for name in joint.coordinates]
+    coordinates += [name for condition in model.constraints for name in condition.coordinates]
+    quasi = [
+        name
+        for joint in topology.joints
+        for speeds in (joint.translation_speeds, joint.rotation_speeds)
+        if speeds is not None
+        for name in speeds.names
+    ]
+    _check_clashes(topology, [*coordinates, *quasi])
+    names = model_names(graph, model.parameters, model.inputs, coordinates, quasi)
+    prescribed: dict[str, Expr] = {}
+    for use in uses:
+        for name in use.prescribed:
+            value = names.expression(use.joint.motions[name], f"joint {use.joint.name}")
+            for suffix in ("", "_dot", "_ddot"):
+                prescribed[f"{name}{suffix}"] = value
+                value = Expr(graph, time_derivative(graph, [value.index])[0])
+    return names.with_values(prescribed)
+
+
+def _check_clashes(topology: Topology, names: Sequence[str]) -> None:
+    """Refuse symbols of the model that are called like a variable of a free body."""
+    model = topology.model
+    own = {*model.parameters, *model.inputs}
+    clashes = sorted({name for name in names if name in own or names.count(name) > 1})
+    if clashes:
+        raise FormulationError(
+            Problem("equations.name_clash", "tree", f"the names {', '.join(clashes)} stand for two things",
+                    "bodies with absolute coordinates bring the names BODY_x .. BODY_qz, BODY_vx .. BODY_wz",
+                    "rename these symbols of the model")
+        )  # fmt: skip
+
+
+def rates_by_name(graph: Graph, variables: Variables) -> dict[str, Expr]:
+    """Return the rates that are no symbols: those of coordinates with quasi-speeds."""
+    found = {}
+    for q in variables.q:
+        rate = variables.rates[graph.symbol(q)]
+        if rate != graph.symbol(q.derivative):
+            found[q.derivative.label] = Expr(graph, rate)
+    return found
+
+
+def second_rates(kinematics: Kinematics, variables: Variables) -> dict[str, Expr]:
+    """Return the second rates of coordinates with quasi-speeds, in u and u'."""
+    graph = kinematics.graph
+    return {
+        q.derivative.derivative.label: kinematics.rate(Expr(graph, variables.rates[graph.symbol(q)]))
+        for q in variables.q
+        if variables.rates[graph.symbol(q)] != graph.symbol(q.derivative)
+    }

@@ -1,0 +1,1 @@
+"""What acts on bodies: gravity, drives, forces, springs, bushings, friction."""

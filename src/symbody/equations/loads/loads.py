@@ -1,0 +1,149 @@
+"""Forces of a model on the graph: gravity, drives of joint coordinates, forces and torques, springs.
+
+Returned together: the loads to project, the potential energy of those that have one, and the power of
+all others, so that ``d(T + V)/dt = power`` holds identically.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from symbody.equations.dynamics.inertia import Inertia
+from symbody.equations.dynamics.load import Effort, Law, Load, Moment, PointForce, is_constant
+from symbody.equations.kinematics.motion import Kinematics
+from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.variables import Use
+from symbody.equations.loads.friction import FrictionLaw
+from symbody.equations.loads.springs import law_value, spring_law
+from symbody.expr.expression import Expr, number
+from symbody.model.joint import Joint
+from symbody.model.loads.forces import Drive, Force, Torque
+from symbody.model.loads.springs import Spring
+from symbody.model.model import Model
+from symbody.vectors.vector import cross, dot, vector
+
+
+@dataclass(frozen=True, slots=True)
+class Loads:
+    """Everything that acts on the bodies.
+
+    Attributes
+    ----------
+    loads : tuple of Load
+        What is projected on the partial velocities.
+    potential_energy : Expr
+        Of gravity and of springs with constant stiffness and free length [J].
+    power : Expr
+        Of everything else [W].
+    efforts : mapping of joint or spring to Expr
+        Applied + spring + damper along the positive coordinate; "joint coordinate" where several.
+    without_potential : tuple of Load
+        What the loads do beside the potential energy.
+    measures : mapping of output to Expr
+        Lengths and angles of springs: "length S", "angle S".
+    notes : tuple of str
+        What was chosen.
+    """
+
+    loads: tuple[Load, ...]
+    potential_energy: Expr
+    power: Expr
+    efforts: Mapping[str, Expr]
+    without_potential: tuple[Load, ...] = ()
+    measures: Mapping[str, Expr] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+def form_loads(
+    model: Model,
+    names: Names,
+    kinematics: Kinematics,
+    bodies: Sequence[Inertia],
+    uses: Sequence[Use],
+    friction: Sequence[FrictionLaw] = (),
+) -> Loads:
+    """Return the loads of a model.
+
+    The drive of a prescribed coordinate does nothing here: it is part of the effort that holds the motion.
+    """
+    zero = number(names.graph, 0)
+    laws = _weights(model, names, kinematics, bodies)
+    efforts: dict[str, Expr] = {}
+    for use in uses:
+        for coordinate, drive in use.joint.drives.items():
+            if coordinate in use.prescribed:
+                continue
+            x, rate = names.value(coordinate), names.value(f"{coordinate}_dot")
+            drive_law = _drive_law(names, drive, x, rate, f"joint {use.joint.name}")
+            key = effort_name(use.joint, coordinate)
+            efforts.update((key, load.effort) for load in drive_law.loads if isinstance(load, Effort))
+            laws.append(drive_law)
+    laws += [Law((rubbing.load,), zero, rubbing.effort * rubbing.rate) for rubbing in friction]
+    for element in model.elements:
+        if isinstance(element, Force):
+            laws.append(_force_law(names, kinematics, element))
+        elif isinstance(element, Torque):
+            laws.append(_torque_law(names, kinematics, element))
+        elif isinstance(element, Spring):
+            laws.append(spring_law(names, kinematics, uses, element))
+    potential, power = zero, zero
+    measures: dict[str, Expr] = {}
+    for law in laws:
+        potential, power = potential + law.potential, power + law.power
+        efforts.update(law.efforts)
+        measures.update(law.measures)
+    rest = tuple(load for law in laws for load in (law.loads if law.rest is None else law.rest))
+    loads = tuple(load for law in laws for load in law.loads)
+    notes = tuple(note for law in laws for note in law.notes)
+    return Loads(loads, potential, power, efforts, rest, measures, notes)
+
+
+def effort_name(joint: Joint, coordinate: str) -> str:
+    """Return the name of the effort along a coordinate: the joint, and the coordinate if it has several."""
+    return f"{joint.name} {coordinate}" if len(joint.coordinates) > 1 else joint.name
+
+
+def _weights(model: Model, names: Names, kinematics: Kinematics, bodies: Sequence[Inertia]) -> list[Law]:
+    gravity = vector("ground", names.triple(model.gravity, "gravity"))
+    laws = []
+    for body in bodies:
+        weight = gravity * body.mass
+        if not weight.is_zero:
+            fallen = dot(kinematics.tree, kinematics.arm("ground", body.frame), weight)
+            laws.append(Law((PointForce(body.frame, weight),), -fallen, number(names.graph, 0), ()))
+    return laws
+
+
+def _drive_law(names: Names, drive: Drive, x: Expr, rate: Expr, where: str) -> Law:
+    stiffness, free = names.expression(drive.stiffness, where), names.expression(drive.free, where)
+    other = names.expression(drive.applied, where) - names.expression(drive.damping, where) * rate
+    return _line_law(rate, stiffness, x - free, other + law_value(names, drive.law, x, where), free)
+
+
+def _line_law(rate: Expr, stiffness: Expr, stretch: Expr, other: Expr, free: Expr) -> Law:
+    """Return the law of a spring along a scalar, with another effort beside it."""
+    spring = -(stiffness * stretch)
+    load = Effort(rate, other + spring)
+    if is_constant(stiffness) and is_constant(free):
+        return Law((load,), stiffness * stretch**2 / 2, other * rate, (Effort(rate, other),))
+    return Law((load,), number(rate.graph, 0), (other + spring) * rate)
+
+
+def _force_law(names: Names, kinematics: Kinematics, force: Force) -> Law:
+    tree = kinematics.tree
+    value = vector(force.resolved_in.frame, names.triple(force.vector, f"force {force.name}"))
+    on, back = force.on.frame, force.reaction_on.body
+    arm = kinematics.arm(back, on)
+    turning = cross(tree, kinematics.angular_velocities[back].value, arm)
+    v_back = kinematics.velocities[back].value + turning
+    power = dot(tree, value, kinematics.velocities[on].value - v_back)
+    return Law((PointForce(on, value), PointForce(back, -value, arm)), number(names.graph, 0), power)
+
+
+def _torque_law(names: Names, kinematics: Kinematics, torque: Torque) -> Law:
+    value = vector(torque.resolved_in.frame, names.triple(torque.vector, f"torque {torque.name}"))
+    on, back = torque.on.body, torque.reaction_on.body
+    turning = kinematics.angular_velocities[on].value - kinematics.angular_velocities[back].value
+    loads = (Moment(on, value), Moment(back, -value))
+    return Law(loads, number(names.graph, 0), dot(kinematics.tree, value, turning))

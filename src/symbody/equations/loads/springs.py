@@ -1,0 +1,160 @@
+"""Springs between two frames: along a line, about an axis, and the laws and curves they may have."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from symbody.equations.dynamics.load import Law, Pull, couple, is_constant
+from symbody.equations.kinematics.joint_axes import perpendiculars
+from symbody.equations.kinematics.motion import Kinematics
+from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.variables import Use, joint_steps
+from symbody.equations.loads.bushing import bushing_law
+from symbody.equations.loads.curves import curve_value
+from symbody.expr.expression import Expr, atan2, cos, number, sin, sqrt
+from symbody.model.loads.curve import Curve
+from symbody.model.loads.curve import Law as LawValue
+from symbody.model.loads.forces import SpringDamper
+from symbody.model.loads.springs import Bushing, Spring, TorsionSpring
+from symbody.model.turn import unit_axis
+from symbody.vectors.matrix import Triple, opposite
+from symbody.vectors.rotation import Rotation, Turn, rotation_of
+from symbody.vectors.vector import dot, vector
+
+
+def spring_law(names: Names, kinematics: Kinematics, uses: Sequence[Use], spring: Spring) -> Law:
+    """Return what a spring does; positive efforts push its ends apart, or turn end forward."""
+    if isinstance(spring, Bushing):
+        return bushing_law(names, kinematics, spring)
+    if isinstance(spring, TorsionSpring):
+        return _torsion(names, kinematics, uses, spring)
+    return _between_points(names, kinematics, spring)
+
+
+def law_value(names: Names, law: LawValue, x: Expr, where: str) -> Expr:
+    """Return the value of a law; a curve is one over `x`."""
+    return curve_value(law, x) if isinstance(law, Curve) else names.expression(law, where)
+
+
+def _between_points(names: Names, kinematics: Kinematics, spring: SpringDamper) -> Law:
+    """Return the law of a spring between two points, positive pushing them apart.
+
+    With free length exactly 0 the spring is the vector law ``-k d``, which is smooth at length 0.
+    """
+    tree, where = kinematics.tree, f"spring {spring.name}"
+    start, end = spring.start.frame, spring.end.frame
+    arm = kinematics.arm(start, end)
+    closing = dot(tree, arm, kinematics.velocities[end].value - kinematics.velocities[start].value)
+    square = dot(tree, arm, arm)
+    stiffness, free = names.expression(spring.stiffness, where), names.expression(spring.free, where)
+    applied, damping = names.expression(spring.applied, where), names.expression(spring.damping, where)
+    zero = number(names.graph, 0)
+    length = sqrt(square)
+    rate = zero if closing.is_zero else closing / length
+    own = names.with_values({"length": length, "length_rate": rate})
+    along = applied - damping * rate + law_value(own, spring.law, length, where)
+    factor = -stiffness if along.is_zero else along / length - stiffness
+    energy = stiffness * square / 2
+    if not free.is_zero:
+        factor = (along - stiffness * (length - free)) / length
+        energy = stiffness * (length - free) ** 2 / 2
+    load = Pull(start, end, arm, factor)
+    efforts = {spring.name: along - stiffness * (length - free)}
+    measures = {f"length {spring.name}": length}
+    if is_constant(stiffness) and is_constant(free):
+        rest = () if along.is_zero else (Pull(start, end, arm, along / length),)
+        return Law((load,), energy, along * rate, rest, efforts, measures)
+    return Law((load,), zero, factor * closing, None, efforts, measures)
+
+
+def _torsion(names: Names, kinematics: Kinematics, uses: Sequence[Use], spring: TorsionSpring) -> Law:
+    """Return the law of a torsion spring.
+
+    It has a potential where its angle is one of joints. Measured on frames that tilt, the angle's rate is not
+    the component of the angular velocity on which the torque works.
+    """
+    tree, where = kinematics.tree, f"torsion_spring {spring.name}"
+    direction = names.triple(unit_axis(spring.axis), where)
+    axis = vector(tree.home(spring.start.frame), direction)
+    w_end, w_start = (kinematics.angular_velocities[p.body].value for p in (spring.end, spring.start))
+    stiffness, free = names.expression(spring.stiffness, where), names.expression(spring.free, where)
+    applied, damping = names.expression(spring.applied, where), names.expression(spring.damping, where)
+    angle = _angle_of_joints(names, kinematics, uses, spring, direction)
+    notes: tuple[str, ...] = ()
+    if angle is None:
+        rate = dot(tree, axis, w_end - w_start)
+        measured = _measured_angle(kinematics, spring, direction, free)
+        notes = (f"{where}: no joints about its axis lead from end to end; its angle is measured within "
+                 f"half a turn of {spring.free}",)  # fmt: skip
+    else:
+        rate, measured = kinematics.rate(angle), angle
+    own = names.with_values({"angle": measured, "angle_rate": rate})
+    other = applied - damping * rate + law_value(own, spring.law, measured, where)
+    effort = other - stiffness * (measured - free)
+    efforts, measures = {spring.name: effort}, {f"angle {spring.name}": measured}
+    loads = couple(spring.start.body, spring.end.body, axis * effort)
+    if angle is not None and is_constant(stiffness) and is_constant(free):
+        energy = stiffness * (angle - free) ** 2 / 2
+        return Law(
+            loads,
+            energy,
+            other * rate,
+            couple(spring.start.body, spring.end.body, axis * other),
+            efforts,
+            measures,
+        )
+    return Law(loads, number(names.graph, 0), effort * rate, None, efforts, measures, notes)
+
+
+def _angle_of_joints(
+    names: Names, kinematics: Kinematics, uses: Sequence[Use], spring: TorsionSpring, axis: Triple
+) -> Expr | None:
+    """Return the angle as that of a joint between the two bodies, or of turns in the tree; else None.
+
+    A cut joint whose angle is a variable comes first: it counts its turns whatever the trees.
+    """
+    tree = kinematics.tree
+    ways = [tree.rotation(spring.start.frame, spring.end.frame)]
+    for use in uses:
+        if use.turns and not use.in_rotation and is_across(use.joint.start.body, use.joint.end.body, spring):
+            own = rotation_of(joint_steps(names, use.joint))
+            forward = use.joint.start.body == spring.start.body
+            ends = (use.joint.start.frame, use.joint.end.frame)
+            near, far = ends if forward else reversed(ends)
+            before, after = tree.rotation(spring.start.frame, near), tree.rotation(far, spring.end.frame)
+            ways.insert(0, before.then(own if forward else own.inverse).then(after))
+    for way in ways:
+        angle = _angle_about(kinematics, way, axis)
+        if angle is not None:
+            return angle
+    return None
+
+
+def is_across(start: str, end: str, spring: TorsionSpring) -> bool:
+    """Return whether a spring connects two bodies, in whichever order."""
+    return {start, end} == {spring.start.body, spring.end.body}
+
+
+def _angle_about(kinematics: Kinematics, way: Rotation, axis: Triple) -> Expr | None:
+    """Return the angle of a rotation that is a turn about an axis, or none at all."""
+    if not way.turns:
+        return number(kinematics.graph, 0)
+    step = way.turns[0]
+    if len(way.turns) > 1 or not isinstance(step, Turn):
+        return None
+    if step.axis == axis:
+        return step.angle
+    return -step.angle if step.axis == opposite(axis) else None
+
+
+def _measured_angle(kinematics: Kinematics, spring: TorsionSpring, axis: Triple, free: Expr) -> Expr:
+    """Return the angle between axes of the two frames, in (free - pi, free + pi]."""
+    tree = kinematics.tree
+    first, second = perpendiculars(tree.graph, axis)
+    start, end = tree.home(spring.start.frame), tree.home(spring.end.frame)
+    seen = vector(end, first)
+    sine, cosine = dot(tree, vector(start, second), seen), dot(tree, vector(start, first), seen)
+    if free.is_zero:
+        return atan2(sine, cosine)
+    s, c = sin(free), cos(free)
+    return free + atan2(sine * c - cosine * s, cosine * c + sine * s)

@@ -1,0 +1,57 @@
+"""Outputs about friction: its effort, the reaction it comes from, how far sticking is from its end."""
+
+from __future__ import annotations
+
+from symbody.equations.formed import Formed
+from symbody.equations.loads.friction import FrictionLaw
+from symbody.equations.showing.output_words import output_words
+from symbody.equations.solving.solution import resistance
+from symbody.errors import FormulationError, Problem, nearest
+from symbody.expr.expression import Expr, symbol
+from symbody.expr.graph import Kind, Symbol
+from symbody.expr.opcodes import ABS
+
+
+def friction_effort(formed: Formed, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+    """Return the output "friction J": the effort on the end body along the positive coordinate."""
+    _, law = _found(formed, rest)
+    return (), [_effort(law)]
+
+
+def friction_normal(formed: Formed, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+    """Return the output "friction_normal J": the magnitude of the reaction that friction comes from."""
+    k, _ = _found(formed, rest)
+    return (), [resistance(formed).normals[k]]
+
+
+def friction_reserve(formed: Formed, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+    """Return the output "friction_reserve J": the effort up to which it sticks, less the present one."""
+    k, law = _found(formed, rest)
+    return (), [law.limit * resistance(formed).normals[k] - _effort(law).apply(ABS)]
+
+
+def friction_names(formed: Formed) -> tuple[str, ...]:
+    """Return the joints with friction."""
+    return tuple(law.joint.name for law in formed.friction)
+
+
+def _effort(law: FrictionLaw) -> Expr:
+    return symbol(law.rate.graph, Symbol(law.holding, Kind.MULTIPLIER)) if law.sticks else law.effort
+
+
+def _found(formed: Formed, rest: str) -> tuple[int, FrictionLaw]:
+    """Return the law that a name means, and its place.
+
+    Raises
+    ------
+    FormulationError
+        If there is none, with the nearest names.
+    """
+    names = friction_names(formed)
+    words = output_words(rest, names)
+    if len(words) == 1 and words[0] in names:
+        return names.index(words[0]), formed.friction[names.index(words[0])]
+    raise FormulationError(
+        Problem("equations.unknown_friction", f"friction {rest}", f"there is no joint {rest!r} with friction",
+                "", nearest(rest, names))
+    )  # fmt: skip

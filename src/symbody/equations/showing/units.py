@@ -1,0 +1,103 @@
+"""SI units of outputs by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from symbody.equations.formed import Formed
+from symbody.equations.loads.loads import effort_name
+from symbody.equations.showing.joint_outputs import effort_names
+from symbody.equations.solving.ropes import ropes
+from symbody.model.joint import Joint
+
+_GENERAL: Final = {
+    "t": "s",
+    "kinetic_energy": "J",
+    "potential_energy": "J",
+    "energy": "J",
+    "work": "J",
+    "power": "W",
+}
+_FRAME: Final = {"r": "m", "v": "m/s", "vdot": "m/s^2", "w": "rad/s", "wdot": "rad/s^2"}
+_TRANSLATION: Final = ("m", "m/s", "m/s^2", "N")
+_ROTATION: Final = ("rad", "rad/s", "rad/s^2", "N m")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Units(Mapping[str, str]):
+    """Units of known names and, though no list of them ends, of the motions of frames: ``frame r ...``.
+
+    Attributes
+    ----------
+    known : mapping of name to str
+        What is listed.
+    """
+
+    known: Mapping[str, str]
+
+    def __getitem__(self, name: str) -> str:
+        """Return the unit of an output.
+
+        Raises
+        ------
+        KeyError
+            If it is not known.
+        """
+        if name in self.known:
+            return self.known[name]
+        first, kind = [*name.split(maxsplit=2), "", ""][:2]
+        if first != "frame" or kind not in _FRAME:
+            raise KeyError(name)
+        return _FRAME[kind]
+
+    def __iter__(self) -> Iterator[str]:
+        """Return an iterator over the names that are listed."""
+        return iter(self.known)
+
+    def __len__(self) -> int:
+        """Return how many names are listed."""
+        return len(self.known)
+
+    def __repr__(self) -> str:
+        return f"Units({dict(self.known)!r})"
+
+
+def output_units(formed: Formed) -> Units:
+    """Return the units of coordinates, their rates, energies, and the efforts, reactions and multipliers."""
+    units = dict(_GENERAL)
+    driven = set(effort_names(formed))
+    for joint in formed.topology.joints:
+        for name, (place, rate, second, effort) in _coordinates(joint):
+            units |= {name: place, f"{name}_dot": rate, f"{name}_ddot": second}
+            word = effort_name(joint, name)
+            if word in driven:
+                units[f"effort {word}"] = effort
+        for speeds, (_, rate, second, _) in (
+            (joint.translation_speeds, _TRANSLATION),
+            (joint.rotation_speeds, _ROTATION),
+        ):
+            for name in speeds.names if speeds else ():
+                units |= {name: rate, f"{name}_dot": second}
+    for name in (*(joint.name for joint in formed.topology.joints), *formed.topology.contacts):
+        units |= {f"reaction {name} F{letter}": "N" for letter in "xyz"}
+        units |= {f"reaction {name} M{letter}": "N m" for letter in "xyz"}
+    own = {part.name: part.multiplier_unit for part in formed.topology.model.constraints}
+    units |= {row.name: own[row.element] for row in formed.rows if own.get(row.element)}
+    for measure in formed.loads.measures:  # of springs: "length S" or "angle S"
+        kind, _, name = measure.partition(" ")
+        place, _, _, effort = _TRANSLATION if kind == "length" else _ROTATION
+        units |= {measure: place, f"effort {name}": effort}
+    for name in ropes(formed):
+        units |= {f"rope_tension {name}": "N", f"rope_length {name}": "m", f"rope_slack {name}": "m"}
+        units |= {f"rope_slack_dot {name}": "m/s", f"rope_slack_ddot {name}": "m/s^2"}
+    return Units(units)
+
+
+def _coordinates(joint: Joint) -> Iterator[tuple[str, tuple[str, str, str, str]]]:
+    """Yield the coordinates that have units, with those of their value, rates and effort."""
+    for name in joint.translation_coordinates:
+        yield name, _TRANSLATION
+    for name in joint.rotation_coordinates if joint.quaternion is None else ():
+        yield name, _ROTATION

@@ -1,0 +1,56 @@
+"""Constraints on parameters alone, such as ``L - 2 = 0``: no motion fulfils them, only values do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from symbody.equations.formed import Formed
+from symbody.errors import FormulationError, Problem
+from symbody.expr.evaluate import evaluate_sequence
+from symbody.expr.graph import Kind
+from symbody.expr.printing.text import to_text
+from symbody.expr.rewrite import dependence, symbols_of
+from symbody.expr.sequence import Input, Roots, build_sequence
+
+# Of the parameters compared; lengths typed with 10 digits still count as what they mean.
+_NOISE: Final = 1e-9
+
+
+def check_idle(formed: Formed, parameters: Mapping[str, float]) -> None:
+    """Refuse values of parameters that a constraint on parameters alone excludes.
+
+    Parameters
+    ----------
+    parameters : mapping of name to number
+        A constraint with others is not judged.
+
+    Raises
+    ------
+    FormulationError
+        With each such constraint and its value.
+    """
+    graph, own = formed.graph, {part.name for part in formed.topology.model.constraints}
+    rows = [row for row in formed.holonomic if row.element in own and not row.value.is_zero]
+    kinds = dependence(graph, [row.value.index for row in rows])
+    problems = []
+    for row in rows:
+        if kinds[row.value.index] != {Kind.PARAMETER}:
+            continue
+        names = [graph.symbols[graph.left[node]].name for node in symbols_of(graph, [row.value.index])]
+        if not all(name in parameters for name in names):
+            continue
+        known = [parameters[name] for name in names]
+        places = {formed.names.value(name).index: Input(name, "p", k) for k, name in enumerate(names)}
+        program = build_sequence(graph, [Roots("value", (), (row.value.index,))], places)
+        value = float(evaluate_sequence(program, {"p": known})[0][0])
+        if not abs(value) <= _NOISE * max(map(abs, known)):
+            given = ", ".join(f"{name} = {x:g}" for name, x in zip(names, known, strict=True))
+            problems.append(
+                Problem("equations.never_closed", f"constraint {row.element}",
+                        f"its equation {row.name}, {to_text(graph, row.value.index)} = 0, has the left-hand "
+                        f"side {value:g} with {given}", "there is nothing in it that could move",
+                        "give other values, or leave the constraint out")
+            )  # fmt: skip
+    if problems:
+        raise FormulationError(*problems)

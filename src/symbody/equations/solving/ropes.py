@@ -1,0 +1,65 @@
+"""Ropes: the equations of a mechanism for each way in which its ropes are taut or slack."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+
+from symbody.equations.formed import Formed
+from symbody.equations.kinematics.row import Row
+from symbody.expr.expression import number, symbol
+from symbody.expr.graph import Kind, Symbol
+from symbody.model.constraints import Distance
+
+
+def ropes(formed: Formed) -> tuple[str, ...]:
+    """Return the names of the ropes, in the order of the model."""
+    conditions = formed.topology.model.constraints
+    known = {row.element for row in (*formed.rows, *formed.slack)}
+    return tuple(c.name for c in conditions if isinstance(c, Distance) and c.rope and c.name in known)
+
+
+def rope_row(formed: Formed, name: str) -> Row:
+    """Return the row that holds while a rope is taut, whether it is or not."""
+    return next(row for row in (*formed.rows, *formed.slack) if row.element == name)
+
+
+def slackened(formed: Formed, names: Collection[str]) -> Formed:
+    """Return the equations without the rows of some ropes; their multipliers are 0."""
+    gone = tuple(row for row in formed.rows if row.element in names)
+    if not gone:
+        return formed
+    kept = tuple(row for row in formed.rows if row.element not in names)
+    zero = number(formed.graph, 0)
+    known = formed.names.with_values({row.name: zero for row in gone})
+    return replace(formed.with_rows(kept), slack=(*formed.slack, *gone), names=known)
+
+
+def rope_words(formed: Formed) -> dict[str, str]:
+    """Return a name for what is watched of each rope that formulas can contain, by rope.
+
+    Names of elements may have blanks, and so those of multipliers.
+    """
+    taken = {*formed.names.symbols, *formed.names.values}
+    words: dict[str, str] = {}
+    for k, name in enumerate(ropes(formed)):
+        word = f"rope_{k}"
+        while word in taken:
+            word += "_"
+        words[name] = word
+    return words
+
+
+def with_words(formed: Formed, words: Mapping[str, str]) -> Formed:
+    """Return the equations with these names for the push of taut ropes, and for how slack the others are."""
+    values = {words[row.element]: -row.value for row in formed.slack if row.element in words}
+    for row in formed.rows:
+        if row.element in words:
+            values[words[row.element]] = symbol(formed.graph, Symbol(row.name, Kind.MULTIPLIER))
+    return replace(formed, names=formed.names.with_values(values), _names=[])
+
+
+def rope_rows(formed: Formed, names: Collection[str]) -> list[int]:
+    """Return the places of the rows of taut ropes, in the order of the names."""
+    places = {row.element: k for k, row in enumerate(formed.rows)}
+    return [places[name] for name in names]

@@ -1,0 +1,58 @@
+"""Sticking and slipping: the equations of a mechanism for each way in which its dry joints hold or slide."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from symbody.equations.dynamics.balance import NOTHING
+from symbody.equations.dynamics.reactions import drive_wrench
+from symbody.equations.formed import Formed
+from symbody.equations.kinematics.row import Row
+from symbody.equations.loads.friction import FrictionLaw
+from symbody.expr.expression import number
+
+STICKS = 0  # other modes are the signs of slipping, 1 and -1
+
+
+def switching_joints(formed: Formed) -> tuple[str, ...]:
+    """Return the joints that stick and slip by events."""
+    return tuple(law.joint.name for law in formed.friction if law.switches)
+
+
+def in_modes(formed: Formed, modes: Mapping[str, int]) -> Formed:
+    """Return the equations with each joint named sticking, or slipping in the direction of its sign.
+
+    A joint that sticks is held by one more row, whose multiplier is the effort that holds it.
+    """
+    laws, rows = [], list(formed.rows)
+    for law in formed.friction:
+        mode = modes.get(law.joint.name)
+        if mode is None:
+            laws.append(law)
+            continue
+        laws.append(replace(law, slip=number(formed.graph, mode), switches=False, sticks=mode == STICKS))
+        if mode == STICKS:
+            rows.append(_holding(formed, law))
+    return replace(formed.with_rows(tuple(rows)), friction=tuple(laws))
+
+
+def _holding(formed: Formed, law: FrictionLaw) -> Row:
+    """Return the row that keeps the rate of a joint zero."""
+    kinematics, joint = formed.kinematics, law.joint
+    use = next(use for use in formed.uses if use.joint.name == joint.name)
+    wrench = NOTHING
+    if law.coordinate not in use.coordinates:
+        one = number(formed.graph, 1)
+        wrench = drive_wrench(formed.names, kinematics, joint, law.coordinate, one)
+    return Row(
+        name=law.holding,
+        element=joint.name,
+        value=number(formed.graph, 0),
+        slopes=kinematics.slopes(law.rate),
+        rest=kinematics.without_speeds(law.rate),
+        gamma=-kinematics.bias(law.rate),
+        force=wrench.force,
+        moment=wrench.moment,
+        is_holonomic=False,
+    )

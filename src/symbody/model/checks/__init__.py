@@ -1,0 +1,1 @@
+"""What makes a description a model: all contradictions found at once."""

@@ -1,0 +1,82 @@
+"""Initial values: each of something that moves freely, and quaternions that are rotations."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final
+
+from symbody.errors import Problem, nearest
+from symbody.expr.language.formula import Formula
+from symbody.model.checker import Checker
+from symbody.model.checks.symbols import Symbols
+from symbody.model.joint import Joint
+
+_WORDS: Final = ("coordinate", "rate", "speed")
+_NORM: Final = 1e-6
+
+
+def initial_problems(
+    initial: Mapping[str, Formula], symbols: Symbols, joints: Iterable[Joint]
+) -> list[Problem]:
+    """Return a problem for each initial value of what has none."""
+    known = [name for name, meaning in symbols.meanings.items() if meaning.word in _WORDS]
+    prescribed = {
+        f"{name}{suffix}": joint
+        for joint in joints
+        if not joint.as_constraint
+        for name in joint.motion
+        for suffix in ("", "_dot")
+    }
+    problems = []
+    for name in initial:
+        if name in prescribed:
+            problems.append(_prescribed(name, prescribed[name]))
+        elif name not in known:
+            problems.append(_unknown(name, known))
+    return problems
+
+
+def check_initial(check: Checker, initial: Mapping[str, Formula], joints: Iterable[Joint]) -> None:
+    """Check the values; four that form a quaternion must not all be zero."""
+    values = {name: check.value(formula, f"model, initial.{name}") for name, formula in initial.items()}
+    for joint in joints:
+        names = joint.quaternion or ()
+        numbers = [value for name in names if (value := values.get(name)) is not None]
+        if len(numbers) == 4:
+            _check_quaternion(check, joint.name, names, numbers)
+
+
+def _check_quaternion(check: Checker, joint: str, names: Sequence[str], values: Sequence[float]) -> None:
+    listed = ", ".join(names)
+    norm = math.hypot(*values)
+    if norm == 0:
+        check.refuse(
+            "initial.zero_quaternion",
+            f"model, initial.{names[0]}",
+            f"{listed} are all zero",
+            "a quaternion of norm zero is no rotation",
+            f"write 1 for {names[0]}, or leave all four out: no rotation",
+        )
+    elif abs(norm - 1) > _NORM:
+        check.remark(f"joint {joint}: the initial quaternion {listed} of norm {norm:g} is normalized")
+
+
+def _unknown(name: str, known: Iterable[str]) -> Problem:
+    return Problem(
+        "initial.unknown",
+        f"model, initial.{name}",
+        f"there is no coordinate, rate or speed {name!r}",
+        "initial values belong to coordinates, to their rates x_dot, and to speeds",
+        nearest(name, known),
+    )
+
+
+def _prescribed(name: str, joint: Joint) -> Problem:
+    return Problem(
+        "initial.prescribed",
+        f"model, initial.{name}",
+        f"the motion of joint {joint.name} says what {name} is",
+        "a prescribed coordinate is no unknown, and begins where its motion does",
+        "leave the initial value out, or the motion",
+    )

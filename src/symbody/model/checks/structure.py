@@ -1,0 +1,181 @@
+"""Facts about how elements hang together, beyond single values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from symbody.errors import Problem
+from symbody.model.body import Body
+from symbody.model.constraint import Contact
+from symbody.model.constraints.couplings import Coupling
+from symbody.model.element import Element
+from symbody.model.joint import Joint
+from symbody.model.joints.free import Free
+from symbody.model.naming import GROUND
+
+
+def duplicate_elements(elements: Iterable[Element], labels: Mapping[int, str]) -> list[Problem]:
+    """Return a problem for each name that several elements have."""
+    sites: dict[str, list[int]] = {}
+    for k, element in enumerate(elements):
+        sites.setdefault(element.name, []).append(k)
+    return [
+        Problem(
+            "names.duplicate",
+            "; ".join(f"{labels[k]}, name" for k in places),
+            f"{len(places)} elements are named {name!r}",
+            "bodies, joints and forces share one set of names",
+            "rename all but one",
+        )
+        for name, places in sites.items()
+        if len(places) > 1
+    ]
+
+
+def joint_problems(joints: Mapping[str, Joint]) -> list[Problem]:
+    """Return the joints, given by label, whose two ends are on one body."""
+    return [
+        Problem(
+            "model.self_joint",
+            f"{label}, between",
+            f"both ends are on {joint.start.body}",
+            "a joint connects two bodies, or a body with ground",
+            "name another body at one end",
+        )
+        for label, joint in joints.items()
+        if joint.start.body == joint.end.body
+    ]
+
+
+def contact_problems(contacts: Mapping[str, Contact]) -> list[Problem]:
+    """Return the constraints, given by label, whose two frames are on one body."""
+    return [
+        Problem(
+            "model.self_constraint",
+            f"{label}, between",
+            f"both frames are on {contact.start.body}",
+            "what is fixed on one body does not move against itself",
+            "name a frame of another body",
+        )
+        for label, contact in contacts.items()
+        if contact.start.body == contact.end.body
+    ]
+
+
+def coupling_problems(couplings: Mapping[str, Coupling], joints: Iterable[Joint]) -> list[Problem]:
+    """Return a problem for each coordinate coupled that is no angle, or no displacement, as required."""
+    listed = list(joints)
+    known = {name for joint in listed for name in joint.coordinates}
+    angles = {name for joint in listed for name in joint.angle_coordinates}
+    lengths = {name for joint in listed for name in joint.translation_coordinates} - angles
+    problems = []
+    for label, coupling in couplings.items():
+        for k, name in enumerate(coupling.coupled):
+            is_angle = k >= coupling.displacements
+            if name in known and name not in (angles if is_angle else lengths):
+                wanted = "angle" if is_angle else "displacement"
+                problems.append(
+                    Problem(
+                        "model.not_an_angle" if is_angle else "model.not_a_displacement",
+                        f"{label}, coupled[{k}]",
+                        f"{name} is no {wanted}",
+                        "the other numbers of this constraint would have other units",
+                        f'name the {wanted} of a joint, or write type = "equation"',
+                    )
+                )
+    return problems
+
+
+def floating_problems(bodies: Iterable[Body], joints: Iterable[Joint]) -> list[Problem]:
+    """Return a problem for each group of bodies joined to each other and not to ground.
+
+    A single body without any joint is free, and no problem.
+    """
+    group = {GROUND: GROUND} | {body.name: body.name for body in bodies}
+    for joint in joints:
+        low, high = _root(group, joint.start.body), _root(group, joint.end.body)
+        group[high if low == GROUND else low] = low if low == GROUND else high
+    members: dict[str, list[str]] = {}
+    for name in group:
+        members.setdefault(_root(group, name), []).append(name)
+    return [
+        Problem(
+            "model.no_ground",
+            f"body {names[0]}",
+            f"no chain of joints leads from ground to {', '.join(names[:8])}{' ...' * (len(names) > 8)}",
+            "these bodies are joined only to each other",
+            f'add a joint with between = ["ground", "{names[0]}"]; a free joint if they float',
+        )
+        for root, names in members.items()
+        if root != GROUND and len(names) > 1
+    ]
+
+
+def over_driven_problems(joints: Mapping[str, Joint]) -> list[Problem]:
+    """Return a problem for each loop, of joints given by label, whose every joint is driven."""
+    held = {
+        label: joint
+        for label, joint in joints.items()
+        if joint.motions and joint.motions.keys() >= set(joint.coordinates)
+    }
+    group = {address.body: address.body for joint in held.values() for address in (joint.start, joint.end)}
+    forest: dict[str, Joint] = {}
+    problems = []
+    for label, joint in held.items():
+        low, high = _root(group, joint.start.body), _root(group, joint.end.body)
+        group[high] = low
+        if low != high:
+            forest[label] = joint
+            continue
+        around = {label, *_way(forest, joint.start.body, joint.end.body)}
+        problems.append(_over_driven({place: other for place, other in held.items() if place in around}))
+    return problems
+
+
+def free_joints(bodies: Iterable[Body], joints: Iterable[Joint]) -> list[Joint]:
+    """Return for each body without any joint the free joint that stands for its motion.
+
+    It bears the body's name and leads from ground, with a quaternion.
+    """
+    joined = {address.body for joint in joints for address in (joint.start, joint.end)}
+    names = dict.fromkeys(body.name for body in bodies)  # two of one name are told elsewhere
+    return [Free(name, GROUND, name) for name in names if name not in joined]
+
+
+def _way(forest: Mapping[str, Joint], start: str, end: str) -> list[str]:
+    """Return the labels of the joints on the way between two bodies of one tree."""
+    near: dict[str, list[tuple[str, str]]] = {}
+    for label, joint in forest.items():
+        for here, there in ((joint.start.body, joint.end.body), (joint.end.body, joint.start.body)):
+            near.setdefault(here, []).append((label, there))
+    come: dict[str, tuple[str, str]] = {start: ("", "")}
+    waiting = [start]
+    for body in waiting:
+        for label, there in near.get(body, ()):
+            if there not in come:
+                come[there] = (label, body)
+                waiting.append(there)
+    way = []
+    while end != start:
+        label, end = come[end]
+        way.append(label)
+    return way
+
+
+def _over_driven(loop: Mapping[str, Joint]) -> Problem:
+    return Problem(
+        "model.over_driven",
+        "; ".join(
+            f"{label}, {joint.path_of('motion', next(iter(joint.motions)))}" for label, joint in loop.items()
+        ),
+        f"no joint of the loop {', '.join(joint.name for joint in loop.values())} is left free",
+        "a loop ties its coordinates to each other, so these motions contradict each other or repeat one",
+        "leave motion out of some of them: a loop can be driven in as many coordinates as it has freedoms",
+    )
+
+
+def _root(group: dict[str, str], name: str) -> str:
+    while group[name] != name:
+        group[name] = group[group[name]]
+        name = group[name]
+    return name

@@ -1,0 +1,171 @@
+"""The names of a model: each unique in its namespace, each formula within the names of its place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final, NamedTuple
+
+from symbody.errors import Problem, nearest
+from symbody.expr.language.formula import Formula
+from symbody.model.constraint import Condition
+from symbody.model.joint import Joint
+from symbody.model.naming import RESERVED_SYMBOLS
+from symbody.model.uses import Scope, Use
+
+
+class Meaning(NamedTuple):
+    """What a symbol of the model is.
+
+    Attributes
+    ----------
+    word : str
+        ``"parameter"``, ``"input"``, ``"coordinate"``, ``"rate"``, ``"speed"`` or ``"acceleration"``.
+    where : str
+        The place that introduces it.
+    """
+
+    word: str
+    where: str
+
+
+# What the names in a formula may be, beside t and pi.
+_WORDS: Final = MappingProxyType(
+    {
+        Scope.CONSTANT: ("parameter",),
+        Scope.PRESCRIBED: ("parameter",),
+        Scope.LOAD: ("parameter", "input", "coordinate", "rate", "speed"),
+        Scope.MOTION: ("parameter", "coordinate", "rate", "speed"),
+        Scope.POINT: ("parameter",),
+        Scope.COORDINATE: ("coordinate",),
+    }
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Symbols:
+    """All symbols of a model but ``t`` and ``pi``."""
+
+    meanings: Mapping[str, Meaning]
+
+    def allows(self, name: str, scope: Scope) -> bool:
+        """Return whether a formula may contain a name."""
+        if name in RESERVED_SYMBOLS:
+            return scope is not Scope.COORDINATE and (name == "pi" or scope is not Scope.CONSTANT)
+        if scope is Scope.POINT and name in ("x", "y", "z"):
+            return True
+        meaning = self.meanings.get(name)
+        return meaning is not None and meaning.word in _WORDS[scope]
+
+    def allowed(self, scope: Scope) -> list[str]:
+        """Return all names a formula may contain."""
+        local = ("x", "y", "z") if scope is Scope.POINT else ()
+        return [name for name in (*local, *RESERVED_SYMBOLS, *self.meanings) if self.allows(name, scope)]
+
+
+def collect_symbols(entries: Iterable[tuple[str, Meaning]]) -> tuple[Symbols, list[Problem]]:
+    """Return the symbols, and a problem for each name that means two things."""
+    found: dict[str, list[Meaning]] = {}
+    for name, meaning in entries:
+        found.setdefault(name, []).append(meaning)
+    problems = [_duplicate(name, meanings) for name, meanings in found.items() if _is_clash(meanings)]
+    return Symbols({name: meanings[0] for name, meanings in found.items()}), problems
+
+
+def joint_entries(joint: Joint, label: str) -> Iterator[tuple[str, Meaning]]:
+    """Return what a joint adds to the symbols: coordinates and speeds, their rates and accelerations."""
+    given = joint.names_given
+    for k, name in enumerate(joint.coordinates):
+        path = "name" if given[k] is None else "coordinate" if len(given) == 1 else f"coordinates[{k}]"
+        for suffix, word in (("", "coordinate"), ("_dot", "rate"), ("_ddot", "acceleration")):
+            yield f"{name}{suffix}", Meaning(word, f"{label}, {path}")
+    for k, name in enumerate(joint.quasi_speed_names):
+        path = "name" if joint.speed_names is None else f"speed_names[{k}]"
+        yield name, Meaning("speed", f"{label}, {path}")
+        yield f"{name}_dot", Meaning("acceleration", f"{label}, {path}")
+
+
+def constraint_entries(condition: Condition, label: str) -> Iterator[tuple[str, Meaning]]:
+    """Return what a constraint adds to the symbols: its own coordinates, their rates and accelerations."""
+    for name in condition.coordinates:
+        for suffix, word in (("", "coordinate"), ("_dot", "rate"), ("_ddot", "acceleration")):
+            yield f"{name}{suffix}", Meaning(word, f"{label}, parameter")
+
+
+def scope_problems(label: str, uses: Iterable[Use], symbols: Symbols) -> list[Problem]:
+    """Return a problem for each name that does not belong where it stands."""
+    problems = []
+    for use in uses:
+        for name in use.formula.names:
+            if name in use.own:
+                if name in symbols.meanings and not symbols.meanings[name].where.startswith(f"{label}, "):
+                    problems.append(_shadowing(f"{label}, {use.path}", use, name, symbols.meanings[name]))
+            elif not symbols.allows(name, use.scope):
+                problems.append(_misplaced(f"{label}, {use.path}", use, name, symbols))
+    return problems
+
+
+def _shadowing(where: str, use: Use, name: str, meaning: Meaning) -> Problem:
+    return use.formula.problem(
+        "names.shadowed",
+        _column(use.formula, name),
+        f"{name!r} is this element's own, and a {meaning.word} of the model ({meaning.where})",
+        f"in this place {' and '.join(use.own)} are measured on the element",
+        f"rename the {meaning.word}",
+        where,
+    )
+
+
+def _misplaced(where: str, use: Use, name: str, symbols: Symbols) -> Problem:
+    column = _column(use.formula, name)
+    meaning = symbols.meanings.get(name)
+    is_coordinate = use.scope is Scope.COORDINATE
+    takes = f"this place takes {use.scope.value}" + ("" if is_coordinate else ", and pi")
+    if meaning is not None or name in RESERVED_SYMBOLS:
+        kind = "" if meaning is None else f"{_ARTICLES.get(meaning.word, 'a')} {meaning.word}"
+        word = kind or RESERVED_SYMBOLS[name]
+        return use.formula.problem(
+            "names.not_here",
+            column,
+            f"{name!r} is {word}, which cannot stand here",
+            takes,
+            "name a coordinate of a joint" if is_coordinate else "write the formula without it",
+            where,
+        )
+    cure = nearest(name, [*use.own, *symbols.allowed(use.scope)])
+    return use.formula.problem(
+        "names.unknown",
+        column,
+        f"there is no symbol {name!r}",
+        takes,
+        cure if is_coordinate else f"{cure} Or define it: [parameters] {name} = ..",
+        where,
+    )
+
+
+_ARTICLES = {"input": "an", "acceleration": "an"}
+
+
+def _column(formula: Formula, name: str) -> int:
+    return next(step.column for step in formula.program if step.kind == "name" and step.payload == name)
+
+
+def _is_clash(meanings: list[Meaning]) -> bool:
+    """Return whether a name has several meanings, not only as rate of coordinates that clash themselves."""
+    return len(meanings) > 1 and {meaning.word for meaning in meanings} not in ({"rate"}, {"acceleration"})
+
+
+def _duplicate(name: str, meanings: list[Meaning]) -> Problem:
+    places = "; ".join(dict.fromkeys(meaning.where for meaning in meanings))
+    listed = ", ".join(f"{meaning.word} ({meaning.where})" for meaning in meanings)
+    derived = any(meaning.word in ("rate", "acceleration") for meaning in meanings)
+    made = "x_dot and x_ddot are made for every coordinate x, w_dot for every speed w"
+    why = made if derived else "every symbol has one meaning"
+    return Problem(
+        "names.duplicate",
+        places,
+        f"the name {name!r} stands for {len(meanings)} things: {listed}",
+        why,
+        "rename all but one",
+    )

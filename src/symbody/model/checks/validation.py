@@ -1,0 +1,202 @@
+"""Everything that makes a description a Model: all checks, all faults told at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from symbody.errors import ModelError, Problem
+from symbody.expr.language.formula import Formula
+from symbody.model.body import Body
+from symbody.model.checker import Checker
+from symbody.model.checks.conditions import check_constraint
+from symbody.model.checks.initial import check_initial, initial_problems
+from symbody.model.checks.physics import check_body, check_frames, check_joint, check_spring
+from symbody.model.checks.structure import (
+    contact_problems,
+    coupling_problems,
+    duplicate_elements,
+    floating_problems,
+    free_joints,
+    joint_problems,
+    over_driven_problems,
+)
+from symbody.model.checks.symbols import (
+    Meaning,
+    collect_symbols,
+    constraint_entries,
+    joint_entries,
+    scope_problems,
+)
+from symbody.model.constraint import Condition, Contact
+from symbody.model.constraints.couplings import Coupling
+from symbody.model.element import Element
+from symbody.model.frame import Frame
+from symbody.model.joint import Joint
+from symbody.model.loads.springs import Spring
+from symbody.model.lookup import element_labels, places_of, with_places
+from symbody.model.parameters import cycle_problems, known_values
+from symbody.model.table import Table
+from symbody.model.uses import Scope, Triple, Use, triple_uses
+
+
+@dataclass(frozen=True, slots=True)
+class Draft:
+    """The parts of a model before they are checked against each other; see `Model`."""
+
+    elements: tuple[Element, ...]
+    gravity: Triple
+    parameters: Table[Formula | None]
+    inputs: tuple[str, ...]
+    initial: Table[Formula]
+    ground: Table[Frame]
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The bodies."""
+        return tuple(element for element in self.elements if isinstance(element, Body))
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """The joints."""
+        return tuple(element for element in self.elements if isinstance(element, Joint))
+
+    @property
+    def free_joints(self) -> list[Joint]:
+        """For each body without joint the one that stands for its motion."""
+        return free_joints(self.bodies, self.joints)
+
+
+def checked(draft: Draft, earlier: Iterable[Problem]) -> tuple[tuple[Element, ...], tuple[str, ...]]:
+    """Return the elements with their addresses looked up, and remarks.
+
+    Raises
+    ------
+    ModelError
+        With the `earlier` problems and all that are found.
+    """
+    problems = list(earlier)
+    labels = element_labels(draft.elements)
+    problems += duplicate_elements(draft.elements, labels)
+    placed, unknown = with_places(draft.elements, places_of(draft.bodies, draft.ground), labels)
+    problems += unknown
+    draft = replace(draft, elements=tuple(placed))
+    joints = {labels[k]: element for k, element in enumerate(placed) if isinstance(element, Joint)}
+    if not unknown:
+        problems += joint_problems(joints)
+        problems += contact_problems(
+            {labels[k]: element for k, element in enumerate(placed) if isinstance(element, Contact)}
+        )
+        problems += floating_problems(draft.bodies, joints.values())
+        problems += over_driven_problems({k: j for k, j in joints.items() if j.start.body != j.end.body})
+    couplings = {labels[k]: element for k, element in enumerate(placed) if isinstance(element, Coupling)}
+    problems += coupling_problems(couplings, (*joints.values(), *draft.free_joints))
+    problems += _name_problems(draft, list(labels.values()))
+    check = _numbers(draft, labels.values())
+    problems += check.problems
+    if problems:
+        raise ModelError(*problems)
+    return draft.elements, (*_assumptions(draft), *check.notes)
+
+
+def _name_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
+    """Return what is wrong with symbols and with the names in formulas."""
+    symbols, problems = collect_symbols(_symbol_entries(draft, labels))
+    problems += cycle_problems(draft.parameters)
+    problems += scope_problems("model", _model_uses(draft), symbols)
+    for label, element in zip(labels, draft.elements, strict=True):
+        problems += scope_problems(label, element.uses(), symbols)
+    problems += initial_problems(draft.initial, symbols, draft.joints)
+    return problems + _degree_problems(draft, labels)
+
+
+def _symbol_entries(draft: Draft, labels: Sequence[str]) -> Iterator[tuple[str, Meaning]]:
+    for name in draft.parameters:
+        yield name, Meaning("parameter", f"model, parameters.{name}")
+    for k, name in enumerate(draft.inputs):
+        yield name, Meaning("input", f"model, inputs[{k}]")
+    for label, element in zip(labels, draft.elements, strict=True):
+        if isinstance(element, Joint):
+            yield from joint_entries(element, label)
+        elif isinstance(element, Condition):
+            yield from constraint_entries(element, label)
+    for joint in draft.free_joints:
+        yield from joint_entries(joint, f"body {joint.name}")
+
+
+def _model_uses(draft: Draft) -> Iterator[Use]:
+    """Return where the formulas of the model itself stand."""
+    yield from triple_uses("gravity", draft.gravity, Scope.CONSTANT)
+    for name, formula in draft.parameters.items():
+        if formula is not None:
+            yield Use(f"parameters.{name}", formula, Scope.CONSTANT)
+    for name, formula in draft.initial.items():
+        yield Use(f"initial.{name}", formula, Scope.CONSTANT)
+    for name, frame in draft.ground.items():
+        yield from frame.uses(f"ground.frames.{name}")
+
+
+def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
+    """Return a problem for each value in degrees that is no angle."""
+    angles: set[str] = set()
+    others: set[str] = set()
+    values = [(f"model, initial.{name}", name, formula) for name, formula in draft.initial.items()]
+    for label, joint in zip(labels, draft.elements, strict=True):
+        if isinstance(joint, Joint):
+            angles.update(joint.angle_coordinates)
+            others.update(joint.coordinates, joint.quasi_speed_names)
+            others.update(f"{name}_dot" for name in joint.coordinates)
+            for path, name, drive in joint.placed_drives():
+                values.append((f"{label}, {path}", name, drive.free))
+            for name, formula in joint.motion.items():
+                values.append((f"{label}, {joint.path_of('motion', name)}", name, formula))
+    return [
+        Problem(
+            "model.not_an_angle",
+            where,
+            f"{formula} belongs to {name}, which is no angle",
+            "deg is understood for angles alone",
+            "write the value in SI units",
+        )
+        for where, name, formula in values
+        if name in others - angles and formula.text.endswith("deg") and "deg" not in formula.names
+    ]
+
+
+def _numbers(draft: Draft, labels: Iterable[str]) -> Checker:
+    """Return what the values of the parameters say."""
+    values, problems = known_values(draft.parameters)
+    check = Checker(values)
+    check.problems += problems
+    check.values(draft.gravity, "model, gravity")
+    check_frames(check, draft.ground, "model, ground.frames")
+    check_initial(check, draft.initial, (*draft.joints, *draft.free_joints))
+    for label, element in zip(labels, draft.elements, strict=True):
+        if isinstance(element, Body):
+            check_body(check, element, label)
+        elif isinstance(element, Joint):
+            check_joint(check, element, label)
+        elif isinstance(element, Condition):
+            check_constraint(check, element, label)
+        elif isinstance(element, Spring):
+            check_spring(check, element, label)
+    return check
+
+
+def _assumptions(draft: Draft) -> list[str]:
+    """Return what was assumed because it was left out."""
+    notes = [
+        f"body {joint.name} has no joint and moves freely, with coordinates {joint.coordinates[0]} "
+        f"to {joint.coordinates[-1]}"
+        for joint in draft.free_joints
+    ]
+    if all(component.constant() == 0 for component in draft.gravity):
+        notes.append("gravity is zero")
+    moving = [joint for joint in (*draft.joints, *draft.free_joints) if joint.coordinates]
+    if moving and all(joint.motions.keys() >= set(joint.coordinates) for joint in moving):
+        notes.append("every coordinate is prescribed: only reactions and efforts remain to be computed")
+    for joint in draft.joints:
+        if not joint.has_named_coordinates:
+            names = ", ".join(joint.coordinates)
+            notes.append(f"joint {joint.name}: coordinates without a name of their own are called {names}")
+    return notes

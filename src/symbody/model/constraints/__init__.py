@@ -1,0 +1,5 @@
+"""The constraints, one family a file; each states only its own law."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

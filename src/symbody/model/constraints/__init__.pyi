@@ -1,0 +1,15 @@
+from .couplings import Belt as Belt
+from .couplings import Constraint as Constraint
+from .couplings import Differential as Differential
+from .couplings import Gear as Gear
+from .couplings import RackPinion as RackPinion
+from .directions import Angle as Angle
+from .directions import Parallel as Parallel
+from .directions import Perpendicular as Perpendicular
+from .points import Distance as Distance
+from .points import PointOnCurve as PointOnCurve
+from .points import PointOnLine as PointOnLine
+from .points import PointOnPlane as PointOnPlane
+from .points import PointOnSurface as PointOnSurface
+from .rolling import KnifeEdge as KnifeEdge
+from .rolling import Rolling as Rolling

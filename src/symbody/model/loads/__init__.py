@@ -1,0 +1,1 @@
+"""Drives, forces, springs, bushings and friction as data."""

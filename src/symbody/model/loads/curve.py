@@ -1,0 +1,220 @@
+"""`Curve`: a law given by points; and laws of springs, which are formulas or curves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final, Literal, TypeAlias, cast, final
+
+from symbody.expr.language.formula import Formula
+from symbody.model.door import ZERO, Door, Value
+from symbody.model.numbers import as_float, value_of
+
+KINDS: Final = ("linear", "pchip")
+OUTSIDE: Final = ("hold", "slope")
+
+
+@final
+@dataclass(frozen=True, slots=True, init=False)
+class Curve:
+    """A function of one variable through given points; values are numbers, not formulas.
+
+    Parameters
+    ----------
+    x, y : (N,) numbers
+        Places that increase, and the values there; at least two.
+    kind : "linear" or "pchip"
+        Straight between points, or cubics with continuous slope that do not overshoot: monotone where the
+        points are (Fritsch & Butland 1984, the slopes of SciPy's ``PchipInterpolator``).
+    outside : "hold" or "slope"
+        Before the first and after the last place: the end value, or a straight line with the end slope.
+
+    Raises
+    ------
+    ModelError
+        With everything that is not a finite number, and places that do not increase.
+    """
+
+    x: tuple[Formula, ...]
+    y: tuple[Formula, ...]
+    kind: str
+    outside: str
+
+    def __init__(
+        self,
+        x: Iterable[Value],
+        y: Iterable[Value],
+        kind: Literal["linear", "pchip"] = "linear",
+        outside: Literal["hold", "slope"] = "hold",
+    ) -> None:
+        door = Door("curve")
+        object.__setattr__(self, "x", _points(door, x, "x"))
+        object.__setattr__(self, "y", _points(door, y, "y"))
+        object.__setattr__(self, "kind", _word(door, kind, "kind", KINDS))
+        object.__setattr__(self, "outside", _word(door, outside, "outside", OUTSIDE))
+        if not door.problems:
+            _check_points(door, self.places, self.values)
+        door.close()
+
+    @property
+    def places(self) -> tuple[float, ...]:
+        """The places as numbers."""
+        return _numbers(self.x)
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The values as numbers."""
+        return _numbers(self.y)
+
+    def pieces(self) -> list[tuple[float, ...]]:
+        """Return the pieces from left to right, those outside included.
+
+        Each is ``(start, x0, c0, c1, ..)``: from `start` on, the value is ``c0 + c1 (x - x0) + ..``. The
+        first starts at minus infinity.
+        """
+        x, y = self.places, self.values
+        found = _lines(x, y) if self.kind == "linear" else _cubics(x, y)
+        last, width = found[-1], x[-1] - x[-2]
+        ends = (found[0][2], _slope_after(last[1:], width)) if self.outside == "slope" else (0.0, 0.0)
+        rest = (0.0,) * (len(last) - 3)
+        inner = [(start, start, *coefficients) for start, *coefficients in found]
+        return [(-math.inf, x[0], y[0], ends[0], *rest), *inner, (x[-1], x[-1], y[-1], ends[1], *rest)]
+
+
+Law: TypeAlias = Formula | Curve
+LawValue: TypeAlias = Value | Curve | Mapping[str, object]
+
+
+def law_from(door: Door, value: object, path: str) -> Law:
+    """Return a law from a formula, a curve, or the table of one as it stands in a file."""
+    if isinstance(value, Curve):
+        return value
+    if not isinstance(value, Mapping):
+        return door.formula(value, path)
+    words = set(map(str, value))
+    wrong = words - {"x", "y", "kind", "outside"} or {"x", "y"} - words
+    if wrong:
+        fault = "is missing" if wrong <= {"x", "y"} else "means nothing"
+        door.refuse(
+            "model.curve_words",
+            path,
+            f"{', '.join(sorted(wrong))} {fault} in a curve",
+            "",
+            "write { x = [..], y = [..] }, with kind and outside if need be",
+        )
+        return ZERO
+    inner = Door("curve")
+    made = inner.attempt(lambda: _curve_of(value))
+    for problem in inner.problems:
+        place = problem.where.partition(", ")[2]
+        door.refuse(
+            problem.code, f"{path}.{place}" if place else path, problem.what, problem.why, problem.fix
+        )
+    return ZERO if made is None else made
+
+
+def _curve_of(table: Mapping[str, object]) -> Curve:
+    x, y = (cast("Iterable[Value]", table[word]) for word in ("x", "y"))
+    kind = cast("Literal['linear', 'pchip']", table.get("kind", "linear"))
+    return Curve(x, y, kind, cast("Literal['hold', 'slope']", table.get("outside", "hold")))
+
+
+def _points(door: Door, values: object, path: str) -> tuple[Formula, ...]:
+    items = door.items(values, path)
+    formulas = tuple(door.formula(item, f"{path}[{k}]") for k, item in enumerate(items))
+    for k, formula in enumerate(formulas):
+        if formula.names:
+            door.refuse(
+                "model.curve_number",
+                f"{path}[{k}]",
+                f"{formula} is no number",
+                "a curve consists of numbers, so that its slopes can be found once",
+                "write a number; scale a curve by a formula with interp1",
+            )
+    return formulas
+
+
+def _word(door: Door, value: object, path: str, known: Sequence[str]) -> str:
+    if value in known:
+        return str(value)
+    choices = " or ".join(repr(word) for word in known)
+    door.refuse("model.curve_kind", path, f"{path} = {value!r} means nothing", "", f"write {choices}")
+    return known[0]
+
+
+def _check_points(door: Door, x: Sequence[float], y: Sequence[float]) -> None:
+    if len(x) != len(y) or len(x) < 2:
+        door.refuse(
+            "model.curve_length",
+            "",
+            f"there are {len(x)} places and {len(y)} values",
+            "every place has one value, and a line needs two",
+            "give two lists of the same length, with two points or more",
+        )
+        return
+    for k, (left, right) in enumerate(pairwise(x)):
+        if not left < right:
+            door.refuse(
+                "model.curve_order",
+                f"x[{k + 1}]",
+                f"{right:g} follows {left:g}",
+                "places increase; a jump needs two that differ a little",
+                "sort the points, each place only once",
+            )
+            return
+
+
+def _numbers(formulas: Iterable[Formula]) -> tuple[float, ...]:
+    values = (value_of(formula) for formula in formulas)
+    return tuple(math.nan if value is None else as_float(value) for value in values)
+
+
+def _lines(x: Sequence[float], y: Sequence[float]) -> list[tuple[float, ...]]:
+    return [
+        (x0, y0, (y1 - y0) / (x1 - x0)) for (x0, x1), (y0, y1) in zip(pairwise(x), pairwise(y), strict=True)
+    ]
+
+
+def _cubics(x: Sequence[float], y: Sequence[float]) -> list[tuple[float, ...]]:
+    slopes = _monotone_slopes(x, y)
+    found: list[tuple[float, ...]] = []
+    for k in range(len(x) - 1):
+        h, rise = x[k + 1] - x[k], (y[k + 1] - y[k]) / (x[k + 1] - x[k])
+        a, b = slopes[k], slopes[k + 1]
+        found.append((x[k], y[k], a, (3 * rise - 2 * a - b) / h, (a + b - 2 * rise) / h**2))
+    return found
+
+
+def _monotone_slopes(x: Sequence[float], y: Sequence[float]) -> list[float]:
+    """Return the slope at each place: a weighted harmonic mean of those beside it, 0 at extrema."""
+    widths = [right - left for left, right in pairwise(x)]
+    rises = [(y[k + 1] - y[k]) / width for k, width in enumerate(widths)]
+    if len(rises) == 1:
+        return [rises[0], rises[0]]
+    inner = [
+        _between(h0, h1, d0, d1) for (h0, h1), (d0, d1) in zip(pairwise(widths), pairwise(rises), strict=True)
+    ]
+    first = _at_end(widths[0], widths[1], rises[0], rises[1])
+    return [first, *inner, _at_end(widths[-1], widths[-2], rises[-1], rises[-2])]
+
+
+def _between(h0: float, h1: float, d0: float, d1: float) -> float:
+    if d0 * d1 <= 0:
+        return 0.0
+    first, second = 2 * h1 + h0, h1 + 2 * h0
+    return (first + second) / (first / d0 + second / d1)
+
+
+def _at_end(h0: float, h1: float, d0: float, d1: float) -> float:
+    """Return the slope of the parabola through three points, kept from turning the curve round."""
+    slope = ((2 * h0 + h1) * d0 - h0 * d1) / (h0 + h1)
+    if slope * d0 <= 0:
+        return 0.0
+    return 3 * d0 if d0 * d1 <= 0 and abs(slope) > 3 * abs(d0) else slope
+
+
+def _slope_after(coefficients: Sequence[float], width: float) -> float:
+    """Return the slope of ``c0 + c1 x + ..`` at `width`."""
+    return sum(k * c * width ** (k - 1) for k, c in enumerate(coefficients) if k)

@@ -1,0 +1,54 @@
+"""When `Partition` takes over from `Projection`, and when not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import symbody as sb
+from symbody.analysis.assembly import assemble
+from symbody.simulation.change_point import is_overconstrained
+from symbody.simulation.input_laws import input_laws
+from symbody.simulation.task import Task
+from tests.faults.test_constraint_rows import parallelogram, shaft, slider_crank
+from tests.problems.mechanisms import model_of
+from tests.problems.test_bennett import GUESS, linkage
+
+
+def overconstrained(eqs: sb.EquationSet, fixed: dict[str, float], guess: dict[str, float]) -> bool:
+    task = Task(eqs, {}, input_laws(eqs.input_names, {}, (0.0, 1.0)))
+    return is_overconstrained(task, assemble(eqs, fixed, guess), 0.0)
+
+
+def test_bennett_is_overconstrained() -> None:
+    assert overconstrained(linkage(), {"t1": 1.0}, GUESS)
+
+
+def test_neither_duplicates_nor_planes_nor_flat_starts_are() -> None:
+    """Rows that follow from others in every state do no harm; a change point at the start is none for long."""
+    assert not overconstrained(shaft(), {"a": 0.3}, {})
+    absolute = sb.form_equations(model_of("slider_crank"), tree="absolute")
+    assert not overconstrained(absolute, {"theta": 0.5}, {})
+    flat = {"a": 0.0, "a_dot": 8.0, "d_dot": 8.0}
+    assert not overconstrained(parallelogram(), flat, {})
+
+
+@pytest.mark.parametrize(("crank", "passes"), [(2.0, False), (3.0, True)])
+def test_change_points_of_a_slider_crank(crank: float, passes: bool) -> None:
+    """With a rod of 3 m and a crank of 3 m the slider passes the pivot; with a shorter one it turns back."""
+    run = sb.simulate(slider_crank(crank), 2.0, {"theta": 0.5, "theta_dot": 4.0})
+    assert run.success
+    assert any("change point" in note for note in run.notes) == passes
+    if passes:
+        # The branch of the start: beta = -2 theta, and the slider goes to and fro through the pivot.
+        assert np.abs(run["beta"] + 2 * run["theta"]).max() < 1e-8
+        assert run["s"].min() < -5.0
+
+
+def test_explicit_choices_stand() -> None:
+    start, guess = {"a": 1.0, "a_dot": 8.0}, {"b": -1.0, "d": 1.0}
+    for constraints in (sb.Projection(), sb.Baumgarte()):
+        run = sb.simulate(parallelogram(), 0.5, start, guess, constraints=constraints)
+        assert not any("sb.Partition() integrates" in note for note in run.notes)
+    run = sb.simulate(parallelogram(), 0.5, start, guess, integrator=sb.Explicit(order=5))
+    assert any("sb.Partition() integrates" in note for note in run.notes)

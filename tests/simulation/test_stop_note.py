@@ -1,0 +1,69 @@
+"""What is noted of a motion that ended early."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import symbody as sb
+from symbody.simulation.input_laws import input_laws
+from symbody.simulation.native_run import RawRun, Statistics
+from symbody.simulation.stop_note import stop_note
+from symbody.simulation.task import Task
+
+
+def slider_crank(crank_mass: float, rod: float = 3.0) -> sb.EquationSet:
+    bodies = [
+        sb.Body("Crank", mass=crank_mass, inertia=(0, 0, 0), frames={"B": sb.Frame(at=(1, 0, 0))}),
+        sb.Body("Rod", mass=0, inertia=(0, 0, 0), frames={"C": sb.Frame(at=(rod, 0, 0))}),
+        sb.Body("Slider", mass=1),
+    ]
+    joints = [
+        sb.Revolute("A", "ground", "Crank", coordinate="theta"),
+        sb.Revolute("B", "Crank.B", "Rod", coordinate="beta"),
+        sb.Revolute("C", "Rod.C", "Slider", tree=False),
+        sb.Prismatic("D", "ground", "Slider", coordinate="s"),
+    ]
+    return sb.form_equations(sb.Model("slider-crank", [*bodies, *joints]))
+
+
+def stopped(eqs: sb.EquationSet, q: list[float], status: sb.Status) -> str:
+    """Return the note of a run of two samples that ended at q."""
+    task = Task(eqs, {}, input_laws((), {}, (0.0, 1.0)))
+    n_u = len(eqs.speed_names)
+    start = np.array([*np.zeros(n_u), 0.3, -0.4, 3.9, 0.0])
+    end = np.array([*np.zeros(n_u), *q, 0.0])
+    raw = RawRun(
+        np.array([0.0, 0.5]), np.array([start, end]).T, status, Statistics(1, 0, 1, 0.0), 0.5, 0, None, None
+    )
+    return stop_note(task, raw)
+
+
+def test_at_a_dead_centre_no_mass_resists_a_massless_crank() -> None:
+    # On the line the slider rests whatever the crank does: theta and beta = -4/3 theta move alone.
+    note = stopped(slider_crank(0.0), [0.0, 0.0, 4.0], sb.Status.SINGULAR)
+    assert "known up to t = 0.5 s" in note and "resists a motion of theta, beta" in note
+    with pytest.raises(sb.SimulationError) as caught:
+        sb.assemble(slider_crank(0.0), {"theta": 0.0}, {"s": 4.0})
+    assert [(p.code, p.where) for p in caught.value.problems] == [("numerics.singular_mass", "theta, beta")]
+
+
+def test_dependent_constraints_are_told_with_the_freedoms_they_leave() -> None:
+    # With a rod of the crank's length, folded back, joint C is at the pivot: theta turns with s at rest, and
+    # with theta + beta upright s moves alone.
+    eqs = slider_crank(1.0, 1.0)
+    upright = stopped(eqs, [np.pi / 2, np.pi, 0.0], sb.Status.STEP_COLLAPSE)
+    assert "the constraints of joint C become dependent" in upright
+    assert "2 degrees of freedom are there instead of 1" in upright
+    ordinary = stopped(eqs, [0.3, -0.6, 2 * np.cos(0.3)], sb.Status.STEP_COLLAPSE)
+    assert ordinary.endswith("there theta_dot changes too fast")
+    assert "dependent" not in stopped(eqs, [np.pi / 2, np.pi, 0.0], sb.Status.INTERRUPTED)
+
+
+def test_a_success_needs_no_note() -> None:
+    eqs = slider_crank(1.0)
+    run = sb.simulate(eqs, 0.1, {"theta": 0.3}, {"s": 3.9})
+    assert run.success and not any("known up to" in note for note in run.notes)
+    assert replace(run.statistics, rejected=None).rejected is None
