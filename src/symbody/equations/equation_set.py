@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Final
 
 from symbody.equations.formed import Formed
 from symbody.equations.forming import form
@@ -12,12 +13,15 @@ from symbody.equations.showing.outputs import evaluable_roots
 from symbody.equations.showing.textbook import MOST_SPEEDS, Reaction, Textbook
 from symbody.equations.showing.units import Units, output_units
 from symbody.equations.solving.idle import check_idle
-from symbody.equations.solving.noise import without_noise
+from symbody.equations.solving.noise import noise_program, without_noise
 from symbody.expr.graph import Symbol
 from symbody.expr.rewrite import operation_count
-from symbody.expr.sequence import Roots
+from symbody.expr.sequence import Roots, Sequence
 from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.model.model import Model
+
+# Values of parameters for which equations are kept.
+_MOST_VALUES: Final = 8
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -43,6 +47,8 @@ class EquationSet:
     # Roots and formulas already made; pure functions of `formed`, so they cannot go stale.
     _roots: dict[str, Roots] = field(default_factory=dict, repr=False)
     _textbook: list[Textbook] = field(default_factory=list, repr=False)
+    _noise_program: list[Sequence] = field(default_factory=list, repr=False)
+    _for_values: dict[tuple[float | None, ...], EquationSet] = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
         sizes = f"{len(self.formed.q)} coordinates, {len(self.formed.u)} speeds"
@@ -231,9 +237,17 @@ class EquationSet:
         FormulationError
             If a constraint on parameters alone excludes these values.
         """
-        check_idle(self.formed, parameters)
-        formed = without_noise(self.formed, parameters)
-        return self if formed is self.formed else EquationSet(self.model, formed, self.notes)
+        key = tuple(parameters.get(symbol.name) for symbol in self.formed.parameters)
+        if key not in self._for_values:
+            check_idle(self.formed, parameters)
+            if not self._noise_program:
+                self._noise_program.append(noise_program(self.formed))
+            formed = without_noise(self.formed, parameters, self._noise_program[0])
+            found = self if formed is self.formed else EquationSet(self.model, formed, self.notes)
+            while len(self._for_values) >= _MOST_VALUES:  # the oldest go
+                del self._for_values[next(iter(self._for_values))]
+            self._for_values[key] = found
+        return self._for_values[key]
 
     @property
     def textbook(self) -> Textbook:

@@ -25,7 +25,8 @@ class Status(Enum):
     )
     FRICTION = (
         "friction and the reaction it comes from have no solution, or two (Painleve): the joint named in "
-        "the notes locks or jumps; lower its mu, change the direction of what loads it, or give the friction as a force"
+        "the notes locks or jumps; lower its mu, change the direction of what loads it, or give the friction "
+        "as a force"
     )
     DEPENDENT_SPEEDS = (
         "the dependent speeds named in the notes do not follow from the others a little farther on: name "

@@ -16,7 +16,7 @@ from symbody.equations.formed import Formed
 from symbody.equations.kinematics.row import Row
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, number
-from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
 from symbody.vectors.vector import cross, dot
 
 _POINTS: Final = 3
@@ -25,17 +25,19 @@ _POINTS: Final = 3
 _NOISE: Final = 1e-9
 
 
-def without_noise(formed: Formed, parameters: Mapping[str, float]) -> Formed:
+def without_noise(formed: Formed, parameters: Mapping[str, float], program: Sequence | None = None) -> Formed:
     """Return the equations with all rows that are only rounding set to 0 = 0; their multipliers are 0.
 
     Parameters
     ----------
     parameters : mapping of name to float
         Those not named get random values.
+    program : Sequence, optional
+        What `noise_program` returns for these equations, if it is there already.
     """
     if not formed.rows:
         return formed
-    silent = _silent(formed, parameters)
+    silent = _silent(formed, noise_program(formed) if program is None else program, parameters)
     if not any(silent):
         return formed
     zero = Expr(formed.graph, 0)
@@ -46,15 +48,19 @@ def without_noise(formed: Formed, parameters: Mapping[str, float]) -> Formed:
     return formed.with_rows(rows)
 
 
-def _silent(formed: Formed, parameters: Mapping[str, float]) -> list[bool]:
-    """Return which rows are below `_NOISE` of the motions they compare, in every speed and at every point."""
+def noise_program(formed: Formed) -> Sequence:
+    """Return what computes the slopes of all rows and the squares of the motions they compare."""
     pairs = [_slopes_and_squares(formed, row) for row in formed.rows]
     roots = [
         Roots(f"{k} {word}", (len(values),), tuple(value.index for value in values))
         for k, pair in enumerate(pairs)
         for word, values in zip(("slopes", "squares"), pair, strict=True)
     ]
-    program = build_sequence(formed.graph, roots, _places(formed), merge=False, contract=False)
+    return build_sequence(formed.graph, roots, _places(formed), merge=False, contract=False)
+
+
+def _silent(formed: Formed, program: Sequence, parameters: Mapping[str, float]) -> list[bool]:
+    """Return which rows are below `_NOISE` of the motions they compare, in every speed and at every point."""
     silent = [True] * len(formed.rows)
     random = Random(3)
     for _ in range(_POINTS):
