@@ -283,6 +283,37 @@ def test_the_first_kernel_that_fails_is_told(piece_size: int) -> None:
         assert same_bits(values, good)
 
 
+def diagonal(sizes: tuple[int, ...]) -> Sequence:
+    """``M udot = F`` with a diagonal M = diag(q) and F = u for each size, one kernel after the other."""
+    count = max(sizes)
+    inputs = tuple(Input(f"{group}{k}", group, k) for k in range(count) for group in "qu")
+    operations = [*(Operation(op.SYMBOL, (), k) for k in range(2 * count)), Operation(op.RATIONAL, (), 0)]
+    zero = len(operations) - 1
+    picks = []
+    for kernel, n in enumerate(sizes):
+        M = [2 * i if i == j else zero for i in range(n) for j in range(n)]
+        operations.append(Operation(op.SADDLE, (*M, *(2 * i + 1 for i in range(n))), kernel))
+        solution = len(operations) - 1
+        for i in range(n):
+            operations.append(Operation(op.PICK, (solution,), i))
+            picks.append(len(operations) - 1)
+    kernels = tuple(Kernel(n, 0) for n in sizes)
+    return Sequence(
+        inputs, (0,), kernels, (), tuple(operations), (Output("udot", (len(picks),), tuple(picks)),)
+    )
+
+
+def test_zeros_of_a_large_matrix_are_cleared_at_once() -> None:
+    sequence = diagonal((7, 1, 5))
+    function = compile_sequence(sequence, keep_ir=True)
+    masses, forces = [float(2**k) for k in range(7)], [float(3 * k + 1) for k in range(7)]
+    wanted = [forces[k] / masses[k] for n in (7, 1, 5) for k in range(n)]  # exact: masses are powers of two
+    # what the kernel before left in the same places has to go
+    assert call(function, sequence, {"q": masses, "u": forces}) == (0, wanted)
+    assert function.ir.count("call void @llvm.memset") == 2
+    assert "store double 0x0000000000000000" not in function.ir
+
+
 def run_batch(
     function: NativeFunction,
     sequence: Sequence,

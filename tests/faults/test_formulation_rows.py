@@ -23,8 +23,8 @@ from symbody.expr.rewrite import substitute
 from symbody.expr.sequence import Roots, build_sequence
 from symbody.expr.sympy_bridge import from_sympy
 from symbody.model import Body, Drive, Frame, Free, Model, Prismatic, Revolute, Spherical, SpringDamper
+from symbody.simulation.methods.stiff import Stiff
 from symbody.simulation.simulate import simulate
-from symbody.simulation.stiff import Stiff
 
 EPS = float(np.finfo(float).eps)
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import symbody as sb
 from symbody.errors import SimulationError, SymbodyError, UsageError
-from symbody.simulation import native_run
+from symbody.simulation.native import run as native_run
 from tests.faults.refusals import refused
 
 Floats = NDArray[np.float64]

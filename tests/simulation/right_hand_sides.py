@@ -7,7 +7,7 @@ from typing import Any
 
 from numba import cfunc, types
 
-from symbody.simulation.explicit import Explicit, RawRun, integrate
+from symbody.simulation.methods.explicit import Explicit, RawRun, integrate
 
 _DOUBLES = types.CPointer(types.double)
 native = cfunc(types.int32(*[_DOUBLES] * 8))

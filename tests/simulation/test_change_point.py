@@ -7,8 +7,8 @@ import pytest
 
 import symbody as sb
 from symbody.analysis.assembly import assemble
-from symbody.simulation.change_point import is_overconstrained
-from symbody.simulation.input_laws import input_laws
+from symbody.simulation.inputs.input_laws import input_laws
+from symbody.simulation.methods.change_point import is_overconstrained
 from symbody.simulation.task import Task
 from tests.faults.test_constraint_rows import parallelogram, shaft, slider_crank
 from tests.problems.mechanisms import model_of

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from symbody.errors import UsageError
-from symbody.simulation.dense_output import DenseOutput
+from symbody.simulation.native.dense_output import DenseOutput
 
 # x = t^3 on [0, 1] and [1, 3] as cubics of Hermite: rows x0, move, h x0' - move, 2 move - h (x0' + x1')
 CUBE = DenseOutput(

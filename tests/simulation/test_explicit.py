@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from symbody.errors import UsageError
-from symbody.simulation.explicit import Explicit
+from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.status import Status
 from tests.simulation.right_hand_sides import (
     blow_up,

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 
 import symbody as sb
 from symbody.errors import SimulationError, UsageError
-from symbody.simulation.tables import MOST_IN_FORMULAS
+from symbody.simulation.inputs.tables import MOST_IN_FORMULAS
 from tests.simulation.interruption import ctrl_c
 
 Floats = NDArray[np.float64]

@@ -12,13 +12,14 @@ import numpy as np
 import pytest
 from numba.core.caching import FunctionCache
 
-from symbody.simulation import native_interface, native_loop
-from symbody.simulation.runge_kutta import DORMAND_PRINCE_8
+from symbody.simulation.native import interface as native_interface
+from symbody.simulation.native import loop as native_loop
+from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_8
 from tests.simulation.right_hand_sides import nothing, oscillator, pendulum, rational, run
 
-COMPILED_IN = ("native_interface.py", "native_places.py", "native_projection.py", "native_stages.py")
+COMPILED_IN = ("interface.py", "places.py", "projection.py", "stages.py")
 FRESH_PROCESS = """
-from symbody.simulation import native_loop
+from symbody.simulation.native import loop as native_loop
 print(len(native_loop.advance.signatures))
 from tests.simulation.right_hand_sides import pendulum, run
 run(pendulum, 1, 1, [0.0, 2.0], (0.0, 1.0))
@@ -65,7 +66,7 @@ def test_dense_output_rows_match_the_tableau() -> None:
 
 
 def test_the_cache_is_renewed_with_every_file_compiled_into_the_loop() -> None:
-    # numba compares the text of native_loop.py alone; a new release over an old one would run the old loop.
+    # numba compares the text of loop.py alone; a new release over an old one would run the old loop.
     folder = Path(native_loop.__file__).parent
     texts = "".join((folder / name).read_text(encoding="utf-8") for name in COMPILED_IN)
     assert hashlib.sha256(texts.encode()).hexdigest()[:16] == native_loop.SOURCES

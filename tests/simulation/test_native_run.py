@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from symbody.errors import SimulationError
-from symbody.simulation import native_run
-from symbody.simulation.explicit import RawRun
+from symbody.simulation.methods.explicit import RawRun
+from symbody.simulation.native import run as native_run
 from symbody.simulation.status import Status
 from tests.simulation.interruption import ctrl_c
 from tests.simulation.right_hand_sides import pendulum, run

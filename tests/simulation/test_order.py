@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.special import ellipj
 
 import symbody as sb
-from symbody.simulation.explicit import Explicit
+from symbody.simulation.methods.explicit import Explicit
 from tests.simulation.right_hand_sides import pendulum, run
 
 Floats = NDArray[np.float64]

@@ -11,9 +11,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import RK45
 
-from symbody.simulation.dense_output import DenseOutput
-from symbody.simulation.native_run import method_arrays
-from symbody.simulation.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8, Tableau
+from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.native.run import method_arrays
+from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8, Tableau
 
 ALL_METHODS = (DORMAND_PRINCE_5, DORMAND_PRINCE_8)
 Floats = NDArray[np.float64]

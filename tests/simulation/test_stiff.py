@@ -9,9 +9,9 @@ import pytest
 
 import symbody as sb
 from symbody.formats import model_from_toml
-from symbody.simulation.explicit import integrate
-from symbody.simulation.input_laws import input_laws
-from symbody.simulation.state_jacobian import STATE_JACOBIAN, with_state_jacobian
+from symbody.simulation.inputs.input_laws import input_laws
+from symbody.simulation.methods.explicit import integrate
+from symbody.simulation.methods.state_jacobian import STATE_JACOBIAN, with_state_jacobian
 from symbody.simulation.task import Task
 from tests.simulation.loops import damped_slider, example, held_pendulum, turning_pendulum
 

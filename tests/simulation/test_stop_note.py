@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.simulation.input_laws import input_laws
-from symbody.simulation.native_run import RawRun, Statistics
-from symbody.simulation.stop_note import stop_note
+from symbody.simulation.inputs.input_laws import input_laws
+from symbody.simulation.native.run import RawRun, Statistics
+from symbody.simulation.results.stop_note import stop_note
 from symbody.simulation.task import Task
 
 

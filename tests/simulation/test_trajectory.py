@@ -15,9 +15,9 @@ import pytest
 from numpy.typing import NDArray
 
 from symbody.errors import EnvironmentFault, FormatError, SymbodyError, UsageError
-from symbody.simulation.native_run import Statistics
+from symbody.simulation.native.run import Statistics
+from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
-from symbody.simulation.trajectory import Trajectory
 from tests.simulation.right_hand_sides import oscillator, run
 
 Floats = NDArray[np.float64]

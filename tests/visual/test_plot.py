@@ -17,7 +17,7 @@ from matplotlib.image import imread
 from numpy.typing import NDArray
 
 from symbody.errors import EnvironmentFault, UsageError
-from symbody.simulation.trajectory import Trajectory
+from symbody.simulation.results.trajectory import Trajectory
 from symbody.visual.curves import SMOOTH
 from symbody.visual.plot import plot, save_plot
 from tests.simulation.right_hand_sides import oscillator, run

@@ -29,7 +29,7 @@ from symbody.equations.form import form_equations
 from symbody.errors import EnvironmentFault, Problem, SymbodyError, UsageError, nearest
 from symbody.formats.native import load_model
 from symbody.model.model import Model
-from symbody.simulation.trajectory import Trajectory
+from symbody.simulation.results.trajectory import Trajectory
 
 app = typer.Typer(
     name="symbody",

@@ -14,24 +14,24 @@ from symbody.analysis.state import State
 from symbody.codegen.compile import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.simulation.change_point import run_held
-from symbody.simulation.choice import Constraints, Integrator, run_chosen
-from symbody.simulation.constraints import PROJECTED, Baumgarte, Projection, projector_of
-from symbody.simulation.dense_output import DenseOutput
-from symbody.simulation.dependent_speeds import pivot_events, pivots_judged
-from symbody.simulation.events import Event, checked_events
-from symbody.simulation.explicit import NOTHING_TO_PROJECT, Explicit, Progress, RawRun, integrate
-from symbody.simulation.input_laws import AskingFunction, InputLaws, Law, input_laws
-from symbody.simulation.native_interface import Projector
-from symbody.simulation.painleve import judged
-from symbody.simulation.request import Request
-from symbody.simulation.singular_angles import singular_passages
+from symbody.simulation.events.events import Event, checked_events
+from symbody.simulation.events.watching import EventWatch
+from symbody.simulation.inputs.input_laws import AskingFunction, InputLaws, Law, input_laws
+from symbody.simulation.methods.change_point import run_held
+from symbody.simulation.methods.choice import Constraints, Integrator, run_chosen
+from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Projection, projector_of
+from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, Progress, RawRun, integrate
+from symbody.simulation.methods.request import Request
+from symbody.simulation.modes.dependent_speeds import pivot_events, pivots_judged
+from symbody.simulation.modes.painleve import judged
+from symbody.simulation.modes.switching import run_switching, switches
+from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.native.interface import Projector
+from symbody.simulation.results.singular_angles import singular_passages
+from symbody.simulation.results.stop_note import stop_note
+from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
-from symbody.simulation.stop_note import stop_note
-from symbody.simulation.switching import run_switching, switches
 from symbody.simulation.task import Evaluator, EventFunctions, Task
-from symbody.simulation.trajectory import Trajectory
-from symbody.simulation.watching import EventWatch
 
 
 def simulate(

@@ -15,10 +15,10 @@ from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
-from symbody.simulation.constraints import PROJECTED
-from symbody.simulation.dense_output import DenseOutput
-from symbody.simulation.events import Event
-from symbody.simulation.input_laws import InputLaws
+from symbody.simulation.events.events import Event
+from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.methods.constraints import PROJECTED
+from symbody.simulation.native.dense_output import DenseOutput
 
 Floats = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.errors import Problem, UsageError
-from symbody.simulation.trajectory import Trajectory
+from symbody.simulation.results.trajectory import Trajectory
 
 Floats = NDArray[np.float64]
 

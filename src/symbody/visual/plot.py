@@ -9,7 +9,7 @@ from os import PathLike
 from matplotlib.axes import Axes
 
 from symbody.errors import EnvironmentFault, Problem, UsageError
-from symbody.simulation.trajectory import Trajectory
+from symbody.simulation.results.trajectory import Trajectory
 from symbody.visual.canvas import draw, is_in_space, label_curves, label_paths, new_axes
 from symbody.visual.curves import Path, curves_of, named, path_of, refined, single_curve
 

@@ -1,0 +1,198 @@
+"""`EventWatch`: finds the events of a run slice by slice, and says where it has to be cut."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Sequence
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.simulation.events.crossings import TOUCHING, Crossing, crossings, missed_return, samples
+from symbody.simulation.events.events import Event, Occurrence
+from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.native.segments import Cut, steps_before
+from symbody.simulation.status import Status
+
+Floats = NDArray[np.float64]
+
+# Slices where events may change the motion: what is computed beyond them is thrown away.
+_ACTING_STEPS: Final = 64
+_RECORDING_STEPS: Final = 1024
+# So many events of one kind within this share of the run are one too many.
+_MOST_ACTING: Final = 10
+_MOST_RECORDED: Final = 100
+_INSTANT: Final = 1e-7
+_SIMULTANEOUS: Final = 1e-12
+
+
+class Watched(Protocol):
+    """What is watched, and what follows from it."""
+
+    def values(self, t: Floats, x: Floats) -> Floats:
+        """Return the values (events, N) at times (N,) and states (n, N)."""
+        ...
+
+    def closed(self, t: float, x: Floats) -> Floats:
+        """Return a state moved back onto the constraints."""
+        ...
+
+    def after(self, place: int, t: float, x: Floats) -> Floats:
+        """Return the state after an event's action."""
+        ...
+
+    def named(self, x: Floats) -> dict[str, float]:
+        """Return a state by name."""
+        ...
+
+
+class EventWatch:
+    """Looks for events between slices; what it finds does not depend on where the slices end.
+
+    The newest step is looked at only when the next one is known: an extremum needs both sides.
+
+    Parameters
+    ----------
+    events : sequence of Event
+        In the order in which simultaneous ones happen.
+    watched : Watched
+        Their values and actions.
+    wrapping : sequence of bool
+        Whether the value of each may jump without passing zero, as an angle does.
+    span : float
+        Length of the run [s].
+    """
+
+    def __init__(
+        self, events: Sequence[Event], watched: Watched, wrapping: Sequence[bool], span: float
+    ) -> None:
+        self.occurrences: list[Occurrence] = []
+        self.chattering = ""
+        self._events = tuple(events)
+        self._watched = watched
+        self._wrapping = tuple(wrapping)
+        self._span = span
+        self._recent = [
+            deque[float](maxlen=_MOST_RECORDED if event.action == "record" else _MOST_ACTING)
+            for event in self._events
+        ]
+        self._largest = np.zeros(len(self._events))
+        self._start(0, [])
+
+    def _start(self, first: int, just_happened: Sequence[int]) -> None:
+        """Begin a stretch of smooth motion with step number `first`."""
+        self._first = self._sampled = first
+        self._just_happened = just_happened
+        self._t = np.zeros(0)
+        self._g = np.zeros((len(self._events), 0))
+        self._later: list[Crossing] = []
+
+    @property
+    def most_steps(self) -> int:
+        """How many steps a slice may have."""
+        return _RECORDING_STEPS if all(event.action == "record" for event in self._events) else _ACTING_STEPS
+
+    def look(self, breaks: Floats, pieces: Floats, steps: int, is_over: bool) -> Cut | None:
+        """Return where the run has to be cut, if anywhere in its first `steps` steps; see `Watch`."""
+        if steps == self._first:
+            return None
+        dense = DenseOutput(breaks[self._first : steps + 1], pieces[self._first : steps])
+        found = self._later
+        if steps > self._sampled:
+            found = [*found, *self._sample(dense, breaks[self._sampled : steps + 1])]
+            self._sampled = steps
+        direction = 1.0 if dense.breaks[-1] >= dense.breaks[0] else -1.0
+        horizon = dense.breaks[-1] if is_over else dense.breaks[-2]
+        last = int(np.searchsorted(direction * self._t, direction * horizon))
+        found += crossings(lambda t: self._values(dense, t), self._t, self._g, last, self._largest)
+        self._largest = np.maximum(self._largest, np.abs(self._g[:, : last + 1]).max(axis=1))
+        self._t, self._g = self._t[last:], self._g[:, last:]
+        self._later = [crossing for crossing in found if direction * (crossing.t - horizon) > 0.0]
+        due = [crossing for crossing in found if direction * (crossing.t - horizon) <= 0.0]
+        cut = self._happen(dense, [c for c in due if self._counts(dense, c)], direction)
+        if cut is not None and cut.after is not None:
+            self._start(steps_before(breaks, steps, cut.t), self._just_happened)
+        return cut
+
+    def _values(self, dense: DenseOutput, t: Floats) -> Floats:
+        inside = np.clip(t, *sorted((dense.breaks[0], dense.breaks[-1])))  # nodes may stray by rounding
+        return self._watched.values(inside, dense(inside))
+
+    def _sample(self, dense: DenseOutput, breaks: Floats) -> Iterator[Crossing]:
+        """Add the samples of new steps; yield what the start of a stretch hides."""
+
+        def watched(t: Floats) -> Floats:
+            return self._values(dense, t)
+
+        t, g = samples(watched, breaks)
+        if self._t.size:
+            self._t, self._g = np.append(self._t, t[1:]), np.hstack([self._g, g[:, 1:]])
+            return
+        first = np.abs(g[:, t <= breaks[1]] if t[-1] >= t[0] else g[:, t >= breaks[1]]).max(axis=1)
+        is_zero = np.abs(g[:, 0]) <= TOUCHING * first
+        is_zero[list(self._just_happened)] = True
+        g[is_zero, 0] = 0.0
+        self._t, self._g = t, g
+        for place in np.flatnonzero(is_zero):
+            back = missed_return(watched, int(place), t, g[place])
+            if back is None:
+                continue
+            if back[1]:
+                yield back[0]
+            elif place in self._just_happened:  # its action leads back at once: that is chattering already
+                recent = self._recent[place]
+                recent.extend([back[0].t] * (recent.maxlen or 0))
+                yield back[0]
+
+    def _counts(self, dense: DenseOutput, crossing: Crossing) -> bool:
+        """Return whether a zero is the event: one of its direction, and no jump of an angle."""
+        if self._events[crossing.place].direction not in (0, crossing.direction):
+            return False
+        if not self._wrapping[crossing.place]:
+            return True
+        value = self._values(dense, np.array([crossing.t]))[crossing.place, 0]
+        return bool(abs(value) <= 1e-6 * max(self._largest[crossing.place], 1.0))
+
+    def _happen(self, dense: DenseOutput, due: list[Crossing], direction: float) -> Cut | None:
+        """Note what happened; return the first cut."""
+        for group in _simultaneous(due, direction, _SIMULTANEOUS * max(self._span, abs(dense.breaks[-1]))):
+            t = group[0].t
+            x = dense(t)
+            acting = [c for c in group if self._events[c.place].action != "record"]
+            if acting:
+                x = self._watched.closed(t, x)
+            after = x
+            for crossing in group:
+                event = self._events[crossing.place]
+                self.occurrences.append(Occurrence(event.label, crossing.t, self._watched.named(x)))
+                if self._chatters(crossing):
+                    return Cut(t, x, None, Status.CHATTERING)
+                if event.action == "stop":
+                    return Cut(t, x, None)
+                if event.mapping:
+                    after = self._watched.after(crossing.place, t, after)
+            if acting:
+                self._just_happened = [c.place for c in group]
+                return Cut(t, x, after)
+        return None
+
+    def _chatters(self, crossing: Crossing) -> bool:
+        recent = self._recent[crossing.place]
+        recent.append(crossing.t)
+        if len(recent) < (recent.maxlen or 0) or abs(recent[-1] - recent[0]) > _INSTANT * self._span:
+            return False
+        self.chattering = self._events[crossing.place].label
+        return True
+
+
+def _simultaneous(found: list[Crossing], direction: float, within: float) -> Iterator[list[Crossing]]:
+    """Yield zeros in the order of the motion, those of one moment together and in the order of the events."""
+    group: list[Crossing] = []
+    for crossing in sorted(found, key=lambda c: direction * c.t):
+        if group and abs(crossing.t - group[0].t) > within:
+            yield sorted(group, key=lambda c: c.place)
+            group = []
+        group.append(crossing)
+    if group:
+        yield sorted(group, key=lambda c: c.place)

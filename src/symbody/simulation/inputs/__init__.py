@@ -1,0 +1,1 @@
+"""What is given from outside while a mechanism moves."""

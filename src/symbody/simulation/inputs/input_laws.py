@@ -1,0 +1,178 @@
+"""Laws of inputs: formulas and short tables become part of the equations, the rest is asked at run time."""
+
+from __future__ import annotations
+
+import ctypes
+import signal
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import FrameType
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from symbody.codegen.compile import Value
+from symbody.codegen.function import CompiledFunction
+from symbody.errors import Problem, SimulationError
+from symbody.expr.language.formula import Formula
+from symbody.simulation.inputs.tables import Table
+
+Floats = NDArray[np.float64]
+Callback = Callable[[float, Floats, Floats], float]
+Law = Value | Table | tuple[ArrayLike, ArrayLike] | Callback
+
+_NATIVE = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 8)
+
+
+@dataclass(frozen=True, slots=True)
+class InputLaws:
+    """The laws of all inputs of a run.
+
+    Attributes
+    ----------
+    formulas : mapping of name to formula
+        Part of the equations.
+    asked : mapping of name to callable
+        Asked for every evaluation, with t, q, u.
+    notes : tuple of str
+        What is slow, and why.
+    """
+
+    formulas: Mapping[str, Value]
+    asked: Mapping[str, Callback]
+    notes: tuple[str, ...]
+
+    def values(self, t: Floats, q: Floats, u: Floats) -> Floats:
+        """Return what is asked at times (N,) with q (n_q, N) and u (n_u, N): (N, n).
+
+        Raises
+        ------
+        SimulationError
+            If a law fails.
+        """
+        return np.array([self.at(*point) for point in zip(t.tolist(), q.T, u.T, strict=True)]).reshape(
+            t.size, len(self.asked)
+        )
+
+    def at(self, t: float, q: Floats, u: Floats) -> list[float]:
+        """Return what is asked at one time.
+
+        Raises
+        ------
+        SimulationError
+            If a law raises, or returns anything but a finite number.
+        """
+        return [_asked(name, law, t, q, u) for name, law in self.asked.items()]
+
+
+def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float, float]) -> InputLaws:
+    """Return the laws of inputs; those without one are 0, and names that are no inputs stay for `compile`.
+
+    Raises
+    ------
+    UsageError
+        If a table cannot be read or does not reach over the span.
+    """
+    formulas: dict[str, Value] = dict.fromkeys(names, 0)
+    asked: dict[str, Callback] = {}
+    notes = []
+    for name, law in given.items():
+        table = Table(*law) if isinstance(law, tuple) else law
+        if isinstance(table, Table):
+            table.check_span(name, *span)
+            if table.is_short:
+                formulas[name] = table.formula()
+            else:
+                asked[name] = table.reader()
+                notes.append(f"input {name} is a table of {np.size(table.t)} points, read by Python: slow")
+        elif isinstance(table, str | int | float | Formula) or not callable(table):
+            formulas[name] = table
+        else:
+            asked[name] = table
+            notes.append(f"input {name} is a Python function, asked at every evaluation: slow")
+    kept = {name: value for name, value in formulas.items() if name not in asked}
+    in_order = {name: asked[name] for name in (*names, *asked) if name in asked}
+    return InputLaws(kept, in_order, tuple(notes))
+
+
+class AskingFunction:
+    """A function with the signature of generated code that asks for inputs before it calls another.
+
+    What a law raises is kept in `error`, and every later call fails at once, which ends the loop.
+
+    Parameters
+    ----------
+    function : CompiledFunction
+        Whose inputs r are what `laws` asks for.
+    laws : InputLaws
+        The laws.
+    """
+
+    def __init__(self, function: CompiledFunction, laws: InputLaws) -> None:
+        self.error: Exception | KeyboardInterrupt | None = None
+        self._function = function
+        self._laws = laws
+        signature = function.signature
+        self._q, self._u = (ctypes.c_double * len(names) for names in (signature.q, signature.u))
+        self._r = ctypes.c_double * len(signature.r)
+        self._inner = _NATIVE(function.address)
+        self._entry = _NATIVE(self._called)
+
+    @property
+    def address(self) -> int:
+        """Where it lies, as long as this object lives."""
+        return ctypes.cast(self._entry, ctypes.c_void_p).value or 0
+
+    @contextmanager
+    def interruptible(self) -> Iterator[None]:
+        """Let Ctrl-C end the loop from within: raised between native and Python code it would be lost."""
+        usual = signal.getsignal(signal.SIGINT)
+        is_main = threading.current_thread() is threading.main_thread()
+        if not is_main or usual is not signal.default_int_handler:
+            yield
+            return
+        signal.signal(signal.SIGINT, self._interrupted)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, usual)
+
+    def _interrupted(self, number: int, frame: FrameType | None) -> None:
+        self.error = KeyboardInterrupt()
+
+    def _called(self, t: int, q: int, u: int, r: int, p: int, c: int, out: int, work: int) -> int:
+        if self.error is not None:
+            return 1
+        try:
+            time = ctypes.c_double.from_address(t).value
+            values = self._laws.at(time, np.array(self._q.from_address(q)), np.array(self._u.from_address(u)))
+            self._r.from_address(r)[:] = [ctypes.c_double(value) for value in values]
+        except (Exception, KeyboardInterrupt) as error:  # nothing may pass through native code
+            self.error = error
+            return 1
+        return int(self._inner(t, q, u, r, p, c, out, work))
+
+
+def _asked(name: str, law: Callback, t: float, q: Floats, u: Floats) -> float:
+    try:
+        given = np.asarray(law(t, q, u))
+    except Exception as error:
+        what = f"at t = {t:.9g} s the function raised {type(error).__name__}: {error}"
+        raise _failed(name, what, "mend the function; it is called as f(t, q, u)") from error
+    if given.shape != () or given.dtype.kind not in "fiu":
+        what = f"at t = {t:.9g} s the function returned {_described(given)}"
+        raise _failed(name, what, "return one number")
+    value = float(given)
+    if not np.isfinite(value) and np.isfinite(q).all() and np.isfinite(u).all():
+        raise _failed(name, f"at t = {t:.9g} s the function returned {value}", "return finite numbers")
+    return value
+
+
+def _described(given: NDArray[np.generic]) -> str:
+    return f"an array of shape {given.shape}" if given.shape else repr(given.item())
+
+
+def _failed(name: str, what: str, fix: str) -> SimulationError:
+    return SimulationError(Problem("simulation.input", f"input {name}", what, fix=fix))

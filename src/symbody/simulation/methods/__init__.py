@@ -1,0 +1,1 @@
+"""Ways to integrate, and to hold constraints."""

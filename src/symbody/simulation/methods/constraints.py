@@ -1,0 +1,122 @@
+"""How a motion is held on its constraints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.closure import constraint_scales, mechanism_size
+from symbody.codegen.compile import Value
+from symbody.codegen.function import CompiledFunction
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import Problem, UsageError
+from symbody.expr.expression import Expr
+from symbody.simulation.native.interface import Projector
+from symbody.simulation.native.loop import EPSILON
+
+Floats = NDArray[np.float64]
+
+# A residual is the difference of two chains of offsets, each turned by the joints before it. A product with
+# a 3 by 3 matrix is good to 3 eps of the vector's length [Higham, Accuracy and Stability of Numerical
+# Algorithms, 2nd ed., section 3.5], and a coordinate brings one such product; its own rounding turns or
+# shifts what follows by eps times it. So residuals are known to 3 eps of the largest coordinate, for each.
+ROUNDED_PER_COORDINATE: Final = 3.0
+
+# Outputs of the projecting function, in the order that the compiled loop expects.
+PROJECTED = ("position_residual", "position_move", "velocity_residual", "velocity_move")
+
+
+@dataclass(frozen=True, slots=True)
+class Projection:
+    """After each step the state is moved back onto the constraints, by the least move in the mass matrix.
+
+    Attributes
+    ----------
+    tolerance : float
+        Constraints may be open by this share of the mechanism's size, or by atol of it if that is less; by
+        what rounding leaves open if that is more, as at coordinates far larger than the mechanism.
+    limit : float
+        A move above so many tolerated errors rejects the step, unless its start is as far off already.
+    """
+
+    tolerance: float = 1e-10
+    limit: float = 10.0
+
+    def __post_init__(self) -> None:
+        _check_positive(tolerance=self.tolerance, limit=self.limit)
+
+
+@dataclass(frozen=True, slots=True)
+class Baumgarte:
+    """Constraints decay like ``Phi'' + 2 zeta omega Phi' + omega^2 Phi = 0``; nothing is projected.
+
+    Attributes
+    ----------
+    zeta : float
+        Damping ratio.
+    omega : float
+        Natural frequency [rad/s]; large values make the equations stiff.
+    """
+
+    zeta: float = 0.95
+    omega: float = 20.0
+
+    def __post_init__(self) -> None:
+        _check_positive(zeta=self.zeta, omega=self.omega)
+
+    def applied(self, eqs: EquationSet) -> EquationSet:
+        """Return the equations with the stabilizing terms in gamma."""
+        graph = eqs.formed.graph
+        rows = []
+        for row in eqs.formed.rows:
+            rate = row.rest
+            for u, slope in row.slopes.items():
+                rate = rate + slope * Expr(graph, u)
+            pull = rate * (2 * self.zeta * self.omega) + row.value * self.omega**2  # no value: Phi' decays
+            rows.append(replace(row, gamma=row.gamma - pull))
+        return EquationSet(eqs.model, eqs.formed.with_rows(tuple(rows)), eqs.notes)
+
+
+def projector_of(
+    function: CompiledFunction,
+    eqs: EquationSet,
+    parameters: Mapping[str, Value],
+    method: Projection,
+    atol: float,
+) -> Projector:
+    """Return what the compiled loop calls to project; `function` computes `PROJECTED`."""
+    n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
+    length, tolerance = mechanism_size(eqs, parameters), min(method.tolerance, atol)
+    scales = constraint_scales(eqs, parameters)[: len(eqs.formed.holonomic)]
+    ones = np.ones(function.sequence.outputs[0].shape[0])
+    ones[: scales.size] = scales
+    empty = np.zeros(0)
+    return Projector(
+        function.address,
+        n_u,
+        empty,
+        empty,
+        function.constants(),
+        np.zeros(function.work_size),
+        np.zeros(1),
+        n_q,
+        tolerance * ones,
+        method.limit,
+        np.array([length if eqs.units.get(name) == "m" else 1.0 for name in eqs.coordinate_names]),
+        ROUNDED_PER_COORDINATE * n_q * EPSILON / tolerance,
+        np.zeros((1, function.sequence.output_size)),
+    )
+
+
+def _check_positive(**values: float) -> None:
+    problems = [
+        Problem("simulation.constraints", name, f"{name} = {value!r} is not a positive number", "",
+                "give a positive number, or leave it out")
+        for name, value in values.items() if not value > 0.0
+    ]  # fmt: skip
+    if problems:
+        raise UsageError(*problems)

@@ -1,0 +1,209 @@
+"""Explicit integration of a compiled right-hand side: `Explicit` chooses the method, `integrate` runs it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from symbody.errors import Problem, UsageError
+from symbody.simulation.native.interface import Goal, Projector, RightHandSide
+from symbody.simulation.native.loop import EPSILON
+from symbody.simulation.native.run import NativeRun, drive, fresh_memory, fresh_record, method_arrays
+from symbody.simulation.native.run import Progress as Progress
+from symbody.simulation.native.run import RawRun as RawRun
+from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8
+from symbody.simulation.native.segments import Watch
+
+Floats = NDArray[np.float64]
+
+_NOTHING: Final = np.zeros(0)
+NOTHING_TO_PROJECT: Final = Projector(
+    0,
+    0,
+    _NOTHING,
+    _NOTHING,
+    _NOTHING,
+    _NOTHING,
+    np.zeros(1),
+    0,
+    _NOTHING,
+    math.inf,
+    _NOTHING,
+    0.0,
+    np.zeros((1, 0)),
+)
+
+# rtol below this asks for more than rounding allows.
+SMALLEST_RTOL: Final = 10.0 * EPSILON
+
+
+@dataclass(frozen=True, slots=True)
+class Explicit:
+    """A Runge-Kutta pair of Dormand and Prince, with steps that follow the local error.
+
+    Attributes
+    ----------
+    order : int
+        8 (the default, for smooth motions and tight tolerances) or 5.
+    max_step : float, optional
+        Longest step [s]; give it where a short pulse or a fast input could fall between two steps.
+    first_step : float, optional
+        First step [s]; by default it follows from the first accelerations.
+
+    Raises
+    ------
+    UsageError
+        Another order, or a step that is not positive.
+    """
+
+    order: int = 8
+    max_step: float | None = None
+    first_step: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.order not in (5, 8):
+            fix = "sb.Explicit(order=8), or order=5 for loose tolerances and rough right-hand sides"
+            raise _usage("order", f"there is no explicit method of order {self.order!r}", fix)
+        for name, step in (("max_step", self.max_step), ("first_step", self.first_step)):
+            if step is not None and not step > 0.0:
+                raise _usage(
+                    name, f"{name} = {step!r} is not a positive number", f"leave {name} out, or give seconds"
+                )
+
+
+def integrate(
+    address: int,
+    work_size: int,
+    n_u: int,
+    n_q: int,
+    x0: ArrayLike,
+    t_span: tuple[float, float],
+    *,
+    method: Explicit,
+    inputs: ArrayLike = (),
+    parameters: ArrayLike = (),
+    constants: ArrayLike = (),
+    times: ArrayLike | None = None,
+    rtol: float = 1e-8,
+    atol: ArrayLike = 1e-10,
+    max_steps: int = 1_000_000,
+    dense: bool = True,
+    stop_when_stiff: bool = False,
+    progress: Progress | None = None,
+    projector: Projector = NOTHING_TO_PROJECT,
+    watch: Watch | None = None,
+) -> RawRun:
+    """Integrate ``x' = f(t, x)``, x = (u, q), f given by its address; t_span [s] may run backwards.
+
+    Parameters
+    ----------
+    address, work_size : int
+        A function with the signature of all generated code, see `native.loop`, and its doubles of scratch.
+    times : array, optional
+        The samples to store, in the order of the motion; by default every step is stored.
+    rtol, atol : float, float or (n_u + n_q,) array
+        Bound the root mean square of the local errors of a step.
+    max_steps : int
+        How many steps may be tried.
+    dense : bool
+        Whether to keep the motion between samples, at 7 (order 8) or 4 (order 5) more vectors a step.
+    stop_when_stiff : bool
+        Whether to stop with `Status.STIFF` when stability limits the steps.
+    progress : callable, optional
+        Called about 20 times a second with the share of the span that is done; returning False ends the run.
+    projector : Projector
+        Brings each accepted step and each sample back onto the constraints.
+    watch : Watch, optional
+        May cut the run between two slices; needs `dense`.
+
+    Raises
+    ------
+    UsageError, SimulationError
+        What does not fit: shapes, tolerances, times outside the span, more samples than the memory holds.
+    """
+    (start, end), x = checked_span(t_span), _checked_state(x0, n_u + n_q)
+    goal = _goal(start, end, method, checked_rtol(rtol), checked_atol(atol, x.size))
+    goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
+    tableau = DORMAND_PRINCE_8 if method.order == 8 else DORMAND_PRINCE_5
+    r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
+    rhs = RightHandSide(int(address), int(n_u), r, p, c, np.zeros(work_size), np.zeros(1))
+    run = NativeRun(rhs, projector, method_arrays(tableau), goal, fresh_memory(tableau, x, start))
+    record = fresh_record(run, checked_times(times, start, end), dense)
+    return drive(run, record, 0.0 if method.first_step is None else float(method.first_step), progress, watch)
+
+
+def _goal(start: float, end: float, method: Explicit, rtol: float, atol: Floats) -> Goal:
+    max_step = math.inf if method.max_step is None else float(method.max_step)
+    return Goal(end, 1.0 if end >= start else -1.0, rtol, atol, max_step, 0, False)
+
+
+def _usage(where: str, what: str, fix: str, why: str = "") -> UsageError:
+    return UsageError(Problem(f"simulation.{where}", where, what, why, fix))
+
+
+def checked_span(t_span: tuple[float, float]) -> tuple[float, float]:
+    """Return both ends of a motion as finite numbers."""
+    start, end = (float(t) for t in t_span)
+    if not (math.isfinite(start) and math.isfinite(end)):
+        raise _usage(
+            "t_span", f"the motion cannot run from {start} to {end}", "give two finite times in seconds"
+        )
+    return start, end
+
+
+def _checked_state(x0: ArrayLike, size: int) -> Floats:
+    x = np.array(x0, dtype=np.float64)
+    if x.shape != (size,):
+        fix = f"give the {size} values of (u, q)"
+        raise _usage("initial", f"the initial state has shape {x.shape}, not ({size},)", fix)
+    if not np.isfinite(x).all():
+        places = ", ".join(map(str, np.flatnonzero(~np.isfinite(x))))
+        raise _usage("initial", f"initial values are not finite: state {places}", "give finite numbers")
+    return x
+
+
+def checked_rtol(rtol: float) -> float:
+    """Return a relative tolerance that can be met."""
+    value = float(rtol)
+    if not (value == 0.0 or SMALLEST_RTOL <= value < math.inf):
+        fix = f"give 0, or a value of {SMALLEST_RTOL:.1e} or more such as 1e-8"
+        raise _usage("rtol", f"rtol = {value!r} cannot be met in double precision", fix)
+    return value
+
+
+def checked_atol(atol: ArrayLike, size: int) -> Floats:
+    """Return a positive absolute tolerance for each state."""
+    values = np.array(atol, dtype=np.float64)
+    if values.shape not in ((), (size,)):
+        raise _usage(
+            "atol", f"atol has shape {values.shape}", f"give one number, or {size}, one for each state"
+        )
+    if not (values > 0.0).all() or not np.isfinite(values).all():
+        why = "atol decides how small a state must be to stop mattering, so that states may pass zero"
+        raise _usage("atol", f"atol = {atol!r} is not positive", "give a positive number such as 1e-10", why)
+    return values + np.zeros(size)
+
+
+def checked_times(times: ArrayLike | None, start: float, end: float) -> Floats | None:
+    """Return the times to store as a new array, or None for every step."""
+    if times is None:
+        return None
+    wanted = np.array(times, dtype=np.float64)
+    if wanted.ndim != 1 or not np.isfinite(wanted).all():
+        raise _usage(
+            "times", "times is not a list of finite numbers", "give for instance np.linspace(0, 10, 501)"
+        )
+    direction = 1.0 if end >= start else -1.0
+    if not (direction * np.diff(wanted) > 0.0).all():
+        word = "rise" if direction > 0.0 else "fall"
+        raise _usage(
+            "times", f"times do not {word} throughout", f"sort them so that they {word}, each only once"
+        )
+    if wanted.size and (direction * (wanted[[0, -1]] - [start, end]) * [1, -1] < 0.0).any():
+        what = f"times from {wanted[0]:g} to {wanted[-1]:g} leave the motion's span {start:g} to {end:g}"
+        raise _usage("times", what, "choose times inside the span, or a longer span")
+    return wanted

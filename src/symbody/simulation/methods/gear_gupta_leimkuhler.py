@@ -1,0 +1,180 @@
+"""Closed loops as differential-algebraic equations of index 2, integrated by IDA: `GGL`.
+
+Positions are held by multipliers of their own: ``q' = N (u + J^T mu) + nu``, ``M u' = F + J^T lambda``,
+``Phi = 0``, ``J u + b = 0``; mu is 0 in every exact motion. Gear, Leimkuhler and Gupta, Automatic integration
+of Euler-Lagrange equations with constraints, J. Comput. Appl. Math. 12-13 (1985).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import qr
+
+from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.projection import velocity_residual
+from symbody.equations.solving.solution import solved
+from symbody.expr.expression import Expr
+from symbody.expr.graph import Kind, Symbol
+from symbody.expr.rewrite import substitute
+from symbody.expr.sequence import Roots
+from symbody.simulation.methods.request import Called, Request
+from symbody.simulation.methods.state_jacobian import (
+    partial_derivatives,
+    with_laws,
+    with_outputs,
+    without_idle_rows,
+)
+from symbody.simulation.methods.stepping import march
+from symbody.simulation.methods.stiff import Stiff
+from symbody.simulation.methods.sundials import SundialsStepper, Watch, solver_class
+from symbody.simulation.native.run import RawRun
+
+Floats = NDArray[np.float64]
+
+# Multipliers take no part in the error test: their errors are one and two orders larger in the step.
+FREE: Final = 1e10
+# Rows whose part independent of the others is smaller than this share are redundant.
+_INDEPENDENT: Final = 1e-8
+# How fast a quaternion returns to unit norm [1/s].
+_NORMING: Final = 10.0
+_RESIDUAL, _SLOPES, _MASS = "ggl residual", "ggl slopes", "mass_matrix"
+
+
+@dataclass(frozen=True, slots=True)
+class GGL:
+    """Constraints of positions and of velocities both hold at each step, with a multiplier each."""
+
+
+def run_ggl(request: Request, method: Stiff) -> tuple[RawRun, tuple[str, ...]]:
+    """Integrate the equations of index 2 by IDA, with their Jacobian from the graph; return run and notes.
+
+    Raises
+    ------
+    SimulationError, EnvironmentFault
+        If the solver does not start, or is not installed.
+    """
+    eqs = without_idle_rows(request.eqs, request.task.parameters)
+    eqs, notes = _independent(request, eqs)
+    system = _System(request, _with_residual(eqs, request))
+    n, size = request.state.size, request.state.size + system.m + system.m_positions
+    watch = Watch(system.residual)
+
+    def residual(t: float, y: Floats, rate: Floats, out: Floats) -> None:
+        out[:] = watch(t, np.concatenate([y, rate]))
+
+    def slopes(t: float, y: Floats, rate: Floats, value: Floats, share: float, out: Floats) -> None:
+        out[:] = system.slopes(t, y, rate, share)
+
+    tolerances = np.full(size, FREE)
+    tolerances[:n] = request.atol
+    solver = solver_class("IDA")(
+        residual, jacfn=slopes, rtol=request.rtol, atol=tolerances,
+        algebraic_idx=list(range(n, size)), **method.options(),
+    )  # fmt: skip
+
+    def begin(t: float, x: Floats) -> None:
+        solver.init_step(t, *system.consistent(t, x))
+
+    stepper = SundialsStepper(solver, begin, lambda t, x: (x, False), watch, request.state, request.span)
+    return march(stepper, request.course(None)), notes
+
+
+def _independent(request: Request, eqs: EquationSet) -> tuple[EquationSet, tuple[str, ...]]:
+    """Return the equations without constraints that follow from the others at the first state."""
+    rows = request.compiled("jacobian", eqs)(request.span[0], request.state)
+    lengths = np.linalg.norm(rows, axis=1)
+    triangle, order = qr((rows / lengths[:, np.newaxis]).T, mode="r", pivoting=True)
+    pivots = np.abs(np.diagonal(triangle))
+    kept = sorted(int(k) for k in order[: int((pivots > _INDEPENDENT).sum())])
+    if len(kept) == len(lengths):
+        return eqs, ()
+    dropped = [name for k, name in enumerate(eqs.multiplier_names) if k not in kept]
+    note = f"GGL: {', '.join(dropped)} follow from the other constraints at the first state and are left out"
+    formed = eqs.formed.with_rows(tuple(eqs.formed.rows[k] for k in kept))
+    return EquationSet(eqs.model, formed, eqs.notes), (note,)
+
+
+def _with_residual(eqs: EquationSet, request: Request) -> EquationSet:
+    """Return the equations with the residual and its derivatives; udot, lambda and mu become inputs."""
+    formed, graph = eqs.formed, eqs.formed.graph
+    m, m_positions = len(formed.rows), len(formed.holonomic)
+    udot = {f"ggl udot {k}": Symbol(f"ggl udot {k}", Kind.INPUT) for k in range(len(formed.u))}
+    first = {f"ggl lambda {k}": Symbol(f"ggl lambda {k}", Kind.INPUT) for k in range(m)}
+    second = {f"ggl mu {k}": Symbol(f"ggl mu {k}", Kind.INPUT) for k in range(m_positions)}
+    accelerations, pulls, pushes = (formed.expressions(tuple(g.values())) for g in (udot, first, second))
+    rows = formed.jacobian
+    values = []
+    for i, force in enumerate(solved(formed, formed.projection.forcing)):
+        total = -force
+        for j, acceleration in enumerate(accelerations):
+            total = total + formed.projection.mass_matrix[i][j] * acceleration
+        for k, pull in enumerate(pulls):
+            total = total - rows[k][i] * pull
+        values.append(total)
+    moved = {}
+    for i, u in enumerate(formed.kinematics.speeds):
+        speed = Expr(graph, u)
+        for k, push in enumerate(pushes):
+            speed = speed + rows[k][i] * push
+        moved[u] = speed.index
+    rates = substitute(graph, eqs.roots("qdot").nodes, moved)
+    values += [-(Expr(graph, node) + pull) for node, pull in zip(rates, _norming(eqs), strict=True)]
+    values += [*(row.value for row in formed.holonomic), *velocity_residual(formed)]
+    nodes = with_laws(eqs, [value.index for value in values], request.task.laws.formulas)
+    by = (*formed.u, *formed.q, *first.values(), *second.values())
+    outputs = [Roots(_RESIDUAL, (len(nodes),), tuple(nodes)), partial_derivatives(eqs, _SLOPES, nodes, by)]
+    return with_outputs(eqs, outputs, {**udot, **first, **second})
+
+
+def _norming(eqs: EquationSet) -> list[Expr]:
+    """Return what brings quaternions back to unit norm, for each coordinate; 0 on the sphere."""
+    formed = eqs.formed
+    pulls = {q.index: q * 0 for q in formed.expressions(formed.q)}
+    for four in formed.variables.quaternions:
+        entries = [Expr(formed.graph, node) for node in four]
+        excess = sum((entry**2 for entry in entries), entries[0] * 0 - 1)
+        pulls |= {entry.index: -(entry * excess * _NORMING) for entry in entries}
+    return list(pulls.values())
+
+
+class _System:
+    """The residual ``R(t, y, y')`` with y = (u, q, lambda, mu), and its derivatives, as numbers."""
+
+    def __init__(self, request: Request, eqs: EquationSet) -> None:
+        self.m, self.m_positions = len(eqs.formed.rows), len(eqs.formed.holonomic)
+        self._n_u, self._n = request.n_u, request.state.size
+        self._residual = request.compiled(_RESIDUAL, eqs)
+        self._slopes = request.compiled((_SLOPES, _MASS), eqs)
+        self._start = request.compiled((_MASS, "forcing", "jacobian", "gamma", "qdot"), eqs)
+
+    def residual(self, t: float, both: Floats) -> Floats:
+        """Return R at y followed by y'."""
+        y, rate = np.split(both, 2)
+        value: Floats = self._called(self._residual, t, y, rate)
+        value[self._n_u : self._n] += rate[self._n_u : self._n]
+        return value
+
+    def slopes(self, t: float, y: Floats, rate: Floats, share: float) -> Floats:
+        """Return dR/dy + share dR/dy'."""
+        found = self._called(self._slopes, t, y, rate)
+        result: Floats = found[0].copy()
+        n_u, n = self._n_u, self._n
+        result[:n_u, :n_u] += share * found[1]
+        result[range(n_u, n), range(n_u, n)] += share
+        return result
+
+    def consistent(self, t: float, x: Floats) -> tuple[Floats, Floats]:
+        """Return y and y' that fulfil the equations at a state on the constraints."""
+        mass, force, rows, gamma, rates = self._start(t, x, np.zeros(self._n_u + self.m + self.m_positions))
+        saddle = np.block([[mass, -rows.T], [rows, np.zeros((self.m, self.m))]])
+        solution = np.linalg.lstsq(saddle, np.concatenate([force, gamma]), rcond=None)[0]
+        udot, multipliers = np.split(solution, [self._n_u])
+        still, pushes = np.zeros(self.m), np.zeros(self.m_positions)
+        return np.concatenate([x, multipliers, pushes]), np.concatenate([udot, rates, still, pushes])
+
+    def _called(self, function: Called, t: float, y: Floats, rate: Floats) -> Any:
+        return function(t, y[: self._n], np.concatenate([rate[: self._n_u], y[self._n :]]))

@@ -1,0 +1,116 @@
+"""Implicit integration of stiff motions: `Stiff` chooses backward differentiation, `run_stiff` runs it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.errors import Problem, UsageError
+from symbody.simulation.methods.constraints import Baumgarte, Projection
+from symbody.simulation.methods.request import Closing, Request
+from symbody.simulation.methods.state_jacobian import (
+    STATE_JACOBIAN,
+    STATE_RATES,
+    with_state_jacobian,
+    without_idle_rows,
+)
+from symbody.simulation.methods.stepping import march
+from symbody.simulation.methods.sundials import SundialsStepper, Watch, solver_class
+from symbody.simulation.native.run import RawRun
+
+Floats = NDArray[np.float64]
+
+# Between two projections the constraints are left to the solver; this keeps their drift from growing. On the
+# constraints it vanishes, so it changes no motion.
+DRIFT: Final = Baumgarte(zeta=1.0, omega=20.0)
+# A new start costs dozens of small steps of low order: it waits for so many times the limit of `Projection`.
+PATIENCE: Final = 100.0
+
+
+@dataclass(frozen=True, slots=True)
+class Stiff:
+    """Backward differentiation with variable order and step, for fast damped motions.
+
+    Attributes
+    ----------
+    max_order : int
+        Highest order, 1 to 5; 2 is stable for every damped oscillation.
+    max_step : float, optional
+        Longest step [s].
+
+    Raises
+    ------
+    UsageError
+        Another order, or a step that is not positive.
+    """
+
+    max_order: int = 5
+    max_step: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.max_order not in (1, 2, 3, 4, 5):
+            what = f"backward differentiation has no order {self.max_order!r}"
+            raise UsageError(Problem("simulation.order", "max_order", what, "", "give 1 to 5"))
+        if self.max_step is not None and not self.max_step > 0.0:
+            what = f"max_step = {self.max_step!r} is not a positive number"
+            fix = "leave max_step out, or give seconds"
+            raise UsageError(Problem("simulation.max_step", "max_step", what, "", fix))
+
+    def options(self) -> dict[str, float | int]:
+        """Return the options as the solvers take them."""
+        longest = 0.0 if self.max_step is None else float(self.max_step)
+        return {"max_order": int(self.max_order), "max_step": longest}
+
+
+def run_stiff(request: Request, method: Stiff, constraints: Projection | Baumgarte) -> RawRun:
+    """Integrate ``x' = f(t, x)`` by CVODE, with df/dx from the graph.
+
+    With `Projection` the ends of all steps and all samples are brought onto the constraints; a drift far
+    beyond its limit starts the solver anew from there.
+
+    Raises
+    ------
+    SimulationError, EnvironmentFault
+        If the solver does not start, or is not installed.
+    """
+    closing = request.projection(constraints) if isinstance(constraints, Projection) else None
+    eqs = without_idle_rows(request.eqs, request.task.parameters)
+    if closing is not None and eqs.multiplier_names:
+        eqs = DRIFT.applied(eqs)
+    wider = with_state_jacobian(eqs, request.task.laws.formulas)
+    rates = request.compiled(STATE_RATES, wider)
+    slopes = request.compiled(STATE_JACOBIAN, wider)
+    watch = Watch(rates)
+
+    def right_hand_side(t: float, x: Floats, out: Floats) -> None:
+        out[:] = watch(t, x)
+
+    def state_jacobian(t: float, x: Floats, rate: Floats, out: Floats) -> None:
+        out[:] = slopes(t, x)
+
+    solver = solver_class("CVODE")(
+        right_hand_side, method="BDF", jacfn=state_jacobian, rtol=request.rtol, atol=request.atol,
+        **method.options(),
+    )  # fmt: skip
+    stepper = SundialsStepper(
+        solver, solver.init_step, _Settling(closing, constraints), watch, request.state, request.span
+    )
+    return march(stepper, request.course(closing))
+
+
+class _Settling:
+    """Closes the end of a step, and asks for a new start where the drift is large."""
+
+    def __init__(self, closing: Closing | None, constraints: Projection | Baumgarte) -> None:
+        self._closing = closing
+        self._limit = PATIENCE * constraints.limit if isinstance(constraints, Projection) else np.inf
+
+    def __call__(self, t: float, x: Floats) -> tuple[Floats, bool]:
+        """Return the closed state, and whether the solver has to start from it."""
+        if self._closing is None:
+            return x, False
+        closed, moved = self._closing.one(t, x)
+        return (closed, moved > self._limit) if np.isfinite(moved) else (x, False)

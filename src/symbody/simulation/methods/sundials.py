@@ -1,0 +1,215 @@
+"""CVODE and IDA of SUNDIALS, step by step, through scikit-sundae.
+
+Hindmarsh et al., SUNDIALS: Suite of nonlinear and differential/algebraic equation solvers, ACM Transactions
+on Mathematical Software 31 (2005).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import redirect_stdout
+from functools import partial
+from io import StringIO
+from typing import Final, Protocol, TypeVar
+
+import lazy_loader
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.errors import EnvironmentFault, Problem, SimulationError
+from symbody.simulation.methods.stepping import NODES, SHARES, Failure, Step
+from symbody.simulation.native.loop import EPSILON
+from symbody.simulation.status import Status
+
+# Loaded when the first stiff motion is asked for: most are not.
+sksundae = lazy_loader.load("sksundae")
+
+Floats = NDArray[np.float64]
+Answer = TypeVar("Answer")
+
+# Return flags that the two solvers share. The others cannot come from a right-hand side that never raises.
+COLLAPSED: Final = -3
+VERDICTS: Final[Mapping[int, Status]] = {
+    -1: Status.TOO_MANY_STEPS,
+    -2: Status.STEP_COLLAPSE,
+    COLLAPSED: Status.STEP_COLLAPSE,
+    -4: Status.STEP_COLLAPSE,
+    -6: Status.SINGULAR,
+    -7: Status.SINGULAR,
+}
+
+# Faults of one evaluation that a shorter step may avoid; others, as of a law that fails, end the run.
+MENDABLE: Final[Mapping[str, Status]] = {
+    "numerics.singular_mass": Status.SINGULAR,
+    "simulation.partition": Status.STEP_COLLAPSE,
+}
+
+
+class Result(Protocol):
+    """What a call of a solver returns: a flag, negative on failure, the time, and the state there."""
+
+    status: int
+    t: float
+    y: Floats
+
+
+class Solver(Protocol):
+    """CVODE or IDA."""
+
+    def init_step(self, t0: float, *values: Floats) -> object:
+        """Begin at a time with the state, for IDA also with its rate."""
+        ...
+
+    def step(self, t: float, method: str, tstop: float | None) -> Result:
+        """Take one step ("onestep") towards t, or return the state at t inside the last one ("normal")."""
+        ...
+
+
+class Watch:
+    """A function of time and state that never raises, and remembers what was wrong with its values.
+
+    Attributes
+    ----------
+    evaluations : int
+        Calls so far.
+    fault_of_call : Status or None
+        What the last call that had no value means, if there was one since the last accepted step.
+    fault : int or None
+        The first entry of a value that was not finite since then.
+    """
+
+    def __init__(self, function: Callable[[float, Floats], Floats]) -> None:
+        self._function = function
+        self.evaluations = 0
+        self.fault_of_call: Status | None = None
+        self.fault: int | None = None
+
+    def __call__(self, t: float, y: Floats) -> Floats:
+        """Return the value; all NaN, which makes the solver try a shorter step, if there is none."""
+        self.evaluations += 1
+        try:
+            value = self._function(t, y)
+        except SimulationError as error:
+            if error.problems[0].code not in MENDABLE:
+                raise
+            self.fault_of_call = MENDABLE[error.problems[0].code]
+            return np.full_like(y, np.nan)
+        if not np.isfinite(value).all():
+            self.fault = int(np.flatnonzero(~np.isfinite(value))[0])
+        return value
+
+    def accept(self) -> None:
+        """Forget the faults: a step was found in spite of them."""
+        self.fault_of_call, self.fault = None, None
+
+    def failure(self, flag: int) -> Failure:
+        """Return what a flag means after these faults."""
+        if self.fault_of_call is not None:
+            return Failure(self.fault_of_call)
+        if self.fault is not None:
+            return Failure(Status.NOT_FINITE, self.fault)
+        return Failure(VERDICTS.get(flag, Status.STEP_COLLAPSE))
+
+
+class SundialsStepper:
+    """A solver on its way.
+
+    Parameters
+    ----------
+    begin : callable
+        Starts the solver at a time and a state x = (u, q), with everything else that belongs to it.
+    settled : callable
+        From the end of a step to the state to keep there, and whether the solver has to start anew from it.
+    watch : Watch
+        What the solver calls.
+    """
+
+    def __init__(
+        self,
+        solver: Solver,
+        begin: Callable[[float, Floats], object],
+        settled: Callable[[float, Floats], tuple[Floats, bool]],
+        watch: Watch,
+        x0: Floats,
+        span: tuple[float, float],
+    ) -> None:
+        self._solver, self._begin, self._settled, self._watch = solver, begin, settled, watch
+        self._x, (self._t, self._end) = x0, span
+        self._is_fresh = True
+
+    @property
+    def evaluations(self) -> int:
+        """How often the equations were evaluated."""
+        return self._watch.evaluations
+
+    @property
+    def rejected(self) -> None:
+        """Not known: scikit-sundae does not hand over the counters of SUNDIALS."""
+        return None
+
+    def advance(self) -> Step | Failure:
+        """Take one step; the state inside it is the solver's own polynomial."""
+        if self._is_fresh:
+            guarded(partial(self._begin, self._t, self._x))
+            self._is_fresh = False
+        result = self._called(self._end, "onestep", self._end)
+        if result.status < 0:
+            return self._watch.failure(result.status)
+        n, length = self._x.size, result.t - self._t
+        if abs(length) <= 10.0 * EPSILON * abs(self._t) and result.t != self._end:
+            return self._watch.failure(COLLAPSED)
+        nodes = np.empty((NODES, n))
+        nodes[0] = self._x
+        for k in range(1, NODES - 1):
+            nodes[k] = self._called(self._t + SHARES[k] * length, "normal", None).y[:n]
+        # asking for the end last lets the next step start: the solver returns to it otherwise
+        last = self._called(result.t, "normal", None).y[:n]
+        nodes[-1], self._is_fresh = self._settled(result.t, last)
+        self._x, self._t = nodes[-1], result.t
+        self._watch.accept()
+        return Step(result.t, nodes)
+
+    def restart(self, t: float, x: Floats) -> None:
+        """Go on from another state."""
+        self._t, self._x, self._is_fresh = t, x, True
+
+    def _called(self, t: float, method: str, stop: float | None) -> Result:
+        return guarded(partial(self._solver.step, t, method, stop))
+
+
+def guarded(function: Callable[[], Answer]) -> Answer:
+    """Return what a function of scikit-sundae returns; it prints nothing and raises only what we do.
+
+    Raises
+    ------
+    SimulationError
+        With what it printed, if it fails otherwise than by a flag.
+    """
+    printed = StringIO()
+    try:
+        with redirect_stdout(printed):
+            return function()
+    except (RuntimeError, ValueError, TypeError) as error:
+        why = printed.getvalue().strip()
+        raise SimulationError(
+            Problem("simulation.sundials", "integrator", f"SUNDIALS does not start: {error}", why,
+                    "check rtol, atol, max_order and max_step, or use sb.Explicit()")
+        ) from error  # fmt: skip
+
+
+def solver_class(kind: str) -> Callable[..., Solver]:
+    """Return the class of "CVODE" or "IDA".
+
+    Raises
+    ------
+    EnvironmentFault
+        If scikit-sundae is not installed.
+    """
+    try:
+        found: Callable[..., Solver] = sksundae.cvode.CVODE if kind == "CVODE" else sksundae.ida.IDA
+    except ImportError as error:
+        raise EnvironmentFault(
+            Problem("simulation.no_sundials", "integrator", f"{kind} is not installed", str(error),
+                    "pip install scikit-sundae, or use sb.Explicit()")
+        ) from error  # fmt: skip
+    return found

@@ -1,0 +1,1 @@
+"""Mechanisms whose equations change: sticking and slipping, taut and slack, parts of one motion."""

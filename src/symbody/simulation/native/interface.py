@@ -1,0 +1,229 @@
+"""What the compiled loop takes, how it is compiled, and how it calls a function by address.
+
+The cache of the compiled loop does not see a change of this file: renew `loop.SOURCES` after one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+from llvmlite import ir
+from numba import njit, types
+from numba.extending import intrinsic
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Places = NDArray[np.uintp]
+Function = TypeVar("Function", bound=Callable[..., object])
+
+
+class RightHandSide(NamedTuple):
+    """A compiled function and what stays the same for a whole run.
+
+    Attributes
+    ----------
+    address : int
+        Where the function lies.
+    n_u : int
+        Number of speeds, which come first in the state.
+    inputs, parameters, constants, work : arrays
+        The groups r, p, c and the function's scratch.
+    clock : array of one
+        Scratch for the time.
+    """
+
+    address: int
+    n_u: int
+    inputs: Floats
+    parameters: Floats
+    constants: Floats
+    work: Floats
+    clock: Floats
+
+
+class Projector(NamedTuple):
+    """A function that brings states back onto the constraints; the first fields as in `RightHandSide`.
+
+    It writes position residuals, position moves, velocity residuals, velocity moves.
+
+    Attributes
+    ----------
+    address : int
+        0 where there is nothing to project.
+    n_q : int
+        Number of coordinates.
+    scales : array (n,)
+        The largest position residuals that count as closed; velocity residuals have none, being linear.
+    limit : float
+        Moves above so many tolerated errors, or what the old state asks for, reject the step.
+    sizes : array (n_q,)
+        What counts as a large coordinate: 1 rad, or the size of the mechanism [m].
+    rounding : float
+        How exactly residuals are known at coordinates that are not large, over what counts as closed.
+    out : array (1, size)
+        What the function writes.
+    """
+
+    address: int
+    n_u: int
+    inputs: Floats
+    parameters: Floats
+    constants: Floats
+    work: Floats
+    clock: Floats
+    n_q: int
+    scales: Floats
+    limit: float
+    sizes: Floats
+    rounding: float
+    out: Floats
+
+
+class Method(NamedTuple):
+    """A `runge_kutta.Tableau` as arrays.
+
+    Attributes
+    ----------
+    first : (k + 2 + d + 1,) array of int
+        Where each row of A, of the two error estimates and of the dense output begins in the next two.
+    columns, weights : arrays
+        The coefficients that are not zero, and which stages they belong to.
+    c : (k,) array
+        The nodes.
+    """
+
+    first: Integers
+    columns: Places
+    weights: Floats
+    c: Floats
+    order: int
+    stages: int
+    error_reads_end: bool
+    exponent: float
+    memory: float
+    shrink: float
+    growth: float
+    stiff_bound: float
+
+
+class Goal(NamedTuple):
+    """What a run is to reach, and how carefully."""
+
+    t_end: float
+    direction: float
+    rtol: float
+    atol: Floats
+    max_step: float
+    max_trials: int
+    stop_when_stiff: bool
+
+
+class Memory(NamedTuple):
+    """What a step leaves for the next.
+
+    Attributes
+    ----------
+    vectors : (6, n) array
+        Old state, state of the last stage, new state, two error estimates, zeros.
+    K : (k, n) array
+        The derivatives of the stages.
+    F : (1, 4 + d, n) array
+        The dense output of the last step, see `dense_output`, where it is not kept.
+    real : array
+        Time, next step, error norm of the step before.
+    counts : array of int
+        Counters; the places are named at the top of this file.
+    """
+
+    vectors: Floats
+    K: Floats
+    F: Floats
+    real: Floats
+    counts: Integers
+
+
+class Record(NamedTuple):
+    """Where samples and dense outputs go.
+
+    Attributes
+    ----------
+    wanted : array
+        The times to store, in the order of the motion; every step is stored if `every_step`.
+    t, x : arrays (capacity,), (capacity, n)
+        The samples.
+    breaks, pieces : arrays (capacity + 1,), (capacity, 4 + d, n)
+        Ends and dense output of each step, if `keep_dense`.
+    """
+
+    wanted: Floats
+    t: Floats
+    x: Floats
+    breaks: Floats
+    pieces: Floats
+    every_step: bool
+    keep_dense: bool
+
+
+def compiled(function: Function) -> Function:
+    """Compile at the first call, without the lock of the interpreter, and keep the result on disk."""
+    result: Function
+    try:
+        result = njit(cache=True, nogil=True, error_model="numpy")(function)
+    except RuntimeError:  # no folder to keep it in: a read-only installation without a home
+        result = njit(nogil=True, error_model="numpy")(function)
+    return result
+
+
+def inlined(function: Function) -> Function:
+    """Compile as part of the functions that call this one."""
+    result: Function = njit(
+        nogil=True, error_model="numpy", forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True
+    )(function)
+    return result
+
+
+@intrinsic
+def call(typing: Any, rhs: Any, x: Any, at: Any, out: Any, to: Any) -> Any:  # numba has no types
+    """Call the right-hand side with the state x[at:], writing to out[to:]; places count doubles."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        fields = {
+            name: (kind, builder.extract_value(arguments[0], place))
+            for place, (name, kind) in enumerate(zip(rhs.fields, rhs.types, strict=True))
+        }
+
+        def pointer(kind: Any, value: Any) -> Any:
+            return context.make_array(kind)(context, builder, value).data
+
+        double = ir.DoubleType().as_pointer()
+        kind = ir.FunctionType(ir.IntType(32), [double] * 8)
+        function = builder.inttoptr(fields["address"][1], kind.as_pointer())
+        u = builder.gep(pointer(x, arguments[1]), [arguments[2]])
+        q = builder.gep(u, [fields["n_u"][1]])
+        target = builder.gep(pointer(out, arguments[3]), [arguments[4]])
+        t, r, p, c, work = (
+            pointer(*fields[name]) for name in ("clock", "inputs", "parameters", "constants", "work")
+        )
+        return builder.call(function, [t, q, u, r, p, c, target, work])
+
+    return types.int32(rhs, x, at, out, to), generate
+
+
+@intrinsic
+def uncounted(typing: Any, group: Any) -> Any:
+    """Return a group whose arrays are not reference counted: counting took 70 % of a run of two states."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        result = arguments[0]
+        for place, kind in enumerate(group.types):
+            if isinstance(kind, types.Array):
+                array = context.make_array(kind)(context, builder, builder.extract_value(result, place))
+                array.meminfo = array.meminfo.type(None)
+                array.parent = array.parent.type(None)
+                result = builder.insert_value(result, array._getvalue(), place)
+        return result
+
+    return group(group), generate

@@ -1,0 +1,317 @@
+"""One run of the compiled loop: its arrays, their growth, and the slices between which Python acts."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from symbody.errors import Problem, SimulationError
+from symbody.simulation.native import loop as native
+from symbody.simulation.native import places
+from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.native.interface import Floats, Goal, Memory, Method, Projector, Record, RightHandSide
+from symbody.simulation.native.runge_kutta import Tableau
+from symbody.simulation.native.segments import Watch, cut_back, go_on
+from symbody.simulation.status import Status
+
+Progress = Callable[[float], bool | None]
+
+# Steps of the first slice, and what a slice should last [s]: between slices Python sees Ctrl-C.
+FIRST_SLICE: Final = 64
+SLICE_SECONDS: Final = 0.05
+FIRST_CAPACITY: Final = 256
+# Where the system does not tell its memory [bytes].
+ASSUMED_MEMORY: Final = 8 * 2**30
+
+VERDICTS: Final[Mapping[int, Status]] = {
+    places.FINISHED: Status.SUCCESS,
+    places.COLLAPSED: Status.STEP_COLLAPSE,
+    places.NOT_FINITE: Status.NOT_FINITE,
+    places.SINGULAR: Status.SINGULAR,
+    places.TOO_MANY: Status.TOO_MANY_STEPS,
+    places.STIFF: Status.STIFF,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """What a run cost.
+
+    Attributes
+    ----------
+    accepted : int
+        Steps taken.
+    rejected : int or None
+        Steps tried in vain; None if the integrator does not tell, as SUNDIALS.
+    evaluations : int
+        Calls of the right-hand side.
+    loop_seconds : float
+        Time inside the compiled loop [s].
+    """
+
+    accepted: int
+    rejected: int | None
+    evaluations: int
+    loop_seconds: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RawRun:
+    """What `integrate` returns: arrays and a verdict, without names.
+
+    Attributes
+    ----------
+    t : (N,) array
+        Times of the samples [s].
+    x : (n, N) array
+        States x = (u, q).
+    reached : float
+        Time up to which the motion is known [s].
+    state : int or None
+        After a collapse or a derivative that is not finite: which state is to blame.
+    kernel : int or None
+        After `Status.SINGULAR`: which kernel of the right-hand side failed, from 0.
+    dense_output : DenseOutput or None
+        The motion between the samples.
+    """
+
+    t: Floats
+    x: Floats
+    status: Status
+    statistics: Statistics
+    reached: float
+    state: int | None
+    kernel: int | None
+    dense_output: DenseOutput | None
+
+    def stop_note(self, state_names: Sequence[str]) -> str:
+        """Return where and on whose account the run ended early, empty if it did not."""
+        if self.status.success:
+            return ""
+        note = f"the motion is known up to t = {self.reached:.9g} s"
+        if self.state is not None:
+            verb = "changes too fast" if self.status is Status.STEP_COLLAPSE else "has no finite derivative"
+            note += f"; there {state_names[self.state]} {verb}"
+        if self.kernel is not None:
+            note += f"; there linear system {self.kernel + 1} of the accelerations is singular"
+        return note
+
+
+class NativeRun(NamedTuple):
+    """All arguments of the compiled loop but the record, which grows."""
+
+    rhs: RightHandSide
+    projector: Projector
+    method: Method
+    goal: Goal
+    memory: Memory
+
+
+def method_arrays(tableau: Tableau) -> Method:
+    """Return a tableau as arrays."""
+    rows = (*tableau.A, *tableau.error, *tableau.dense)
+    columns = [[j for j, weight in enumerate(row) if weight != 0.0] for row in rows]
+    return Method(
+        np.cumsum([0, *map(len, columns)], dtype=np.int64),
+        np.array([j for places in columns for j in places], dtype=np.uintp),
+        np.array([weight for row in rows for weight in row if weight != 0.0]),
+        np.array(tableau.c, dtype=np.float64),
+        tableau.order,
+        tableau.stages,
+        tableau.error_reads_end,
+        tableau.exponent,
+        tableau.memory,
+        tableau.shrink,
+        tableau.growth,
+        tableau.stiff_bound,
+    )
+
+
+def fresh_memory(tableau: Tableau, x: Floats, t: float) -> Memory:
+    """Return the loop's memory at its first time and state."""
+    memory = Memory(
+        np.zeros((places.VECTORS, x.size)),
+        np.zeros((len(tableau.A), x.size)),
+        np.zeros((1, 4 + len(tableau.dense), x.size)),
+        np.zeros(places.REALS),
+        np.zeros(places.COUNTS, dtype=np.int64),
+    )
+    memory.vectors[places.STATE_OLD] = x
+    memory.real[places.TIME] = t
+    return memory
+
+
+def fresh_record(run: NativeRun, times: Floats | None, dense: bool) -> Record:
+    """Return empty storage for the samples at `times`, or for every step.
+
+    Raises
+    ------
+    SimulationError
+        More samples than the memory holds.
+    """
+    _, rows, n = run.memory.F.shape
+    if times is not None and 8 * times.size * (n + 1) > memory_limit():
+        size = 8e-9 * times.size * (n + 1)
+        what = (
+            f"{times.size} samples of {n} states take {size:.3g} GB, more than half of this computer's memory"
+        )
+        fix = f"ask for at most {memory_limit() // (8 * (n + 1))} times, or run in parts"
+        raise SimulationError(Problem("simulation.memory", "times", what, fix=fix))
+    capacity = FIRST_CAPACITY if times is None else times.size
+    pieces = FIRST_CAPACITY if dense else 0
+    return Record(
+        np.zeros(0) if times is None else times,
+        np.empty(capacity),
+        np.empty((capacity, n)),
+        np.empty(pieces + 1),
+        np.empty((pieces, rows, n)),
+        times is None,
+        dense,
+    )
+
+
+def memory_limit() -> int:
+    """Return how many bytes the samples of a run may take: half of the computer's memory."""
+    try:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 2
+    except (AttributeError, OSError, ValueError):  # no such question on this system
+        return ASSUMED_MEMORY // 2
+
+
+def drive(
+    run: NativeRun, record: Record, first_step: float, progress: Progress | None, watch: Watch | None = None
+) -> RawRun:
+    """Run the loop to its end, in slices; Ctrl-C ends it between two of them and keeps what there is."""
+    status: Status | None = None
+    clock = [0.0]
+    start = float(run.memory.real[places.TIME])
+    budget = FIRST_SLICE
+    code = places.RUNNING
+    try:
+        code = native.begin(run.rhs, run.method, run.goal, run.memory, record, first_step)
+        native.advance(*run, record, 0)  # compiles, or reads the cache, before the clock is read
+        while code in (places.RUNNING, places.FULL):
+            if code == places.FULL:
+                record = _grown(record, run.memory)
+            code, budget = _slice(run, record, budget, watch, clock)
+            if watch is not None:
+                record, code, status = _watched(run, record, watch, code)
+            if status is None and code in (places.RUNNING, places.FULL):
+                status = None if _goes_on(run, start, progress) else Status.INTERRUPTED
+            if status is not None:
+                break
+    except KeyboardInterrupt:
+        status = Status.INTERRUPTED
+    except MemoryError:
+        status = Status.OUT_OF_MEMORY
+    if watch is not None and status in (Status.INTERRUPTED, Status.OUT_OF_MEMORY):
+        record = _without_the_unseen(run, record, watch)
+    return _raw_run(run, record, VERDICTS[code] if status is None else status, clock[0])
+
+
+def _slice(
+    run: NativeRun, record: Record, budget: int, watch: Watch | None, clock: list[float]
+) -> tuple[int, int]:
+    """Run one slice and add its time; return the loop's code and the budget of the next slice."""
+    most = budget if watch is None else min(budget, watch.most_steps)
+    began = time.perf_counter()
+    code = native.advance(*run, record, most)
+    spent = time.perf_counter() - began
+    clock[0] += spent
+    return code, _next_budget(budget, spent)
+
+
+def _watched(run: NativeRun, record: Record, watch: Watch, code: int) -> tuple[Record, int, Status | None]:
+    """Cut the run where something happened; return its record, the loop's code, and the verdict at an end."""
+    counts, memory = run.memory.counts, run.memory
+    is_over = code not in (places.RUNNING, places.FULL)
+    cut = watch.look(record.breaks, record.pieces, int(counts[places.STEPS]), is_over)
+    if cut is None:
+        return record, code, None
+    record = cut_back(counts, record, cut)
+    memory.real[places.TIME] = cut.t
+    memory.vectors[places.STATE_OLD] = cut.before if cut.after is None else cut.after
+    if cut.after is None:
+        return record, code, cut.status
+    begin = partial(native.begin, run.rhs, run.method, run.goal, memory, record, 0.0)
+    return record, go_on(begin, counts, record, cut), None
+
+
+def _without_the_unseen(run: NativeRun, record: Record, watch: Watch) -> Record:
+    """End an interrupted run at the event that would have changed it, if one was computed."""
+    cut = watch.look(record.breaks, record.pieces, int(run.memory.counts[places.STEPS]), True)
+    if cut is None:
+        return record
+    run.memory.real[places.TIME] = cut.t
+    return cut_back(run.memory.counts, record, cut._replace(after=None))
+
+
+def _next_budget(budget: int, spent: float) -> int:
+    """Return how many steps the next slice may try so that it lasts about `SLICE_SECONDS`."""
+    if spent > 2.0 * SLICE_SECONDS:
+        return max(1, budget // 2)
+    return 4 * budget if spent < 0.25 * SLICE_SECONDS else budget
+
+
+def _goes_on(run: NativeRun, start: float, progress: Progress | None) -> bool:
+    share = (float(run.memory.real[places.TIME]) - start) / (run.goal.t_end - start)
+    return progress is None or progress(share) is not False
+
+
+def _grown(record: Record, memory: Memory) -> Record:
+    """Return a record with room for twice as many samples and steps.
+
+    Raises
+    ------
+    MemoryError
+        No room is left.
+    """
+    samples, steps = int(memory.counts[places.SAMPLES]), int(memory.counts[places.STEPS])
+    if 2 * (record.x.nbytes + record.pieces.nbytes) > memory_limit():
+        raise MemoryError
+    if record.every_step and samples == record.t.size:
+        record = record._replace(t=_doubled(record.t), x=_doubled(record.x))
+    if record.keep_dense and steps == record.pieces.shape[0]:
+        record = record._replace(breaks=_doubled(record.breaks), pieces=_doubled(record.pieces))
+    return record
+
+
+def _doubled(array: Floats) -> Floats:
+    size = array.shape[0]
+    larger = np.empty((2 * size, *array.shape[1:]))
+    larger[:size] = array
+    return larger
+
+
+def _raw_run(run: NativeRun, record: Record, status: Status, seconds: float) -> RawRun:
+    """Cut the record to what was written, and turn it so that time comes last."""
+    counts = run.memory.counts
+    samples, steps = int(counts[places.SAMPLES]), int(counts[places.STEPS])
+    statistics = Statistics(
+        int(counts[places.ACCEPTED]), int(counts[places.REJECTED]), int(counts[places.EVALUATIONS]), seconds
+    )
+    blamed = status in (Status.STEP_COLLAPSE, Status.NOT_FINITE)
+    return RawRun(
+        record.t[:samples].copy(),
+        np.ascontiguousarray(record.x[:samples].T),
+        status,
+        statistics,
+        float(run.memory.real[places.TIME]),
+        int(counts[places.STATE]) if blamed else None,
+        int(counts[places.KERNEL]) - 1 if status is Status.SINGULAR else None,
+        _dense_output(run, record, steps) if record.keep_dense else None,
+    )
+
+
+def _dense_output(run: NativeRun, record: Record, steps: int) -> DenseOutput:
+    if steps:
+        return DenseOutput(record.breaks[: steps + 1].copy(), record.pieces[:steps].copy())
+    piece = np.zeros((1, *record.pieces.shape[1:]))  # no step: the state stays what it was at this one time
+    piece[0, 0] = run.memory.vectors[places.STATE_OLD]
+    return DenseOutput(np.full(2, run.memory.real[places.TIME]), piece)

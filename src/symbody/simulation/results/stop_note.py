@@ -1,0 +1,139 @@
+"""What to note about a motion that ended early: when, and what in the mechanism is to blame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.closure import constraint_scales, mechanism_size
+from symbody.codegen.massless import massless_problem, massless_speeds
+from symbody.simulation.native.run import RawRun
+from symbody.simulation.status import Status
+from symbody.simulation.task import Task
+
+Floats = NDArray[np.float64]
+
+_COLLAPSES: Final = (Status.STEP_COLLAPSE, Status.SINGULAR, Status.NOT_FINITE)
+# Configurations of the motion that are looked at to learn how many constraints are independent.
+_SAMPLES: Final = 7
+_INDEPENDENT: Final = 1e-6
+# A lock-up is approached like a root: 1e-6 s before it a singular value is still a thousandth.
+_LOST: Final = 1e-3
+# Shares of a unit vector, and of the prescribed velocities, that count.
+_TAKES_PART: Final = 0.1
+_DEMANDED: Final = 1e-2
+
+
+def stop_note(task: Task, raw: RawRun) -> str:
+    """Return where and on whose account a run ended early, empty if it did not."""
+    known = f"the motion is known up to t = {raw.reached:.9g} s"
+    if raw.status in _COLLAPSES and task.eqs.multiplier_names:
+        position = _singular_position(task, raw)
+        if position is not None:
+            return f"{known}; {position.told}"
+    if raw.status is Status.SINGULAR:
+        told = _massless(task, raw)
+        if told:
+            return f"{known}; {told}"
+    return raw.stop_note((*task.eqs.state_names, "work"))
+
+
+@dataclass(frozen=True, slots=True)
+class _SingularPosition:
+    """A position at which constraints become dependent.
+
+    Attributes
+    ----------
+    joints, speeds : tuple of str
+        Whose constraints these are, and what they leave open there.
+    freedoms, lost : int
+        Degrees of freedom elsewhere, and constraints that are lost here.
+    is_locked : bool
+        Whether the prescribed motions need what the constraints do not allow.
+    """
+
+    joints: tuple[str, ...]
+    speeds: tuple[str, ...]
+    freedoms: int
+    lost: int
+    is_locked: bool
+
+    @property
+    def told(self) -> str:
+        """The position in words."""
+        joints = f"joint{'s' if len(self.joints) > 1 else ''} {', '.join(self.joints)}"
+        speeds = ", ".join(self.speeds)
+        if self.is_locked:
+            return (
+                f"there the mechanism locks: the prescribed motions go on only with infinite {speeds} if "
+                f"{joints} stays closed, and {_freedoms(self.freedoms)} left beside them; end the motion "
+                "before, or change the lengths or the prescribed motion"
+            )
+        return (
+            f"there the constraints of {joints} become dependent, a singular position (change point or dead "
+            f"centre) that leaves {speeds} open: {_freedoms(self.freedoms + self.lost)} there instead of "
+            f"{self.freedoms}; sb.Projection() or sb.Partition() may pass it; or change lengths or start"
+        )
+
+
+def _freedoms(count: int) -> str:
+    return f"{count} degree{'' if count == 1 else 's'} of freedom {'is' if count == 1 else 'are'}"
+
+
+def _singular_position(task: Task, raw: RawRun) -> _SingularPosition | None:
+    """Return the singular position at which a motion ended, if it is one."""
+    eqs = task.eqs
+    t, x = _samples(task, raw)
+    n_u, n = len(eqs.speed_names), len(eqs.state_names)
+    function = task.compiled(("jacobian", "velocity_constraints"))
+    rows, drift = task.evaluated(function, t, x[n_u:n], np.zeros((n_u, t.size)))
+    length, units = mechanism_size(eqs, task.parameters), eqs.units
+    scales = constraint_scales(eqs, task.parameters)
+    speeds = np.array([length if units.get(name) == "m/s" else 1.0 for name in eqs.speed_names])
+    rows = rows / scales[:, np.newaxis] * speeds
+    if n_u == 0 or not np.isfinite(rows).all():
+        return None
+    sizes = np.linalg.svd(rows, compute_uv=False)
+    rank = int((sizes > _INDEPENDENT * sizes.max()).sum(axis=1).max())
+    left, last, right = np.linalg.svd(rows[-1])
+    lost = [k for k in range(rank) if last[k] < _LOST * sizes[:, k].max()]
+    if not lost:
+        return None
+    by_row = np.linalg.norm(left[:, lost], axis=1)
+    by_speed = np.linalg.norm(right[lost], axis=0)
+    demand = drift[-1] / scales
+    elements = [
+        row.element for row, share in zip(eqs.formed.rows, by_row, strict=True) if share > _TAKES_PART
+    ]
+    return _SingularPosition(
+        tuple(dict.fromkeys(elements)),
+        tuple(name for name, share in zip(eqs.speed_names, by_speed, strict=True) if share > _TAKES_PART),
+        n_u - rank,
+        len(lost),
+        bool(np.linalg.norm(left[:, lost].T @ demand) > _DEMANDED * np.linalg.norm(demand)),
+    )
+
+
+def _massless(task: Task, raw: RawRun) -> str:
+    """Return which motion no mass resists at the last state, if that is why a run ended."""
+    eqs = task.eqs
+    t, x = _samples(task, raw)
+    n_u, n = len(eqs.speed_names), len(eqs.state_names)
+    function = task.compiled(("mass_matrix", "jacobian"))
+    mass, rows = task.evaluated(function, t[-1:], x[n_u:n, -1:], x[:n_u, -1:])
+    places = massless_speeds(mass[0], rows[0])
+    if not places:
+        return ""
+    problem = massless_problem("", [eqs.speed_names[k] for k in places], eqs.coordinate_names)
+    return f"there {problem.what}; {problem.fix}"
+
+
+def _samples(task: Task, raw: RawRun) -> tuple[Floats, Floats]:
+    """Return times of the motion up to its last, and the states there."""
+    if raw.dense_output is None:
+        return raw.t[[0, -1]], raw.x[:, [0, -1]]
+    t = np.linspace(float(raw.dense_output.breaks[0]), raw.reached, _SAMPLES)
+    return t, raw.dense_output(t)

@@ -1,0 +1,321 @@
+"""`Trajectory`: a motion with its names, its verdict and whatever follows from it."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field, replace
+from itertools import product
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from symbody.equations.showing.units import Units
+from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
+from symbody.simulation.events.events import Occurrence
+from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.native.run import Statistics
+from symbody.simulation.results.archive import Path, not_ours, read_archive, unwritable, write_archive
+from symbody.simulation.status import Status
+
+if TYPE_CHECKING:
+    import pandas
+
+Floats = NDArray[np.float64]
+
+
+class Evaluate(Protocol):
+    """Computes an output that is not stored."""
+
+    def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
+        """Return the output with time last, from t (N,), q (n_q, N) and u (n_u, N)."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Trajectory:
+    """The samples of a motion; time is the last axis of every array.
+
+    Attributes
+    ----------
+    t : (N,) array
+        Times [s]; of shape () in what `at` returns for a single time, where all others lack that axis too.
+    q, u : (n_q, N), (n_u, N) arrays
+        Coordinates and speeds.
+    coordinate_names, speed_names : tuple of str
+        The names of their rows.
+    status : Status
+        How the motion ended; ``status.value`` says what to try.
+    statistics : Statistics
+        What it cost.
+    evaluate : callable, optional
+        Computes outputs that are not stored, by name.
+    dense_output : DenseOutput, optional
+        States x = (u, q) between the samples.
+    stored : mapping of name to array
+        Further arrays with time last.
+    units : mapping of name to str
+        Units of what is known, such as ``run.units["effort j"]``; of frames, too, which no list holds.
+    notes : tuple of str
+        What the reader should know.
+    name : str
+        Of the model.
+    events : tuple of Occurrence
+        (name, t, state) of what happened, in order.
+    """
+
+    t: Floats
+    q: Floats
+    u: Floats
+    coordinate_names: tuple[str, ...]
+    speed_names: tuple[str, ...]
+    status: Status
+    statistics: Statistics
+    evaluate: Evaluate | None = None
+    dense_output: DenseOutput | None = None
+    stored: Mapping[str, Floats] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    name: str = ""
+    events: tuple[Occurrence, ...] = ()
+
+    def __post_init__(self) -> None:
+        rows = (("q", self.q, self.coordinate_names), ("u", self.u, self.speed_names))
+        for letter, array, names in rows:
+            if array.shape != (len(names), *self.t.shape):
+                raise ValueError(f"{letter} has shape {array.shape}, not {(len(names), *self.t.shape)}")
+        for letter in ("t", "q", "u"):
+            object.__setattr__(self, letter, _read_only(getattr(self, letter)))
+        kept = {name: _read_only(values) for name, values in self.stored.items()}
+        object.__setattr__(self, "stored", kept)
+
+    @property
+    def success(self) -> bool:
+        """Whether the motion was computed as far as was asked."""
+        return self.status.success
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All names whose values are stored."""
+        return ("t", *self.coordinate_names, *self.speed_names, *self.stored)
+
+    def __getitem__(self, name: str) -> Floats:
+        """Return the samples of a coordinate, a speed or any output: (N,), or (3, N) for a vector.
+
+        Raises
+        ------
+        UsageError
+            An unknown name.
+        """
+        values = self._known(name)
+        if values is not None:
+            return values
+        if self.evaluate is None:
+            raise self._unknown(name)
+        values = self.evaluate(name, np.atleast_1d(self.t), self._with_time(self.q), self._with_time(self.u))
+        return values if self.t.ndim else values[..., 0]
+
+    def _known(self, name: str) -> Floats | None:
+        """Return what is stored under a name."""
+        if name == "t":
+            return self.t
+        for array, names in ((self.q, self.coordinate_names), (self.u, self.speed_names)):
+            if name in names:
+                row: Floats = array[names.index(name)]
+                return row
+        return self.stored.get(name)
+
+    def _with_time(self, array: Floats) -> Floats:
+        return array if self.t.ndim else array[..., np.newaxis]
+
+    def _unknown(self, name: str) -> UsageError:
+        why = "only names that were stored are known here; run.save(path, name) stores further ones"
+        what = f"the trajectory has no {name!r}"
+        return UsageError(
+            Problem("trajectory.unknown_name", repr(name), what, why, nearest(name, self.names))
+        )
+
+    def at(self, t: ArrayLike) -> Trajectory:
+        """Return the motion at other times, from the polynomial of each step.
+
+        Its degree is 7 where the method's order is 8, and 4 where it is 5: the error between two samples has
+        the order in the step, and about the size, of the error at the samples.
+
+        Parameters
+        ----------
+        t : float or (M,) array
+            Times within the motion [s]. For a float every array of the result lacks the time axis:
+            ``run.at(0.5)["theta"]`` is a number.
+
+        Raises
+        ------
+        UsageError
+            Times outside the motion, or a motion computed without dense output.
+        """
+        times = np.asarray(t, dtype=np.float64)
+        if times.ndim > 1:
+            raise _at("times have more than one axis", "give one time, or a list of times")
+        if self.dense_output is None:
+            raise _at(
+                "the motion between the samples was not kept", "pass the times to simulate(..., times=)"
+            )
+        x = self.dense_output(times)
+        n_u = len(self.speed_names)
+        return replace(self, t=times, q=x[n_u:], u=x[:n_u], stored={})
+
+    @property
+    def energy(self) -> Floats:
+        """Kinetic plus potential energy (N,) [J]."""
+        return self["energy"]
+
+    @property
+    def work(self) -> Floats:
+        """Work done since the start by everything that has no potential (N,) [J]."""
+        return self["work"]
+
+    @property
+    def energy_drift(self) -> float:
+        """Largest change of energy that no work accounts for [J]; it measures the integrator's error."""
+        balance = np.ravel(self.energy - self.work)
+        return float(np.max(np.abs(balance - balance[:1]), initial=0.0))
+
+    @property
+    def constraint_violation(self) -> Floats:
+        """Largest violation of a position constraint (N,), lengths over the model's size."""
+        return self["constraint_violation"]
+
+    @property
+    def velocity_violation(self) -> Floats:
+        """Largest violation of a velocity constraint (N,), over the model's size times the largest speed."""
+        return self["velocity_violation"]
+
+    def reaction(self, joint: str) -> Floats:
+        """Return force [N] and moment [N m] of a joint on its end body (6, N), in the joint's start axes.
+
+        Raises
+        ------
+        FormulationError
+            If there is no such joint.
+        """
+        return self[f"reaction {joint}"]
+
+    def columns(self, *names: str) -> dict[str, Floats]:
+        """Return outputs as columns (N,); vectors are split into "name x", "name y", "name z".
+
+        Parameters
+        ----------
+        *names : str
+            By default all coordinates and speeds.
+        """
+        chosen = names or (*self.coordinate_names, *self.speed_names)
+        found: dict[str, Floats] = {}
+        for name in chosen:
+            found.update(_split(name, self._with_time(self[name])))
+        return found
+
+    def to_pandas(self, *names: str) -> pandas.DataFrame:
+        """Return `columns` as a pandas table indexed by t.
+
+        Raises
+        ------
+        EnvironmentFault
+            If pandas is not installed.
+        """
+        try:
+            import pandas
+        except ImportError:
+            what = "pandas is not installed"
+            fix = "pip install symbody[pandas], or use run.columns()"
+            raise EnvironmentFault(Problem("trajectory.pandas", "to_pandas", what, fix=fix)) from None
+        return pandas.DataFrame(self.columns(*names), index=pandas.Index(np.atleast_1d(self.t), name="t"))
+
+    def to_csv(self, path: Path, *names: str) -> None:
+        """Write t and `columns` as comma separated text whose numbers read back exactly."""
+        columns = {"t": np.atleast_1d(self.t), **self.columns(*names)}
+        try:
+            with open(path, "w", newline="", encoding="utf-8") as file:
+                writer = csv.writer(file)
+                writer.writerow(columns)
+                writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
+        except OSError as error:
+            raise unwritable(path, error) from error
+
+    def save(self, path: Path, *names: str) -> None:
+        """Write the trajectory to a file that `load` reads; outputs that are not states only if named."""
+        stored = {**self.stored, **{name: self[name] for name in names if name not in self.names}}
+        arrays = {"t": self.t, "q": self.q, "u": self.u}
+        arrays |= {f"stored_{k}": values for k, values in enumerate(stored.values())}
+        if self.dense_output is not None:
+            arrays |= {"breaks": self.dense_output.breaks, "pieces": self.dense_output.pieces}
+        about = {
+            "coordinate_names": self.coordinate_names,
+            "speed_names": self.speed_names,
+            "status": self.status.name,
+            "statistics": asdict(self.statistics),
+            "stored": list(stored),
+            "units": dict(self.units),
+            "notes": self.notes,
+            "name": self.name,
+            "events": [[name, t, dict(state)] for name, t, state in self.events],
+        }
+        write_archive(path, arrays, about)
+
+    @classmethod
+    def load(cls, path: Path) -> Trajectory:
+        """Read a trajectory that `save` wrote; outputs that were not stored are unknown to it.
+
+        Raises
+        ------
+        EnvironmentFault
+            If the file cannot be opened.
+        FormatError
+            If it is no trajectory.
+        """
+        arrays, about = read_archive(path)
+        try:
+            dense_output = DenseOutput(arrays["breaks"], arrays["pieces"]) if "breaks" in arrays else None
+            return cls(
+                arrays["t"],
+                arrays["q"],
+                arrays["u"],
+                tuple(about["coordinate_names"]),
+                tuple(about["speed_names"]),
+                Status[about["status"]],
+                Statistics(**about["statistics"]),
+                dense_output=dense_output,
+                stored={name: arrays[f"stored_{k}"] for k, name in enumerate(about["stored"])},
+                units=Units(about["units"]),
+                notes=tuple(about["notes"]),
+                name=about["name"],
+                events=tuple(Occurrence(*event) for event in about.get("events", ())),
+            )
+        except (KeyError, TypeError, ValueError) as error:
+            raise not_ours(path) from error
+
+    def __repr__(self) -> str:
+        span = f"t = {self.t.flat[0]:g} to {self.t.flat[-1]:g} s" if self.t.size else "none stored"
+        name = f"{self.name!r}: " if self.name else ""
+        counts = (self.t.size, "sample"), (len(self.q), "coordinate"), (len(self.u), "speed")
+        samples, coordinates, speeds = (f"{n} {word}" if n == 1 else f"{n} {word}s" for n, word in counts)
+        return f"<Trajectory {name}{samples} ({span}), {coordinates}, {speeds}, {self.status.name}>"
+
+
+def _at(what: str, fix: str) -> UsageError:
+    return UsageError(Problem("trajectory.at", "at", what, fix=fix))
+
+
+def _read_only(array: Floats) -> Floats:
+    """Return a view that refuses assignments: two names never share changes."""
+    view = np.asarray(array).view()
+    view.flags.writeable = False
+    return view
+
+
+def _split(name: str, values: Floats) -> Iterator[tuple[str, Floats]]:
+    """Yield one column after the other of an output with time last."""
+    shape = values.shape[:-1]
+    letters = "xyz" if all(size == 3 for size in shape) else ""
+    for place in product(*map(range, shape)):
+        suffix = "".join(letters[k] for k in place) if letters else str(list(place))
+        yield f"{name} {suffix}" if place else name, values[place]
