@@ -319,8 +319,24 @@ def test_row_54_redundant_actuation_and_a_stop_as_an_event() -> None:
     assert run.status is sb.Status.STOPPED and run["s"][-1] == pytest.approx(3.5, abs=1e-9)
 
 
-def test_row_54_unilateral_limits() -> None:
-    pytest.skip("row 54: unilateral limits; hard stops reached: no joint has limits yet")
+def test_row_54_unilateral_limits_reached() -> None:
+    # A hard stop is an event that reverses the speed, a rope one that takes its part along the rope.
+    ball = sb.Body("Ball", mass=2)
+    slide = sb.Prismatic("P", "ground", ball, axis="y", coordinate="y")
+    floor = sb.Event("y", direction=-1, action={"y_dot": "-0.5*y_dot"}, name="floor")
+    falling = sb.form_equations(sb.Model("fall", [slide], gravity=DOWN))
+    run = sb.simulate(falling, 1.5, {"y": 4.905}, events=floor)
+    assert [event.name for event in run.events] == ["floor"]
+    assert run.events[0].t == pytest.approx(1.0, abs=1e-9)
+    assert run["y"][-1] == pytest.approx(4.905 * 0.5 - 9.81 * 0.125, abs=1e-7)
+    rope = sb.Distance("rope", "ground", "Ball", value=3, rope=True)
+    hung = sb.form_equations(sb.Model("rope", [slide, rope], gravity=DOWN))
+    run = sb.simulate(hung, 1.5, {"y": -1.0})
+    taut = [event for event in run.events if event.name == "rope taut"]
+    assert len(taut) == 1 and taut[0].t == pytest.approx(math.sqrt(4 / 9.81), abs=1e-9)
+    assert run["y"][-1] == pytest.approx(-3.0, abs=1e-9)
+    impulse = 2 * math.sqrt(2 * 9.81 * 2)
+    assert any("rope" in note and f"{impulse:.3g}" in note for note in run.notes), run.notes
 
 
 @cache
