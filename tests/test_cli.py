@@ -276,3 +276,18 @@ def test_help_and_version_of_the_installed_command() -> None:
     assert done.returncode == 0
     for command in ("simulate", "equations", "check", "code", "examples"):
         assert command in done.stdout
+
+
+def test_check_names_what_is_redundant(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """An equation that repeats what the loop says where it is closed, and only there."""
+    assert run(["examples", "slider_crank", "--copy", str(tmp_path)]) == 0
+    path = tmp_path / "slider_crank.toml"
+    assert run(["check", str(path)]) == 0
+    assert "redundant" not in capsys.readouterr().out.split("inputs:")[1]
+    again = '\n[[constraint]]\nname = "again"\ntype = "equation"\nequations = "EQUATION"\n'
+    equation = "(s - L1*cos(theta))^2 + (L1*sin(theta))^2 - L2^2"
+    path.write_text(path.read_text(encoding="utf-8") + again.replace("EQUATION", equation), encoding="utf-8")
+    assert run(["check", str(path)]) == 0
+    text = capsys.readouterr().out
+    assert "redundant constraints: 1 (lambda_again_1)\n" in text
+    assert "degrees of freedom: 1\n" in text and "would be 0 freedoms" in text

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from symbody.analysis.redundancy import redundancy
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import SymbodyError
 from symbody.formats.native import to_data
@@ -30,7 +31,7 @@ def summary(model: Model, eqs: EquationSet) -> list[str]:
         _fact("coordinates", eqs.coordinate_names),
         _fact("speeds", eqs.speed_names),
         _fact("constraints", _counted(eqs.multiplier_names)),
-        f"degrees of freedom: {_freedoms(eqs)}",
+        *_freedom_lines(eqs),
         *(f"note: {note}" for note in eqs.notes),
     ]
 
@@ -98,6 +99,26 @@ def _tree_lines(eqs: EquationSet) -> list[str]:
 
 def _counted(names: tuple[str, ...]) -> list[str]:
     return [f"{len(names)} ({', '.join(names)})"] if names else []
+
+
+def _freedom_lines(eqs: EquationSet) -> list[str]:
+    """Return how many freedoms there are, and which constraints take none because others do so already."""
+    try:
+        found = redundancy(eqs) if eqs.multiplier_names else None
+    except SymbodyError:  # the next count says why, in words of the mechanism
+        found = None
+    if found is None:
+        return [f"degrees of freedom: {_freedoms(eqs)}"]
+    lines = [f"degrees of freedom: {found.degrees_of_freedom}"]
+    if found.dropped:
+        u, rows = len(eqs.speed_names), len(eqs.multiplier_names)
+        lines += [
+            _fact("redundant constraints", _counted(found.dropped)),
+            f"  they follow from the other {len(found.kept)}: {u} speeds less {rows} constraints would be "
+            f"{u - rows} freedoms, less {len(found.kept)} independent ones it is {found.degrees_of_freedom}; how "
+            "the joints share the loads of these directions is not determined",
+        ]
+    return lines
 
 
 def _freedoms(eqs: EquationSet) -> str:
