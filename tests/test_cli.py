@@ -291,3 +291,17 @@ def test_check_names_what_is_redundant(tmp_path: Path, capsys: pytest.CaptureFix
     text = capsys.readouterr().out
     assert "redundant constraints: 1 (lambda_again_1)\n" in text
     assert "degrees of freedom: 1\n" in text and "would be 0 freedoms" in text
+
+
+def test_simulate_names_the_command_where_equations_are_long(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["examples", "bicycle", "--copy", str(tmp_path)]) == 0
+    capsys.readouterr()
+    assert run(["simulate", str(tmp_path / "bicycle.toml"), "--end", "1"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) < 20 and lines[0].startswith(
+        "9 coordinates, 9 speeds, 6 constraints; `symbody equations "
+    )
+    # The speeds of the file are those it starts with, although six of nine follow from the others.
+    assert any("energy drift" in line and "drift 0.0e+00" not in line for line in lines)

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Final
 
 import numpy as np
 import typer
@@ -26,10 +26,13 @@ from symbody.cli.written import equation_lines
 from symbody.codegen.compile import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
+from symbody.equations.showing.textbook import MOST_SPEEDS
 from symbody.errors import EnvironmentFault, Problem, SymbodyError, UsageError, nearest
 from symbody.formats.native import load_model
 from symbody.model.model import Model
 from symbody.simulation.results.trajectory import Trajectory
+
+_SCREEN: Final = 48  # lines of equations that are read before a motion
 
 app = typer.Typer(
     name="symbody",
@@ -141,7 +144,7 @@ def simulate(
     eqs = _formed(load_model(model), tree)
     settings = Settled.of(eqs, *given)
     if not as_json:
-        _print(equation_lines(eqs))
+        _print(_introduction(eqs, model))
     times = None if samples is None else np.linspace(0.0, end, samples)
     motion = _motion(eqs, end, settings, times, rtol, atol)
     # Without --out the picture is ours: it bears the model's name and is made anew each time.
@@ -175,6 +178,17 @@ def _motion(
             rtol=rtol,
             atol=atol,
         )
+
+
+def _introduction(eqs: EquationSet, model: Path) -> list[str]:
+    """Return the equations if they fit a screen, otherwise where they are."""
+    lines = equation_lines(eqs) if len(eqs.speed_names) <= MOST_SPEEDS else []
+    if lines and len(lines) <= _SCREEN:
+        return lines
+    sizes = f"{len(eqs.coordinate_names)} coordinates, {len(eqs.speed_names)} speeds"
+    return [
+        f"{sizes}, {len(eqs.multiplier_names)} constraints; `symbody equations {model}` prints the equations"
+    ]
 
 
 def _report(eqs: EquationSet, motion: Trajectory, picture: Path) -> list[str]:

@@ -115,8 +115,8 @@ def _freedom_lines(eqs: EquationSet) -> list[str]:
         lines += [
             _fact("redundant constraints", _counted(found.dropped)),
             f"  they follow from the other {len(found.kept)}: {u} speeds less {rows} constraints would be "
-            f"{u - rows} freedoms, less {len(found.kept)} independent ones it is {found.degrees_of_freedom}; how "
-            "the joints share the loads of these directions is not determined",
+            f"{u - rows} freedoms, less {len(found.kept)} independent ones it is {found.degrees_of_freedom}; "
+            "how the joints share the loads of these directions is not determined",
         ]
     return lines
 
