@@ -83,6 +83,14 @@ def test_motions_do_not_depend_on_the_trees() -> None:
     check((3, 5))
 
 
+def test_rounding_of_fast_motions_stops_nothing() -> None:
+    # Speeds of 1e4 beside some that are zero but for rounding, energies of 1e12 beside work that starts at 0.
+    mechanism = random_mechanism(168)
+    found = motion(mechanism, consistent_state(mechanism), None, SHARE)
+    assert found.run.success, found.run.notes
+    check_alone(found, 168)
+
+
 def test_without_ground_momenta_are_kept() -> None:
     check_momenta((3,))
 

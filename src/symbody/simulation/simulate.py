@@ -130,7 +130,8 @@ def _run(
     watch = _watch(task, events, projector if closing else None, abs(span[1] - span[0]))
     request = replace(request, watch=watch)
     run = partial(integrate, t_span=span, times=request.times, projector=projector, watch=watch)
-    run = partial(run, rtol=request.rtol, atol=request.atol, max_steps=request.max_steps)
+    atol = [*x[:-1] * 0.0 + request.atol, _work_tolerance(task, first, span[0], request)]
+    run = partial(run, rtol=request.rtol, atol=atol, max_steps=request.max_steps)
 
     def explicit(method: Explicit, stop: bool) -> RawRun:
         return _integrated(
@@ -140,6 +141,16 @@ def _run(
     raw, notes = run_chosen(request, integrator, constraints, explicit)
     del closing  # it had to live as long as the loop that calls it
     return raw, notes, watch
+
+
+def _work_tolerance(task: Task, first: State, t: float, request: Request) -> float:
+    """Return how large a local error of the work may be.
+
+    Work starts at zero, but energies are known to `rtol` at best: to ask for `atol` alone of work done on a
+    mechanism in fast motion would ask for steps without end.
+    """
+    kinetic = task.interpreted("kinetic_energy", t, first.q.values(), first.u.values())
+    return max(request.atol, request.rtol * kinetic)
 
 
 def _watch(

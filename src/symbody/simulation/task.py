@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -15,6 +15,7 @@ from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
+from symbody.expr.evaluate import evaluate_sequence
 from symbody.simulation.events.events import Event
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import PROJECTED
@@ -49,6 +50,13 @@ class Task:
     def evaluated(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
         """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""
         return function(t, q.T, u.T, self.laws.values(t, q, u))
+
+    def interpreted(self, output: str, t: float, q: Iterable[float], u: Iterable[float]) -> float:
+        """Return a number at one state, without compiling for it."""
+        sequence, _ = form_sequence(self.eqs, output, self.parameters, (), self.laws.formulas)
+        q, u = list(q), list(u)
+        asked = self.laws.at(t, np.array(q), np.array(u)).tolist() if self.laws.asked else []
+        return float(evaluate_sequence(sequence, {"t": [t], "q": q, "u": u, "r": asked})[0][0])
 
     @property
     def is_closed(self) -> bool:
