@@ -10,9 +10,8 @@ from tests.laws.formulations import compared
 from tests.laws.mechanisms import random_mechanism
 from tests.laws.tally import Tally, chunks, name_of
 
-# A mechanism takes about a second, three derivations and their evaluation in plain Python: 800 are a quarter
-# of an hour.
-NUMBER = 800
+# A mechanism takes about a second, three derivations and their evaluation in plain Python.
+NUMBER = 2000
 
 
 def compare(seeds: Iterable[int]) -> None:

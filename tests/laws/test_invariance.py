@@ -30,7 +30,7 @@ def check(seeds: Iterable[int], each: int) -> None:
     tally.close("other wordings")
 
 
-@pytest.mark.parametrize("seeds", chunks(40), ids=name_of)
+@pytest.mark.parametrize("seeds", chunks(20), ids=name_of)
 def test_other_wordings_move_the_same_way(seeds: range) -> None:
     check(seeds, 2)
 
