@@ -34,17 +34,17 @@ class Task:
     parameters: Mapping[str, Value]
     laws: InputLaws
     # Functions already compiled; they follow from the fields above.
-    _functions: dict[tuple[EquationSet, tuple[str, ...], bool], CompiledFunction] = field(
+    _functions: dict[tuple[EquationSet, tuple[str, ...], bool, bool], CompiledFunction] = field(
         default_factory=dict, repr=False, compare=False
     )
 
-    def compiled(self, outputs: str | Sequence[str]) -> CompiledFunction:
-        """Return a function of t, q and u, and of the inputs that are asked for."""
+    def compiled(self, outputs: str | Sequence[str], *, quick: bool = False) -> CompiledFunction:
+        """Return a function of t, q and u, and of the inputs that are asked for; `quick` for few calls."""
         is_one = isinstance(outputs, str)
-        key = (self.eqs, (outputs,) if isinstance(outputs, str) else tuple(outputs), is_one)
+        key = (self.eqs, (outputs,) if isinstance(outputs, str) else tuple(outputs), is_one, quick)
         if key not in self._functions:
             sequence = form_sequence(self.eqs, outputs, self.parameters, (), self.laws.formulas)
-            self._functions[key] = CompiledFunction(*sequence)
+            self._functions[key] = CompiledFunction(*sequence, quick=quick)
         return self._functions[key]
 
     def evaluated(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
@@ -55,7 +55,7 @@ class Task:
         """Return a number at one state, without compiling for it."""
         sequence, _ = form_sequence(self.eqs, output, self.parameters, (), self.laws.formulas)
         q, u = list(q), list(u)
-        asked = self.laws.at(t, np.array(q), np.array(u)).tolist() if self.laws.asked else []
+        asked = self.laws.at(t, np.array(q), np.array(u)) if self.laws.asked else []
         return float(evaluate_sequence(sequence, {"t": [t], "q": q, "u": u, "r": asked})[0][0])
 
     @property
@@ -83,7 +83,7 @@ class Evaluator:
             violation = self._violation("velocity_constraints", t, q, u)
             moving = fastest > 0.0
             return np.where(moving, violation / np.where(moving, fastest, 1.0), violation)
-        values: Floats = self.task.evaluated(self.task.compiled(name), t, q, u)
+        values: Floats = self.task.evaluated(self.task.compiled(name, quick=True), t, q, u)
         if name in self.task.eqs.measured_angles:  # measured within half a turn, but motions go on
             return np.unwrap(values)
         return np.moveaxis(values, 0, -1)
@@ -93,7 +93,7 @@ class Evaluator:
         task = self.task
         if not task.eqs.multiplier_names:
             return np.zeros_like(t)
-        values = task.evaluated(task.compiled(name), t, q, u)
+        values = task.evaluated(task.compiled(name, quick=True), t, q, u)
         scales = constraint_scales(task.eqs, task.parameters)[: values.shape[-1]]
         largest: Floats = np.abs(values / scales).max(axis=-1, initial=0.0)
         return largest
