@@ -3,6 +3,7 @@
     python -m benchmarks                  all, ten minutes with all peers
     python -m benchmarks expressions      one
     python -m benchmarks derivation       equations of motion, beside sympy.physics.mechanics
+    python -m benchmarks evaluation       compile times, and batches on one core
     python -m benchmarks motion           the compiled loop, beside SciPy's DOP853
     python -m benchmarks --help           sizes, time limit, number of rounds
 

@@ -10,7 +10,7 @@ from typing import Final
 
 from rich.console import Console
 
-from benchmarks import derivation, expressions, motion, nodes
+from benchmarks import derivation, evaluation, expressions, motion, nodes, operations
 from benchmarks.table import Table, show
 from benchmarks.timing import Settings
 
@@ -19,7 +19,9 @@ BENCHMARKS: Final[Mapping[str, Callable[[Settings], Iterator[Table]]]] = Mapping
         "nodes": nodes.tables,
         "expressions": expressions.tables,
         "derivation": derivation.tables,
+        "evaluation": evaluation.tables,
         "motion": motion.tables,
+        "operations": operations.tables,
     }
 )
 

@@ -12,7 +12,7 @@ import pytest
 import sympy
 from rich.console import Console
 
-from benchmarks import derivation, expressions, motion, nodes
+from benchmarks import derivation, evaluation, expressions, motion, nodes
 from benchmarks.__main__ import BENCHMARKS, main
 from benchmarks.engines.algebra import Floats, Scalar
 from benchmarks.engines.counting import count_operations
@@ -269,6 +269,12 @@ def test_command_names_the_benchmarks_there_are(capsys: pytest.CaptureFixture[st
     for wrong in (["--rounds", "0"], ["--limit", "0"]):
         with pytest.raises(SystemExit):
             main(wrong)
+
+
+def test_evaluation_table_compares_lanes_with_points_one_by_one() -> None:
+    table = evaluation.evaluations(Settings(rounds=1), ["spinning_top"], [2])
+    assert [row[0] for row in table.rows] == ["spinning_top", "chain, 2 bodies"]
+    assert all(len(row) == len(table.columns) and row[-1].endswith("x)") for row in table.rows)
 
 
 def test_motion_table_compares_evaluations() -> None:

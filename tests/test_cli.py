@@ -305,3 +305,19 @@ def test_simulate_names_the_command_where_equations_are_long(
     )
     # The speeds of the file are those it starts with, although six of nine follow from the others.
     assert any("energy drift" in line and "drift 0.0e+00" not in line for line in lines)
+
+
+def test_linearize_and_equilibrium(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """x'' + d/m x' + k/m x = F/m at rest under F: x = F/k."""
+    assert run(["linearize", str(model), "-p", "d=2", "-o", "x"]) == 0
+    out = capsys.readouterr().out
+    assert "states: x_dot, x" in out and "verdict: stable" in out
+    assert run(["linearize", str(model), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["states"] == ["x_dot", "x"] and told["A"][1] == [1.0, 0.0] and told["stationary"] is False
+    assert run(["equilibrium", str(model), "-i", "F=3", "-p", "k=4"]) == 0
+    assert capsys.readouterr().out.startswith("x = 0.75: ")
+    assert run(["equilibrium", str(model), "-i", "F=3", "-p", "k=4", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["equilibria"][0]["q"]["x"] == pytest.approx(0.75)
+    assert run(["equilibrium", str(model), "-i", "F=3", "-p", "k=0"]) == 4
+    assert "equilibrium.none" in capsys.readouterr().err

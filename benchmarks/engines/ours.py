@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from benchmarks.engines.algebra import Compiled, Floats, Scalar
-from symbody.codegen.llvm import NativeFunction, compile_sequence
+from symbody.codegen.llvm.native import NativeFunction, compile_sequence
 from symbody.expr import calculus
 from symbody.expr.expression import Expr, cos, number, sin, symbol
 from symbody.expr.graph import Graph, Symbol

@@ -67,14 +67,23 @@ from .model import Rolling as Rolling
 # its file
 from .formats import load_model as load_model
 from .formats import save_model as save_model
+from .formats import load_urdf as load_urdf
+from .formats import save_urdf as save_urdf
 
 # its equations
 from .graph import Trees as Trees
 from .equations import EquationSet as EquationSet
 from .equations import Lagrange as Lagrange
 from .equations import NewtonEuler as NewtonEuler
+from .equations import Recursive as Recursive
 from .equations import VirtualWork as VirtualWork
 from .equations import form_equations as form_equations
+
+# their hidden constraints
+from .equations import IndexReduction as IndexReduction
+from .equations import Separation as Separation
+from .equations import reduce_index as reduce_index
+from .equations import separate_derivatives as separate_derivatives
 
 # their code
 from .codegen import CompiledFunction as CompiledFunction
@@ -84,8 +93,21 @@ from .codegen import generate_code as generate_code
 # its configurations
 from .analysis import Redundancy as Redundancy
 from .analysis import State as State
+from .analysis import PositionSolutions as PositionSolutions
 from .analysis import assemble as assemble
 from .analysis import redundancy as redundancy
+from .analysis import solve_positions as solve_positions
+from .analysis import Equilibrium as Equilibrium
+from .analysis import find_equilibrium as find_equilibrium
+from .analysis import Linearization as Linearization
+from .analysis import Mode as Mode
+from .analysis import linearize as linearize
+from .analysis import Positions as Positions
+from .analysis import SingularConfiguration as SingularConfiguration
+from .analysis import VelocityRatios as VelocityRatios
+from .analysis import singular_configurations as singular_configurations
+from .analysis import trace_positions as trace_positions
+from .analysis import velocity_ratios as velocity_ratios
 
 # its motion
 from .simulation import Baumgarte as Baumgarte
@@ -99,6 +121,9 @@ from .simulation import Status as Status
 from .simulation import Table as Table
 from .simulation import Trajectory as Trajectory
 from .simulation import simulate as simulate
+from .simulation import inverse_dynamics as inverse_dynamics
+from .analysis import IndexOneSolution as IndexOneSolution
+from .analysis import solve_index_1 as solve_index_1
 
 # its pictures
 from .visual import plot as plot

@@ -6,7 +6,7 @@ import ctypes
 from collections.abc import Mapping
 from collections.abc import Sequence as Items
 
-from symbody.codegen.llvm import NativeFunction
+from symbody.codegen.llvm.native import NativeFunction
 from symbody.codegen.pieces import plan_pieces
 from symbody.expr.sequence import Sequence
 

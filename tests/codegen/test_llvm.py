@@ -13,8 +13,8 @@ from fractions import Fraction
 
 import pytest
 
-from symbody.codegen import llvm
-from symbody.codegen.llvm import NativeFunction, compile_sequence
+from symbody.codegen.llvm import native
+from symbody.codegen.llvm.native import NativeFunction, compile_sequence
 from symbody.errors import CompileError
 from symbody.expr import opcodes as op
 from symbody.expr.evaluate import FLOATS, Arithmetic, evaluate_sequence
@@ -119,7 +119,7 @@ def test_long_sequences_agree(codes: tuple[int, ...], arithmetic: Arithmetic) ->
 def test_modules_compiled_at_once_give_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
     sequence, inputs = random_sequence(7, 3000, ALL)
     alone = call(compile_sequence(sequence, piece_size=50), sequence, inputs)
-    monkeypatch.setattr(llvm, "PARALLEL_ABOVE", 100)
+    monkeypatch.setattr(native, "PARALLEL_ABOVE", 100)
     function = compile_sequence(sequence, piece_size=50, keep_ir=True)
     assert function.ir.count("declare i32 @symbody_f_1(") == 1  # the entry is in a module of its own
     together = call(function, sequence, inputs)
@@ -406,7 +406,7 @@ def test_a_missing_compiler_is_told_with_its_cure() -> None:
     program = (
         "import sys; sys.modules['llvmlite'] = None\n"
         "from symbody.errors import EnvironmentFault\n"
-        "try:\n    import symbody.codegen.llvm\n"
+        "try:\n    import symbody.codegen.llvm.native\n"
         "except EnvironmentFault as fault:\n    print(fault, fault.exit_code)\n"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

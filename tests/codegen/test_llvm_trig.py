@@ -14,8 +14,8 @@ import mpmath
 import pytest
 from llvmlite import ir
 
-from symbody.codegen.llvm_loops import INTEGER, POINTER, REAL, count, integer
-from symbody.codegen.llvm_trig import (
+from symbody.codegen.llvm.loops import INTEGER, POINTER, REAL, count, integer
+from symbody.codegen.llvm.trig import (
     COS_COEFFICIENTS,
     HIGH,
     LOW,

@@ -55,7 +55,7 @@ def test_keys_of_parts_and_of_the_model() -> None:
     assert words(schema.FrameEntry) == arguments(Frame)
     assert words(schema_joints.DriveEntry) == arguments(Drive)
     kinds = set(KINDS) & words(ModelFile)
-    assert words(ModelFile) - kinds == (arguments(Model) - {"elements"}) | {"layout", "version"}
+    assert words(ModelFile) - kinds == (arguments(Model) - {"elements", "notes"}) | {"layout", "version"}
 
 
 @pytest.mark.parametrize("value", ["m", "", 1, 1.5, Decimal("1.50"), -(10**30)])

@@ -18,8 +18,10 @@ from tests.laws.evaluation import EPS, Condition, condition, independent_rows, v
 from tests.laws.parts import Mechanism
 from tests.laws.rotations import Array
 
-Formulation = sb.VirtualWork | sb.NewtonEuler | sb.Lagrange
-FORMULATIONS: dict[str, Formulation] = {"Newton-Euler": sb.NewtonEuler(), "Lagrange": sb.Lagrange()}
+Formulation = sb.VirtualWork | sb.NewtonEuler | sb.Lagrange | sb.Recursive
+FORMULATIONS: dict[str, Formulation] = {
+    "Newton-Euler": sb.NewtonEuler(), "Lagrange": sb.Lagrange(), "recursive": sb.Recursive(),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,7 +7,8 @@ with fixed values never moved; then velocities, then accelerations and multiplie
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -16,6 +17,15 @@ from numpy.typing import NDArray
 from symbody.analysis.closure import Closure, closure
 from symbody.analysis.least_open import least_open
 from symbody.analysis.quaternions import unit_quaternions
+from symbody.analysis.ranges import (
+    Ranges,
+    checked_ranges,
+    into_ranges,
+    measured_in_ranges,
+    nearest_in_ranges,
+    out_of_range,
+    starts_in_ranges,
+)
 from symbody.analysis.ropes import assembled_with_ropes
 from symbody.analysis.state import State
 from symbody.analysis.velocities import consistent_speeds
@@ -26,6 +36,7 @@ from symbody.errors import AssemblyError, Problem, nearest
 
 Floats = NDArray[np.float64]
 
+NO_RANGES: Final[Ranges] = MappingProxyType({})
 CLOSED: Final = 1e-9  # of the size of the mechanism: closer than any loop is built
 _STARTS: Final = 24
 _STEPS: Final = 80
@@ -41,6 +52,7 @@ def assemble(
     parameters: Mapping[str, Value] | None = None,
     inputs: Mapping[str, Value] | None = None,
     t: float = 0.0,
+    ranges: Mapping[str, tuple[Value, Value]] | None = None,
 ) -> State:
     """Return a state in which all constraints hold.
 
@@ -55,6 +67,9 @@ def assemble(
         As for `simulate`; they matter for explicit time, accelerations and multipliers.
     t : float
         Time [s].
+    ranges : mapping of name to (lower, upper), numbers or formulas in parameters
+        Positions that must lie between these; angles are turned by whole turns into their ranges. Starts
+        are spread over the ranges too.
 
     Ropes are closed where the guess would have them longer than they are, and where their ends would move
     apart although they are taut, unless fixed speeds ask for that; those that are shorter are left alone.
@@ -63,14 +78,14 @@ def assemble(
     ------
     AssemblyError
         If the loops do not close, naming the joint that stays farthest open where the sum of squares of all
-        gaps is least, and the others open there; or fixed values contradict each other, naming the smallest
-        set that does; or if a name is unknown.
+        gaps is least, and the others open there; or they close outside the ranges only; or fixed values
+        contradict each other, naming the smallest set that does; or if a name is unknown.
     """
     if not ropes(eqs.formed):
-        return _assembled(eqs, fixed, guess, parameters, inputs, t)
+        return _assembled(eqs, fixed, guess, parameters, inputs, t, ranges)
 
     def attempt(equations: EquationSet, values: Mapping[str, float]) -> State:
-        return _assembled(equations, values, guess, parameters, inputs, t)
+        return _assembled(equations, values, guess, parameters, inputs, t, ranges)
 
     known = _values(eqs, {**eqs.model.initial, **(guess or {})}, parameters, strict=set(guess or ()))
     wanted = _values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
@@ -85,6 +100,7 @@ def _assembled(
     parameters: Mapping[str, Value] | None,
     inputs: Mapping[str, Value] | None,
     t: float,
+    ranges: Mapping[str, tuple[Value, Value]] | None,
 ) -> State:
     """Return a state in which all constraints of some equations hold."""
     task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t)
@@ -92,21 +108,46 @@ def _assembled(
     wanted = _values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     positions, rates = task.parted(wanted)
     positions, known = unit_quaternions(eqs.quaternions, positions, known)
-    start = task.start({**known, **positions})
-    found = _closed(task, _near_measured(task, start, positions, known), positions)
+    lower, upper = (
+        _values(eqs, {name: pair[k] for name, pair in (ranges or {}).items()}, parameters, set(ranges or ()))
+        for k in (0, 1)
+    )
+    within = checked_ranges(task, lower, upper)
+    start = nearest_in_ranges(task, task.start({**known, **positions}), within, positions)
+    found = _closed(task, _near_measured(task, start, positions, known), positions, within)
     if found is None:
-        raise AssemblyError(_why_open(task, task.start(known), start, positions))
+        raise AssemblyError(_why_open(task, task.start(known), start, positions, within))
     q = found.q
     guessed = {name: value for name, value in known.items() if name not in positions and name not in rates}
     u = consistent_speeds(task, q, rates, guessed)
 
     def others() -> list[State]:
-        attempts = _others(task, start, positions, q)
+        attempts = _others(task, start, positions, q, within)
         return [
             task.state(b.q, consistent_speeds(task, b.q, rates, guessed), start, guessed) for b in attempts
         ]
 
     return task.state(q, u, start, guessed, others)
+
+
+def consistent_start(
+    task: Closure, fixed: Mapping[str, float], known: Mapping[str, float]
+) -> tuple[Floats, Floats]:
+    """Return q and u in which all constraints hold, as `assemble` does with values instead of formulas.
+
+    Raises
+    ------
+    AssemblyError
+        As `assemble`.
+    """
+    positions, rates = task.parted(fixed)
+    positions, known = unit_quaternions(task.eqs.quaternions, positions, known)
+    start = task.start({**known, **positions})
+    found = _closed(task, _near_measured(task, start, positions, known), positions)
+    if found is None:
+        raise AssemblyError(_why_open(task, task.start(known), start, positions, NO_RANGES))
+    guess = {name: value for name, value in known.items() if name not in positions and name not in rates}
+    return found.q, consistent_speeds(task, found.q, rates, guess)
 
 
 def _near_measured(
@@ -146,19 +187,36 @@ class _Attempt:
     is_closed: bool
 
 
-def _closed(task: Closure, start: Floats, fixed: Mapping[str, float]) -> _Attempt | None:
+def _closed(
+    task: Closure, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
+) -> _Attempt | None:
     """Return the assembly nearest to the start, trying starts farther and farther away; or None."""
-    for guess in _starts(task, start, fixed):
-        attempt = _newton(task, guess, fixed)
+    starts = _starts(task, start, fixed, ranges)
+    for guess in starts:
+        attempt = _ranged(task, _newton(task, guess, fixed), ranges)
         if attempt.is_closed:
             return attempt
         if task.is_tree:
             return None
+    for guess, inside in zip(starts, measured_in_ranges(task, ranges, fixed, _STARTS), strict=False):
+        attempt = _ranged(task, _newton(task, guess, {**fixed, **inside}), ranges)
+        if attempt.is_closed:
+            return attempt
     return None
 
 
-def _starts(task: Closure, start: Floats, fixed: Mapping[str, float]) -> list[Floats]:
-    """Return the start and starts about it, the same at every call."""
+def _ranged(task: Closure, attempt: _Attempt, ranges: Ranges) -> _Attempt:
+    """Return where Newton's method ended, with angles in their ranges; not closed outside of these."""
+    if not attempt.is_closed or not ranges:
+        return attempt
+    q = into_ranges(task, attempt.q, ranges)
+    return replace(attempt, is_closed=False) if q is None else replace(attempt, q=q)
+
+
+def _starts(
+    task: Closure, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
+) -> list[Floats]:
+    """Return the start and starts about it, and in the ranges, the same at every call."""
     random = np.random.default_rng(1)
     free = task.free(fixed)
     starts = [start]
@@ -167,7 +225,7 @@ def _starts(task: Closure, start: Floats, fixed: Mapping[str, float]) -> list[Fl
         moved = start.copy()
         moved[free] += spread * random.standard_normal(int(free.sum())) * task.sizes[free]
         starts.append(task.normalized(moved))
-    return starts
+    return [*starts, *starts_in_ranges(task, start, ranges, fixed, _STARTS)]
 
 
 def _newton(task: Closure, q: Floats, fixed: Mapping[str, float]) -> _Attempt:
@@ -196,14 +254,16 @@ def _newton(task: Closure, q: Floats, fixed: Mapping[str, float]) -> _Attempt:
     return _Attempt(q, residual, residual <= CLOSED * task.size and task.is_aligned(q))
 
 
-def _others(task: Closure, start: Floats, fixed: Mapping[str, float], q: Floats) -> list[_Attempt]:
+def _others(
+    task: Closure, start: Floats, fixed: Mapping[str, float], q: Floats, ranges: Ranges
+) -> list[_Attempt]:
     """Return further assemblies, nearest to the start first."""
     if task.is_tree:
         return []
     found = [q]
     others = []
-    for guess in _starts(task, start, fixed)[1:]:
-        attempt = _newton(task, guess, fixed)
+    for guess in _starts(task, start, fixed, ranges)[1:]:
+        attempt = _ranged(task, _newton(task, guess, fixed), ranges)
         if attempt.is_closed and all(task.differs(attempt.q, other) for other in found):
             if task.is_isolated(attempt.q, fixed):
                 found.append(attempt.q)
@@ -211,8 +271,15 @@ def _others(task: Closure, start: Floats, fixed: Mapping[str, float], q: Floats)
     return sorted(others, key=lambda attempt: float(np.abs((attempt.q - start) / task.sizes).max()))
 
 
-def _why_open(task: Closure, guess: Floats, start: Floats, fixed: Mapping[str, float]) -> Problem:
-    """Say which fixed values contradict each other, or which joint stays open."""
+def _why_open(
+    task: Closure, guess: Floats, start: Floats, fixed: Mapping[str, float], ranges: Ranges
+) -> Problem:
+    """Say which fixed values contradict each other, which joint stays open, or what is out of range."""
+    if ranges:
+        outside = _closed(task, start, fixed)
+        if outside is not None:
+            others = _others(task, start, fixed, outside.q, NO_RANGES)
+            return out_of_range(task, [outside.q, *(other.q for other in others)], ranges)
     if fixed and _closed(task, guess, {}) is not None:
         conflict = dict(fixed)
         for name in fixed:

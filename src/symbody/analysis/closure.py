@@ -47,7 +47,7 @@ class Closure:
     t: float
     sizes: Floats
     scales: Floats
-    constraints: CompiledFunction
+    constraints: Callable[..., Any]
     angles: frozenset[str] = frozenset()
     size: float = 1.0
     # Functions already compiled; they follow from the fields above.
@@ -64,7 +64,7 @@ class Closure:
         if key not in self._functions:
             inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
             sequence = form_sequence(self.eqs, outputs, self.parameters, (), inputs)
-            self._functions[key] = CompiledFunction(*sequence)
+            self._functions[key] = CompiledFunction(*sequence, quick=True)
         return self._functions[key]
 
     def parted(self, wanted: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
@@ -72,6 +72,7 @@ class Closure:
         topology = self.eqs.formed.topology
         coordinates = {name for joint in topology.joints for name in joint.coordinates}
         coordinates.update(topology.model.coordinates)
+        coordinates.update(self.eqs.coordinate_names)
         positions = {name: value for name, value in wanted.items() if name in coordinates}
         return positions, {name: value for name, value in wanted.items() if name not in coordinates}
 
@@ -243,6 +244,10 @@ class Closure:
     def _is_angle(self, name: str) -> bool:
         return name in self.angles
 
+    def measured(self, name: str, q: Floats) -> float:
+        """Return a coordinate of a cut joint."""
+        return float(self.function(name)(self.t, q, np.zeros(len(self.eqs.speed_names))))
+
     def _measured(self, name: str, q: Floats) -> tuple[float, Floats]:
         f, still = self.function(name), np.zeros(len(self.eqs.speed_names))
         row = np.zeros(q.size)
@@ -266,7 +271,7 @@ def closure(
     scales = constraint_scales(eqs, parameters)[: len(eqs.formed.holonomic)]
     given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
     names = ("constraints", "position_jacobian", "jacobian", "velocity_constraints", "alignment")
-    function = CompiledFunction(*form_sequence(eqs, names, parameters, (), given))
+    function = CompiledFunction(*form_sequence(eqs, names, parameters, (), given), quick=True)
     return Closure(eqs, parameters, inputs, t, sizes, scales, function, angles)
 
 
@@ -297,19 +302,27 @@ def constraint_scales(eqs: EquationSet, parameters: Mapping[str, Value]) -> Floa
 
     Those on positions come first, as in ``eqs.formed.holonomic``.
     """
-    length, units = mechanism_size(eqs, parameters), eqs.units
-    is_length = [
+    return np.where(are_lengths(eqs), mechanism_size(eqs, parameters), 1.0)
+
+
+def are_lengths(eqs: EquationSet) -> list[bool]:
+    """Return which constraints are measured in lengths; the others are angles."""
+    units = eqs.units
+    return [
         not row.force.is_zero or units.get(row.coordinate) == "m" or units.get(row.name) == "N"
         for row in eqs.formed.rows
     ]
-    return np.where(is_length, length, 1.0)
 
 
 def mechanism_size(eqs: EquationSet, parameters: Mapping[str, Value]) -> float:
     """Return the largest offset of a frame [m]; 1 if all frames stand in centres of mass."""
-    model = eqs.model
-    places = [*model.ground.values(), *(frame for body in model.bodies for frame in body.frames.values())]
-    formulas: dict[str, Value] = {f"{k}": x for k, x in enumerate(x for frame in places for x in frame.at)}
-    values = constant_values(eqs, formulas, parameters)
+    values = constant_values(eqs, offsets(eqs), parameters)
     largest = max(map(abs, values.values()), default=0.0)
     return largest if largest > 0.0 else 1.0
+
+
+def offsets(eqs: EquationSet) -> dict[str, Value]:
+    """Return all components of places of frames [m], by number."""
+    model = eqs.model
+    places = [*model.ground.values(), *(frame for body in model.bodies for frame in body.frames.values())]
+    return {f"{k}": x for k, x in enumerate(x for frame in places for x in frame.at)}

@@ -66,6 +66,6 @@ class State:
         if name not in self._functions:
             inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
             sequence = form_sequence(self.eqs, name, self.parameters, (), inputs)
-            self._functions[name] = CompiledFunction(*sequence)
+            self._functions[name] = CompiledFunction(*sequence, quick=True)
         value = np.asarray(self._functions[name](self.t, list(self.q.values()), list(self.u.values())))
         return float(value) if value.ndim == 0 else value

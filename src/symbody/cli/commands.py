@@ -1,4 +1,4 @@
-"""The command line: ``symbody simulate``, ``equations``, ``check``, ``code``, ``examples``.
+"""The command line: ``symbody simulate``, ``linearize``, ``equilibrium``, ``equations``, ``check``, ...
 
 Exit codes: 0 done, 2 usage, 3 model, 4 numerics, 5 environment, 130 interrupted.
 """
@@ -20,7 +20,9 @@ from rich.console import Console
 from rich.progress import Progress
 
 import symbody
+from symbody.cli.model_files import load_model, model_file
 from symbody.cli.settings import Settled, assigned
+from symbody.cli.small_motions import linear_json, linear_lines, rest_json, rest_lines
 from symbody.cli.summary import summary
 from symbody.cli.written import equation_lines
 from symbody.codegen.compile import generate_code
@@ -28,7 +30,6 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.showing.textbook import MOST_SPEEDS
 from symbody.errors import EnvironmentFault, Problem, SymbodyError, UsageError, nearest
-from symbody.formats.native import load_model
 from symbody.model.model import Model
 from symbody.simulation.results.trajectory import Trajectory
 
@@ -96,7 +97,10 @@ def code(
     output: Annotated[
         list[str] | None, typer.Option("--output", "-o", help="What to compute; repeatable. Default: xdot.")
     ] = None,
-    language: Annotated[str, typer.Option("--language", "-l", help="Target: c or python.")] = "c",
+    language: Annotated[
+        str,
+        typer.Option("--language", "-l", help="c, python, fortran, matlab (or octave), julia, jax, casadi."),
+    ] = "c",
     out: Annotated[
         Path | None, typer.Option("--out", help="File to write; default: standard output.")
     ] = None,
@@ -155,6 +159,53 @@ def simulate(
     _print([_as_json(eqs, motion)] if as_json else _report(eqs, motion, picture))
     if not motion.success:
         raise typer.Exit(4)
+
+
+@app.command()
+def linearize(
+    model: ModelFile,
+    at: Annotated[Pairs, _option("--at", metavar="NAME=VALUE", text="x or x_dot there; repeatable.")] = None,
+    parameters: Settings = None,
+    inputs: Inputs = None,
+    outputs: Annotated[Pairs, _option("--output", "-o", text="A row of C and D; repeatable.")] = None,
+    independent: Annotated[Pairs, _option("--independent", text="A state to keep; repeatable.")] = None,
+    cyclic: Annotated[
+        Pairs, _option("--cyclic", text="A coordinate that nothing depends on; repeatable.")
+    ] = None,
+    tree: Tree = None,
+    as_json: Annotated[bool, _option("--json", text="Print the result as JSON.")] = False,
+) -> None:
+    """Print A, B, C, D of small motions about a state, eigenvalues, and what they say of stability."""
+    eqs = _formed(load_model(model), tree)
+    given = Settled.of(
+        eqs, assigned(parameters, "--set"), assigned(inputs, "--input"), assigned(at, "--at")
+    )
+    found = symbody.linearize(
+        eqs, given.initial, given.parameters, given.inputs, outputs or (), independent, cyclic or ()
+    )
+    _print([linear_json(found)] if as_json else linear_lines(found))
+
+
+@app.command()
+def equilibrium(
+    model: ModelFile,
+    near: Annotated[Pairs, _option("--near", metavar="NAME=VALUE", text="A guess; repeatable.")] = None,
+    parameters: Settings = None,
+    inputs: Inputs = None,
+    unknowns: Annotated[Pairs, _option("--unknown", text="An input that holds; repeatable.")] = None,
+    fixed: Annotated[Pairs, _option("--fix", metavar="NAME=VALUE", text="x to keep; repeatable.")] = None,
+    tree: Tree = None,
+    as_json: Annotated[bool, _option("--json", text="Print the result as JSON.")] = False,
+) -> None:
+    """Print the equilibrium nearest to a guess, others found, and whether they are stable."""
+    eqs = _formed(load_model(model), tree)
+    given = Settled.of(
+        eqs, assigned(parameters, "--set"), assigned(inputs, "--input"), assigned(near, "--near")
+    )
+    found = symbody.find_equilibrium(
+        eqs, given.initial, given.parameters, given.inputs, unknowns or (), assigned(fixed, "--fix")
+    )
+    _print([rest_json(found)] if as_json else rest_lines(found))
 
 
 def _formed(model: Model, tree: TreeWord | None) -> EquationSet:
@@ -233,7 +284,7 @@ def examples(
 ) -> None:
     """List the examples, print one, or copy its files."""
     folder = examples_folder()
-    known = sorted(path.name for path in folder.iterdir() if (path / f"{path.name}.toml").is_file())
+    known = sorted(path.name for path in folder.iterdir() if model_file(path).is_file())
     if name is None:
         _print(known)
     elif name not in known:
@@ -241,7 +292,7 @@ def examples(
             Problem("cli.unknown_example", name, f"there is no example {name!r}", "", nearest(name, known))
         )
     elif copy is None:
-        typer.echo((folder / name / f"{name}.toml").read_text(encoding="utf-8"), nl=False)
+        typer.echo(model_file(folder / name).read_text(encoding="utf-8"), nl=False)
     else:
         _print(_copy_files(folder / name, copy, force))
 

@@ -2,4 +2,9 @@ from .equation_set import EquationSet as EquationSet
 from .form import form_equations as form_equations
 from .formulations.lagrange import Lagrange as Lagrange
 from .formulations.newton_euler import NewtonEuler as NewtonEuler
+from .formulations.recursive import Recursive as Recursive
 from .formulations.virtual_work import VirtualWork as VirtualWork
+from .index_reduction.mechanism_reduction import IndexReduction as IndexReduction
+from .index_reduction.reduction import reduce_index as reduce_index
+from .index_reduction.separation import Separation as Separation
+from .index_reduction.separation import separate_derivatives as separate_derivatives

@@ -177,6 +177,16 @@ class EquationSet:
         return self.textbook.norms
 
     @property
+    def A(self) -> SympyMatrix:
+        """Derivatives of x' by the states (u, q), (n_x, n_x), each with the others held fixed."""
+        return self.textbook.derivatives("A")
+
+    @property
+    def B(self) -> SympyMatrix:
+        """Derivatives of x' by the inputs, (n_x, n_r)."""
+        return self.textbook.derivatives("B")
+
+    @property
     def kinetic_energy(self) -> SympyExpr:
         """Kinetic energy relative to ground [J]."""
         return self.textbook.matrix("kinetic_energy")[0]
@@ -254,7 +264,9 @@ class EquationSet:
         """The equations as formulas: short ones are formed anew for reading, in the same graph."""
         if not self._textbook:
             formed = self.formed
-            if len(formed.u) <= MOST_SPEEDS:
+            if len(formed.u) <= MOST_SPEEDS and formed.formed_again is not None:
+                formed = formed.formed_again(formed.graph, spread=True)
+            elif len(formed.u) <= MOST_SPEEDS:
                 formed = form(
                     formed.topology,
                     formed.graph,

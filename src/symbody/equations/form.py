@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.forming import form
+from symbody.equations.formulations.choice import chosen_formulation
 from symbody.equations.formulations.formulation import Formulation
-from symbody.equations.formulations.virtual_work import VIRTUAL_WORK
 from symbody.equations.freedoms.chosen_speeds import chosen_speeds
 from symbody.expr.graph import Graph
 from symbody.graph.topology import Topology, choose_topology
@@ -28,9 +28,10 @@ def form_equations(
     ----------
     model : Model
         The mechanism.
-    formulation : VirtualWork, NewtonEuler or Lagrange, optional
-        How the equations are formed; virtual work by default. All give the same equations: Newton-Euler
-        with every reaction an unknown, Lagrange from energies.
+    formulation : VirtualWork, Recursive, NewtonEuler or Lagrange, optional
+        How the equations are formed; by default recursively where one tree gives all coordinates, else by
+        virtual work. All give the same equations: Newton-Euler with every reaction an unknown, Lagrange from
+        energies; formulas of short ones are shown by virtual work.
     tree : Trees, "joints", "absolute" or None
         Which joints give the coordinates: those named; those of spanning trees, whatever the model's flags
         say; none, so that all bodies are free and all joints constraints; by default the flags of the
@@ -51,7 +52,8 @@ def form_equations(
     AssemblyError, ModelError
         If "auto" finds no configuration, or no value of a parameter.
     """
-    topology, how = choose_topology(model, tree), formulation or VIRTUAL_WORK
+    topology = choose_topology(model, tree)
+    how = chosen_formulation(topology, formulation, dependent_speeds is not None)
     if dependent_speeds == "auto":
         dependent, told = _chosen(topology, how)
     else:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 from symbody.equations.constraints.rolling import enter_contact
 from symbody.equations.dynamics.balance import NOTHING, Wrench
@@ -22,14 +23,23 @@ from symbody.equations.kinematics.row import Row
 from symbody.equations.kinematics.variables import Use, Variables
 from symbody.equations.loads.friction import FrictionLaw, Resistance
 from symbody.equations.loads.loads import Loads, effort_name
+from symbody.equations.recursive.reactions import joint_wrenches as recursive_wrenches
+from symbody.equations.recursive.recursion import Recursion
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import jacobian
-from symbody.expr.expression import Expr
+from symbody.expr.expression import Expr, symbol
 from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.graph.topology import Topology
 from symbody.model.constraints import Rolling
 from symbody.model.element import Address, address_of
 from symbody.model.lookup import places_of
+
+
+class FormedAgain(Protocol):
+    """Forms equations once more."""
+
+    def __call__(self, graph: Graph, *, spread: bool = False) -> Formed:
+        """Return the equations in a graph; `spread` as in `forming.form`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +54,8 @@ class Formed:
         The constraints, in the order of Phi.
     alignments : tuple of Expr
         Cosines that are 1, not -1, where the cut joints are closed as they should be.
-    projection : Projection
-        Mass matrix and forcing.
+    projection : Projection or Recursion
+        Mass matrix and forcing; by recursion each when it is asked for.
     notes : tuple of str
         What was dropped, and where the equations do not hold.
     friction : tuple of FrictionLaw
@@ -58,6 +68,9 @@ class Formed:
         What made some speeds functions of the others; their rows are not among `rows`.
     slack : tuple of Row
         Rows of ropes that are slack; they are not among `rows`.
+    formed_again : callable or None
+        ``formed_again(graph, spread=...)`` forms the same equations once more, for mechanisms placed by hand;
+        those that are drawn are formed again from their topology.
     """
 
     names: Names
@@ -72,13 +85,14 @@ class Formed:
     armatures: Mapping[str, Rotor]
     rows: tuple[Row, ...]
     alignments: tuple[Expr, ...]
-    projection: Projection
+    projection: Projection | Recursion
     kinetic_energy: Expr
     notes: tuple[str, ...]
     friction: tuple[FrictionLaw, ...] = ()
     formulation: Formulation = VIRTUAL_WORK
     elimination: Elimination | None = None
     slack: tuple[Row, ...] = ()
+    formed_again: FormedAgain | None = None
     # Made on first request; a pure function of the fields above, so it cannot go stale.
     _wrenches: dict[str, Wrench] = field(default_factory=dict, repr=False)
     _names: list[Names] = field(default_factory=list, repr=False)
@@ -153,7 +167,11 @@ class Formed:
             rows = self.rows_and_multipliers
             cut = [*row_wrenches(rows), *self._measured_drives(), *self._couplings()]
             free = self.free_bodies
-            if free is None:
+            if isinstance(self.projection, Recursion):
+                rates = zip(self.expressions(self.u), self.u, strict=True)
+                udot = {u.index: symbol(self.graph, name.derivative) for u, name in rates}
+                found = recursive_wrenches(self.projection, self.names, udot, summed(cut))
+            elif free is None:
                 found = joint_wrenches(self.topology, self.kinematics, self.bodies, self.loads.loads, cut)
             else:
                 found = dict.fromkeys((joint.name for joint in self.topology.joints), NOTHING)
@@ -166,12 +184,12 @@ class Formed:
     def free_bodies(self) -> Solution | None:
         """Accelerations, multipliers and wrenches with every reaction an unknown, by Newton-Euler.
 
-        None for other formulations, for equations to read, with friction, and where speeds were eliminated:
-        there the balance of bodies follows the accelerations.
+        None for other formulations, for equations to read, with friction, without joints, and where speeds
+        were eliminated: there the balance of bodies follows the accelerations.
         """
         if not isinstance(self.formulation, NewtonEuler) or self.kinematics.spread or self.friction:
             return None
-        if self.elimination is not None:
+        if self.elimination is not None or not self.uses:
             return None
         if not self._free:
             free = FreeBodies(

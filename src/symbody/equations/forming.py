@@ -8,10 +8,17 @@ from dataclasses import replace
 from symbody.equations.constraints.closings import alignments
 from symbody.equations.constraints.rows import form_rows
 from symbody.equations.dynamics.inertia import Rotor, form_inertia
+from symbody.equations.dynamics.projection import Projection
 from symbody.equations.elimination.dependent_speeds import eliminated, elimination_notes
 from symbody.equations.elimination.elimination import Elimination
 from symbody.equations.formed import Formed
-from symbody.equations.formulations.formulation import Formulation, differentiates, projected
+from symbody.equations.formulations.formulation import (
+    Formulation,
+    differentiates,
+    legal_formulation,
+    projected,
+)
+from symbody.equations.formulations.recursive import Recursive
 from symbody.equations.formulations.virtual_work import VIRTUAL_WORK, kinetic_energy
 from symbody.equations.kinematics.measured import measured_coordinates
 from symbody.equations.kinematics.mechanism_names import mechanism_names, rates_by_name, second_rates
@@ -24,6 +31,8 @@ from symbody.equations.kinematics.uses import is_read, joint_uses, names_read
 from symbody.equations.kinematics.variables import Use, Variables, form_variables
 from symbody.equations.loads.friction import form_friction
 from symbody.equations.loads.loads import form_loads
+from symbody.equations.recursive.formulating import form_recursion
+from symbody.equations.recursive.recursion import Recursion
 from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.expr.printing.text import to_text
 from symbody.graph.topology import Topology
@@ -55,6 +64,7 @@ def form(
         If a cut joint cannot do what is asked of it, a loop can never close, or the dependent speeds do not
         follow from the others.
     """
+    formulation, fallback = legal_formulation(topology, formulation, spread=spread, dependent=bool(dependent))
     uses = joint_uses(topology)
     names = mechanism_names(graph, topology, uses)
     own = [name for condition in topology.model.constraints for name in condition.coordinates]
@@ -68,6 +78,7 @@ def form(
         variables.rates,
         speeds,
         spread=spread,
+        waiting=isinstance(formulation, Recursive),
     )
     if differentiates(formulation):
         kinematics = differentiated(kinematics)
@@ -79,12 +90,14 @@ def form(
     rows, notes = form_rows(topology, names, kinematics, uses)
     if differentiates(formulation):
         rows = differentiated_rows(kinematics, rows)
+    notes += fallback
     formed = _formed(formulation, topology, names, uses, variables, kinematics, rows, notes)
     return _without_dependent(formed, dependent, notes) if dependent else formed
 
 
 def _without_dependent(formed: Formed, dependent: Sequence[str], notes: tuple[str, ...]) -> Formed:
     """Return equations in independent speeds; everything but the projection is formed anew in these."""
+    assert isinstance(formed.projection, Projection)  # with dependent speeds nothing is done by recursion
     found = eliminated(formed.readable_names, formed.u, formed.rows, formed.projection, dependent)
     holding = {law.holding: (formed.kinematics.slopes(law.rate), law.rate * 0) for law in formed.friction}
     found = replace(found, given={**found.given, **holding})
@@ -116,7 +129,8 @@ def _formed(
     model = topology.model
     bodies = tuple(form_inertia(names, body) for body in model.bodies)
     friction = form_friction(names, uses)
-    loads = form_loads(model, names, kinematics, bodies, uses, friction)
+    weights = not isinstance(formulation, Recursive)
+    loads = form_loads(model, names, kinematics, bodies, uses, friction, weights=weights)
     armatures = {
         coordinate: Rotor(
             names.value(f"{coordinate}_dot"), names.expression(rotor, f"joint {use.joint.name}")
@@ -124,10 +138,17 @@ def _formed(
         for use in uses
         for coordinate, rotor in use.joint.armature.items()
     }
-    if elimination is None:
+    projection: Projection | Recursion
+    if isinstance(formulation, Recursive):
+        projection, kinetic, loads = form_recursion(
+            formulation, topology, names, kinematics, uses, loads, armatures
+        )
+    elif elimination is None:
         projection = projected(formulation, topology, names, kinematics, uses, bodies, loads, armatures)
     else:
         projection = elimination.projection()
+    if not isinstance(formulation, Recursive):
+        kinetic = kinetic_energy(kinematics, bodies, armatures)
     return Formed(
         names=names,
         topology=topology,
@@ -142,7 +163,7 @@ def _formed(
         rows=tuple(rows),
         alignments=tuple(cosine for use in uses for cosine in alignments(names, kinematics, use)),
         projection=projection,
-        kinetic_energy=kinetic_energy(kinematics, bodies, armatures),
+        kinetic_energy=kinetic,
         notes=notes + loads.notes + _tied(uses) + _singularities(names.graph, variables) + _ropes(model),
         friction=friction,
         formulation=formulation,

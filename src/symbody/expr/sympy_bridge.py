@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
-from typing import Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple, TypeAlias, TypeGuard
 
 import sympy as sp
 from sympy.functions.elementary.piecewise import ExprCondPair
@@ -30,6 +30,7 @@ from sympy.physics.vector import dynamicsymbols
 
 from symbody.errors import ExpressionError, Problem
 from symbody.expr import opcodes as op
+from symbody.expr.canonical import sub
 from symbody.expr.graph import Exact, Graph, Kind, Symbol
 from symbody.expr.printing.definitions import EXPAND_LIMIT, definitions
 from symbody.expr.printing.flattening import SUMS, linear_terms, nested_operands, power_factors
@@ -37,8 +38,10 @@ from symbody.expr.rewrite import symbols_of
 from symbody.expr.sympy_reader import KERNEL_NAME, Lookup, from_sympy, nodes_from_sympy
 
 __all__ = [
-    "Lookup", "SympyEquation", "SympyExpr", "SympyMatrix", "from_sympy", "nodes_from_sympy",
-    "symbol_to_sympy", "sympy_equations", "sympy_matrix", "to_sympy", "to_sympy_with_definitions",
+    "Lookup", "SympyEquation", "SympyExpr", "SympyMatrix", "from_sympy", "is_expression",
+    "is_matrix",
+    "nodes_from_equations", "nodes_from_sympy", "symbol_to_sympy", "sympy_derivative", "sympy_equations",
+    "sympy_matrix", "time_derivatives", "to_sympy", "to_sympy_with_definitions",
 ]  # fmt: skip
 
 SympyExpr: TypeAlias = sp.Expr
@@ -107,6 +110,20 @@ def to_sympy_with_definitions(
     return [writer.expression(node) for node in nodes], defined
 
 
+def nodes_from_equations(
+    equations: Iterable[object], graph: Graph, lookup: Lookup | None = None
+) -> list[int]:
+    """Return ``left - right`` of equations as nodes; expressions are meant = 0."""
+    sides = [(item.lhs, item.rhs) if isinstance(item, sp.Eq) else (item, 0) for item in equations]
+    nodes = nodes_from_sympy([side for pair in sides for side in pair], graph, lookup)
+    return [sub(graph, a, b) for a, b in zip(nodes[::2], nodes[1::2], strict=True)]
+
+
+def time_derivatives(functions: Iterable[SympyExpr]) -> list[SympyExpr]:
+    """Return the derivatives of SymPy expressions by time."""
+    return [sp.diff(function, dynamicsymbols._t) for function in functions]
+
+
 def sympy_matrix(graph: Graph, rows: int, columns: int, nodes: Sequence[int]) -> SympyMatrix:
     """Return nodes in row-major order as a matrix."""
     return sp.Matrix(rows, columns, to_sympy(graph, nodes))
@@ -116,6 +133,23 @@ def sympy_equations(graph: Graph, left: Sequence[int], right: Sequence[int]) -> 
     """Return ``left = right``, entry by entry, unevaluated."""
     sides = to_sympy(graph, [*left, *right])
     return [sp.Eq(a, b, evaluate=False) for a, b in zip(sides[: len(left)], sides[len(left) :], strict=True)]
+
+
+def sympy_derivative(thing: object, variables: Sequence[SympyExpr]) -> object:
+    """Return the derivative of a SymPy expression, matrix or equation; of anything else None."""
+    if isinstance(thing, sp.Eq):
+        return sp.Eq(thing.lhs.diff(*variables), thing.rhs.diff(*variables), evaluate=False)
+    return thing.diff(*variables) if isinstance(thing, sp.Expr | sp.MatrixBase) else None
+
+
+def is_expression(thing: object) -> bool:
+    """Return whether something is a scalar SymPy expression."""
+    return isinstance(thing, sp.Expr)
+
+
+def is_matrix(thing: object) -> TypeGuard[SympyMatrix]:
+    """Return whether something is a SymPy matrix, mutable or not."""
+    return isinstance(thing, sp.MatrixBase)
 
 
 def symbol_to_sympy(symbol: Symbol) -> SympyExpr:

@@ -5,3 +5,11 @@ from .native import model_from_toml as model_from_toml
 from .native import model_to_toml as model_to_toml
 from .native import save_model as save_model
 from .native import to_data as to_data
+from .urdf.building.loading import load_urdf as load_urdf
+from .urdf.building.loading import model_from_urdf as model_from_urdf
+from .urdf.file.meshes import find_mesh as find_mesh
+from .urdf.file.reading import read_urdf as read_urdf
+from .urdf.file.reading import robot_from_text as robot_from_text
+from .urdf.file.robot import Robot as Robot
+from .urdf.writing.saving import model_to_urdf as model_to_urdf
+from .urdf.writing.saving import save_urdf as save_urdf

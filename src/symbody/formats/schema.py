@@ -54,6 +54,7 @@ class BodyEntry(Entry):
     inertia: Triple = Field(default=[0, 0, 0], description="xx, yy, zz about the centre of mass [kg m^2].")
     products: Triple = Field(default=[0, 0, 0], description="Tensor entries xy, xz, yz [kg m^2].")
     frames: dict[str, FrameEntry] = Field(default={}, description="Frames fixed on the body.")
+    unphysical: bool = Field(default=False, description="Whether an impossible inertia is taken as it is.")
 
 
 class SpringEntry(Entry):

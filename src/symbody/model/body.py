@@ -33,6 +33,9 @@ class Body(Element):
         xy, xz, yz entries of the inertia tensor (the sign of URDF) [kg m^2].
     frames : mapping of name to Frame
         Further frames fixed on the body.
+    unphysical : bool
+        Whether an inertia that no distribution of mass has is taken as it is, with a note, as in robots that
+        were only ever simulated.
 
     Raises
     ------
@@ -53,6 +56,7 @@ class Body(Element):
     inertia: Triple
     products: Triple
     frames: Table[Frame]
+    unphysical: bool
 
     def __init__(
         self,
@@ -61,6 +65,7 @@ class Body(Element):
         inertia: Iterable[Value] = (0, 0, 0),
         products: Iterable[Value] = (0, 0, 0),
         frames: Mapping[str, Frame] | None = None,
+        unphysical: bool = False,
     ) -> None:
         door = Door(f"body {name}")
         object.__setattr__(self, "name", door.element_name(name))
@@ -68,6 +73,7 @@ class Body(Element):
         object.__setattr__(self, "inertia", door.triple(inertia, "inertia"))
         object.__setattr__(self, "products", door.triple(products, "products"))
         object.__setattr__(self, "frames", frame_table(door, frames or {}, "frames"))
+        object.__setattr__(self, "unphysical", bool(unphysical))
         door.close()
 
     def __getitem__(self, frame: str) -> Address:

@@ -51,6 +51,8 @@ class Model:
         Initial values, in SI units and radians.
     ground : mapping of name to Frame
         Frames fixed on the ground.
+    notes : iterable of str
+        Remarks of a reader on what it assumed; they come before the model's own.
 
     Attributes
     ----------
@@ -94,6 +96,7 @@ class Model:
         inputs: Iterable[str] = (),
         initial: Mapping[str, Value] | None = None,
         ground: Mapping[str, Frame] | None = None,
+        notes: Iterable[str] = (),
     ) -> None:
         door = Door("model")
         draft = Draft(
@@ -115,7 +118,7 @@ class Model:
             door.refuse("names.not_text", "name", f"{name!r} is not a name", "", "give a text")
         for parameter in draft.parameters:
             door.symbol_name(parameter, f"parameters.{parameter}")
-        placed, notes = checked(draft, door.problems)
+        placed, remarks = checked(draft, door.problems)
         object.__setattr__(self, "name", title)
         object.__setattr__(self, "elements", placed)
         object.__setattr__(self, "gravity", draft.gravity)
@@ -126,7 +129,7 @@ class Model:
         object.__setattr__(self, "bodies", tuple(e for e in placed if isinstance(e, Body)))
         object.__setattr__(self, "joints", tuple(e for e in placed if isinstance(e, Joint)))
         object.__setattr__(self, "constraints", tuple(e for e in placed if isinstance(e, Condition)))
-        object.__setattr__(self, "notes", notes)
+        object.__setattr__(self, "notes", (*notes, *remarks))
 
     def __repr__(self) -> str:
         return f"Model({self.name!r}: {len(self.bodies)} bodies, {len(self.joints)} joints)"

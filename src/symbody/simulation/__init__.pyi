@@ -1,5 +1,6 @@
 from .events.events import Event as Event
 from .inputs.tables import Table as Table
+from .inverse.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from .methods.constraints import Baumgarte as Baumgarte
 from .methods.constraints import Projection as Projection
 from .methods.explicit import Explicit as Explicit

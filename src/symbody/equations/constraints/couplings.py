@@ -45,14 +45,14 @@ def equation_rows(names: Names, kinematics: Kinematics, constraint: Constraint) 
         value = names.expression(formula, where)
         by_rate = _contains_speeds(kinematics, value)
         if by_rate:
-            row = _velocity_row(kinematics, constraint.name, value, f"{where}, equations[{k}]")
+            row = velocity_row(kinematics, constraint.name, value, f"{where}, equations[{k}]")
         else:
             row = scalar_row(kinematics, "", constraint.name, value)
         written = _Written(names, Names(names.graph, names.symbols, {}).expression(formula, where), by_rate)
         yield replace(row, shares=written.shares(formula.names), driven=written.driven())
 
 
-def _velocity_row(kinematics: Kinematics, element: str, value: Expr, where: str) -> Row:
+def velocity_row(kinematics: Kinematics, element: str, value: Expr, where: str) -> Row:
     """Return the row of an equation that is affine in the speeds."""
     slopes = kinematics.slopes(value)
     for u, slope in slopes.items():

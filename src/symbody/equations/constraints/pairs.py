@@ -10,8 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from symbody.equations.kinematics.motion import Kinematics, Velocity
+from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.velocity import Velocity
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr
 from symbody.expr.graph import TIME

@@ -14,10 +14,11 @@ from symbody.equations.dynamics.inertia import Inertia
 from symbody.equations.dynamics.load import Load
 from symbody.equations.dynamics.needs import inertial, without_loads
 from symbody.equations.kinematics.joint_axes import coordinate_slide, coordinate_turn, free_slides
-from symbody.equations.kinematics.motion import Kinematics, Velocity
+from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.row import Row
 from symbody.equations.kinematics.variables import turns_of
+from symbody.equations.kinematics.velocity import Velocity
 from symbody.expr.expression import Expr, symbol
 from symbody.graph.topology import Topology
 from symbody.model.joint import Joint

@@ -14,11 +14,12 @@ from dataclasses import dataclass, replace
 
 from symbody.equations.dynamics.projection import Projection
 from symbody.equations.elimination.dependent_block import Block
-from symbody.equations.kinematics.motion import Kinematics, Velocity
+from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.placements import without_zeros
 from symbody.equations.kinematics.row import Row
 from symbody.equations.kinematics.variables import Variables
+from symbody.equations.kinematics.velocity import Velocity
 from symbody.expr.expression import Expr, number, symbol
 from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.expr.rewrite import substitute

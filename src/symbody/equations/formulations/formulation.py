@@ -9,19 +9,32 @@ from symbody.equations.dynamics.projection import Projection
 from symbody.equations.formulations.direct import project_directly
 from symbody.equations.formulations.lagrange import Lagrange, form_energies, project_energies
 from symbody.equations.formulations.newton_euler import NewtonEuler
-from symbody.equations.formulations.virtual_work import VirtualWork, project
+from symbody.equations.formulations.recursive import Recursive
+from symbody.equations.formulations.virtual_work import VIRTUAL_WORK, VirtualWork, project
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import Use
 from symbody.equations.loads.loads import Loads
 from symbody.graph.topology import Topology
 
-Formulation = VirtualWork | NewtonEuler | Lagrange
+Formulation = VirtualWork | NewtonEuler | Lagrange | Recursive
 
 
 def differentiates(formulation: Formulation) -> bool:
     """Return whether a formulation takes placements only and differentiates them."""
-    return not isinstance(formulation, VirtualWork)
+    return isinstance(formulation, NewtonEuler | Lagrange)
+
+
+def legal_formulation(
+    topology: Topology, formulation: Formulation, *, spread: bool, dependent: bool
+) -> tuple[Formulation, tuple[str, ...]]:
+    """Return the formulation, virtual work where recursion cannot be done, and what is said of that."""
+    if not isinstance(formulation, Recursive) or spread:
+        return (VIRTUAL_WORK if isinstance(formulation, Recursive) else formulation), ()
+    if topology.turning == topology.sliding and not dependent:
+        return formulation, ()
+    why = "speeds are eliminated" if dependent else "the rotation tree is not the translation tree"
+    return VIRTUAL_WORK, (f"virtual work takes the place of recursion: {why}",)
 
 
 def projected(

@@ -18,10 +18,11 @@ from symbody.equations.dynamics.balance import NOTHING, Wrench
 from symbody.equations.dynamics.inertia import Inertia, Rotor
 from symbody.equations.dynamics.load import Effort, Load
 from symbody.equations.dynamics.needs import without_loads
-from symbody.equations.kinematics.motion import Kinematics, Velocity
+from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.placements import flow, moved, moved_matrix, spin, unit, without_zeros
 from symbody.equations.kinematics.row import Row
 from symbody.equations.kinematics.variables import Use
+from symbody.equations.kinematics.velocity import Velocity
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr, number, saddle_entry
 from symbody.expr.graph import Kernel

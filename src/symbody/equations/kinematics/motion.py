@@ -6,10 +6,12 @@ Levinson 1985, section 2.14), ``rest`` what does not depend on them, ``bias`` th
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from functools import partial
 
+from symbody.equations.kinematics.velocity import AT_REST, Velocity
+from symbody.equations.kinematics.waiting import Waiting
 from symbody.expr.calculus import gradient, time_derivative
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph, Kind
@@ -19,47 +21,6 @@ from symbody.vectors.euler_parameters import EulerParameters
 from symbody.vectors.frame import FrameTree
 from symbody.vectors.rotation import DirectionCosines, Matrix, Rotation, Turn, rotation_of
 from symbody.vectors.vector import NULL, Vector, cross, drawn_near, lifted, vector
-
-
-@dataclass(frozen=True, slots=True)
-class Velocity:
-    """A velocity or angular velocity, affine in the speeds.
-
-    Attributes
-    ----------
-    partials : mapping of node to Vector
-        The coefficient of each speed that has one.
-    rest : Vector
-        What explicit time contributes.
-    value : Vector
-        The whole.
-    bias : Vector
-        Its time derivative as seen from ground with all u' = 0.
-    """
-
-    partials: Mapping[int, Vector]
-    rest: Vector
-    value: Vector
-    bias: Vector
-
-    def combined(self, other: Velocity, sign: int = 1) -> Velocity:
-        """Return this velocity plus, or minus, another."""
-        partials = dict(self.partials)
-        for u, partial in other.partials.items():
-            partials[u] = partials.get(u, NULL) + partial * sign
-        return Velocity(
-            partials,
-            self.rest + other.rest * sign,
-            self.value + other.value * sign,
-            self.bias + other.bias * sign,
-        )
-
-    def partial(self, u: int) -> Vector:
-        """Return the coefficient of a speed."""
-        return self.partials.get(u, NULL)
-
-
-AT_REST: Final = Velocity({}, NULL, NULL, NULL)
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,10 +183,16 @@ def form_kinematics(
     speeds: Sequence[int],
     *,
     spread: bool,
+    waiting: bool = False,
 ) -> Kinematics:
     """Return the kinematics of frames given outward from ground, each by a step from an earlier one.
 
     All turnings come before all shiftings, because the two trees need not be the same.
+
+    Parameters
+    ----------
+    waiting : bool
+        Whether velocities are formed only when they are asked for: along a chain they are many.
     """
     parents: dict[str, tuple[str, Rotation]] = {}
     tree = FrameTree(graph, parents)
@@ -238,11 +205,11 @@ def form_kinematics(
         steered=set(),
         depths={"ground": 0},
         arms={},
-        velocities={"ground": AT_REST},
-        angular_velocities={"ground": AT_REST},
+        velocities=Waiting({"ground": AT_REST}) if waiting else {"ground": AT_REST},
+        angular_velocities=Waiting({"ground": AT_REST}) if waiting else {"ground": AT_REST},
     )
     for turning in turnings:
-        _turn(kinematics, parents, turning)
+        enter_turning(kinematics, turning)
     for shifting in shiftings:
         enter_origin(kinematics, shifting)
     return kinematics
@@ -264,21 +231,40 @@ def enter_axes(
     kinematics.angular_velocities[child] = near.combined(kinematics.affine(angular_velocity, bias))
 
 
-def _turn(kinematics: Kinematics, parents: dict[str, tuple[str, Rotation]], turning: Turning) -> None:
+def enter_turning(kinematics: Kinematics, turning: Turning) -> None:
     """Enter the frames of a step, one more for each turn, with their angular velocities."""
-    angular = kinematics.angular_velocities
-    frame, last = turning.parent, len(turning.steps) - 1
-    for k, step in enumerate(turning.steps):
-        following = turning.child if k == last else f"{turning.child}#{k + 1}"
+    parents, frame = kinematics.tree.parents, turning.parent
+    for following, step in _frames(turning):
         parents[following] = (frame, rotation_of((step,)))
+        frame = following
+    if not turning.steps:
+        parents[turning.child] = (frame, Rotation())
+    if turning.angular_velocity is not None:
+        kinematics.steered.add(kinematics.tree.home(turning.child))
+    if isinstance(kinematics.angular_velocities, Waiting):
+        find = partial(_enter_spins, kinematics, turning)
+        for child in {turning.child, *(name for name, _ in _frames(turning))}:
+            kinematics.angular_velocities.wait(child, turning.parent, find)
+    else:
+        _enter_spins(kinematics, turning)
+
+
+def _frames(turning: Turning) -> Iterator[tuple[str, Turn | EulerParameters]]:
+    """Return the frame that each step leads to."""
+    last = len(turning.steps) - 1
+    for k, step in enumerate(turning.steps):
+        yield turning.child if k == last else f"{turning.child}#{k + 1}", step
+
+
+def _enter_spins(kinematics: Kinematics, turning: Turning) -> None:
+    angular, frame = kinematics.angular_velocities, turning.parent
+    for following, step in _frames(turning):
         if isinstance(step, Turn):
             angular[following] = _turned(kinematics, angular[frame], following, step)
         frame = following
     if not turning.steps:
-        parents[turning.child] = (frame, Rotation())
         angular[turning.child] = angular[frame]
     if turning.angular_velocity is not None:
-        kinematics.steered.add(kinematics.tree.home(turning.child))
         near = angular[turning.parent]
         swing = cross(kinematics.tree, near.value, turning.angular_velocity)
         relative = kinematics.affine(turning.angular_velocity, swing)
@@ -299,11 +285,20 @@ def _turned(kinematics: Kinematics, near: Velocity, frame: str, turn: Turn) -> V
 
 def enter_origin(kinematics: Kinematics, shifting: Shifting) -> None:
     """Enter the origin of a frame."""
-    tree, parent, child = kinematics.tree, shifting.parent, shifting.child
+    parent, child = shifting.parent, shifting.child
     # Frames that are not turned share one set of components, so that terms can add up.
-    shift = lifted(tree, shifting.shift, kinematics.steered)
+    shift = lifted(kinematics.tree, shifting.shift, kinematics.steered)
     kinematics.shifts[child] = (parent, shift)
     kinematics.depths[child] = kinematics.depths[parent] + 1
+    if isinstance(kinematics.velocities, Waiting):
+        kinematics.velocities.wait(child, parent, partial(_enter_velocity, kinematics, shifting))
+    else:
+        _enter_velocity(kinematics, shifting)
+
+
+def _enter_velocity(kinematics: Kinematics, shifting: Shifting) -> None:
+    tree, parent, child = kinematics.tree, shifting.parent, shifting.child
+    shift = kinematics.shifts[child][1]
     if shifting.velocity is None:
         moved = kinematics.velocities[parent]
         for frame, parts in shift.terms.items():

@@ -11,8 +11,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from symbody.equations.kinematics.motion import Kinematics, Velocity
+from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.row import Row, scalar_row
+from symbody.equations.kinematics.velocity import Velocity
 from symbody.expr.calculus import forward, jacobian
 from symbody.expr.expression import Expr, number
 from symbody.expr.fingerprint import fingerprints

@@ -62,13 +62,20 @@ def form_loads(
     bodies: Sequence[Inertia],
     uses: Sequence[Use],
     friction: Sequence[FrictionLaw] = (),
+    *,
+    weights: bool = True,
 ) -> Loads:
     """Return the loads of a model.
 
     The drive of a prescribed coordinate does nothing here: it is part of the effort that holds the motion.
+
+    Parameters
+    ----------
+    weights : bool
+        Whether gravity is among the loads; a recursion accelerates ground instead.
     """
     zero = number(names.graph, 0)
-    laws = _weights(model, names, kinematics, bodies)
+    laws = _weights(model, names, kinematics, bodies) if weights else []
     efforts: dict[str, Expr] = {}
     for use in uses:
         for coordinate, drive in use.joint.drives.items():

@@ -24,6 +24,7 @@ from symbody.equations.solving.projection import (
 from symbody.equations.solving.ropes import ropes
 from symbody.equations.solving.solution import resistance, solve, solved
 from symbody.errors import ExpressionError, FormulationError, Problem, nearest
+from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Kind, Symbol
 from symbody.expr.language.formula import Formula
@@ -106,6 +107,18 @@ def _qdot(formed: Formed) -> list[Expr]:
     return [Expr(formed.graph, rates[q.index]) for q in formed.expressions(formed.q)]
 
 
+def _states(formed: Formed) -> tuple[Symbol, ...]:
+    return (*formed.u, *formed.q)
+
+
+def _slopes(formed: Formed, by: Sequence[Symbol]) -> list[list[Expr]]:
+    """Return the derivatives of x' = (u', q') by symbols, all others held fixed."""
+    graph = formed.graph
+    nodes = [rate.index for rate in (*_udot(formed), *_qdot(formed))]
+    rows = jacobian(graph, nodes, [graph.symbol(symbol) for symbol in by])
+    return [[Expr(graph, entry) for entry in row] for row in rows]
+
+
 def _roots(name: str, shape: tuple[int, ...], values: Sequence[Expr]) -> Roots:
     return Roots(name, shape, tuple(value.index for value in values))
 
@@ -143,6 +156,8 @@ _MAKERS: Final[dict[str, Callable[[Formed], Roots]]] = {
     "udot": _vector("udot", _udot),
     "qdot": _vector("qdot", _qdot),
     "xdot": _vector("xdot", lambda formed: [*_udot(formed), *_qdot(formed)]),
+    "A": _matrix("A", lambda formed: _slopes(formed, _states(formed)), lambda formed: _states(formed)),
+    "B": _matrix("B", lambda formed: _slopes(formed, formed.inputs), lambda formed: formed.inputs),
     "lambda": _vector("lambda", lambda formed: solve(formed)[1]),
     "mass_matrix": _matrix("mass_matrix", lambda formed: formed.projection.mass_matrix),
     "forcing": _vector("forcing", lambda formed: formed.projection.forcing),

@@ -10,6 +10,7 @@ from symbody.equations.formed import Formed
 from symbody.equations.showing.frame_motion import frame_motion_entries
 from symbody.equations.showing.joint_outputs import reaction_axes, reaction_wrench
 from symbody.equations.showing.outputs import output_roots
+from symbody.errors import FormulationError, Problem
 from symbody.expr.closed_form import ClosedForms, closed_forms, equated, readable
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph
@@ -63,6 +64,21 @@ class Textbook:
                 roots = self.side(name)
                 self._matrices[name] = closed_forms(self.formed.graph, [roots], EXPAND_LIMIT).matrices[name]
         return self._matrices[name].copy()
+
+    def derivatives(self, name: str) -> SympyMatrix:
+        """Return an output that is not among those shown together.
+
+        Raises
+        ------
+        FormulationError
+            If it is too long to be written out.
+        """
+        if self._is_long(name):
+            raise FormulationError(
+                Problem("equations.too_long", name, f"{name} takes more than {EXPAND_LIMIT} operations", "",
+                        f"compile(eqs, {name!r}) computes it, generate_code(eqs, {name!r}) writes it")
+            )  # fmt: skip
+        return self.matrix(name)
 
     def equations(self, left: str, right: str) -> list[SympyEquation]:
         """Return ``left = right``, entry by entry, unevaluated."""

@@ -9,6 +9,7 @@ from symbody.equations.dynamics.inertia import Inertia
 from symbody.equations.dynamics.linear_solve import solve_positive_definite
 from symbody.equations.formed import Formed
 from symbody.equations.loads.friction import Resistance
+from symbody.equations.recursive.recursion import Recursion
 from symbody.equations.solving.friction import solve_with_friction, unknown_symbols
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr, saddle_entry
@@ -67,7 +68,10 @@ def _solve_linear(
 
 
 def _solve_tree(formed: Formed, forcing: Sequence[Expr]) -> list[Expr]:
-    found = solve_positive_definite(formed.projection.mass_matrix, forcing, _outward(formed))
+    if isinstance(formed.projection, Recursion):
+        found = formed.projection.solve(forcing)
+    else:
+        found = solve_positive_definite(formed.projection.mass_matrix, forcing, _outward(formed))
     if any(map(_is_light, formed.bodies)):
         gone = vanishing(formed.graph, [pivot.index for pivot in found.pivots])
         problems = [_massless(formed, k) for k, zero in enumerate(gone) if zero]
@@ -101,6 +105,8 @@ def _outward(formed: Formed) -> list[int]:
     for branch in branches:
         depth.setdefault(branch.edge.name, len(depth))
     owner = {speed.label: use.joint.name for use in formed.uses for speed in use.speeds}
+    if not owner:  # placed by hand: the order given
+        return list(range(len(formed.u)))
     return sorted(range(len(formed.u)), key=lambda k: depth[owner[formed.u[k].label]])
 
 

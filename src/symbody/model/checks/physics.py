@@ -38,7 +38,10 @@ def check_body(check: Checker, body: Body, label: str) -> None:
     inertia = check.values(body.inertia, f"{label}, inertia")
     products = check.values(body.products, f"{label}, products")
     if inertia is not None and products is not None:
-        _check_inertia(check, label, inertia, products)
+        judge = Checker(check.parameters) if body.unphysical else check
+        _check_inertia(judge, label, inertia, products)
+        for problem in judge.problems if body.unphysical else ():
+            check.remark(f"{label}: {problem.what}; it is taken as it is")
         if mass is not None and mass > 0 and max(inertia) > 0:
             _check_size(check, body, label, mass, inertia, products)
     check_frames(check, body.frames, f"{label}, frames")

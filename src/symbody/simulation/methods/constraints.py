@@ -50,23 +50,56 @@ class Projection:
         _check_positive(tolerance=self.tolerance, limit=self.limit)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, init=False)
 class Baumgarte:
     """Constraints decay like ``Phi'' + 2 zeta omega Phi' + omega^2 Phi = 0``; nothing is projected.
 
-    Attributes
+    Also ``Phi'' + 2 alpha Phi' + beta^2 Phi = 0``: alpha is zeta omega, beta is omega (Baumgarte 1972).
+
+    Parameters
     ----------
     zeta : float
-        Damping ratio.
+        Damping ratio; by default 0.95.
     omega : float
-        Natural frequency [rad/s]; large values make the equations stiff.
+        Natural frequency [rad/s]; by default 20. Large values make the equations stiff.
+    alpha, beta : float
+        Both [1/s], in place of zeta and omega.
+
+    Raises
+    ------
+    UsageError
+        If a value is not positive, or both pairs are given, or only one of alpha and beta.
     """
 
-    zeta: float = 0.95
-    omega: float = 20.0
+    zeta: float
+    omega: float
 
-    def __post_init__(self) -> None:
-        _check_positive(zeta=self.zeta, omega=self.omega)
+    def __init__(
+        self,
+        zeta: float | None = None,
+        omega: float | None = None,
+        *,
+        alpha: float | None = None,
+        beta: float | None = None,
+    ) -> None:
+        given = {"zeta": zeta, "omega": omega, "alpha": alpha, "beta": beta}
+        named = {name: value for name, value in given.items() if value is not None}
+        _check_positive(**named)
+        _check_one_pair(tuple(named))
+        if alpha is not None and beta is not None:
+            zeta, omega = alpha / beta, beta
+        object.__setattr__(self, "zeta", 0.95 if zeta is None else zeta)
+        object.__setattr__(self, "omega", 20.0 if omega is None else omega)
+
+    @property
+    def alpha(self) -> float:
+        """Half the damping of the constraints [1/s]: zeta omega."""
+        return self.zeta * self.omega
+
+    @property
+    def beta(self) -> float:
+        """The root of their stiffness [1/s]: omega."""
+        return self.omega
 
     def applied(self, eqs: EquationSet) -> EquationSet:
         """Return the equations with the stabilizing terms in gamma."""
@@ -110,6 +143,20 @@ def projector_of(
         ROUNDED_PER_COORDINATE * n_q * EPSILON / tolerance,
         np.zeros((1, function.sequence.output_size)),
     )
+
+
+def _check_one_pair(named: tuple[str, ...]) -> None:
+    """Refuse alpha and beta beside zeta and omega, and one of them without the other."""
+    own = [name for name in named if name in ("alpha", "beta")]
+    if not own or named == ("alpha", "beta"):
+        return
+    mixed = len(own) < len(named)
+    raise UsageError(
+        Problem("simulation.baumgarte", "Baumgarte",
+                f"{' and '.join(named)} are given together" if mixed else f"{own[0]} is given alone",
+                "alpha is zeta omega and beta is omega: one pair says all",
+                "give zeta and omega, or alpha and beta")
+    )  # fmt: skip
 
 
 def _check_positive(**values: float) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
+from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.projection import velocity_residual
 from symbody.equations.solving.solution import solved
@@ -22,12 +23,7 @@ from symbody.expr.graph import Kind, Symbol
 from symbody.expr.rewrite import substitute
 from symbody.expr.sequence import Roots
 from symbody.simulation.methods.request import Called, Request
-from symbody.simulation.methods.state_jacobian import (
-    partial_derivatives,
-    with_laws,
-    with_outputs,
-    without_idle_rows,
-)
+from symbody.simulation.methods.state_jacobian import without_idle_rows
 from symbody.simulation.methods.stepping import march
 from symbody.simulation.methods.stiff import Stiff
 from symbody.simulation.methods.sundials import SundialsStepper, Watch, solver_class

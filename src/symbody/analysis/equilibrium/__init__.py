@@ -1,0 +1,1 @@
+"""Configurations at rest: `find_equilibrium`."""

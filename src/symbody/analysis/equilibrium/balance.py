@@ -1,0 +1,172 @@
+"""`Balance`: the forces on a mechanism at rest, as functions of its configuration, with derivatives.
+
+At rest ``F(q, 0, r) + J^T lambda = 0`` and ``Phi(q) = 0``. For each configuration the multipliers, and inputs
+that are unknown, are those that leave the least of the forces; what is left is a function of q alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.closure import Closure, mechanism_size
+from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
+from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.function import CompiledFunction
+from symbody.equations.equation_set import EquationSet
+from symbody.expr.canonical import ZERO
+from symbody.expr.expression import Expr
+from symbody.expr.graph import TIME, Kind, Symbol
+from symbody.expr.rewrite import substitute, symbols_of
+from symbody.expr.sequence import Roots
+
+Floats = NDArray[np.float64]
+
+_FORCES: Final = "rest forces"
+_SLOPES: Final = "rest slopes"
+_SHARES: Final = "rest shares"
+_SMALL: Final = 1e-10  # of the largest singular value: directions in which nothing changes
+_BALANCED: Final = 1e-9  # of the terms of an equation
+_ROUNDING: Final = 1e-13  # of the largest term of all equations
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rest:
+    """What is left at a configuration.
+
+    Attributes
+    ----------
+    q, inputs, multipliers : arrays
+        Where; the inputs are those unknown.
+    left : (n_u,) array
+        Unbalanced forces as work on unit displacements, in units of the largest term.
+    rows, values : arrays
+        All equations that are to vanish, and their derivatives by q in units of sizes.
+    terms : (n_u,) array
+        What the forces are small against.
+    """
+
+    q: Floats
+    inputs: Floats
+    multipliers: Floats
+    left: Floats
+    rows: Floats
+    values: Floats
+    terms: Floats
+
+    @property
+    def merit(self) -> float:
+        """Norm of all equations."""
+        return float(np.linalg.norm(self.values))
+
+    @property
+    def is_balanced(self) -> bool:
+        """Whether the forces are in balance up to rounding."""
+        return bool((np.abs(self.left) <= _BALANCED * self.terms + _ROUNDING).all())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Balance:
+    """Forces at rest.
+
+    Attributes
+    ----------
+    task : Closure
+        The constraints as numbers.
+    function : CompiledFunction
+        Forces and their derivatives.
+    unknowns : int
+        How many inputs are unknown.
+    sizes : (n_u,) array
+        What counts as a large displacement along each speed.
+    timed : bool
+        Whether the forces depend on time.
+    """
+
+    task: Closure
+    function: CompiledFunction
+    unknowns: int
+    sizes: Floats
+    timed: bool
+
+    def largest(self, q: Floats) -> float:
+        """Return the largest of the terms that are to balance, as work [J]; 1 if there are none."""
+        found = self._called(q, np.zeros(self.unknowns), np.zeros(len(self.task.eqs.multiplier_names)))
+        slopes = np.abs(found[1]) * self.task.sizes * self.sizes[:, np.newaxis]
+        forces = np.abs(found[0]) * self.sizes
+        return max(float(slopes.max(initial=0.0)), float(forces.max(initial=0.0))) or 1.0
+
+    def rest(self, q: Floats, inputs: Floats, largest: float) -> Rest:
+        """Return what is left at a configuration, with the best multipliers and unknown inputs."""
+        none = np.zeros(len(self.task.eqs.multiplier_names))
+        scale = self.sizes / largest
+        first = self._called(q, inputs, none)
+        shares = np.hstack([first[3].T, first[2]]) * scale[:, np.newaxis]
+        weights = np.linalg.norm(shares, axis=0)
+        weights[weights == 0.0] = 1.0
+        fit = np.linalg.lstsq(shares / weights, -first[0] * scale, rcond=_SMALL)[0] / weights
+        multipliers, inputs = fit[: none.size], inputs + fit[none.size :]
+        found = self._called(q, inputs, multipliers)
+        left = found[0] * scale
+        slopes = found[1] * scale[:, np.newaxis]
+        open_values, open_rows = self.task.residuals(q, {})
+        rows = np.vstack([_outside(shares / weights, slopes), open_rows]) * self.task.sizes
+        terms = np.abs(shares) @ np.abs(fit) + np.abs(slopes) @ self.task.sizes
+        return Rest(q, inputs, multipliers, left, rows, np.concatenate([left, open_values]), terms)
+
+    def _called(self, q: Floats, inputs: Floats, multipliers: Floats) -> Any:
+        """Return forces, their derivatives by q and by unknown inputs, and J."""
+        still = np.zeros(len(self.task.eqs.speed_names))
+        return self.function(self.task.t, q, still, np.concatenate([inputs, multipliers]))
+
+
+def balance(task: Closure, unknowns: Sequence[str]) -> Balance:
+    """Return the forces at rest of the equations of a task; `unknowns` are inputs."""
+    eqs = task.eqs
+    given: dict[str, Value] = {
+        name: task.inputs.get(name, 0) for name in eqs.input_names if name not in unknowns
+    }
+    own = [symbol for symbol in eqs.formed.inputs if symbol.name in unknowns]
+    forces, pulls = _forces(eqs, given)
+    roots = [
+        Roots(_FORCES, (len(forces),), tuple(forces)),
+        partial_derivatives(eqs, _SLOPES, forces, eqs.formed.q),
+        partial_derivatives(eqs, _SHARES, forces, own),
+    ]
+    wider = with_outputs(eqs, roots, pulls)
+    words = (_FORCES, _SLOPES, _SHARES, "jacobian")
+    function = CompiledFunction(*form_sequence(wider, words, task.parameters, (), given))
+    length, units = mechanism_size(eqs, task.parameters), eqs.units
+    sizes = np.array([length if units.get(name) == "m/s" else 1.0 for name in eqs.speed_names])
+    graph = eqs.formed.graph
+    timed = graph.symbol(TIME) in symbols_of(graph, [*forces, *eqs.roots("constraints").nodes])
+    return Balance(task, function, len(own), sizes, timed)
+
+
+def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], dict[str, Symbol]]:
+    """Return ``F + J^T lambda`` without friction, which is 0 at rest, and the symbols of the multipliers."""
+    formed, graph = eqs.formed, eqs.formed.graph
+    pulls = {f"rest lambda {k}": Symbol(f"rest lambda {k}", Kind.INPUT) for k in range(len(formed.rows))}
+    rows, multipliers = formed.jacobian, formed.expressions(tuple(pulls.values()))
+    totals = []
+    for i, force in enumerate(formed.projection.forcing):
+        total = force
+        for row, pull in zip(rows, multipliers, strict=True):
+            total = total + row[i] * pull
+        totals.append(total.index)
+    quiet = {law.effort.index: ZERO for law in formed.friction}
+    quiet |= {Expr(graph, graph.symbol(speed)).index: ZERO for speed in formed.u}
+    return substitute(graph, with_laws(eqs, totals, given), quiet), pulls
+
+
+def _outside(columns: Floats, rows: Floats) -> Floats:
+    """Return the part of rows that the columns cannot balance."""
+    if not columns.size:
+        return rows
+    left, singular, _ = np.linalg.svd(columns, full_matrices=False)
+    kept = left[:, singular > _SMALL * singular.max(initial=1e-300)]
+    return np.asarray(rows - kept @ (kept.T @ rows))

@@ -1,0 +1,1 @@
+"""Kinematic analysis: driven coordinates followed, ratios of velocities, singular configurations."""

@@ -1,0 +1,114 @@
+"""The curve on which the positions of a mechanism with one freedom lie, by steps along its tangent.
+
+The length of the curve is its parameter (Keller 1977; Allgower & Georg 1990, chapter 2), so that a coordinate
+may turn back on the way. At a bifurcation the tangent is not unique; the curve goes straight on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.kinematics.follower import Follower
+
+Floats = NDArray[np.float64]
+
+_STEP: Final = 0.05  # rad, or share of the mechanism's size
+_TURN: Final = 0.9  # cosine between tangents of neighbours
+_SHORTEST: Final = 1e-7
+_MOST: Final = 20_000
+_SINGULAR: Final = 1e-5
+
+
+class Point(NamedTuple):
+    """A position, and the direction in which the curve goes on, in scaled coordinates."""
+
+    q: Floats
+    tangent: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """The positions of a mechanism whose other freedoms are held."""
+
+    mechanism: Follower
+
+    def start(self, q: Floats) -> Point | None:
+        """Return a point of the curve; None where the curve has no single tangent."""
+        directions = self._directions(q)
+        if directions.shape[1] != 1:
+            return None
+        return Point(q, directions[:, 0])
+
+    def traced(self, first: Point, inside: Callable[[Floats], bool]) -> tuple[list[Point], bool]:
+        """Return points from the first on, until one lies outside; and whether the curve is closed."""
+        points, step = [first], _STEP
+        while len(points) < _MOST:
+            last = points[-1]
+            found = self.beyond(last, step)
+            if found is None or found.tangent @ last.tangent < _TURN:
+                step /= 2.0
+                if step < _SHORTEST:
+                    return points, False
+                continue
+            points.append(found)
+            if not inside(found.q):
+                return points, False
+            if len(points) > 3 and self._returned(first, last, found):
+                return points, True
+            step = min(1.5 * step, _STEP)
+        return points, False
+
+    def beyond(self, point: Point, length: float) -> Point | None:
+        """Return the point whose projection on the tangent lies at a length from another point."""
+        sizes = self.mechanism.sizes
+        place = float(point.tangent @ (point.q / sizes)) + length
+        q = self.mechanism.closed(0.0, point.q + length * point.tangent * sizes, (point.tangent, place))
+        if q is None:
+            return None
+        directions = self._directions(q)
+        along = directions @ (directions.T @ point.tangent)
+        norm = float(np.linalg.norm(along))
+        return None if norm < _TURN else Point(q, along / norm)
+
+    def _directions(self, q: Floats) -> Floats:
+        """Return orthonormal directions in scaled coordinates in which the mechanism may move."""
+        mechanism = self.mechanism
+        still = np.zeros(mechanism.speed_sizes.size)
+        jacobian = mechanism.rows(0.0, q, still)[0]
+        rows = jacobian / mechanism.scales[:, np.newaxis] * mechanism.speed_sizes
+        sizes, right = np.linalg.svd(rows)[1:]
+        least = sizes.size if not sizes.size else int((sizes > _SINGULAR * sizes[0]).sum())
+        basis = right[min(least, len(q) - 1, right.shape[0] - 1) :].T * mechanism.speed_sizes[:, np.newaxis]
+        rest = mechanism.qdot(0.0, q, still)
+        moves = [(mechanism.qdot(0.0, q, u) - rest) / mechanism.sizes for u in basis.T]
+        orthonormal: Floats = np.linalg.qr(np.array(moves).T)[0]
+        return orthonormal
+
+    def _returned(self, first: Point, last: Point, found: Point) -> bool:
+        """Return whether the first point lies between two neighbours."""
+        way = (found.q - last.q) / self.mechanism.sizes
+        back = self._apart(first.q, last.q)
+        length = float(np.linalg.norm(way))
+        share = float(back @ way) / max(length, 1e-300) ** 2
+        aside = float(np.linalg.norm(back - share * way))
+        return 0.0 < share <= 1.0 and aside < 0.1 * length and float(first.tangent @ found.tangent) > _TURN
+
+    def _apart(self, a: Floats, b: Floats) -> Floats:
+        """Return the difference of two positions in scaled coordinates, angles within half a turn."""
+        apart: Floats = (a - b) / self.mechanism.sizes
+        return np.where(self.mechanism.angles, np.arctan2(np.sin(apart), np.cos(apart)), apart)
+
+    def holds(self, points: list[Point], q: Floats) -> bool:
+        """Return whether a position lies on the curve through points."""
+        apart = self._apart(q, np.array([point.q for point in points]))
+        near = points[int(np.abs(apart).max(axis=1).argmin())]
+        ahead = float(near.tangent @ self._apart(q, near.q))
+        if abs(ahead) > 2.0 * _STEP:
+            return False
+        found = self.beyond(near, ahead)
+        return found is not None and bool(np.abs(self._apart(q, found.q)).max() < 1e-6)

@@ -1,0 +1,285 @@
+"""`Follower`: positions, speeds and accelerations of a mechanism whose coordinates are driven.
+
+Positions by Newton's method from the tangent at the last ones, with steps halved where that does not lead
+on (continuation; Allgower & Georg 1990, chapter 2); speeds and accelerations by the differentiated
+constraints, exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.closure import constraint_scales, mechanism_size
+from symbody.analysis.kinematics.held import HELD, held_equations, joint_of
+from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.function import CompiledFunction
+from symbody.equations.equation_set import EquationSet
+from symbody.expr.language.formula import Formula
+from symbody.model.door import plain
+
+Floats = NDArray[np.float64]
+# From the parameter of a path to a coordinate, its first and its second derivative.
+Law = Callable[[float], tuple[float, float, float]]
+
+# Tighter than in assembly: beyond a limit positions that are almost closed go on for a while.
+_CLOSED: Final = 1e-12
+_EXACT: Final = 1e-14
+_ITERATIONS: Final = 15
+_LARGEST_MOVE: Final = 0.3  # of a coordinate in one step [rad, or sizes of the mechanism]
+_CORRECTION: Final = 0.25  # of the move; more means that the tangent leads elsewhere
+_SMALL: Final = 0.02  # corrections below are always believed
+_SHORTEST: Final = 1e-11  # share of a path below which a step leads nowhere
+_RANK: Final = 1e-8  # of the largest singular value; assembly is good to 1e-9
+
+
+class Freedom(NamedTuple):
+    """What the constraints and the driven coordinates leave: unit speeds (n_u, f) over `speed_sizes`."""
+
+    rank: int
+    basis: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Follower:
+    """A mechanism with driven coordinates.
+
+    Attributes
+    ----------
+    eqs : EquationSet
+        With the rows of the driven coordinates among the constraints.
+    driven : tuple of str
+        The driven coordinates.
+    laws : mapping of coordinate to callable
+        Laws that are no formulas, of the parameter of the path.
+    clock : callable
+        From that parameter to time.
+    sizes, speed_sizes : (n_q,), (n_u,) arrays
+        What counts as large: 1 for angles, the size of the mechanism for lengths.
+    scales : (n_c,) array
+        What constraints are measured by.
+    angles : (n_q,) array
+        Which coordinates are angles.
+    wrapped : tuple of int
+        Rows of measured angles, which jump by a turn.
+    """
+
+    eqs: EquationSet
+    driven: tuple[str, ...]
+    laws: Mapping[str, Law]
+    clock: Callable[[float], float]
+    sizes: Floats
+    speed_sizes: Floats
+    scales: Floats
+    angles: NDArray[np.bool_]
+    wrapped: tuple[int, ...]
+    positions: CompiledFunction
+    motions: CompiledFunction
+    rates: CompiledFunction
+    formulas: CompiledFunction
+
+    @property
+    def n_h(self) -> int:
+        """Rows on positions, those of driven coordinates last."""
+        return len(self.positions.sequence.outputs[0].values)
+
+    @property
+    def own_rows(self) -> NDArray[np.bool_]:
+        """Which rows of J belong to the mechanism."""
+        return np.array([not row.name.startswith(HELD) for row in self.eqs.formed.rows], dtype=np.bool_)
+
+    def targets(self, s: float) -> Floats:
+        """Return value, rate and acceleration that laws ask of each driven coordinate, (3, n)."""
+        asked = [self.laws[name](s) if name in self.laws else (0.0, 0.0, 0.0) for name in self.driven]
+        return np.array(asked, dtype=np.float64).reshape(-1, 3).T
+
+    def asked(self, s: float) -> dict[str, float]:
+        """Return the values asked of the driven coordinates."""
+        q, u, t = np.zeros(self.sizes.size), np.zeros(self.speed_sizes.size), self.clock(s)
+        found = dict(zip(self.driven, self.targets(s)[0].tolist(), strict=True))
+        values = self.formulas(t, q, u)[:-2]
+        return found | {name: float(x) for name, x in zip(self.driven, values, strict=False)}
+
+    def residuals(self, s: float, q: Floats) -> tuple[Floats, Floats]:
+        """Return all conditions on positions, scaled, and their derivatives by q."""
+        found = self.positions(self.clock(s), q, np.zeros(self.speed_sizes.size))
+        values = np.array(found.constraints)
+        places = slice(self.n_h - len(self.driven), self.n_h)
+        values[places] -= self.targets(s)[0]
+        jumping = list(self.wrapped)
+        values[jumping] = np.arctan2(np.sin(values[jumping]), np.cos(values[jumping]))
+        scales = self.scales[: self.n_h]
+        parts = [values / scales]
+        slopes = [found.position_jacobian / scales[:, np.newaxis]]
+        names = self.eqs.coordinate_names
+        for four in self.eqs.quaternions:
+            spots = [names.index(name) for name in four]
+            row = np.zeros((1, q.size))
+            row[0, spots] = q[spots]
+            parts.append(np.array([(q[spots] @ q[spots] - 1.0) / 2.0]))
+            slopes.append(row)
+        return np.concatenate(parts), np.vstack(slopes)
+
+    def closed(self, s: float, q: Floats, plane: tuple[Floats, float] | None = None) -> Floats | None:
+        """Return positions near a guess that fulfil all conditions, or None.
+
+        Parameters
+        ----------
+        plane : (n_q,) array and number, optional
+            One more condition, ``normal @ q / sizes = number``.
+        """
+        q = q.copy()
+        last = np.inf
+        closed = _CLOSED * max(1.0, float(np.abs(q / self.sizes).max(initial=0.0)))
+        for _ in range(_ITERATIONS):
+            values, slopes = self.residuals(s, q)
+            if plane is not None:
+                values = np.append(values, plane[0] @ (q / self.sizes) - plane[1])
+                slopes = np.vstack([slopes, plane[0] / self.sizes])
+            if not (np.isfinite(values).all() and np.isfinite(slopes).all()):
+                return None
+            worst = float(np.abs(values).max(initial=0.0))
+            if worst <= _EXACT or (worst <= closed and worst > last / 4.0):
+                return q
+            last = min(last, worst)
+            step = np.linalg.lstsq(slopes * self.sizes, -values, rcond=1e-12)[0]
+            if float(np.abs(step).max(initial=0.0)) > 1.0:
+                return None
+            q += step * self.sizes
+        return q if last <= closed else None
+
+    def rows(self, s: float, q: Floats, u: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return J, the speeds ``J u`` and accelerations ``J u'`` that all rows ask for."""
+        found = self.motions(self.clock(s), q, u)
+        rate, acceleration = -np.array(found.velocity_constraints), np.array(found.gamma)
+        jacobian = np.asarray(found.jacobian, dtype=np.float64)
+        rate += jacobian @ u
+        places = slice(self.n_h - len(self.driven), self.n_h)
+        rate[places] += self.targets(s)[1]
+        acceleration[places] += self.targets(s)[2]
+        return jacobian, rate, acceleration
+
+    def solve(self, jacobian: Floats, right: Floats) -> tuple[Floats, float]:
+        """Return the least solution of ``J x = right`` and its largest scaled residual."""
+        rows = jacobian / self.scales[:, np.newaxis] * self.speed_sizes
+        x = np.linalg.lstsq(rows, right / self.scales, rcond=_RANK)[0]
+        # One round of iterative refinement, since times and turns may be of any size.
+        x += np.linalg.lstsq(rows, right / self.scales - rows @ x, rcond=_RANK)[0]
+        error = float(np.abs(rows @ x - right / self.scales).max(initial=0.0))
+        return x * self.speed_sizes, error
+
+    def freedom(self, jacobian: Floats) -> Freedom:
+        """Return the rank of rows of J, and the speeds they leave."""
+        scales = self.scales if len(jacobian) == len(self.scales) else self.scales[self.own_rows]
+        rows = jacobian / scales[:, np.newaxis] * self.speed_sizes
+        if not rows.size:
+            return Freedom(0, np.eye(self.speed_sizes.size))
+        sizes, right = np.linalg.svd(rows)[1:]
+        rank = int((sizes > _RANK * sizes.max(initial=1e-300)).sum())
+        return Freedom(rank, right[rank:].T)
+
+    def speeds(self, s: float, q: Floats) -> Floats:
+        """Return the speeds that the driven coordinates ask for."""
+        jacobian, rate, _ = self.rows(s, q, np.zeros(self.speed_sizes.size))
+        return self.solve(jacobian, rate)[0]
+
+    def qdot(self, s: float, q: Floats, u: Floats) -> Floats:
+        """Return the rates of the coordinates."""
+        found: Floats = self.rates(self.clock(s), q, u)
+        return found
+
+    def reached(self, start: float, q: Floats, stop: float) -> tuple[float, Floats]:
+        """Follow the path from positions at its parameter `start`; return how far it leads, and where to."""
+        s, step = start, stop - start
+        shortest = _SHORTEST * max(abs(step), abs(start) * 1e-3)
+        while s != stop:
+            trial = stop if abs(stop - s) <= abs(step) else s + step
+            found = self._stepped(s, q, trial)
+            if found is None:
+                step = (trial - s) / 2.0
+                if abs(step) < shortest:
+                    return s, q
+                continue
+            q, s, step = found, trial, 2.0 * step
+        return s, q
+
+    def stuck(self, s: float, q: Floats) -> str:
+        """Return the joint that moves fastest where a path ends."""
+        jacobian = self.rows(s, q, np.zeros(self.speed_sizes.size))[0]
+        rows = jacobian / self.scales[:, np.newaxis] * self.speed_sizes
+        direction = np.linalg.svd(rows)[2][-1]
+        return joint_of(self.eqs, self.eqs.speed_names[int(np.abs(direction).argmax())])
+
+    def _stepped(self, s: float, q: Floats, to: float) -> Floats | None:
+        """Return positions one step on, or None where the step is too large."""
+        clocked = 1.0 if self.clock(to) != self.clock(s) else 0.0
+        still = np.zeros(self.speed_sizes.size)
+        u = self.speeds(s, q)
+        rate = self.qdot(s, q, u) - (0.0 if clocked else self.qdot(s, q, still))
+        move = rate * (to - s)
+        length = float(np.abs(move / self.sizes).max(initial=0.0))
+        if not length <= _LARGEST_MOVE:
+            return None
+        found = self.closed(to, q + move)
+        if found is None:
+            return None
+        change = float(np.abs((found - q - move) / self.sizes).max(initial=0.0))
+        return found if change <= max(_CORRECTION * length, _SMALL) else None
+
+
+def follower(
+    eqs: EquationSet,
+    formulas: Mapping[str, Value],
+    laws: Mapping[str, Law],
+    parameters: Mapping[str, Value],
+    clock: Callable[[float], float] = float,
+) -> Follower:
+    """Return a mechanism with driven coordinates.
+
+    Parameters
+    ----------
+    formulas : mapping of coordinate to formula in t and parameters
+    laws : mapping of coordinate to callable
+        Of the parameter of the path: value, first and second derivative.
+    clock : callable
+        From the parameter of the path to time [s].
+
+    Raises
+    ------
+    UsageError
+        If what is driven is no free coordinate, or its law no function of time.
+    """
+    held = held_equations(eqs, {**formulas, **dict.fromkeys(laws)})
+    length, units = mechanism_size(eqs, parameters), eqs.units
+    scales = constraint_scales(held, parameters)
+    for k, row in enumerate(held.formed.rows):
+        if row.name.startswith(HELD):
+            scales[k] = length if units.get(row.name.removeprefix(HELD)) == "m" else 1.0
+
+    first = len(held.formed.holonomic) - len(formulas) - len(laws)
+
+    def compiled(*names: str) -> CompiledFunction:
+        outputs = names if len(names) > 1 else names[0]
+        silent = dict.fromkeys(eqs.input_names, 0)
+        return CompiledFunction(*form_sequence(held, outputs, parameters, (), silent))
+
+    return Follower(
+        held,
+        (*formulas, *laws),
+        laws,
+        clock,
+        np.array([length if units.get(name) == "m" else 1.0 for name in eqs.coordinate_names]),
+        np.array([length if units.get(name) == "m/s" else 1.0 for name in eqs.speed_names]),
+        scales,
+        np.array([units.get(name) == "rad" for name in eqs.coordinate_names], dtype=np.bool_),
+        tuple(first + k for k, name in enumerate((*formulas, *laws)) if name in eqs.measured_angles),
+        compiled("constraints", "position_jacobian"),
+        compiled("jacobian", "velocity_constraints", "gamma"),
+        compiled("qdot"),
+        # Two outputs at least, so that the values are a tuple.
+        compiled(*(f"({Formula.of(plain(law)).text})" for law in formulas.values()), "(0)", "(0)"),
+    )

@@ -1,0 +1,371 @@
+"""`singular_configurations`: where independent coordinates do not tell the motion of the others.
+
+There det(J_D) = 0 on the constraints. The curve of positions is traced, so that only such places are told as
+can be reached, and the sign of the determinant is watched on it. By ranks (Haug 1989, section 3.7): if J has
+a higher rank than J_D the mechanism locks up, because the independent coordinate is at a limit and the others
+run away from it; if the rank of J itself drops, branches of the motion cross (bifurcation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq, minimize_scalar
+
+from symbody.analysis.assembly import assemble
+from symbody.analysis.kinematics.curve import Curve, Point
+from symbody.analysis.kinematics.follower import Follower, Law, follower
+from symbody.analysis.kinematics.held import joint_of
+from symbody.analysis.kinematics.velocity_ratios import VelocityRatios, velocity_ratios
+from symbody.analysis.state import State
+from symbody.codegen.compile import Value
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import AssemblyError, Problem, UsageError
+
+Floats = NDArray[np.float64]
+
+_STARTS: Final = 5
+_RANK: Final = 1e-5  # of the largest singular value; places are found to 1e-7 or better
+_TOUCHES: Final = 1e-9  # of the largest determinant on the curve
+_SAME: Final = 1e-5
+_EDGE: Final = 1e-9
+_NEAR: Final = 1e-3  # of the largest singular value: there a position may be off by 1e-14 over its square
+_BESIDE: Final = 1e-2
+
+
+@dataclass(frozen=True, slots=True)
+class SingularConfiguration:
+    """One position at which independent speeds do not determine the others.
+
+    Attributes
+    ----------
+    kind : str
+        "lock-up" or "bifurcation".
+    q : mapping of coordinate to float
+        Where, to about 1e-7.
+    joint : str
+        The joint of the coordinate that stands still at a lock-up; the cut joint or constraint whose
+        equations depend on others at a bifurcation.
+    limits : mapping of coordinate to str
+        What independent coordinates do there along the curve: "maximum", "minimum" or "passes".
+    determinant : float
+        det(J_D) of scaled rows and speeds there, as a measure of how well the place is known.
+    """
+
+    kind: str
+    q: Mapping[str, float]
+    joint: str
+    limits: Mapping[str, str]
+    determinant: float
+
+    def __str__(self) -> str:
+        place = ", ".join(f"{name} = {value:.7g}" for name, value in self.q.items())
+        if self.kind == "bifurcation":
+            return f"bifurcation at {place}: constraints of {self.joint} depend on others, branches cross"
+        ends = ", ".join(f"{name} has a {end}" for name, end in self.limits.items() if end != "passes")
+        return f"lock-up at {place}: joint {self.joint} cannot drive the mechanism" + (
+            f", {ends}" if ends else ""
+        )
+
+
+def singular_configurations(
+    eqs: EquationSet,
+    independent: str | Sequence[str],
+    over: Mapping[str, float | tuple[float, float]],
+    guess: Mapping[str, Value] | None = None,
+    parameters: Mapping[str, Value] | None = None,
+) -> tuple[SingularConfiguration, ...]:
+    """Return the singular configurations for a choice of independent coordinates.
+
+    `VelocityRatios.determinant` is det(J_D) as a formula.
+
+    Parameters
+    ----------
+    independent : str or sequence of str
+        Coordinates or speeds, as many as there are freedoms.
+    over : mapping of coordinate to range or number
+        The coordinate along which is looked, with the ends of its range; numbers hold further freedoms still.
+    guess : mapping of name to number or formula in parameters
+        Near which the loops close; other assemblies that are found are followed, too.
+
+    Raises
+    ------
+    UsageError
+        If names make no sense, there is not one range, or other freedoms are left.
+    AssemblyError
+        If the loops close nowhere in the range.
+    """
+    ratios = velocity_ratios(eqs, independent, _first(eqs, over, guess, parameters), parameters)
+    search = _search(ratios, over, dict(parameters or {}))
+    found: list[SingularConfiguration] = []
+    for points in search.curves(guess, parameters):
+        for one in search.on(points):
+            if not any(search.same(one, other) for other in found):
+                found.append(one)
+    return tuple(
+        sorted(found, key=lambda one: [one.q[name] for name in (search.along, *one.q) if name in one.q])
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Search:
+    """Curves of positions over a range, and the determinant on them."""
+
+    ratios: VelocityRatios
+    mechanism: Follower
+    curve: Curve
+    along: str
+    ends: tuple[float, float]
+    held: Mapping[str, float]
+
+    def curves(
+        self, guess: Mapping[str, Value] | None, parameters: Mapping[str, Value] | None
+    ) -> Iterator[list[Point]]:
+        """Return all curves that are met from several starts in the range."""
+        known: list[list[Point]] = []
+        for state in self._starts(guess, parameters):
+            q = np.array(list(state.q.values()))
+            first = self.curve.start(q)
+            if first is None or any(self.curve.holds(points, q) for points in known):
+                continue
+            points, is_closed = self.curve.traced(first, self._inside)
+            if not is_closed:
+                back, _ = self.curve.traced(Point(q, -first.tangent), self._inside)
+                points = [Point(p.q, -p.tangent) for p in back[:0:-1]] + points
+            known.append(points)
+            yield points
+
+    def on(self, points: list[Point]) -> Iterator[SingularConfiguration]:
+        """Return the singular configurations on a curve."""
+        values = [self.determinant(point.q) for point in points]
+        largest = max(map(abs, values))
+        for k, (a, b) in enumerate(pairwise(values)):
+            if a * b <= 0.0 and a != b:
+                yield from self._told(self._crossing(points[k], points[k + 1]))
+        for k in range(1, len(points) - 1):
+            a, b, c = values[k - 1 : k + 2]
+            if a * b > 0.0 and b * c > 0.0 and abs(b) <= min(abs(a), abs(c)) and abs(b) < 0.1 * largest:
+                touched = self._touch(points[k], points[k - 1], points[k + 1], _TOUCHES * largest)
+                yield from self._told(touched)
+
+    def determinant(self, q: Floats) -> float:
+        """Return det(J_D) of scaled independent rows and speeds."""
+        block = self._blocks(q)[1]
+        return float(np.linalg.det(block)) if block.size else 1.0
+
+    def same(self, one: SingularConfiguration, other: SingularConfiguration) -> bool:
+        """Return whether two places are one; whole turns do not count."""
+        apart = (np.array([*one.q.values()]) - [*other.q.values()]) / self.mechanism.sizes
+        apart = np.where(self.mechanism.angles, np.arctan2(np.sin(apart), np.cos(apart)), apart)
+        return bool(np.abs(apart).max() <= _SAME)
+
+    def _starts(
+        self, guess: Mapping[str, Value] | None, parameters: Mapping[str, Value] | None
+    ) -> Iterator[State]:
+        eqs, failed, count = self.ratios.eqs, [], 0
+        for k in range(_STARTS):
+            # Off the middle and the ends, where mechanisms like to be singular.
+            value = self.ends[0] + (self.ends[1] - self.ends[0]) * (k + 0.382) / _STARTS
+            try:
+                state = assemble(eqs, {self.along: value, **self.held}, guess, parameters)
+            except AssemblyError as error:
+                failed.append(error)
+                continue
+            count += 1
+            yield state
+            yield from state.branches
+        if not count:
+            raise failed[0]
+
+    def _inside(self, q: Floats) -> bool:
+        value = q[self.ratios.eqs.coordinate_names.index(self.along)]
+        return bool(self.ends[0] - _EDGE <= value <= self.ends[1] + _EDGE)
+
+    def _blocks(self, q: Floats) -> tuple[Floats, Floats]:
+        """Return scaled independent rows of J, and of these the columns of dependent speeds."""
+        mechanism, eqs = self.mechanism, self.ratios.eqs
+        jacobian = mechanism.rows(0.0, q, np.zeros(mechanism.speed_sizes.size))[0]
+        rows = jacobian / mechanism.scales[:, np.newaxis] * mechanism.speed_sizes
+        names = [row.name for row in mechanism.eqs.formed.rows]
+        kept = rows[[names.index(name) for name in self.ratios.rows]]
+        return kept, kept[:, [eqs.speed_names.index(name) for name in self.ratios.dependent]]
+
+    def _crossing(self, a: Point, b: Point) -> Point | None:
+        length = float(a.tangent @ ((b.q - a.q) / self.mechanism.sizes))
+        lost: list[float] = []
+
+        def value(s: float) -> float:
+            point = self.curve.beyond(a, s)
+            if point is None:
+                lost.append(s)
+                return 0.0
+            return self.determinant(point.q)
+
+        ends = self.determinant(a.q), value(length)
+        if ends[0] == 0.0 or ends[0] * ends[1] > 0.0:
+            return a if ends[0] == 0.0 else b
+        s = float(brentq(value, 0.0, length, xtol=1e-13))
+        found = self.curve.beyond(a, s)
+        return self._between(a, s) if found is None or self._is_crossing(found) else found
+
+    def _is_crossing(self, point: Point) -> bool:
+        """Return whether positions are badly determined, since branches cross."""
+        sizes = np.linalg.svd(self._blocks(point.q)[0], compute_uv=False)
+        return bool(sizes.size and sizes[-1] < _NEAR * sizes[0])
+
+    def _between(self, a: Point, s: float) -> Point | None:
+        """Return a zero from points beside it, by a cubic: at a crossing itself Newton's method fails."""
+        places = s + _BESIDE * np.array([-0.6, -0.2, 0.2, 0.6])
+        points = [self.curve.beyond(a, float(place)) for place in places]
+        if None in points:
+            return None
+        q = np.array([point.q for point in points if point is not None])
+        values = np.array([self.determinant(one) for one in q])
+        if values[1] * values[2] > 0.0:
+            return None
+        smooth = CubicSpline(places, np.column_stack([values, q]))
+        root = float(brentq(lambda x: float(smooth(x)[0]), places[1], places[2], xtol=1e-14))
+        return Point(np.asarray(smooth(root)[1:]), a.tangent)
+
+    def _touch(self, at: Point, before: Point, after: Point, enough: float) -> Point | None:
+        sizes = self.mechanism.sizes
+        bounds = [float(at.tangent @ ((p.q - at.q) / sizes)) for p in (before, after)]
+
+        def value(s: float) -> float:
+            point = self.curve.beyond(at, s)
+            return np.inf if point is None else abs(self.determinant(point.q))
+
+        best = minimize_scalar(value, bounds=bounds, method="bounded", options={"xatol": 1e-10})
+        return self.curve.beyond(at, float(best.x)) if best.fun <= enough else None
+
+    def _told(self, point: Point | None) -> Iterator[SingularConfiguration]:
+        """Return what a place is, if it lies within the range."""
+        eqs = self.ratios.eqs
+        if point is None:
+            return
+        value = point.q[eqs.coordinate_names.index(self.along)]
+        if not self.ends[0] - _SAME <= value <= self.ends[1] + _SAME:
+            return
+        kept, block = self._blocks(point.q)
+        ranks = [
+            int(np.linalg.matrix_rank(rows, tol=_RANK * np.linalg.norm(kept, 2))) for rows in (kept, block)
+        ]
+        place = dict(zip(eqs.coordinate_names, point.q.tolist(), strict=True))
+        for name, is_angle in zip(eqs.coordinate_names, self.mechanism.angles, strict=True):
+            if is_angle and name != self.along:
+                place[name] = float(np.arctan2(np.sin(place[name]), np.cos(place[name])))
+        if ranks[0] > ranks[1]:
+            kind, joint = "lock-up", self._standing(kept)
+        else:
+            kind, joint = "bifurcation", self._depending(kept)
+        yield SingularConfiguration(kind, place, joint, self._limits(point), self.determinant(point.q))
+
+    def _standing(self, kept: Floats) -> str:
+        """Return the joint of the independent speed that stands still in every motion."""
+        eqs = self.ratios.eqs
+        basis = np.linalg.svd(kept)[2][len(kept) :].T
+        own = [eqs.speed_names.index(name) for name in self.ratios.independent]
+        left = np.linalg.svd(basis[own])[0][:, -1]
+        return joint_of(eqs, self.ratios.independent[int(np.abs(left).argmax())])
+
+    def _depending(self, kept: Floats) -> str:
+        """Return the element whose equations depend on others."""
+        left = np.linalg.svd(kept)[0][:, -1]
+        name = self.ratios.rows[int(np.abs(left).argmax())]
+        return next(row.element for row in self.ratios.eqs.formed.rows if row.name == name)
+
+    def _limits(self, point: Point) -> dict[str, str]:
+        """Return what independent coordinates do along the curve."""
+        names = self.ratios.eqs.coordinate_names
+        sides = [self.curve.beyond(point, s) for s in (-_BESIDE, _BESIDE)]
+        found = {}
+        for speed in self.ratios.independent:
+            name = speed.removesuffix("_dot")
+            if name in names and None not in sides:
+                k = names.index(name)
+                rise = [float(side.q[k] - point.q[k]) for side in sides if side is not None]
+                end = "minimum" if min(rise) > 0.0 else "maximum" if max(rise) < 0.0 else "passes"
+                found[name] = end
+        return found
+
+
+def _range(
+    over: Mapping[str, float | tuple[float, float]],
+) -> tuple[str, tuple[float, float], dict[str, float]]:
+    """Return the coordinate that has a range, the range, and what is held.
+
+    Raises
+    ------
+    UsageError
+        If there is not one range of rising numbers.
+    """
+    ranges = {name: value for name, value in over.items() if isinstance(value, tuple)}
+    held = {name: float(value) for name, value in over.items() if not isinstance(value, tuple)}
+    (name, ends), *others = ranges.items() or [("", (0.0, 0.0))]
+    if others or len(ends) != 2 or not float(ends[0]) < float(ends[1]):
+        raise UsageError(
+            Problem("kinematics.range", "over", f"{dict(over)} has not one range (a, b) with a < b",
+                    "the search goes along one coordinate",
+                    'give one range, and numbers for what is held: over={"theta": (0, 6.3), "phi": 0.2}')
+        )  # fmt: skip
+    return name, (float(ends[0]), float(ends[1])), held
+
+
+def _first(
+    eqs: EquationSet,
+    over: Mapping[str, float | tuple[float, float]],
+    guess: Mapping[str, Value] | None,
+    parameters: Mapping[str, Value] | None,
+) -> State:
+    """Return a configuration near the guess, after the question has been checked.
+
+    Raises
+    ------
+    UsageError
+        If a name in `over` is no coordinate of the equations.
+    """
+    along, _, _ = _range(over)
+    if along not in eqs.coordinate_names:
+        raise UsageError(
+            Problem("kinematics.range_coordinate", f"over {along}",
+                    f"{along!r} is no coordinate of these equations",
+                    "coordinates of cut joints and prescribed ones are none",
+                    f"name one of {', '.join(eqs.coordinate_names)}, or put its joint into the tree")
+        )  # fmt: skip
+    return assemble(eqs, None, guess, parameters)
+
+
+def _search(
+    ratios: VelocityRatios, over: Mapping[str, float | tuple[float, float]], parameters: Mapping[str, Value]
+) -> _Search:
+    """Return what looks for singular configurations.
+
+    Raises
+    ------
+    UsageError
+        If more than one freedom is left.
+    """
+    along, ends, held = _range(over)
+    mechanism = follower(
+        ratios.eqs, {}, {name: _still(x) for name, x in held.items()}, parameters, lambda _: 0.0
+    )
+    left = len(ratios.independent) - len(held)
+    if left != 1:
+        raise UsageError(
+            Problem("kinematics.range_freedoms", "over",
+                    f"the mechanism has {len(ratios.independent)} freedoms, "
+                    f"and {len(held)} are held", "the positions over a range have to form a curve",
+                    "hold all freedoms but one by numbers")
+        )  # fmt: skip
+    return _Search(ratios, mechanism, Curve(mechanism), along, ends, held)
+
+
+def _still(value: float) -> Law:
+    """Return the law of a coordinate that is held."""
+    return lambda s: (value, 0.0, 0.0)

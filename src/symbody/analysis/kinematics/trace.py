@@ -1,0 +1,204 @@
+"""`trace_positions`: the positions of a mechanism while some of its coordinates are led through values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from symbody.analysis.assembly import assemble
+from symbody.analysis.kinematics.follower import Follower, Law, follower
+from symbody.codegen.compile import Value
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
+
+if TYPE_CHECKING:
+    import pandas
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Positions:
+    """Positions of a mechanism, one column each.
+
+    Attributes
+    ----------
+    coordinate_names : tuple of str
+        Names of the rows of `q`.
+    q : (n_q, N) array
+        As far as the mechanism could be led.
+    driven : mapping of coordinate to (N,) array
+        What was led.
+    limits : mapping of coordinate to float
+        Empty if all values were reached; else where the driven coordinates stood at the dead end.
+    joint : str
+        The joint that moves fastest at the dead end; empty if there is none.
+    notes : tuple of str
+        What happened there.
+    """
+
+    coordinate_names: tuple[str, ...]
+    q: Floats
+    driven: Mapping[str, Floats]
+    limits: Mapping[str, float]
+    joint: str = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def success(self) -> bool:
+        """Whether all values were reached."""
+        return not self.limits
+
+    def __getitem__(self, name: str) -> Floats:
+        """Return the values of one coordinate (N,).
+
+        Raises
+        ------
+        UsageError
+            An unknown name.
+        """
+        found = self.columns()
+        if name not in found:
+            raise UsageError(
+                Problem("kinematics.unknown_column", repr(name), f"the positions have no {name!r}", "",
+                        nearest(name, found))
+            )  # fmt: skip
+        return found[name]
+
+    def columns(self) -> dict[str, Floats]:
+        """Return all coordinates by name, the driven ones first."""
+        return {**self.driven, **dict(zip(self.coordinate_names, self.q, strict=True))}
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return `columns` as a pandas table.
+
+        Raises
+        ------
+        EnvironmentFault
+            If pandas is not installed.
+        """
+        try:
+            import pandas
+        except ImportError:
+            fix = "pip install symbody[pandas], or use .columns()"
+            raise EnvironmentFault(
+                Problem("kinematics.pandas", "to_pandas", "pandas is not installed", fix=fix)
+            ) from None
+        return pandas.DataFrame(self.columns())
+
+
+def trace_positions(
+    eqs: EquationSet,
+    over: Mapping[str, ArrayLike],
+    guess: Mapping[str, Value] | None = None,
+    parameters: Mapping[str, Value] | None = None,
+    t: float = 0.0,
+) -> Positions:
+    """Lead coordinates through values, each position found from the one before.
+
+    Parameters
+    ----------
+    over : mapping of coordinate to (N,) values or one value
+        As many coordinates as there are freedoms, those of cut joints too; a single value holds still.
+    guess : mapping of name to number or formula in parameters
+        Near which the loops close at the first values.
+    t : float
+        Time [s], for explicit time in the model.
+
+    Returns
+    -------
+    Positions
+        Up to the dead end, where there is one; `limits` tells the values there, to about 1e-9.
+
+    Raises
+    ------
+    UsageError
+        If names or values make no sense, or freedoms are left.
+    AssemblyError
+        If the loops do not close at the first values.
+    """
+    values = _values(over)
+    driven = follower(eqs, {}, _laws(values), dict(parameters or {}), lambda _: t)
+    state = assemble(eqs, {name: float(x[0]) for name, x in values.items()}, guess, parameters, None, t)
+    q = np.array(list(state.q.values()))
+    closer = driven.closed(0.0, q)
+    q = q if closer is None else closer
+    check_driven(driven, 0.0, q)
+    count = len(next(iter(values.values())))
+    columns, reached = [q], 0.0
+    for k in range(1, count):
+        reached, q = driven.reached(float(k - 1), q, float(k))
+        if reached != k:
+            return _ended(driven, values, np.array(columns).T, reached, q)
+        columns.append(q)
+    return Positions(eqs.coordinate_names, np.array(columns).T, values, {})
+
+
+def check_driven(driven: Follower, s: float, q: Floats) -> None:
+    """Refuse driven coordinates that leave freedoms.
+
+    Raises
+    ------
+    UsageError
+        Telling how many.
+    """
+    jacobian = driven.rows(s, q, np.zeros(driven.speed_sizes.size))[0]
+    left = driven.freedom(jacobian).basis.shape[1]
+    if left:
+        names = ", ".join(driven.driven) or "nothing"
+        raise UsageError(
+            Problem("kinematics.freedoms_left", "over",
+                    f"with {names} driven {left} more can move freely", "positions do not follow from these",
+                    "lead further coordinates, or hold them: over={..., 'name': value}")
+        )  # fmt: skip
+
+
+def _ended(driven: Follower, values: Mapping[str, Floats], q: Floats, s: float, last: Floats) -> Positions:
+    """Return the positions up to a dead end, which is the last column."""
+    limits = driven.asked(s)
+    joint = driven.stuck(s, last)
+    told = ", ".join(f"{name} = {value:.9g}" for name, value in limits.items())
+    note = f"joint {joint}: no position follows beyond {told}; it is a limit of what is driven"
+    done = {name: np.append(x[: q.shape[1]], limits[name]) for name, x in values.items()}
+    return Positions(driven.eqs.coordinate_names, np.column_stack([q, last]), done, limits, joint, (note,))
+
+
+def _values(over: Mapping[str, ArrayLike]) -> dict[str, Floats]:
+    """Return the values of all coordinates, equally many.
+
+    Raises
+    ------
+    UsageError
+        If there are none, or they are not finite numbers of equal count.
+    """
+    given = {name: np.atleast_1d(np.asarray(values, dtype=np.float64)) for name, values in over.items()}
+    count = max((x.size for x in given.values()), default=0)
+    bad = [name for name, x in given.items()
+           if x.ndim != 1 or x.size not in (1, count) or not np.isfinite(x).all()]  # fmt: skip
+    if bad or not count:
+        raise UsageError(
+            Problem("kinematics.values", f"over {', '.join(bad)}",
+                    "these are not lists of numbers of equal length",
+                    "", "give as many finite numbers for each coordinate, or one to hold it still")
+        )  # fmt: skip
+    return {name: np.broadcast_to(x, count) for name, x in given.items()}
+
+
+def _laws(values: Mapping[str, Floats]) -> dict[str, Law]:
+    """Return laws that lead from value to value, in equal parts of the path."""
+
+    def law(x: Floats) -> Law:
+        places = np.arange(x.size)
+
+        def at(s: float) -> tuple[float, float, float]:
+            k = min(int(s), x.size - 2)
+            slope = float(x[k + 1] - x[k]) if x.size > 1 else 0.0
+            return float(np.interp(s, places, x)), slope, 0.0
+
+        return at
+
+    return {name: law(x) for name, x in values.items()}

@@ -1,0 +1,343 @@
+"""`velocity_ratios`: dependent speeds, accelerations and forces by independent ones.
+
+With the constraints ``J_D u_D + J_I u_I = 0`` dependent speeds are ``u_D = tau u_I``, ``tau = -J_D^-1 J_I``
+(Nikravesh 1988, section 5.2; García de Jalón & Bayo 1994, section 3.4). By the principle of virtual work the
+forces ``Q_I + tau^T Q_D`` balance at rest; reactions do no work and stay out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import qr
+
+from symbody.analysis.assembly import assemble
+from symbody.analysis.kinematics.follower import Follower, follower
+from symbody.analysis.kinematics.held import joint_of
+from symbody.analysis.redundancy import redundancy
+from symbody.analysis.state import State
+from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.function import CompiledFunction
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import Problem, SimulationError, UsageError, nearest
+from symbody.expr.sympy_bridge import SympyExpr, SympyMatrix
+
+Floats = NDArray[np.float64]
+
+_SINGULAR: Final = 1e-7  # of scaled motions: independent speeds that all stand still to this share
+_DRIVEN: Final = 1e-3  # a speed with an input counts for so much less among candidates to depend
+_BRIEF: Final = 400  # operations up to which formulas are simplified
+
+
+class Samples(Protocol):
+    """What a motion has: times (N,), coordinates (n_q, N), speeds (n_u, N)."""
+
+    @property
+    def t(self) -> Floats:
+        """Times."""
+
+    @property
+    def q(self) -> Floats:
+        """Coordinates."""
+
+    @property
+    def u(self) -> Floats:
+        """Speeds."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class VelocityRatios:
+    """Which speeds follow from which, as formulas and as numbers.
+
+    Attributes
+    ----------
+    independent, dependent : tuple of str
+        Names of speeds; rows of `tau` are dependent ones, its columns independent ones.
+    rows : tuple of str
+        Names of the multipliers of the constraints that `dependent_jacobian` is made of.
+    notes : tuple of str
+        What was chosen, and why.
+    """
+
+    eqs: EquationSet = field(repr=False)
+    independent: tuple[str, ...]
+    dependent: tuple[str, ...]
+    rows: tuple[str, ...]
+    notes: tuple[str, ...]
+    _mechanism: Follower = field(repr=False)
+    _parameters: Mapping[str, Value] = field(repr=False)
+
+    @property
+    def dependent_jacobian(self) -> SympyMatrix:
+        """J_D, square."""
+        return self._part(self.dependent)
+
+    @property
+    def independent_jacobian(self) -> SympyMatrix:
+        """J_I."""
+        return self._part(self.independent)
+
+    @property
+    def determinant(self) -> SympyExpr:
+        """det(J_D): where it is 0 on the constraints, the mechanism is in a singular position."""
+        return _shortened(self.dependent_jacobian.det(method="berkowitz"))
+
+    @property
+    def tau(self) -> SympyMatrix:
+        """``-J_D^-1 J_I`` as formulas; meant for small mechanisms."""
+        block = self.dependent_jacobian
+        if not block.rows:
+            return self.independent_jacobian
+        found = -(block.adjugate(method="berkowitz") * self.independent_jacobian)
+        determinant = self.determinant
+        return found.applyfunc(lambda entry: _shortened(entry / determinant))
+
+    @property
+    def force_balance(self) -> SympyMatrix:
+        """``Q_I + tau^T Q_D`` at rest, (f, 1): zero in equilibrium; not valid with dry friction."""
+        still = {speed: 0 for speed in self.eqs.speeds}
+        forces = self.eqs.forcing.subs(still)
+        parts = [forces.extract(self._places(names), [0]) for names in (self.independent, self.dependent)]
+        found = parts[0] + self.tau.T * parts[1] if self.dependent else parts[0]
+        return found.applyfunc(_shortened)
+
+    def holding(self, unknown: str) -> SympyExpr:
+        """Return the input that holds a mechanism with one freedom at rest, as a formula.
+
+        Raises
+        ------
+        UsageError
+            If the mechanism has more freedoms, or the input does not enter in first degree.
+        """
+        names = self.eqs.input_names
+        if unknown not in names or len(self.independent) != 1:
+            what = (
+                f"{unknown!r} is no input"
+                if unknown not in names
+                else f"there are {len(self.independent)} freedoms"
+            )
+            raise UsageError(
+                Problem("kinematics.holding", f"holding {unknown}", what, "one force holds one freedom",
+                        "solve force_balance for as many inputs" if unknown in names
+                        else nearest(unknown, names))
+            )  # fmt: skip
+        symbol = self.eqs.inputs[names.index(unknown)]
+        balance = self.force_balance[0]
+        slope = _shortened(balance.diff(symbol))
+        if slope == 0 or slope.has(symbol):
+            raise UsageError(
+                Problem("kinematics.holding", f"holding {unknown}", f"{unknown} does not hold the mechanism",
+                        "its coefficient in the balance of forces is zero, or depends on it",
+                        "name an input that works along the motion")
+            )  # fmt: skip
+        return _shortened(-balance.subs(symbol, 0) / slope)
+
+    def at(self, state: State | Mapping[str, Value]) -> Floats:
+        """Return tau as numbers (n_D, n_I) at a state, or at the position with these values.
+
+        Raises
+        ------
+        SimulationError
+            At a singular position, naming joint and configuration.
+        """
+        found = self._state(state)
+        return self._tau(found.t, np.array(list(found.q.values())))
+
+    def along(self, run: Samples) -> Floats:
+        """Return tau along a motion, (n_D, n_I, N)."""
+        found = [self._tau(float(t), q) for t, q in zip(run.t, run.q.T, strict=True)]
+        return np.moveaxis(np.array(found), 0, -1)
+
+    def speeds(self, state: State | Mapping[str, Value], rates: Mapping[str, float]) -> dict[str, float]:
+        """Return all speeds at a position, from the independent ones; those not given are 0."""
+        found = self._state(state)
+        q = np.array(list(found.q.values()))
+        self._tau(found.t, q)
+        u = self._completed(found.t, q, np.zeros(len(self.eqs.speed_names)), rates, 1)
+        return dict(zip(self.eqs.speed_names, u.tolist(), strict=True))
+
+    def accelerations(
+        self,
+        state: State | Mapping[str, Value],
+        rates: Mapping[str, float],
+        accelerations: Mapping[str, float],
+    ) -> dict[str, float]:
+        """Return all accelerations at a position, from independent speeds and their rates.
+
+        Parameters
+        ----------
+        rates, accelerations : mapping of name to float
+            Of independent speeds, the latter by the names of the speeds or of their rates; 0 if not given.
+        """
+        names = self.eqs.acceleration_names
+        of_speed = dict(zip(names, self.eqs.speed_names, strict=True))
+        asked = {of_speed.get(name, name): value for name, value in accelerations.items()}
+        found = self._state(state)
+        q = np.array(list(found.q.values()))
+        u = np.array(list(self.speeds(found, rates).values()))
+        return dict(zip(names, self._completed(found.t, q, u, asked, 2).tolist(), strict=True))
+
+    def generalized_forces(self, state: State) -> Floats:
+        """Return ``F_I + tau^T F_D`` (n_I,) at a state: what its forces do along each independent speed."""
+        q, u = (np.array(list(x.values())) for x in (state.q, state.u))
+        inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(state.inputs)
+        sequence = form_sequence(self.eqs, "forcing", self._parameters, (), inputs)
+        forces = CompiledFunction(*sequence)(state.t, q, u)
+        own, others = self._places(self.independent), self._places(self.dependent)
+        found: Floats = forces[own] + self._tau(state.t, q).T @ forces[others]
+        return found
+
+    def _part(self, speeds: Sequence[str]) -> SympyMatrix:
+        names = self.eqs.multiplier_names
+        return self.eqs.constraint_jacobian.extract(
+            [names.index(row) for row in self.rows], self._places(speeds)
+        )
+
+    def _places(self, names: Sequence[str]) -> list[int]:
+        return [self.eqs.speed_names.index(name) for name in names]
+
+    def _state(self, state: State | Mapping[str, Value]) -> State:
+        return state if isinstance(state, State) else assemble(self.eqs, state, None, self._parameters)
+
+    def _tau(self, t: float, q: Floats) -> Floats:
+        mechanism = self._mechanism
+        jacobian = mechanism.rows(t, q, np.zeros(mechanism.speed_sizes.size))[0]
+        basis = mechanism.freedom(jacobian).basis
+        own, others = self._places(self.independent), self._places(self.dependent)
+        if basis.shape[1] != len(own):
+            raise SimulationError(
+                self._singular(q, "the constraints depend on each other here (bifurcation)")
+            )
+        left, sizes, _ = np.linalg.svd(basis[own])
+        if sizes.size and sizes[-1] < _SINGULAR:
+            k = int(np.abs(left[:, -1]).argmax())
+            joint = joint_of(self.eqs, self.independent[k])
+            why = (
+                f"joint {joint} stands still while others move (lock-up): {self.independent[k]} cannot drive"
+            )
+            raise SimulationError(self._singular(q, why))
+        ratios = np.linalg.solve(basis[own].T, basis[others].T).T if own else np.zeros((len(others), 0))
+        found: Floats = ratios * mechanism.speed_sizes[others][:, np.newaxis] / mechanism.speed_sizes[own]
+        return found
+
+    def _singular(self, q: Floats, why: str) -> Problem:
+        place = ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.eqs.coordinate_names, q, strict=True))
+        return Problem("kinematics.singular", f"speeds {', '.join(self.independent)}",
+                       f"other speeds do not follow from these at {place}", why,
+                       "choose other independent speeds, or a position beside this one")  # fmt: skip
+
+    def _completed(self, t: float, q: Floats, u: Floats, asked: Mapping[str, float], order: int) -> Floats:
+        """Return all speeds (order 1) or accelerations (order 2) that fit the constraints."""
+        unknown = [self._label(name) for name in asked if self._label(name) not in self.independent]
+        if unknown:
+            raise UsageError(
+                Problem("kinematics.not_independent", ", ".join(unknown),
+                        "these speeds are not independent", "",
+                        f"independent are {', '.join(self.independent)}")
+            )  # fmt: skip
+        mechanism, values = self._mechanism, {self._label(name): x for name, x in asked.items()}
+        jacobian, rate, acceleration = mechanism.rows(t, q, u)
+        right = rate if order == 1 else acceleration
+        own = self._places(self.independent)
+        wanted = np.array([values.get(name, 0.0) for name in self.independent])
+        found = np.zeros(mechanism.speed_sizes.size)
+        found[own] = wanted
+        others = self._places(self.dependent)
+        scales = mechanism.scales[:, np.newaxis]
+        columns = jacobian[:, others] / scales * mechanism.speed_sizes[others]
+        rest = (right - jacobian[:, own] @ wanted) / mechanism.scales
+        found[others] = np.linalg.lstsq(columns, rest, rcond=1e-10)[0] * mechanism.speed_sizes[others]
+        return found
+
+    def _label(self, name: str) -> str:
+        return name if name in self.eqs.speed_names else f"{name}_dot"
+
+
+def velocity_ratios(
+    eqs: EquationSet,
+    independent: str | Sequence[str] | None = None,
+    at: State | None = None,
+    parameters: Mapping[str, Value] | None = None,
+) -> VelocityRatios:
+    """Return how dependent speeds follow from independent ones.
+
+    Parameters
+    ----------
+    independent : str or sequence of str
+        Coordinates or speeds, as many as there are freedoms. By default those from which the others follow
+        best at a configuration, by pivoting; those with an input are preferred.
+    at : State
+        That configuration; by default one near the model's initial values.
+
+    Raises
+    ------
+    UsageError
+        If names make no sense, or are not as many as freedoms.
+    AssemblyError
+        If the loops do not close.
+    """
+    given = dict(parameters or {})
+    mechanism = follower(eqs, {}, {}, given)
+    state = at or assemble(eqs, None, None, parameters)
+    q = np.array(list(state.q.values()))
+    freedoms = redundancy(eqs, given, dict(state.q)) if eqs.multiplier_names else None
+    rows = () if freedoms is None else freedoms.kept
+    count = len(eqs.speed_names) - len(rows)
+    notes: tuple[str, ...] = ()
+    if independent is None:
+        chosen = _best(mechanism, eqs, state.t, q, count)
+        notes = (f"independent speeds are {', '.join(chosen)}: from them the others follow best",)
+    else:
+        chosen = _named(eqs, (independent,) if isinstance(independent, str) else tuple(independent), count)
+    others = tuple(name for name in eqs.speed_names if name not in chosen)
+    return VelocityRatios(eqs, chosen, others, rows, notes, mechanism, given)
+
+
+def _best(mechanism: Follower, eqs: EquationSet, t: float, q: Floats, count: int) -> tuple[str, ...]:
+    """Return the speeds that are left when the others depend on them as well-conditioned as can be."""
+    jacobian = mechanism.rows(t, q, np.zeros(mechanism.speed_sizes.size))[0]
+    if not jacobian.size:
+        return eqs.speed_names
+    weights = [_DRIVEN if _has_input(eqs, name) else 1.0 for name in eqs.speed_names]
+    columns = jacobian / mechanism.scales[:, np.newaxis] * mechanism.speed_sizes * np.array(weights)
+    order = qr(columns, pivoting=True, mode="r")[-1]
+    places = sorted(int(k) for k in order[len(eqs.speed_names) - count :])
+    return tuple(eqs.speed_names[k] for k in places)
+
+
+def _has_input(eqs: EquationSet, speed: str) -> bool:
+    """Return whether a drive with an input works along the coordinate of a speed."""
+    name = speed.removesuffix("_dot")
+    for use in eqs.formed.uses:
+        drive = use.joint.drives.get(name)
+        if drive is not None and set(drive.applied.names).intersection(eqs.input_names):
+            return True
+    return False
+
+
+def _named(eqs: EquationSet, names: Sequence[str], count: int) -> tuple[str, ...]:
+    labels = [name if name in eqs.speed_names else f"{name}_dot" for name in names]
+    problems = [
+        Problem("kinematics.unknown_speed", f"independent {name}", f"{name} is no speed of these equations",
+                "coordinates of cut joints are none",
+                nearest(name, (*eqs.coordinate_names, *eqs.speed_names)))
+        for name, label in zip(names, labels, strict=True) if label not in eqs.speed_names
+    ]  # fmt: skip
+    if not problems and len(set(labels)) != count:
+        problems = [
+            Problem("kinematics.independent_count", "independent",
+                    f"{len(set(labels))} speeds are named, but the mechanism has {count} freedoms", "",
+                    f"name {count} of {', '.join(eqs.speed_names)}")
+        ]  # fmt: skip
+    if problems:
+        raise UsageError(*problems)
+    return tuple(sorted(labels, key=eqs.speed_names.index))
+
+
+def _shortened(value: SympyExpr) -> SympyExpr:
+    """Return a short formula simplified, a long one as it is."""
+    return value.simplify() if value.count_ops() <= _BRIEF else value

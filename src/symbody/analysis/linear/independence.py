@@ -1,0 +1,164 @@
+"""Which states are independent at a point, and how all deviations follow from theirs."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.closure import mechanism_size
+from symbody.analysis.linear.slopes import Slopes
+from symbody.analysis.linear.variations import (
+    Choice,
+    Rotations,
+    choose,
+    followed,
+    rank,
+    rotations,
+    solved,
+    unit_rows,
+)
+from symbody.analysis.state import State
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import AssemblyError, Problem, nearest
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Basis:
+    """Independent states, speeds first.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the independent states.
+    speeds : tuple of int
+        Places of the independent speeds in u.
+    sizes : (n,) array
+        What counts as a large deviation of each: 1 for angles, the size of the mechanism [m] for lengths.
+    out, back : arrays
+        d(u, q) for their deviations, (n_u + n_q, n); and back, for those that keep the constraints.
+    all_names, recovery : tuple of str, array
+        All speeds and coordinates, and how their deviations follow.
+    notes : tuple of str
+        What was chosen.
+    """
+
+    names: tuple[str, ...]
+    speeds: tuple[int, ...]
+    sizes: Floats
+    out: Floats
+    back: Floats
+    all_names: tuple[str, ...]
+    recovery: Floats
+    notes: tuple[str, ...]
+
+
+def basis(
+    eqs: EquationSet,
+    state: State,
+    found: Slopes,
+    asked: Sequence[str] | None,
+    cyclic: Collection[str],
+) -> Basis:
+    """Return independent states at a state.
+
+    Raises
+    ------
+    AssemblyError
+        If names are unknown, too few or too many, or do not determine the others.
+    """
+    turned = rotations(eqs, np.array(list(state.q.values())))
+    length = mechanism_size(eqs, state.parameters)
+    units = eqs.units
+    q_sizes = turned.sizes(np.array([length if units.get(q) == "m" else 1.0 for q in eqs.coordinate_names]))
+    u_sizes = np.array([length if units.get(u) == "m/s" else 1.0 for u in eqs.speed_names])
+    coordinates, speeds = _parted(eqs, turned, asked)
+    positions = found.position_jacobian @ turned.out
+    q = _chosen("coordinates", positions * q_sizes, turned.names, coordinates, cyclic, ())
+    own = [turned.names[k] for k in q.independent]
+    rates = {f"{name}_dot" for name in own}
+    rows = found.jacobian * u_sizes
+    u = _chosen("speeds", rows, eqs.speed_names, speeds, (), rates)
+    R_q, R_u = followed(positions * q_sizes, q, q_sizes), followed(rows, u, u_sizes)
+    bent = found.by_state[len(found.rates) + len(found.outputs) :, len(u_sizes) :] @ turned.out @ R_q
+    W = np.zeros((len(u_sizes), R_q.shape[1]))
+    if u.dependent:
+        W[list(u.dependent)] = -solved(rows, u, bent) * u_sizes[list(u.dependent), np.newaxis]
+    n_u, n_q = R_u.shape[1], R_q.shape[1]
+    recovery = np.block([[R_u, W], [np.zeros((len(R_q), n_u)), R_q]])
+    back = np.block(
+        [
+            [np.eye(len(u_sizes))[list(u.independent)], np.zeros((n_u, len(turned.out)))],
+            [np.zeros((n_q, len(u_sizes))), turned.back[list(q.independent)]],
+        ]
+    )
+    names = tuple(eqs.speed_names[k] for k in u.independent) + tuple(own)
+    return Basis(
+        names, u.independent, np.concatenate([u_sizes[list(u.independent)], q_sizes[list(q.independent)]]),
+        np.vstack([recovery[: len(u_sizes)], turned.out @ recovery[len(u_sizes) :]]), back,
+        eqs.speed_names + turned.names, recovery, _notes(q, u, names, asked),
+    )  # fmt: skip
+
+
+def _parted(
+    eqs: EquationSet, turned: Rotations, asked: Sequence[str] | None
+) -> tuple[list[str] | None, list[str] | None]:
+    """Return the coordinates and the speeds that were named; None where none were."""
+    if asked is None:
+        return None, None
+    known = (*turned.names, *eqs.speed_names)
+    problems = [
+        Problem("linearize.unknown_name", name, f"there is no coordinate or speed {name!r}", "",
+                nearest(name, known))
+        for name in asked if name not in known
+    ]  # fmt: skip
+    if problems:
+        raise AssemblyError(*problems)
+    coordinates = [name for name in asked if name in turned.names]
+    speeds = [name for name in asked if name in eqs.speed_names]
+    return coordinates, speeds or None
+
+
+def _chosen(
+    word: str,
+    rows: Floats,
+    names: Sequence[str],
+    asked: Sequence[str] | None,
+    kept: Collection[str],
+    liked: Collection[str],
+) -> Choice:
+    """Return a choice of independent unknowns, as named or by pivots."""
+    if asked is None:
+        return choose(rows, names, kept, liked)
+    count = len(names) - rank(unit_rows(rows))
+    if len(asked) != count:
+        raise AssemblyError(
+            Problem("linearize.independent", "independent",
+                    f"{count} {word} are independent here, but {len(asked)} are named"
+                    + (f": {', '.join(asked)}" if asked else ""),
+                    f"{len(names)} {word} keep {len(names) - count} independent constraints",
+                    f"name {count} of {', '.join(names)}")
+        )  # fmt: skip
+    outside = [name for name in kept if name not in asked]
+    if outside:
+        raise AssemblyError(
+            Problem("linearize.cyclic", "cyclic", f"{', '.join(outside)} is not among the independent ones",
+                    "what is cyclic cannot follow from others", "name cyclic coordinates in independent too")
+        )  # fmt: skip
+    return choose(rows, names, asked, ())
+
+
+def _notes(q: Choice, u: Choice, names: tuple[str, ...], asked: Sequence[str] | None) -> tuple[str, ...]:
+    notes = []
+    if asked is None and (q.dependent or u.dependent):
+        notes.append(f"independent states by pivoting: {', '.join(names)}")
+    if q.is_poor or u.is_poor:
+        notes.append(
+            f"the others follow from these states poorly: the smallest pivot is {min(q.pivot, u.pivot):.1e}; "
+            "the position is nearly singular, or other independent coordinates are better"
+        )
+    return tuple(notes)

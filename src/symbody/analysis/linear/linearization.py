@@ -1,0 +1,157 @@
+"""`Linearization`: linear equations of small deviations, with names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from symbody.analysis.linear.modes import Mode, Spectrum, spectrum
+from symbody.analysis.state import State
+from symbody.errors import AssemblyError, EnvironmentFault, Problem
+
+Floats = NDArray[np.float64]
+
+
+class StateSpace(NamedTuple):
+    """The matrices of ``x' = A x + B r``, ``y = C x + D r``."""
+
+    A: Floats
+    B: Floats
+    C: Floats
+    D: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Linearization:
+    """``x' = affine + A x + B r``, ``y = C x + D r`` for deviations from a state; unpacks as A, B, C, D.
+
+    Attributes
+    ----------
+    A, B, C, D : arrays
+        (n, n), (n, n_r), (n_y, n), (n_y, n_r); x are independent speeds, then independent coordinates.
+    state_names, input_names, output_names : tuple of str
+        What x, r, y are deviations of. The rotation of a quaternion's joint from the state is
+        ``<joint>_rx, _ry, _rz`` [rad], in end axes.
+    affine : (n,) array
+        x' at the state itself; 0 at an equilibrium or in a stationary motion.
+    is_stationary : bool
+        Whether it is, up to rounding.
+    at : State
+        The state.
+    notes : tuple of str
+        What should be known about the result.
+    """
+
+    A: Floats
+    B: Floats
+    C: Floats
+    D: Floats
+    state_names: tuple[str, ...]
+    input_names: tuple[str, ...]
+    output_names: tuple[str, ...]
+    affine: Floats
+    is_stationary: bool
+    at: State = field(repr=False)
+    notes: tuple[str, ...] = ()
+    # Names of everything that follows from x, and how; speeds among the states; error of A in eps.
+    _recovered: tuple[str, ...] = field(default=(), repr=False)
+    _recovery: Floats = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
+    _speeds: int = field(default=0, repr=False)
+    _noise: float = field(default=1.0, repr=False)
+    # Made on first request, a pure function of A.
+    _spectrum: list[Spectrum] = field(default_factory=list, repr=False)
+
+    def __iter__(self) -> Iterator[Floats]:
+        """Return A, B, C, D one after the other."""
+        return iter(self.state_space)
+
+    @property
+    def state_space(self) -> StateSpace:
+        """The matrices as a named tuple."""
+        return StateSpace(self.A, self.B, self.C, self.D)
+
+    @property
+    def eigenvalues(self) -> NDArray[np.complex128]:
+        """Eigenvalues of A [1/s], the fastest growing first."""
+        return np.array([mode.eigenvalue for mode in self.modes], dtype=np.complex128)
+
+    @property
+    def modes(self) -> tuple[Mode, ...]:
+        """Eigenvalues with frequency, damping ratio, time constant and shape, the fastest growing first."""
+        return self._found.modes
+
+    @property
+    def verdict(self) -> str:
+        """What the linear equations say of small deviations.
+
+        "stable": all die out. "unstable": some grow. "drifting": a coordinate can be displaced without being
+        driven back. "marginal": some neither grow nor die out, and linear equations alone do not tell what
+        the full ones do.
+        """
+        return self._found.verdict
+
+    @property
+    def _found(self) -> Spectrum:
+        if not self._spectrum:
+            coordinates = len(self.state_names) - self._speeds
+            self._spectrum.append(spectrum(self.A, self.state_names, coordinates, self._noise))
+        return self._spectrum[0]
+
+    def recover(self, deviations: Mapping[str, float] | ArrayLike) -> dict[str, Floats]:
+        """Return the deviations of all speeds and coordinates, dependent ones too, by name.
+
+        Parameters
+        ----------
+        deviations : mapping of name to float, or (n, ...) array
+            Of the states; those not named are 0. Cyclic coordinates are taken as they are at the state.
+
+        Raises
+        ------
+        AssemblyError
+            If a name is not a state, or the length is wrong.
+        """
+        names = self.state_names
+        if isinstance(deviations, Mapping):
+            unknown = [name for name in deviations if name not in names]
+            x = np.array([deviations.get(name, 0.0) for name in names])
+        else:
+            x = np.asarray(deviations, dtype=float)
+            unknown = [] if x.shape[:1] == (len(names),) else [f"shape {x.shape}"]
+        if unknown:
+            raise AssemblyError(
+                Problem("linearize.deviations", ", ".join(unknown), "these are not deviations of the states",
+                        "", f"the states are {', '.join(names)}")
+            )  # fmt: skip
+        found = np.tensordot(self._recovery, x, axes=1)
+        return dict(zip(self._recovered, found, strict=True))
+
+    def to_control(self) -> Any:
+        """Return a ``control.StateSpace`` with all names, of the package python-control.
+
+        Without outputs the states are the outputs. The affine term is not part of it.
+
+        Raises
+        ------
+        EnvironmentFault
+            If python-control is not installed.
+        """
+        try:
+            control = import_module("control")
+        except ModuleNotFoundError as error:
+            raise EnvironmentFault(
+                Problem("linearize.no_control", "to_control", "the package control is not installed",
+                        str(error), "pip install symbody[control]")
+            ) from error  # fmt: skip
+        C, D, outputs = self.C, self.D, self.output_names
+        if not outputs:
+            C, D = np.eye(len(self.A)), np.zeros((len(self.A), self.B.shape[1]))
+            outputs = self.state_names
+        return control.ss(
+            self.A, self.B, C, D,
+            states=list(self.state_names), inputs=list(self.input_names), outputs=list(outputs),
+        )  # fmt: skip

@@ -1,0 +1,111 @@
+"""Natural motions of ``x' = A x``: eigenvalues with what engineers call them, and what they say of stability.
+
+An eigenvalue is known to a few ``eps |A| / s``, with s the cosine between its left and right eigenvector
+(Golub & Van Loan 2013, section 7.2.2), of the balanced matrix, times the condition of the equations that A
+came from. Whatever is nearer to the imaginary axis is on it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eig, matrix_balance
+
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+
+_EPS: Final = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """One natural motion ``Re(shape exp(eigenvalue t))``.
+
+    Attributes
+    ----------
+    eigenvalue : complex
+        [1/s]; of a pair the one with positive imaginary part stands first.
+    tolerance : float
+        How far rounding may have moved it [1/s].
+    shape : mapping of name to complex
+        The eigenvector by names of states, the largest component 1, each in its own unit.
+    """
+
+    eigenvalue: complex
+    tolerance: float
+    shape: Mapping[str, complex]
+
+    @property
+    def frequency(self) -> float:
+        """Natural frequency ``|eigenvalue|`` [rad/s]."""
+        return abs(self.eigenvalue)
+
+    @property
+    def damping_ratio(self) -> float:
+        """``-Re / |eigenvalue|``: 1 and above does not oscillate, below 0 grows; NaN for eigenvalue 0."""
+        return -self.eigenvalue.real / self.frequency if self.frequency > self.tolerance else math.nan
+
+    @property
+    def time_constant(self) -> float:
+        """Time in which it falls to 1/e, negative where it grows, infinite on the imaginary axis [s]."""
+        real = self.eigenvalue.real
+        return -1.0 / real if abs(real) > self.tolerance else math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class Spectrum:
+    """All modes of a matrix, the fastest growing first, and the verdict."""
+
+    modes: tuple[Mode, ...]
+    verdict: str
+
+
+def spectrum(A: Floats, names: Sequence[str], coordinates: int, noise: float) -> Spectrum:
+    """Return the modes of A.
+
+    Parameters
+    ----------
+    coordinates : int
+        How many states are coordinates; they stand last.
+    noise : float
+        Relative error of A, in units of eps.
+    """
+    if not A.size:
+        return Spectrum((), "stable")
+    balanced, scaling = matrix_balance(A, permute=False)
+    values, left, right = eig(balanced, left=True, right=True)
+    cosines = np.abs(np.sum(left.conj() * right, axis=0))
+    level = len(A) * noise * _EPS
+    # A double root is known to the square root of the error; s vanishes there.
+    tolerances = level * np.linalg.norm(balanced) / np.maximum(cosines, math.sqrt(max(level, _EPS)))
+    shapes = scaling @ right
+    # On the imaginary axis rounding does not decide the order.
+    growth = np.where(np.abs(values.real) <= tolerances, 0.0, values.real)
+    ranked = sorted(range(len(values)), key=lambda k: (-growth[k], abs(values[k]), -values[k].imag))
+    modes = tuple(Mode(complex(values[k]), float(tolerances[k]), _shape(names, shapes[:, k])) for k in ranked)
+    return Spectrum(modes, _verdict(modes, balanced[:, len(A) - coordinates :], level))
+
+
+def _shape(names: Sequence[str], vector: Complexes) -> dict[str, complex]:
+    largest = vector[int(np.argmax(np.abs(vector)))]
+    return {name: complex(x) for name, x in zip(names, vector / largest, strict=True)}
+
+
+def _verdict(modes: Sequence[Mode], slopes: Floats, level: float) -> str:
+    """Say whether deviations die out; `slopes` are the columns of the coordinates."""
+    if any(mode.eigenvalue.real > mode.tolerance for mode in modes):
+        return "unstable"
+    singular = np.linalg.svd(slopes, compute_uv=False)
+    drifts = slopes.shape[1] > 0 and (
+        slopes.shape[1] > slopes.shape[0] or singular[-1] <= level * max(float(singular[0]), 0.0)
+    )
+    if drifts and any(mode.frequency <= mode.tolerance for mode in modes):
+        return "drifting"
+    if any(abs(mode.eigenvalue.real) <= mode.tolerance for mode in modes):
+        return "marginal"
+    return "stable"

@@ -1,0 +1,102 @@
+"""Derivatives at a state, of rates, outputs and constraints, as numbers: exact, from the graph."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
+from symbody.analysis.state import State
+from symbody.codegen.compile import Value, constant_values, form_sequence
+from symbody.codegen.function import CompiledFunction
+from symbody.equations.equation_set import EquationSet
+from symbody.expr.graph import TIME, Kind
+from symbody.expr.language.formula import Formula
+from symbody.expr.rewrite import symbols_of
+from symbody.expr.sequence import Roots
+
+Floats = NDArray[np.float64]
+
+_BY_STATE: Final = "linear slopes by states"
+_BY_INPUT: Final = "linear slopes by inputs"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Slopes:
+    """Derivatives at a state.
+
+    Attributes
+    ----------
+    rates : (n_u + n_q,) array
+        x', speeds first.
+    by_state, by_input : arrays
+        Of x', the outputs and the conditions on velocities by (u, q), and by the inputs.
+    outputs : tuple of str
+        Names of the scalars among the outputs.
+    inputs : tuple of str
+        Names of the inputs; those given as laws in states are no inputs.
+    jacobian, position_jacobian, mass_matrix : arrays
+        J, dPhi/dq, M.
+    timed : bool
+        Whether anything depends on time explicitly.
+    """
+
+    rates: Floats
+    by_state: Floats
+    by_input: Floats
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
+    jacobian: Floats
+    position_jacobian: Floats
+    mass_matrix: Floats
+    timed: bool
+
+
+def slopes(eqs: EquationSet, state: State, outputs: Sequence[str]) -> Slopes:
+    """Return the derivatives at a state with its parameters, inputs and time."""
+    parameters = state.parameters
+    if eqs.multiplier_names:
+        eqs = eqs.for_values(constant_values(eqs, {p: p for p in eqs.parameter_names}, parameters))
+    laws = _laws(eqs, state.inputs)
+    shown = [eqs.roots(name) for name in outputs]
+    wanted = [*eqs.roots("xdot").nodes, *(node for roots in shown for node in roots.nodes)]
+    nodes = with_laws(eqs, [*wanted, *eqs.roots("velocity_constraints").nodes], laws)
+    inputs = tuple(symbol for symbol in eqs.formed.inputs if symbol.name not in laws)
+    by_state = partial_derivatives(eqs, _BY_STATE, nodes, (*eqs.formed.u, *eqs.formed.q))
+    by_input = partial_derivatives(eqs, _BY_INPUT, nodes, inputs)
+    wider = with_outputs(eqs, [by_state, by_input])
+    words = ("xdot", _BY_STATE, _BY_INPUT, "jacobian", "position_jacobian", "mass_matrix")
+    given = dict.fromkeys(eqs.input_names, 0) | dict(state.inputs)
+    function = CompiledFunction(*form_sequence(wider, words, parameters, (), given))
+    found = function(state.t, list(state.q.values()), list(state.u.values()))
+    graph = eqs.formed.graph
+    timed = graph.symbol(TIME) in symbols_of(graph, [*nodes, *eqs.roots("constraints").nodes])
+    rates, states, loads, rows, positions, mass = found
+    names = tuple(symbol.name for symbol in inputs)
+    return Slopes(rates, states, loads, _scalars(shown), names, rows, positions, mass, timed)
+
+
+def _laws(eqs: EquationSet, inputs: Mapping[str, Value]) -> dict[str, Value]:
+    """Return the inputs that depend on states or time; values in parameters are points to deviate from."""
+    names, graph = eqs.formed.names, eqs.formed.graph
+    found = {}
+    for name, value in inputs.items():
+        node = names.expression(Formula.of(value, where=f"input {name}"), f"input {name}").index
+        if any(graph.symbols[graph.left[s]].kind != Kind.PARAMETER for s in symbols_of(graph, [node])):
+            found[name] = value
+    return found
+
+
+def _scalars(shown: Sequence[Roots]) -> tuple[str, ...]:
+    names: list[str] = []
+    for roots in shown:
+        if not roots.shape:
+            names.append(roots.name)
+        else:
+            places = np.ndindex(*roots.shape)
+            names += [f"{roots.name}[{','.join(str(k) for k in place)}]" for place in places]
+    return tuple(names)

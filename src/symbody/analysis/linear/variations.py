@@ -1,0 +1,197 @@
+"""Small deviations of a state that constraints admit: which determine the others, and how.
+
+Near a point the state is x = (u, q), with each quaternion's four numbers replaced by the three components of
+the rotation from the point, in end axes: ``q = q0 (1, delta / 2)``. Constraints demand
+
+    dPhi/dq dq = 0,    J du + d(J u + b)/dq dq = 0,
+
+so all deviations follow from independent ones, ``d(u, q) = R d(u_i, q_i)``; the dependent coordinates are
+those of the largest pivots (Wehage & Haug, J. Mech. Des. 104 (1982), 247-255), each in units of its own size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import qr
+
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import AssemblyError, Problem
+
+Floats = NDArray[np.float64]
+
+# Of rows of length 1: assembly closes to 1e-9 at worst, and is 1e-12 as a rule.
+DEPENDENT: Final = 1e-8
+# A choice of independent coordinates this near to a singular one loses four digits.
+_POOR: Final = 1e-4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rotations:
+    """Coordinates with three rotation-vector components in place of each quaternion.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the coordinates that are left, ``<joint>_rx, _ry, _rz`` for a quaternion.
+    out : (n_q, n) array
+        dq for deviations of these.
+    back : (n, n_q) array
+        The deviations for dq on the unit sphere.
+    """
+
+    names: tuple[str, ...]
+    out: Floats
+    back: Floats
+
+    def sizes(self, sizes: Floats) -> Floats:
+        """Return what counts as a large deviation of each, from the sizes of q."""
+        return np.array([sizes @ (column != 0.0) / max((column != 0.0).sum(), 1) for column in self.out.T])
+
+
+def rotations(eqs: EquationSet, q: Floats) -> Rotations:
+    """Return what stands for quaternions at a configuration."""
+    places = {name: k for k, name in enumerate(eqs.coordinate_names)}
+    joints: dict[tuple[str, ...] | None, str] = {
+        joint.quaternion: joint.name for joint in eqs.formed.topology.joints
+    }
+    inside = {name: four for four in eqs.quaternions for name in four}
+    names: list[str] = []
+    out, back = [], []
+    for name, k in places.items():
+        four = inside.get(name)
+        if four is None:
+            names.append(name)
+            unit = np.eye(len(places))[:, k : k + 1]
+            out.append(unit)
+            back.append(unit.T)
+        elif name == four[0]:
+            stem = joints.get(four, four[0])
+            names += _unused([f"{stem}_r{axis}" for axis in "xyz"], places)
+            block = np.zeros((len(places), 3))
+            block[[places[other] for other in four]] = _turns(q[[places[other] for other in four]])
+            out.append(block / 2.0)
+            back.append(2.0 * block.T)
+    width = np.zeros((len(places), 0))
+    return Rotations(tuple(names), np.hstack([width, *out]), np.vstack([width.T, *back]))
+
+
+def _unused(names: list[str], taken: Collection[str]) -> list[str]:
+    return [name if name not in taken else f"{name}_turn" for name in names]
+
+
+def _turns(e: Floats) -> Floats:
+    """Return what a quaternion times (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1) is, as columns."""
+    w, x, y, z = e
+    return np.array([[-x, -y, -z], [w, -z, y], [z, w, -x], [-y, x, w]])
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """Which of some unknowns are independent, by place, and the smallest pivot of the others.
+
+    Attributes
+    ----------
+    pivot : float
+        Smallest singular value of the dependent columns; 1 if there are none.
+    """
+
+    independent: tuple[int, ...]
+    dependent: tuple[int, ...]
+    pivot: float
+
+    @property
+    def is_poor(self) -> bool:
+        """Whether digits are lost because the choice is nearly singular."""
+        return self.pivot < _POOR
+
+
+def rank(rows: Floats) -> int:
+    """Return the number of independent rows, each of length 1."""
+    return int((np.linalg.svd(rows, compute_uv=False) > DEPENDENT).sum()) if rows.size else 0
+
+
+def unit_rows(rows: Floats) -> Floats:
+    """Return rows of length 1; those that are 0 stay so."""
+    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+    return np.asarray(rows / np.where(lengths > 0.0, lengths, 1.0))
+
+
+def choose(rows: Floats, names: Sequence[str], kept: Collection[str], asked: Collection[str]) -> Choice:
+    """Return independent unknowns of ``rows x = 0``.
+
+    Parameters
+    ----------
+    rows : (m, n) array
+        Columns in units of the size of each unknown.
+    kept : names
+        That have to be independent.
+    asked : names
+        That are independent if that leaves large pivots.
+
+    Raises
+    ------
+    AssemblyError
+        If the unknowns kept are not independent, naming them, or those that they leave are too few.
+    """
+    rows = unit_rows(rows)
+    wanted = rank(rows)
+    others = [k for k, name in enumerate(names) if name not in kept]
+    first = [k for k in others if names[k] not in asked]
+    dependent = _pivots(rows[:, first], first, _POOR)
+    if len(dependent) < wanted:
+        left = rows - _projected(rows, rows[:, list(dependent)])
+        rest = [k for k in others if k not in dependent]
+        dependent += _pivots(left[:, rest], rest, DEPENDENT)[: wanted - len(dependent)]
+    if len(dependent) < wanted:
+        raise AssemblyError(_not_independent(kept, len(names) - wanted))
+    dependent = sorted(dependent)
+    independent = tuple(k for k in range(len(names)) if k not in dependent)
+    singular = np.linalg.svd(rows[:, dependent], compute_uv=False)
+    return Choice(independent, tuple(dependent), float(singular[wanted - 1]) if wanted else 1.0)
+
+
+def _pivots(columns: Floats, places: Sequence[int], least: float) -> list[int]:
+    """Return the places of columns that are independent, the largest pivots first."""
+    if not columns.size:
+        return []
+    triangle, order = qr(columns, mode="r", pivoting=True)
+    pivots = np.abs(np.diagonal(triangle))
+    return [places[k] for k in order[: int((pivots > least).sum())]]
+
+
+def _projected(rows: Floats, columns: Floats) -> Floats:
+    """Return the part of rows within the span of columns."""
+    if not columns.size:
+        return np.zeros_like(rows)
+    return np.asarray(columns @ np.linalg.lstsq(columns, rows, rcond=DEPENDENT)[0])
+
+
+def followed(rows: Floats, choice: Choice, sizes: Floats) -> Floats:
+    """Return R of ``x = R x_i`` for rows in units of sizes, (n, independent)."""
+    result = np.zeros((rows.shape[1], len(choice.independent)))
+    result[list(choice.independent)] = np.eye(len(choice.independent))
+    if choice.dependent:
+        result[list(choice.dependent)] = -solved(rows, choice, rows[:, list(choice.independent)])
+        result *= sizes[:, np.newaxis] / sizes[list(choice.independent)]
+    return result
+
+
+def solved(rows: Floats, choice: Choice, right: Floats) -> Floats:
+    """Return the dependent unknowns of ``rows_d x_d = right``, in units of their sizes."""
+    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+    lengths = np.where(lengths > 0.0, lengths, 1.0)
+    columns = (rows / lengths)[:, list(choice.dependent)]
+    return np.asarray(np.linalg.lstsq(columns, right / lengths, rcond=DEPENDENT / 10)[0])
+
+
+def _not_independent(names: Collection[str], count: int) -> Problem:
+    return Problem(
+        "linearize.singular_choice", "independent", f"not everything follows from {', '.join(names)} here",
+        "the coefficients of all others in the constraints are singular at this configuration",
+        f"name {count} others, or leave independent out: they are then chosen by their pivots",
+    )  # fmt: skip

@@ -1,0 +1,257 @@
+"""`solve_positions`: dependent coordinates as closed forms in the independent ones, all assemblies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import AssemblyError, CompileError, FormulationError, ModelError, Problem, nearest
+from symbody.expr.closed_form import readable
+from symbody.expr.evaluate import evaluate_sequence
+from symbody.expr.graph import Graph, Kind
+from symbody.expr.opcodes import COS, SIN, TAN
+from symbody.expr.rewrite import symbols_of
+from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.solving.budget import solve_within
+from symbody.expr.sympy_bridge import (
+    SympyEquation,
+    SympyExpr,
+    nodes_from_equations,
+    to_sympy,
+)
+from symbody.model.model import Model, resolve_parameters
+
+# Open by more, of numbers of order 1, is not an assembly: a root of a squared equation.
+_CLOSED: Final = 1e-7
+
+
+@dataclass(frozen=True, slots=True)
+class PositionSolutions:
+    """All closed forms of the dependent coordinates.
+
+    Attributes
+    ----------
+    dependent : tuple of SymPy functions of time
+        In the order in which they were asked for.
+    branches : tuple of mapping of coordinate to expression
+        One for each way to assemble the mechanism.
+    """
+
+    dependent: tuple[SympyExpr, ...]
+    branches: tuple[Mapping[SympyExpr, SympyExpr], ...]
+    _graph: Graph = field(repr=False)
+    _constraints: tuple[int, ...] = field(repr=False)
+    _values: tuple[tuple[int, ...], ...] = field(repr=False)
+    _names: tuple[str, ...] = field(repr=False)
+    _model: Model | None = field(repr=False)
+
+    def __len__(self) -> int:
+        """Return the number of branches."""
+        return len(self.branches)
+
+    def evaluate(self, values: Mapping[object, float]) -> tuple[Mapping[str, float] | None, ...]:
+        """Return the dependent coordinates of each branch by name; None where the branch does not reach.
+
+        Parameters
+        ----------
+        values : mapping of symbol or name to number
+            The independent coordinates, and parameters; t is 0 unless given.
+
+        Raises
+        ------
+        CompileError
+            If something has no value, listing all of it, or a name is unknown.
+        """
+        known = self._known(values)
+        found: list[Mapping[str, float] | None] = []
+        for nodes in self._values:
+            numbers = _numbers(self._graph, nodes, known)
+            coordinates = dict(zip(self._names, numbers, strict=True))
+            rows = _numbers(self._graph, self._constraints, {**known, **coordinates})
+            scale = 1.0 + max(map(abs, numbers), default=0.0) ** 2
+            closed = all(math.isfinite(row) and abs(row) <= _CLOSED * scale for row in rows)
+            found.append(coordinates if closed else None)
+        return tuple(found)
+
+    def nearest(
+        self, guess: Mapping[object, float], values: Mapping[object, float]
+    ) -> Mapping[SympyExpr, SympyExpr]:
+        """Return the branch whose coordinates at `values` are nearest to the `guess`, angles modulo 2 pi.
+
+        Raises
+        ------
+        AssemblyError
+            If no branch reaches these values.
+        CompileError
+            If something has no value or is no dependent coordinate.
+        """
+        wanted = {_name(key): float(value) for key, value in guess.items()}
+        unknown = [name for name in wanted if name not in self._names]
+        if unknown:
+            raise CompileError(
+                *(Problem("positions.guess", name, f"{name!r} is no dependent coordinate", "",
+                          nearest(name, self._names)) for name in unknown)
+            )  # fmt: skip
+        distances = {}
+        for k, coordinates in enumerate(self.evaluate(values)):
+            if coordinates is not None:
+                distances[k] = sum(self._apart(name, coordinates[name], x) ** 2 for name, x in wanted.items())
+        if not distances:
+            listed = ", ".join(f"{_name(key)} = {value:g}" for key, value in values.items())
+            raise AssemblyError(
+                Problem("positions.unreachable", "positions", f"no branch reaches {listed}",
+                        "the loops do not close there: a root or an arc cosine has no real value",
+                        "give independent coordinates within reach, or correct the lengths")
+            )  # fmt: skip
+        return self.branches[min(distances, key=distances.__getitem__)]
+
+    def _apart(self, name: str, a: float, b: float) -> float:
+        return math.remainder(a - b, 2 * math.pi) if name in self._angles else a - b
+
+    @property
+    def _angles(self) -> set[str]:
+        """Names of the dependent coordinates that the constraints are periodic in."""
+        return _periodic(self._graph, self._constraints, self._names)
+
+    def _known(self, values: Mapping[object, float]) -> dict[str, float]:
+        graph = self._graph
+        nodes = [*self._constraints, *(node for row in self._values for node in row)]
+        symbols = [graph.symbols[graph.left[node]] for node in symbols_of(graph, nodes)]
+        needed = {symbol.label: symbol for symbol in symbols if symbol.label not in self._names}
+        given = {_name(key): value for key, value in values.items()}
+        defaults = _parameters(self._model, given)
+        known = {"t": 0.0, **defaults, **given}
+        missing = [name for name in needed if name not in known]
+        problems = [
+            Problem("compile.unknown_parameter", name, f"the solution does not depend on {name!r}", "",
+                    nearest(name, needed))
+            for name in given if name not in needed and name not in defaults and name != "t"
+        ]  # fmt: skip
+        if missing:
+            problems.append(
+                Problem("compile.missing_value", "values", f"no value is given for {', '.join(missing)}",
+                        "a number is needed to compute with", f"give {{{missing[0]!r}: ...}}")
+            )  # fmt: skip
+        if problems:
+            raise CompileError(*problems)
+        return {name: float(known[name]) for name in needed}
+
+
+def solve_positions(
+    constraints: EquationSet | Sequence[SympyExpr | SympyEquation],
+    dependent: Sequence[SympyExpr | str],
+    *,
+    seconds: float = 20.0,
+) -> PositionSolutions:
+    """Return the dependent coordinates as functions of the independent ones, in closed form.
+
+    Planar dyads and chains of them are solved by cosines and sines, whatever else by SymPy, in a process that
+    is ended when the time is over.
+
+    Parameters
+    ----------
+    constraints : EquationSet or sequence of SymPy expressions
+        The position constraints, each meant = 0.
+    dependent : sequence of coordinates or names
+        As many as there are constraints.
+    seconds : float
+        The time allowed [s].
+
+    Raises
+    ------
+    FormulationError
+        If there are not as many dependent coordinates as constraints, one of them stands in no constraint,
+        no closed form is found, or none within the time.
+    """
+    names = [_name(item) for item in dependent]
+    if isinstance(constraints, EquationSet):
+        model, graph = constraints.model, constraints.formed.graph
+        rows = [row.value.index for row in constraints.formed.holonomic]
+    else:
+        model, graph = None, Graph()
+        rows = nodes_from_equations(constraints, graph)
+    unknowns = _unknowns(graph, rows, names)
+    if not seconds > 0.0:
+        raise FormulationError(
+            Problem("positions.seconds", "seconds", f"seconds = {seconds!r} is no time", "",
+                    "give seconds > 0")
+        )  # fmt: skip
+    found = solve_within(graph, rows, unknowns, seconds)
+    if not found:
+        raise FormulationError(
+            Problem("positions.none", "positions", "no closed form was found",
+                    "the equations contradict each other, depend on each other, or have no solution by roots "
+                    "and arcs", "take other dependent coordinates, or assemble with numbers")
+        )  # fmt: skip
+    shown = readable(graph, [node for row in found for node in row])
+    formulas = to_sympy(graph, shown)
+    coordinates = tuple(to_sympy(graph, unknowns))
+    width = len(unknowns)
+    branches = tuple(
+        dict(zip(coordinates, formulas[k * width : (k + 1) * width], strict=True)) for k in range(len(found))
+    )
+    return PositionSolutions(
+        coordinates, branches, graph, tuple(rows), tuple(map(tuple, found)), tuple(names), model
+    )
+
+
+def _unknowns(graph: Graph, rows: Sequence[int], names: Sequence[str]) -> list[int]:
+    """Return the nodes of the dependent coordinates."""
+    nodes = {}
+    for node in symbols_of(graph, rows):
+        symbol = graph.symbols[graph.left[node]]
+        if symbol.kind == Kind.COORDINATE:
+            nodes[symbol.label] = node
+    problems = [
+        Problem("positions.dependent", name, f"{name!r} stands in no constraint", "", nearest(name, nodes))
+        for name in names if name not in nodes
+    ]  # fmt: skip
+    problems += [
+        Problem("positions.dependent", name, f"{name!r} is given twice", "", "name each coordinate once")
+        for name in dict.fromkeys(names) if names.count(name) > 1
+    ]  # fmt: skip
+    if len(names) != len(rows):
+        problems.append(
+            Problem("positions.number", "dependent",
+                    f"{len(names)} coordinates are to be found from {len(rows)} constraints",
+                    "each constraint determines one dependent coordinate; the others are independent",
+                    f"name {len(rows)} of {', '.join(nodes)}")
+        )  # fmt: skip
+    if problems:
+        raise FormulationError(*problems)
+    return [nodes[name] for name in names]
+
+
+def _name(item: object) -> str:
+    """Return the name of a SymPy symbol, of a function of time, or of what is a name already."""
+    return str(item).removesuffix("(t)")
+
+
+def _parameters(model: Model | None, given: Mapping[str, float]) -> dict[str, float]:
+    """Return the values of a model's parameters, as far as all of them have values."""
+    if model is None:
+        return {}
+    own = {name: value for name, value in given.items() if name in model.parameters}
+    try:
+        return {name: float(value) for name, value in resolve_parameters(model, own).items()}
+    except ModelError:
+        return {}
+
+
+def _numbers(graph: Graph, nodes: Sequence[int], known: Mapping[str, float]) -> list[float]:
+    """Return the values of nodes; what is not real is not a number."""
+    names = list(known)
+    symbols = {graph.symbols[graph.left[node]].label: node for node in symbols_of(graph, nodes)}
+    places = {node: Input(name, "q", names.index(name)) for name, node in symbols.items()}
+    sequence = build_sequence(graph, [Roots("values", (len(nodes),), tuple(nodes))], places)
+    return [float(value) for value in evaluate_sequence(sequence, {"q": list(known.values())})[0]]
+
+
+def _periodic(graph: Graph, rows: Sequence[int], names: Sequence[str]) -> set[str]:
+    """Return the names of coordinates that stand inside sines and cosines."""
+    inside = [node for node in graph.reachable(rows) if graph.ops[node] in (SIN, COS, TAN)]
+    angles = symbols_of(graph, [graph.left[node] for node in inside])
+    return {graph.symbols[graph.left[node]].label for node in angles}.intersection(names)

@@ -1,0 +1,110 @@
+"""LLVM's code generator: from text to object code, and what it makes code for."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import sys
+from collections.abc import Sequence as Items
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from typing import Final
+
+import llvmlite
+import llvmlite.binding as binding
+from llvmlite.binding import ffi
+
+from symbody.codegen.stored_code import store, stored
+
+# The small code model reaches constants relative to the instruction, where the one for code anywhere in
+# memory loads a 64-bit address before each. It wants code and constants within 2 GB of each other, which
+# JITLink grants; LLVM has no finished JITLink for Windows.
+SMALL: Final = sys.platform != "win32"
+
+# LLVM's levels. With 0 it takes a quarter of the time and calls take three times as long; so 1 pays from
+# about 50,000 evaluations on.
+QUICK: Final = 0
+THOROUGH: Final = 1
+
+
+@cache
+def lanes() -> int:
+    """Return how many doubles the widest registers of this processor hold, at least 2."""
+    features = binding.get_host_cpu_features()
+    return 8 if features.get("avx512f") else 4 if features.get("avx") else 2
+
+
+def object_codes(texts: Items[str], level: int) -> list[bytes]:
+    """Return the object code of each module, from the disk where it was made before; several at once."""
+    keys = [f"{_environment()}\n{level}\n{text}".encode() for text in texts]
+    codes = [stored(key) for key in keys]
+    missing = [k for k, code in enumerate(codes) if code is None]
+    made = _made([texts[k] for k in missing], level)
+    for k, code in zip(missing, made, strict=True):
+        store(keys[k], code)
+    found = dict(zip(missing, made, strict=True))
+    return [found[k] if code is None else code for k, code in enumerate(codes)]
+
+
+def target_machine(level: int = THOROUGH) -> binding.TargetMachine:
+    """Return the code generator for this processor."""
+    initialize()
+    return binding.Target.from_default_triple().create_target_machine(
+        cpu=binding.get_host_cpu_name(),
+        features=binding.get_host_cpu_features().flatten(),
+        opt=level,
+        reloc="pic" if SMALL else "default",
+        codemodel="small" if SMALL else "jitdefault",
+        jit=True,
+    )
+
+
+@cache
+def initialize() -> None:
+    """Make LLVM ready for this processor, once in a process."""
+    binding.initialize_native_target()
+    binding.initialize_native_asmprinter()
+
+
+@cache
+def _environment() -> str:
+    """Return what object code depends on besides its text."""
+    features = binding.get_host_cpu_features().flatten()
+    versions = f"{llvmlite.__version__} {binding.llvm_version_info}"
+    return f"{versions} {binding.get_default_triple()} {binding.get_host_cpu_name()} {features} {SMALL}"
+
+
+def _made(texts: Items[str], level: int) -> list[bytes]:
+    if len(texts) < 2:
+        return [_object_code(text, level) for text in texts]
+    with ThreadPoolExecutor(min(len(texts), os.cpu_count() or 1)) as pool:
+        return list(pool.map(lambda text: _object_code_unlocked(text, level), texts))
+
+
+def _object_code(text: str, level: int) -> bytes:
+    initialize()
+    module = binding.parse_assembly(text, binding.create_context())
+    return bytes(target_machine(level).emit_object(module))
+
+
+def _object_code_unlocked(text: str, level: int) -> bytes:
+    """Compile `text` while other threads compile others.
+
+    llvmlite guards every call by one lock, so threads gain nothing through it. LLVM itself asks only
+    that threads share no context and no target machine [LLVM Programmer's Manual, "Threads and LLVM"].
+    """
+    initialize()
+    module = binding.parse_assembly(text, binding.create_context())
+    machine = target_machine(level)
+    locked = ffi.lib.LLVMPY_TargetMachineEmitToMemory
+    emit = ctypes.CDLL(ffi.lib._name)["LLVMPY_TargetMachineEmitToMemory"]
+    emit.argtypes, emit.restype = locked.argtypes, locked.restype
+    with ffi.OutputString() as message:
+        buffer = emit(machine, module, 1, message)
+        if not buffer:
+            raise RuntimeError(str(message))
+    try:
+        start, size = ffi.lib.LLVMPY_GetBufferStart(buffer), ffi.lib.LLVMPY_GetBufferSize(buffer)
+        return ctypes.string_at(start, size)
+    finally:
+        ffi.lib.LLVMPY_DisposeMemoryBuffer(buffer)

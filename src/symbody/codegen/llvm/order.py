@@ -1,0 +1,66 @@
+"""The order in which machine code computes a sequence. It changes no result, only what is alive at a time.
+
+Sines and cosines come first, where their arguments allow it: a few calls in lanes compute all of them, and
+calls in the middle would send every value that is alive to the stack and back. The rest follows its users,
+depth first: on a tree of 30 joints 550 values are alive on average where 950 were, which saves a tenth of the
+time of calls and of compiling.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from symbody.expr import opcodes as op
+from symbody.expr.sequence import Operation, Output, Sequence
+
+_LATE = op.UNARY_FUNCTIONS | {op.SADDLE, op.PICK, op.ATAN2, op.CALL}
+
+
+def ordered(sequence: Sequence) -> Sequence:
+    """Return the operations that outputs need: circles, then kernels in their order, then the outputs."""
+    circles = _early_circles(sequence)
+    arguments = [sequence.operations[k].operands[0] for k in circles]
+    kernels = [k for k, operation in enumerate(sequence.operations) if operation.op == op.SADDLE]
+    results = [k for output in sequence.outputs for k in output.values]
+    needed = set(_depth_first(sequence, results))
+    roots = (k for k in (*arguments, *circles, *kernels, *results) if k in needed)
+    order = _depth_first(sequence, roots)
+    number = {k: place for place, k in enumerate(order)}
+    operations = [
+        Operation(old.op, tuple([number[k] for k in old.operands]), old.datum)
+        for old in (sequence.operations[k] for k in order)
+    ]
+    outputs = [Output(o.name, o.shape, tuple([number[k] for k in o.values])) for o in sequence.outputs]
+    return replace(sequence, operations=tuple(operations), outputs=tuple(outputs))
+
+
+def _early_circles(sequence: Sequence) -> list[int]:
+    """Return the sines and cosines of what arithmetic alone makes from the inputs."""
+    plain: list[bool] = []
+    circles = []
+    for k, (code, operands, _) in enumerate(sequence.operations):
+        below = all([plain[j] for j in operands])
+        plain.append(below and code not in _LATE)
+        if below and code in (op.SIN, op.COS):
+            circles.append(k)
+    return circles
+
+
+def _depth_first(sequence: Sequence, roots: Iterable[int]) -> list[int]:
+    """Return all values below `roots`, each after its operands and as late as its first user allows."""
+    operations = sequence.operations
+    seen = [False] * len(operations)
+    order: list[int] = []
+    for root in roots:
+        stack = [root]
+        while stack:
+            k = stack.pop()
+            if k < 0:
+                order.append(~k)
+            elif not seen[k]:
+                seen[k] = True
+                stack.append(~k)
+                # What was made last is asked for first: it is the larger part as a rule.
+                stack.extend([j for j in sorted(operations[k].operands) if not seen[j]])
+    return order

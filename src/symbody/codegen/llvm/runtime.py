@@ -1,0 +1,136 @@
+"""Functions of our own that generated code calls: compiled once in a process, or read from the disk.
+
+Lanes hold the same quantity of several points side by side: entry k of an array of W lanes lies at k W.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Final
+
+import llvmlite.binding as binding
+from llvmlite import ir
+
+from symbody.codegen.llvm.loops import INTEGER, POINTER, Array, count, integer
+from symbody.codegen.llvm.machine import SMALL, THOROUGH, lanes, object_codes, target_machine
+from symbody.codegen.llvm.saddle import NAME as SADDLE_NAME
+from symbody.codegen.llvm.saddle import STATUS, define_solve_saddle
+from symbody.codegen.llvm.trig import SINCOS_NAME, define_lane_sincos, define_sincos
+
+GATHER: Final = "symbody_gather"
+SCATTER: Final = "symbody_scatter"
+LANE_SADDLE: Final = "symbody_solve_saddle_lanes"
+
+
+def lane_counts() -> tuple[int, ...]:
+    """Return the numbers of lanes that code is made for here."""
+    return tuple(width for width in (2, 4, 8) if width <= lanes())
+
+
+def lane_sincos(width: int) -> str:
+    """Return the name of the sines and cosines of so many angles."""
+    return f"{SINCOS_NAME}_{width}"
+
+
+class Runtime:
+    """The functions in memory.
+
+    Attributes
+    ----------
+    addresses : mapping of name to int
+    """
+
+    def __init__(self) -> None:
+        names = [SINCOS_NAME, SADDLE_NAME, LANE_SADDLE, GATHER, SCATTER, *map(lane_sincos, lane_counts())]
+        builder = binding.JITLibraryBuilder().add_current_process()
+        (code,) = object_codes([_text()], THOROUGH)
+        builder.add_object_img(code)
+        for name in names:
+            builder.export_symbol(name)
+        linker = binding.create_lljit_compiler(target_machine(), use_jit_link=SMALL)
+        self._library = builder.link(linker, "symbody_runtime")
+        self.addresses = {name: int(self._library[name]) for name in names}
+
+
+@cache
+def runtime() -> Runtime:
+    """Return the functions, ready to be called."""
+    return Runtime()
+
+
+@cache
+def _text() -> str:
+    module = ir.Module("symbody_runtime")
+    for define in (define_sincos, define_solve_saddle):
+        define(module).linkage = "external"
+    for width in lane_counts():
+        define_lane_sincos(module, lane_sincos(width), width)
+    _define_lane_saddle(module)
+    _define_gather(module)
+    _define_scatter(module)
+    return str(module)
+
+
+def _define_gather(module: ir.Module) -> None:
+    """``void gather(const double *rows, long stride, long size, double *lanes)``: `size` entries of rows."""
+    b, (rows, stride, size, place) = _begin(module, GATHER, [POINTER, INTEGER, INTEGER, POINTER])
+    width = lanes()
+    sources = [Array(b, rows).after(b.mul(stride, integer(lane))) for lane in range(width)]
+    with count(b, integer(0), size) as k:
+        target = Array(b, place).after(b.mul(k, integer(width)))
+        for lane, source in enumerate(sources):
+            target.store(integer(lane), source.load(k))
+    b.ret_void()
+
+
+def _define_scatter(module: ir.Module) -> None:
+    """``void scatter(double *rows, long stride, long size, const double *lanes)``: the way back."""
+    b, (rows, stride, size, place) = _begin(module, SCATTER, [POINTER, INTEGER, INTEGER, POINTER])
+    width = lanes()
+    targets = [Array(b, rows).after(b.mul(stride, integer(lane))) for lane in range(width)]
+    with count(b, integer(0), size) as k:
+        source = Array(b, place).after(b.mul(k, integer(width)))
+        for lane, target in enumerate(targets):
+            target.store(k, source.load(integer(lane)))
+    b.ret_void()
+
+
+def _define_lane_saddle(module: ir.Module) -> None:
+    """``int lanes(int n, int m, const double *arguments, double *results, double *work)``.
+
+    The scalar kernel, lane after lane: its pivots differ from point to point. `arguments` are M, J, F and
+    gamma in lanes. It returns 0, or 1 if any lane has no solution. `work` holds, for one lane, the
+    arguments, the results and the scratch of the kernel.
+    """
+    signature = ir.FunctionType(STATUS, [STATUS, STATUS, POINTER, POINTER, POINTER])
+    function = ir.Function(module, signature, name=LANE_SADDLE)
+    b = ir.IRBuilder(function.append_basic_block("entry"))
+    n, m = b.sext(function.args[0], INTEGER), b.sext(function.args[1], INTEGER)
+    given, results, work = (Array(b, place) for place in function.args[2:])
+    sizes = [b.mul(n, n), b.mul(m, n), n, m]
+    places = [work]
+    for size in sizes:
+        places.append(places[-1].after(size))
+    solution = places.pop()
+    solved = b.add(b.add(n, m), integer(1))
+    scratch = solution.after(solved)
+    total = b.add(b.add(sizes[0], sizes[1]), b.add(n, m))
+    width, failed = integer(lanes()), b.alloca(STATUS)
+    b.store(STATUS(0), failed)
+    with count(b, integer(0), width) as lane:
+        with count(b, integer(0), total) as k:
+            work.store(k, given.load(b.add(b.mul(k, width), lane)))
+        kernel = module.globals[SADDLE_NAME]
+        pointers = [array.pointer for array in (*places, solution, scratch)]
+        status = b.call(kernel, [*function.args[:2], *pointers])
+        b.store(b.or_(b.load(failed, typ=STATUS), status), failed)
+        with count(b, integer(0), solved) as k:
+            results.store(b.add(b.mul(k, width), lane), solution.load(k))
+    b.ret(b.load(failed, typ=STATUS))
+
+
+def _begin(
+    module: ir.Module, name: str, kinds: list[ir.Type]
+) -> tuple[ir.IRBuilder, tuple[ir.Argument, ...]]:
+    function = ir.Function(module, ir.FunctionType(ir.VoidType(), kinds), name=name)
+    return ir.IRBuilder(function.append_basic_block("entry")), function.args

@@ -1,0 +1,116 @@
+"""Object code on the disk, so that the next process need not compile it again.
+
+One file for each piece of code, named after a hash of everything the code follows from. It begins with a
+hash of the rest: a file that was cut or changed is thrown away and made again. Only files in a folder of the
+user's own are read. Whatever fails here is as if nothing had been stored: a home that cannot be written to is
+no error.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from contextlib import suppress
+from hashlib import sha256
+from pathlib import Path
+from typing import Final
+
+# Names a folder, or is "off".
+VARIABLE: Final = "SYMBODY_CACHE"
+LIMIT: Final = 256 * 2**20  # bytes in all; what was used longest ago goes first
+_KEPT: Final = 0.75  # of the limit, when something has to go
+_ENDING: Final = ".object"
+_DIGEST: Final = 32
+
+
+def folder() -> Path | None:
+    """Return where code is stored, None if it is not to be."""
+    chosen = os.environ.get(VARIABLE, "")
+    if chosen:
+        return None if chosen.lower() in ("off", "0", "no", "none") else Path(chosen)
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA", "")
+    elif sys.platform == "darwin":
+        base = "~/Library/Caches"
+    else:
+        base = os.environ.get("XDG_CACHE_HOME", "") or "~/.cache"
+    path = os.path.expanduser(base)
+    return Path(path, "symbody") if os.path.isabs(path) else None
+
+
+def stored(key: bytes) -> bytes | None:
+    """Return the code stored under `key`, None if there is none that can be trusted."""
+    place = folder()
+    if place is None or not _is_own(place):
+        return None
+    path = _path(place, key)
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return None
+    code = content[_DIGEST:]
+    if content[:_DIGEST] != _digest(key, code):
+        with suppress(OSError):
+            path.unlink()
+        return None
+    with suppress(OSError):
+        os.utime(path)  # it was used now
+    return code
+
+
+def store(key: bytes, code: bytes) -> None:
+    """Store `code` under `key`; processes that do so at the same time do not meet."""
+    place = folder()
+    if place is None:
+        return
+    with suppress(OSError):
+        place.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if not _is_own(place):
+            return
+        handle, name = tempfile.mkstemp(dir=place)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(_digest(key, code) + code)
+            os.replace(name, _path(place, key))
+        except OSError:
+            Path(name).unlink(missing_ok=True)
+            raise
+        _evict(place)
+
+
+def _is_own(place: Path) -> bool:
+    """Return whether nobody else can put files there."""
+    if sys.platform == "win32":  # folders of a user are closed to others there
+        return place.is_dir()
+    try:
+        status = place.stat()
+    except OSError:
+        return False
+    return status.st_uid == os.geteuid() and not status.st_mode & 0o022
+
+
+def _evict(place: Path) -> None:
+    found = []
+    with os.scandir(place) as entries:
+        for entry in entries:
+            with suppress(OSError):
+                status = entry.stat(follow_symlinks=False)
+                found.append((status.st_mtime, status.st_size, entry.path))
+    total = sum(size for _, size, _ in found)
+    if total <= LIMIT:
+        return
+    for _, size, path in sorted(found):
+        if total <= _KEPT * LIMIT:
+            return
+        with suppress(OSError):
+            os.unlink(path)
+            total -= size
+
+
+def _path(place: Path, key: bytes) -> Path:
+    return place / (sha256(key).hexdigest() + _ENDING)
+
+
+def _digest(key: bytes, code: bytes) -> bytes:
+    return sha256(sha256(key).digest() + code).digest()

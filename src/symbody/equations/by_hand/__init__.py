@@ -1,0 +1,1 @@
+"""Mechanisms whose frames, forces and constraints are placed by hand."""

@@ -1,0 +1,1 @@
+"""From equations with constraints to ordinary ones, hidden constraint by hidden constraint."""

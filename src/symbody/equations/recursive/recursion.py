@@ -1,0 +1,197 @@
+"""`Recursion`: mass matrix, forcing and accelerations of a tree, each formed when it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+from symbody.equations.dynamics.inertia import Rotor
+from symbody.equations.dynamics.linear_solve import Solution
+from symbody.equations.dynamics.load import Effort, Load
+from symbody.equations.kinematics.motion import Kinematics
+from symbody.equations.recursive.applied import applied_wrenches
+from symbody.equations.recursive.articulated import Freed, accelerations, freed
+from symbody.equations.recursive.composite import Factors, column_places, factors, mass_rows, solved
+from symbody.equations.recursive.links import Tree
+from symbody.equations.recursive.newton_euler import generalized_forces, link_motions, needed_wrenches
+from symbody.expr.expression import Expr, number
+from symbody.expr.graph import Graph
+from symbody.expr.rewrite import operation_count
+from symbody.graph.topology import Topology
+from symbody.vectors.matrix import Triple
+
+# Composite bodies are not even tried where their entries and elimination are estimated to cost this
+# many times what articulated bodies do.
+_HOPELESS: Final = 2.0
+# Operations: of an articulated body, and of carrying a column of the mass matrix over one link.
+_ARTICULATED, _CARRYING = 300, 18
+
+
+@dataclass(frozen=True, slots=True)
+class Recursion:
+    """The equations of motion of a tree by recursion.
+
+    Attributes
+    ----------
+    tree : Tree
+        Links as they are.
+    light : Tree
+        Links with their base parameters only: the same motion, other reactions.
+    method : str
+        "articulated", "composite", or "" for the one with fewer operations.
+    """
+
+    topology: Topology
+    kinematics: Kinematics
+    tree: Tree
+    light: Tree
+    gravity: Triple
+    loads: tuple[Load, ...]
+    rotors: tuple[Rotor, ...]
+    method: str = ""
+    # Made on first request; pure functions of the fields above, so they cannot go stale.
+    _rows: list[list[dict[int, Expr]]] = field(default_factory=list, repr=False)
+    _factors: list[Factors] = field(default_factory=list, repr=False)
+    _freed: list[list[list[Freed]]] = field(default_factory=list, repr=False)
+    _forcing: list[tuple[Expr, ...]] = field(default_factory=list, repr=False)
+    _chosen: list[str] = field(default_factory=list, repr=False)
+
+    @property
+    def graph(self) -> Graph:
+        """The graph of all expressions."""
+        return self.kinematics.graph
+
+    @property
+    def mass_matrix(self) -> tuple[tuple[Expr, ...], ...]:
+        """M in the order of the speeds."""
+        if not self._rows:
+            self._rows.append(mass_rows(self.light, self._rows_of, self._rotor_entries()))
+        rows, place = self._rows[0], self._rows_of
+        order = [place[u] for u in self.kinematics.speeds]
+        zero = number(self.graph, 0)
+
+        def entry(i: int, j: int) -> Expr:
+            return rows[max(i, j)].get(min(i, j), zero)
+
+        return tuple(tuple(entry(i, j) for j in order) for i in order)
+
+    @property
+    def forcing(self) -> tuple[Expr, ...]:
+        """F in the order of the speeds."""
+        if not self._forcing:
+            needed, zero = self.needed(), number(self.graph, 0)
+            found = [
+                effort - needed.get(u, zero)
+                for u, effort in zip(self.kinematics.speeds, self._efforts(), strict=True)
+            ]
+            self._forcing.append(tuple(found))
+        return self._forcing[0]
+
+    def needed(self, udot: Mapping[int, Expr] | None = None) -> dict[int, Expr]:
+        """Return the force along each speed that accelerations need, less loads on bodies; by default u' = 0.
+
+        Efforts along coordinates and rotors are not in it.
+        """
+        wrenches = needed_wrenches(self.light, link_motions(self.light, self.gravity, udot))
+        applied = applied_wrenches(self.topology, self.kinematics, self.light, self.loads)
+        for k, given in applied.items():
+            wrenches[k] = wrenches[k].plus(given.opposite)
+        return generalized_forces(self.light, wrenches)
+
+    def inverse_dynamics(self, udot: Sequence[Expr]) -> list[Expr]:
+        """Return ``M u' - F``: what is missing along each speed for the accelerations `udot`."""
+        speeds = self.kinematics.speeds
+        given = dict(zip(speeds, udot, strict=True))
+        needed, zero = self.needed(given), number(self.graph, 0)
+        total = {u: needed.get(u, zero) - effort for u, effort in zip(speeds, self._efforts(), strict=True)}
+        for (one, two), inertia in self._rotor_entries().items():
+            total[one] = total[one] + inertia * given[two]
+        return [total[u] for u in speeds]
+
+    def solve(self, forces: Sequence[Expr]) -> Solution:
+        """Return u' with ``M u' = forces``, and the pivots, in the order of the speeds."""
+        if not self._chosen:
+            self._chosen.append(self.method or self._cheaper(forces))
+        return self._solve_by(self._chosen[0], forces)
+
+    @property
+    def chosen(self) -> str:
+        """The method that `solve` takes; empty before it was asked."""
+        return self._chosen[0] if self._chosen else ""
+
+    def _cheaper(self, forces: Sequence[Expr]) -> str:
+        """Return the method with fewer operations."""
+        if any(one != two for one, two in self._rotor_entries()):
+            return "composite"  # rotors on several speeds join links that do not carry each other
+        depths = [
+            d for d, link in zip(self.light.depths, self.light.links, strict=True) if link.motion.columns
+        ]
+        composite = sum(d * d + _CARRYING * d for d in depths)
+        if composite > _HOPELESS * _ARTICULATED * len(depths):
+            return "articulated"
+        counts = {
+            method: operation_count(self.graph, [x.index for x in self._solve_by(method, forces).values])
+            for method in ("composite", "articulated")
+        }
+        return min(counts, key=counts.__getitem__)
+
+    def _solve_by(self, method: str, forces: Sequence[Expr]) -> Solution:
+        speeds = self.kinematics.speeds
+        if method == "articulated":
+            if not self._freed:
+                own = {one: inertia for (one, _), inertia in self._rotor_entries().items()}
+                self._freed.append(freed(self.light, own))
+            motions = self._freed[0]
+            found = accelerations(self.light, motions, dict(zip(speeds, forces, strict=True)))
+            pivots = {motion.column.speed: motion.pivot for link in motions for motion in link}
+            return Solution([found[u] for u in speeds], [pivots[u] for u in speeds])
+        if not self._factors:
+            if not self._rows:
+                self._rows.append(mass_rows(self.light, self._rows_of, self._rotor_entries()))
+            self._factors.append(factors(self._rows[0]))
+        place = self._rows_of
+        right = [forces[0]] * len(place) if forces else []
+        for u, force in zip(speeds, forces, strict=True):
+            right[place[u]] = force
+        x = solved(self._factors[0], right)
+        return Solution([x[place[u]] for u in speeds], [self._factors[0].pivots[place[u]] for u in speeds])
+
+    def _rotor_entries(self) -> dict[tuple[int, int], Expr]:
+        """Return what rotors add to the mass matrix, by pairs of speeds."""
+        found: dict[tuple[int, int], Expr] = {}
+        for rotor in self.rotors:
+            slopes = self._slopes(rotor.rate)
+            for one, a in slopes.items():
+                for two, b in slopes.items():
+                    entry = rotor.inertia * a * b
+                    found[one, two] = found[one, two] + entry if (one, two) in found else entry
+        return found
+
+    def _efforts(self) -> list[Expr]:
+        """Return what drives, and rotors with all u' = 0, give along each speed."""
+        speeds, zero = self.kinematics.speeds, number(self.graph, 0)
+        found = dict.fromkeys(speeds, zero)
+        for load in self.loads:
+            if isinstance(load, Effort):
+                for u, slope in self._slopes(load.rate).items():
+                    found[u] = found[u] + slope * load.effort
+        for rotor in self.rotors:
+            bias = self.kinematics.bias(rotor.rate)
+            for u, slope in self._slopes(rotor.rate).items():
+                found[u] = found[u] - rotor.inertia * bias * slope
+        return [found[u] for u in speeds]
+
+    def _slopes(self, rate: Expr) -> dict[int, Expr]:
+        """Return the coefficients of the speeds; most rates are a speed."""
+        if rate.index in self._places:
+            return {rate.index: number(self.graph, 1)}
+        return self.kinematics.slopes(rate)
+
+    @property
+    def _rows_of(self) -> dict[int, int]:
+        return column_places(self.light, self.kinematics.speeds)
+
+    @property
+    def _places(self) -> frozenset[int]:
+        return frozenset(self.kinematics.speeds)

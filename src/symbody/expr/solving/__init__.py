@@ -1,0 +1,1 @@
+"""Equations solved in closed form with SymPy, in a process that can be ended."""

@@ -1,0 +1,208 @@
+"""A `Robot` as a `Model`: lumps become bodies, joints keep their names, links become frames."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from symbody.errors import Problem, UsageError, nearest
+from symbody.formats.urdf.building.bodies import BodyPlan, ground_frame, plan_of, possible, symbol_names
+from symbody.formats.urdf.building.following import coupling, law_of
+from symbody.formats.urdf.building.lumping import Lump, lumps_of
+from symbody.formats.urdf.building.movable import Moving, coordinates_of, floating, normal_turn, speeds_of
+from symbody.formats.urdf.building.naming import Naming
+from symbody.formats.urdf.building.weights import weight_notes
+from symbody.formats.urdf.file.placement import Placement
+from symbody.formats.urdf.file.robot import Robot, UrdfJoint
+from symbody.model.element import Address, Element
+from symbody.model.frame import Frame
+from symbody.model.joint import Joint
+
+BASE = "base"
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """What a model is made of.
+
+    Attributes
+    ----------
+    links : mapping of link to Address
+        The frame of each link.
+    homes : mapping of link to (BodyPlan or None, Placement)
+        The body each link is part of, None for the ground, and its frame from that of the first link.
+    lines : mapping of label to int
+        Of the file, for each element, by "body NAME" or "joint NAME".
+    """
+
+    elements: tuple[Element, ...]
+    ground: Mapping[str, Frame]
+    parameters: Mapping[str, str]
+    inputs: tuple[str, ...]
+    notes: tuple[str, ...]
+    links: Mapping[str, Address]
+    homes: Mapping[str, tuple[BodyPlan | None, Placement]]
+    lines: Mapping[str, int]
+
+
+def parts_of(robot: Robot, floating_base: bool, symbolic: Collection[str]) -> Parts:
+    """Return the parts of the model of a robot.
+
+    Raises
+    ------
+    UsageError
+        If `symbolic` names no link, or the base would float twice.
+    """
+    _check_symbolic(robot, symbolic)
+    lumps, joints = lumps_of(robot, set(symbolic))
+    _check_base(robot, lumps[0], joints, floating_base)
+    draft = _Draft(robot, Naming(), floating_base)
+    draft.naming.take(*coordinates_of("floating", BASE), *speeds_of("floating", BASE))
+    draft.place_links(lumps, set(symbolic))
+    draft.name_joints(joints)
+    elements = [*draft.bodies(), *draft.joints(), *draft.couplings()]
+    notes = (*robot.notes, *draft.naming.notes, *draft.notes, *_heavy(robot, lumps, floating_base))
+    lines = {f"joint {draft.names[joint.name]}": joint.line for joint in joints}
+    lines |= {f"body {plan.name}": robot.links[lump.root].line for lump, plan in draft.plans}
+    return Parts(
+        tuple(elements),
+        draft.frames.get("", {}),
+        {name: value for _, plan in draft.plans for name, value in plan.values.items()},
+        tuple(name for joint in joints for name in draft.inputs(joint)),
+        notes,
+        draft.links,
+        draft.homes,
+        lines,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Draft:
+    """Names and frames while a model is put together; the body "" is the ground."""
+
+    robot: Robot
+    naming: Naming
+    floats: bool
+    plans: list[tuple[Lump, BodyPlan]] = field(default_factory=list)
+    homes: dict[str, tuple[BodyPlan | None, Placement]] = field(default_factory=dict)
+    links: dict[str, Address] = field(default_factory=dict)
+    frames: dict[str, dict[str, Frame]] = field(default_factory=dict)
+    names: dict[str, str] = field(default_factory=dict)
+    symbols: dict[str, str] = field(default_factory=dict)
+    moving: list[Moving] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def place_links(self, lumps: Sequence[Lump], symbolic: Collection[str]) -> None:
+        """Give every link its body and its frame."""
+        names = {name: self.naming.element(name, "_link", "link") for name in self.robot.links}
+        for k, lump in enumerate(lumps):
+            grounded = k == 0 and not self.floats
+            plan = None
+            if not grounded:
+                symbols = self._symbols(names[lump.root]) if lump.root in symbolic else None
+                plan = plan_of(self.robot, lump, names[lump.root], symbols)
+                self.plans.append((lump, plan))
+            elif lump.root in symbolic:
+                self.notes.append(f"link {lump.root} stays symbolic in vain: it is the ground")
+            for link, place in lump.places.items():
+                self.homes[link] = (plan, place)
+                self.links[link] = self._stand(plan, names[link], place)
+
+    def name_joints(self, joints: Iterable[UrdfJoint]) -> None:
+        """Give every joint its names and frames."""
+        for joint in joints:
+            name = self.naming.element(joint.name, "_joint", "joint")
+            self.names[joint.name] = name
+            self.symbols[joint.name] = self.naming.symbol(joint.name, "joint") if joint.moves else ""
+        for joint in joints:
+            self.moving.append(self._moving(joint))
+
+    def inputs(self, joint: UrdfJoint) -> tuple[str, ...]:
+        """Return the efforts of a joint: none where it follows another, floats or is fixed."""
+        if joint.mimic is not None or joint.kind in ("floating", "fixed"):
+            return ()
+        return tuple(f"tau_{name}" for name in coordinates_of(joint.kind, self.symbols[joint.name]))
+
+    def bodies(self) -> list[Element]:
+        """Return the bodies with their frames."""
+        return [plan.body(self.frames[plan.name]) for _, plan in self.plans]
+
+    def joints(self) -> list[Joint]:
+        """Return the joints of the model."""
+        found: list[Joint] = []
+        if self.floats:
+            name = self.naming.element(BASE, "_joint", "the joint")
+            found.append(floating(name, BASE, Address("ground"), self.links[self.robot.root]))
+        return found + [moving.element() for moving in self.moving]
+
+    def couplings(self) -> list[Element]:
+        """Return what ties the joints that follow others."""
+        found: list[Element] = []
+        for moving in self.moving:
+            if moving.joint.mimic is None or moving.fixed is not None:
+                continue
+            leader, factor, offset = law_of(moving.joint, self.robot.joints)
+            name = self.naming.element(f"{moving.joint.name} mimic", "_2", "the coupling")
+            pair = (moving.symbol, self.symbols[leader.name])
+            found.append(coupling(name, moving.joint, leader, pair, factor, offset))
+        return found
+
+    def _moving(self, joint: UrdfJoint) -> Moving:
+        turn = normal_turn(joint)
+        name = self.names[joint.name]
+        plan, place = self.homes[joint.parent]
+        start = self._stand(plan, name, place.then(joint.origin).then(turn))
+        end = self.links[joint.child]
+        if turn.turns:
+            own = self.naming.element(f"{joint.name} end", "_frame", "the frame")
+            end = self._stand(self.homes[joint.child][0], own, turn)
+        fixed = None
+        if joint.mimic is not None:
+            _, factor, offset = law_of(joint, self.robot.joints)
+            fixed = None if factor else offset
+        return Moving(joint, name, self.symbols[joint.name], self.inputs(joint), start, end, fixed)
+
+    def _stand(self, plan: BodyPlan | None, name: str, place: Placement) -> Address:
+        """Put a frame on a body, or on the ground."""
+        frame = ground_frame(place) if plan is None else plan.frame(place)
+        self.frames.setdefault("" if plan is None else plan.name, {})[name] = frame
+        return Address("ground" if plan is None else plan.name, name)
+
+    def _symbols(self, name: str) -> list[str]:
+        return [self.naming.symbol(symbol, "parameter") for symbol in symbol_names(name)]
+
+
+def _check_symbolic(robot: Robot, symbolic: Collection[str]) -> None:
+    problems = [
+        Problem(
+            "urdf.unknown_symbolic",
+            "symbolic",
+            f"the robot has no link {name!r}",
+            "",
+            nearest(name, robot.links),
+        )
+        for name in symbolic
+        if name not in robot.links
+    ]
+    if problems:
+        raise UsageError(*problems)
+
+
+def _check_base(robot: Robot, base: Lump, joints: Sequence[UrdfJoint], floats: bool) -> None:
+    own = [joint for joint in joints if joint.parent in base.places]
+    if floats and not base.mass and len(own) == 1 and own[0].kind == "floating":
+        raise UsageError(
+            Problem("urdf.floats_twice", f"{robot.where}:{own[0].line}, joint {own[0].name}",
+                    f"the root link {robot.root} has no mass, and the file lets {own[0].child} float from it",
+                    "the file has a floating base already", "leave floating_base=True out")
+        )  # fmt: skip
+
+
+def _heavy(robot: Robot, lumps: Sequence[Lump], floats: bool) -> Iterable[str]:
+    """Return notes on masses that are impossible, missing or without influence."""
+    for lump in lumps if floats else lumps[1:]:
+        for name in lump.places:
+            link = robot.links[name]
+            if not possible(link.inertia):
+                yield f"line {link.line}: link {name}: no body has this inertia; it is taken as it is"
+    yield from weight_notes(robot, lumps, floats)

@@ -1,0 +1,199 @@
+"""What closes loops: joints, constraints and springs in words of the model file, between links."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
+
+from symbody.errors import FormatError, ModelError, Problem, nearest
+from symbody.expr.graph import Constant
+from symbody.formats.checking import check_structure
+from symbody.formats.entries import element_from, ground_frames
+from symbody.formats.lines import Path
+from symbody.formats.places import Locate, lines_of, relocated
+from symbody.formats.reading import read_text
+from symbody.formats.toml_syntax import parse_toml
+from symbody.formats.urdf.building.bodies import BodyPlan, rotation
+from symbody.formats.urdf.building.conversion import Parts
+from symbody.formats.urdf.file.placement import Placement, numeral
+from symbody.model.body import Body
+from symbody.model.door import Value
+from symbody.model.element import Element
+from symbody.model.frame import Frame
+from symbody.model.model import KINDS
+from symbody.model.naming import GROUND
+from symbody.model.table import Table
+
+_ADDRESSES: Final = ("on", "reaction_on", "resolved_in")
+_KINDS: Final = tuple(kind for kind in KINDS if kind != "body")
+
+
+def _nowhere(path: Path) -> str:
+    return ""
+
+
+@dataclass(frozen=True, slots=True)
+class Loops:
+    """What a file adds to a robot.
+
+    Attributes
+    ----------
+    frames : mapping of body to frames
+        Points on links; "ground" is the fixed one.
+    paths : tuple of Path
+        Where each element stands in the file.
+    """
+
+    elements: tuple[Element, ...] = ()
+    frames: Mapping[str, Mapping[str, Frame]] = field(default_factory=dict)
+    parameters: Mapping[str, Value | None] = field(default_factory=dict)
+    inputs: tuple[str, ...] = ()
+    initial: Mapping[str, Value] = field(default_factory=dict)
+    paths: tuple[Path, ...] = ()
+    locate: Locate = _nowhere
+
+    @property
+    def ground(self) -> Mapping[str, Frame]:
+        """Frames fixed on the ground."""
+        return self.frames.get(GROUND, {})
+
+    def with_frames(self, elements: Iterable[Element]) -> list[Element]:
+        """Return elements of the robot, the bodies with the points on them."""
+        return [
+            replace(element, frames=Table({**element.frames, **self.frames[element.name]}))
+            if isinstance(element, Body) and element.name in self.frames
+            else element
+            for element in elements
+        ]
+
+
+NO_LOOPS: Final = Loops()
+
+
+def read_loops(path: str | os.PathLike[str], parts: Parts) -> Loops:
+    """Return what a file adds to a robot.
+
+    Raises
+    ------
+    FormatError, ModelError
+        With everything that is wrong with it, and its lines.
+    """
+    where = os.fsdecode(path)
+    text = read_text(path)
+    data = parse_toml(text, where)
+    locate = lines_of(text, where)
+    content = check_structure({"name": "loops", **data}, locate)
+    problems = [
+        Problem("urdf.loops_key", locate((key,)), f"{key!r} does not belong into a file of loops",
+                "the robot's file and the call say it", f"delete {key}")
+        for key in ("gravity", "layout")
+        if key in data
+    ]  # fmt: skip
+    points = _Points(parts, locate, problems)
+    points.read_bodies(content.get("body", []))
+    faults: list[Problem] = []
+    ground = ground_frames(content.get("ground", {}).get("frames", {}), faults)
+    problems += relocated(faults, {"model": ()}, locate)
+    points.frames.setdefault(GROUND, {}).update(ground)
+    elements: list[Element] = []
+    paths: list[Path] = []
+    for kind in _KINDS:
+        for k, entry in enumerate(content.get(kind, [])):
+            try:
+                elements.append(element_from(kind, points.readdressed(entry)))
+                paths.append((kind, k))
+            except ModelError as error:
+                problems += relocated(error.problems, {f"{kind} {entry['name']}": (kind, k)}, locate)
+    if problems:
+        raise FormatError(*problems)
+    parameters = {name: None if v == "" else v for name, v in content.get("parameters", {}).items()}
+    return Loops(
+        tuple(elements), points.frames, parameters, tuple(content.get("inputs", ())),
+        content.get("initial", {}), tuple(paths), locate,
+    )  # fmt: skip
+
+
+class _Points:
+    """Points on links, and what addresses mean; made for one file."""
+
+    __slots__ = ("_known", "_locate", "_parts", "_problems", "frames")
+
+    def __init__(self, parts: Parts, locate: Locate, problems: list[Problem]) -> None:
+        self._parts = parts
+        self._locate = locate
+        self._problems = problems
+        self._known: dict[tuple[str, str], str] = {}
+        self.frames: dict[str, dict[str, Frame]] = {}
+
+    def read_bodies(self, entries: Sequence[Mapping[str, Any]]) -> None:
+        """Take the frames of links; an entry may say nothing else."""
+        for k, entry in enumerate(entries):
+            link = entry["name"]
+            place = f"{self._locate(('body', k))}, body {link}"
+            extra = sorted(set(entry) - {"name", "frames"})
+            if link not in self._parts.homes:
+                cure = nearest(link, self._parts.homes)
+                self._problems.append(
+                    Problem("urdf.unknown_link", place, f"there is no link {link!r}", "", cure)
+                )
+            elif extra:
+                self._problems.append(
+                    Problem("urdf.loops_key", place, f"{', '.join(extra)} of a link cannot be given here",
+                            "the robot's file says it", "give frames alone")
+                )  # fmt: skip
+            else:
+                for name, given in entry.get("frames", {}).items():
+                    self._add(link, name, given, place)
+
+    def readdressed(self, entry: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the table of an element with its addresses in words of the model."""
+        changed = dict(entry)
+        if "between" in entry:
+            changed["between"] = [self._address(text) for text in entry["between"]]
+        for key in _ADDRESSES:
+            if key in entry:
+                changed[key] = self._address(entry[key])
+        return changed
+
+    def _address(self, text: str) -> str:
+        link, _, point = (part.strip() for part in text.partition("."))
+        if link not in self._parts.links:
+            return text
+        own = self._parts.links[link]
+        return f"{own.body}.{self._known.get((link, point), point)}" if point else own.frame
+
+    def _add(self, link: str, name: str, given: Mapping[str, Any], place: str) -> None:
+        plan, home = self._parts.homes[link]
+        body = self._parts.links[link].body
+        frames = self.frames.setdefault(body, {})
+        own = name if name not in frames else f"{link} {name}"
+        self._known[(link, name)] = own
+        if given.get("matrix") is not None and home.turns:
+            self._problems.append(
+                Problem("urdf.loops_matrix", f"{place}, frames.{name}",
+                        f"a matrix cannot be given on link {link}", "its body is turned against it",
+                        "give the turns instead: rotate = [..]")
+            )  # fmt: skip
+            return
+        try:
+            frames[own] = Frame(
+                at=_on_body(plan, home, given.get("at", (0, 0, 0))),
+                rotate=[*rotation(home), *given.get("rotate", ())],
+                matrix=given.get("matrix"),
+            )
+        except ModelError as error:
+            self._problems += [replace(p, where=f"{place}, frames.{name}") for p in error.problems]
+
+
+def _on_body(plan: BodyPlan | None, home: Placement, at: Sequence[Value]) -> list[str]:
+    """Return a point of a link from the centre of mass of its body, as formulas."""
+    centre: tuple[Constant | str, ...] = (0, 0, 0) if plan is None else plan.centre
+    found = []
+    for row, own, c in zip(home.rows, home.at, centre, strict=True):
+        terms = [f"({numeral(r)})*({x})" if r != 1 else f"({x})" for r, x in zip(row, at, strict=True) if r]
+        terms += [numeral(own)] if own else []
+        less = c if isinstance(c, str) else f"({numeral(c)})"
+        found.append(" + ".join(terms or ["0"]) + (f" - {less}" if c else ""))
+    return found

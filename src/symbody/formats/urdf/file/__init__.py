@@ -1,0 +1,1 @@
+"""A URDF file as data: XML read safely, links, joints, and where they stand."""

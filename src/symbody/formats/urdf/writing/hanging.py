@@ -1,0 +1,167 @@
+"""Which joints of a model URDF can say, and how; everything else is refused by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+from xml.sax.saxutils import quoteattr
+
+from symbody.errors import Problem
+from symbody.expr.language.formula import Formula
+from symbody.formats.urdf.file.placement import numeral
+from symbody.formats.urdf.writing.values import Values
+from symbody.model.body import Body
+from symbody.model.constraints import Gear, RackPinion
+from symbody.model.constraints.couplings import Coupling
+from symbody.model.element import Address
+from symbody.model.joint import Joint
+from symbody.model.joints import Free, Planar, Prismatic, Revolute, Weld
+from symbody.model.model import Model
+from symbody.model.naming import GROUND
+
+_KINDS: Final[Mapping[type[Joint], str]] = MappingProxyType(
+    {Revolute: "continuous", Prismatic: "prismatic", Weld: "fixed", Planar: "planar", Free: "floating"}
+)
+_AXES: Final = MappingProxyType({"x": "1 0 0", "y": "0 1 0", "z": "0 0 1"})
+# URDF wants limits of a slide; these limit nothing.
+_LIMIT: Final = '<limit lower="-1e6" upper="1e6" effort="1e9" velocity="1e6"/>'
+
+
+@dataclass(frozen=True, slots=True)
+class Hung:
+    """A joint as URDF says it.
+
+    Attributes
+    ----------
+    end : Address
+        The frame of the child that is its link's frame.
+    details : tuple of str
+        What stands in the joint beside its ends and origin.
+    """
+
+    name: str
+    kind: str
+    start: Address
+    end: Address
+    details: tuple[str, ...]
+
+    @property
+    def body(self) -> str:
+        """The child."""
+        return self.end.body
+
+
+def hung_joints(model: Model, values: Values) -> tuple[list[Hung], list[Problem]]:
+    """Return the joints of a tree, and what URDF cannot say of them."""
+    problems: list[Problem] = []
+    mimics = _mimics(model, values, problems)
+    found = []
+    carried: dict[str, str] = {}
+    for joint in (*model.joints, *model.free_joints):
+        problems += _joint_problems(joint, values)
+        if joint.end.body in carried or joint.end.body == GROUND:
+            other = carried.get(joint.end.body)
+            what = (
+                f"{joint.end.body} is the end of joint {other} too" if other else "its end is on the ground"
+            )
+            fix = "exchange start and end of one joint, or cut the loop"
+            problems.append(_refusal(joint.name, what, "URDF describes trees, outward from the ground", fix))
+        carried[joint.end.body] = joint.name
+        if type(joint) in _KINDS:
+            details = tuple(_details(joint, values, mimics.get(joint.name)))
+            found.append(Hung(joint.name, _KINDS[type(joint)], joint.start, joint.end, details))
+    return found, problems
+
+
+def refuse_rest(model: Model) -> list[Problem]:
+    """Return a problem for each element that is neither a body, a joint, nor a joint that follows another."""
+    return [
+        Problem("urdf.cannot_say", f"{element.kind} {element.name}",
+                f"URDF has no word for a {element.kind} such as this", "it has links and joints alone",
+                "save_model writes everything; or take the element out")
+        for element in model.elements
+        if not isinstance(element, Body | Joint | Gear | RackPinion)
+    ]  # fmt: skip
+
+
+def _joint_problems(joint: Joint, values: Values) -> Iterator[Problem]:
+    if type(joint) not in _KINDS:
+        known = ", ".join(kind.__name__ for kind in _KINDS)
+        kind = type(joint).__name__
+        yield _refusal(joint.name, f"URDF has no joint {kind}", f"it has {known}", "build it from those")
+    if isinstance(joint, Free) and (joint.angles != "quaternion" or joint.speeds != "twist"):
+        yield _refusal(joint.name, "its coordinates or speeds are others than those of a floating joint",
+                       "", 'write angles="quaternion", speeds="twist"')  # fmt: skip
+    if joint.motions:
+        yield _refusal(joint.name, "its motion is prescribed", "URDF says no motions", "leave motion out")
+    if joint.armature:
+        yield _refusal(joint.name, "it has a rotor", "URDF has no word for its inertia", "leave armature out")
+    for path, _, drive in joint.placed_drives():
+        applied = drive.applied.names
+        if not (drive.applied.constant() == 0 or (len(applied) == 1 and drive.applied.text == applied[0])):
+            yield _refusal(joint.name, f"the effort {drive.applied} is a formula",
+                           "a joint of URDF has an input of its own",
+                           f"let an input be {path}.applied")  # fmt: skip
+        if drive.reads_coordinate or not (isinstance(drive.law, Formula) and drive.law.constant() == 0):
+            yield _refusal(
+                joint.name, "it has a spring", "URDF has no word for it", "leave stiffness and law out"
+            )
+        if not values.is_known(drive.damping) or (
+            drive.damping.constant() != 0 and len(joint.coordinates) > 1
+        ):
+            yield _refusal(joint.name, f"the damping {drive.damping} cannot be written",
+                           "URDF has numbers, for joints with one coordinate",
+                           "leave damping out")  # fmt: skip
+    friction = joint.friction
+    if friction is not None and (friction.force is None or friction.is_smooth or friction.static is not None):
+        yield _refusal(joint.name, "its friction is no plain strength", "", "write friction = { force = .. }")
+
+
+def _details(joint: Joint, values: Values, mimic: str | None) -> Iterator[str]:
+    for axis in joint.directions.values():
+        text = _AXES[axis] if isinstance(axis, str) else " ".join(map(values.text, axis))
+        yield f'<axis xyz="{text}"/>'
+    if isinstance(joint, Planar):
+        yield f'<axis xyz="{_AXES[joint.axis]}"/>'
+    if isinstance(joint, Prismatic):
+        yield _LIMIT
+    damping = [drive.damping for drive in joint.drives.values() if drive.damping.constant() != 0]
+    words = [f'damping="{values.text(formula)}"' for formula in damping if values.is_known(formula)]
+    force = joint.friction.force if joint.friction is not None else None
+    if force is not None and values.is_known(force):
+        words.append(f'friction="{values.text(force)}"')
+    if words:
+        yield f"<dynamics {' '.join(words)}/>"
+    if mimic is not None:
+        yield mimic
+
+
+def _mimics(model: Model, values: Values, problems: list[Problem]) -> dict[str, str]:
+    """Return the <mimic> of each joint that is the first of a coupling."""
+    homes = {name: joint.name for joint in model.joints for name in joint.coordinates}
+    found: dict[str, str] = {}
+    for coupling in model.constraints:
+        if not isinstance(coupling, Gear | RackPinion):
+            continue
+        own, leader = (homes.get(name) for name in coupling.coupled)
+        if own is None or leader is None or own in found or not values.is_known(coupling.offset):
+            what = "it cannot be said by one joint following another"
+            problems.append(
+                Problem("urdf.cannot_say", f"constraint {coupling.name}", what,
+                        "a joint follows one other, with constant multiplier and offset",
+                        "write it so that each joint is the first of one coupling")
+            )  # fmt: skip
+            continue
+        found[own] = _mimic(coupling, leader, values)
+    return found
+
+
+def _mimic(coupling: Coupling, leader: str, values: Values) -> str:
+    factor, offset = -values.number(coupling.factors[1]), values.number(coupling.offset)
+    return f'<mimic joint={quoteattr(leader)} multiplier="{numeral(factor)}" offset="{numeral(offset)}"/>'
+
+
+def _refusal(joint: str, what: str, why: str, fix: str) -> Problem:
+    return Problem("urdf.cannot_say", f"joint {joint}", what, why, fix)

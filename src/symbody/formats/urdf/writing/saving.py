@@ -1,0 +1,145 @@
+"""`save_urdf`: a model that is a tree of bodies written as URDF."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
+from xml.sax.saxutils import quoteattr
+
+from symbody.errors import FormatError
+from symbody.formats.urdf.writing.hanging import Hung, hung_joints, refuse_rest
+from symbody.formats.urdf.writing.poses import Pose, pose_of
+from symbody.formats.urdf.writing.values import Values
+from symbody.formats.writing import write_text
+from symbody.model.body import Body
+from symbody.model.door import Value
+from symbody.model.element import Address
+from symbody.model.model import Model
+
+_GROUND = "world"
+
+
+def save_urdf(
+    model: Model,
+    path: str | os.PathLike[str],
+    parameters: Mapping[str, Value] = MappingProxyType({}),
+) -> None:
+    """Write a model to a URDF file.
+
+    The ground becomes the link ``world``; each frame of a body becomes a link fixed on it. URDF names
+    coordinates after joints and has no word for gravity, which its readers choose.
+
+    Parameters
+    ----------
+    parameters : mapping of name to number or formula
+        Take the place of the model's values.
+
+    Raises
+    ------
+    FormatError
+        If the mechanism is no tree, has parts that URDF cannot say, all named, or the file cannot be written.
+    ModelError
+        If parameters have no value.
+    """
+    write_text(path, model_to_urdf(model, parameters))
+
+
+def model_to_urdf(model: Model, parameters: Mapping[str, Value] = MappingProxyType({})) -> str:
+    """Return the URDF text of a model.
+
+    Raises
+    ------
+    FormatError, ModelError
+        See `save_urdf`.
+    """
+    values = Values.of(model, parameters)
+    joints, problems = hung_joints(model, values)
+    problems += refuse_rest(model)
+    if problems:
+        raise FormatError(*problems)
+    homes = {joint.body: joint.end for joint in joints}
+    links = _Links(model, values, homes)
+    lines = ['<?xml version="1.0"?>', f"<robot name={quoteattr(model.name)}>"]
+    lines += links.written()
+    for joint in joints:
+        lines += _joint_lines(links, joint)
+    return "\n".join([*lines, "</robot>", ""])
+
+
+class _Links:
+    """Where the link of each body is, and what it is called; made for one text."""
+
+    __slots__ = ("_homes", "_model", "_values", "names")
+
+    def __init__(self, model: Model, values: Values, homes: Mapping[str, Address]) -> None:
+        self._model = model
+        self._values = values
+        self._homes = homes
+        taken = {body.name for body in model.bodies}
+        self.names = {body: body for body in taken}
+        self.names["ground"] = _free_name(_GROUND, taken)
+
+    def place(self, address: Address) -> Pose:
+        """Return a frame of a body from the frame of its link."""
+        home = self._own(self._homes[address.body]) if address.body in self._homes else Pose()
+        return home.inverse().then(self._own(address))
+
+    def written(self) -> Iterator[str]:
+        """Return the lines of all links, and of the joints that fix frames on them."""
+        yield f"  <link name={quoteattr(self.names['ground'])}/>"
+        for body in self._model.bodies:
+            yield from self._body_lines(body)
+        taken = {*self.names.values()}
+        frames = [("ground", name) for name in self._model.ground]
+        frames += [(body.name, name) for body in self._model.bodies for name in body.frames]
+        for body_name, name in frames:
+            if name == body_name:  # the link's own frame, as a file that was read has it
+                continue
+            link = _free_name(name, taken)
+            taken.add(link)
+            yield f"  <link name={quoteattr(link)}/>"
+            pose = self.place(Address(body_name, name))
+            yield f'  <joint name={quoteattr(f"{link} fixed")} type="fixed">'
+            yield f"    <parent link={quoteattr(self.names[body_name])}/>"
+            yield f"    <child link={quoteattr(link)}/>"
+            yield f"    {pose.origin()}"
+            yield "  </joint>"
+
+    def _own(self, address: Address) -> Pose:
+        """Return a frame from the centre of mass of its body."""
+        if not address.point:
+            return Pose()
+        ground = address.body == "ground"
+        frames = self._model.ground if ground else self._model.body(address.body).frames
+        return pose_of(frames[address.point], self._values)
+
+    def _body_lines(self, body: Body) -> Iterator[str]:
+        centre = self.place(Address(body.name))
+        mass = self._values.text(body.mass)
+        xx, yy, zz = map(self._values.text, body.inertia)
+        xy, xz, yz = map(self._values.text, body.products)
+        yield f"  <link name={quoteattr(body.name)}>"
+        yield "    <inertial>"
+        yield f"      {centre.origin()}"
+        yield f'      <mass value="{mass}"/>'
+        yield f'      <inertia ixx="{xx}" ixy="{xy}" ixz="{xz}" iyy="{yy}" iyz="{yz}" izz="{zz}"/>'
+        yield "    </inertial>"
+        yield "  </link>"
+
+
+def _joint_lines(links: _Links, joint: Hung) -> Iterator[str]:
+    yield f'  <joint name={quoteattr(joint.name)} type="{joint.kind}">'
+    yield f"    <parent link={quoteattr(links.names[joint.start.body])}/>"
+    yield f"    <child link={quoteattr(joint.body)}/>"
+    yield f"    {links.place(joint.start).origin()}"
+    yield from (f"    {line}" for line in joint.details)
+    yield "  </joint>"
+
+
+def _free_name(name: str, taken: set[str]) -> str:
+    found, number = name, 1
+    while found in taken:
+        number += 1
+        found = f"{name}_{number}"
+    return found

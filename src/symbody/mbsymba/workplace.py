@@ -1,0 +1,85 @@
+"""Where expressions by hand live: a graph of their own for each thread, made when needed, gone with them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import count
+from threading import local
+from typing import Final
+from weakref import ReferenceType, ref
+
+from symbody.errors import Problem, UsageError
+from symbody.expr.closed_form import readable
+from symbody.expr.expression import Expr, common_graph
+from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.opcodes import SYMBOL
+from symbody.expr.sympy_bridge import SympyExpr, nodes_from_sympy, to_sympy
+from symbody.vectors.matrix import Triple
+from symbody.vectors.placed import PlacedVector
+
+
+class Workplace(local):
+    """The graph and the gravity of one thread; the graph is kept by what is made in it."""
+
+    def __init__(self) -> None:
+        self.gravity: PlacedVector | None = None
+        self.serial: Iterator[int] = count(1)
+        self._graph: ReferenceType[Graph] | None = None
+
+    @property
+    def graph(self) -> Graph:
+        """The graph in which new expressions are made."""
+        found = None if self._graph is None else self._graph()
+        if found is None:
+            found = Graph()
+            self._graph = ref(found)
+        return found
+
+
+WORKPLACE: Final = Workplace()
+
+
+def read(values: Iterable[object]) -> list[Expr]:
+    """Return SymPy expressions, or numbers, as expressions of this thread's graph."""
+    graph = WORKPLACE.graph
+    return [Expr(graph, node) for node in nodes_from_sympy(values, graph)]
+
+
+def triple(x: object, y: object, z: object) -> Triple:
+    """Return three components."""
+    a, b, c = read((x, y, z))
+    return (a, b, c)
+
+
+def write(values: Sequence[Expr]) -> list[SympyExpr]:
+    """Return expressions in the short form in which books print them, as SymPy's."""
+    if not values:
+        return []
+    graph, nodes = common_graph(values)
+    return to_sympy(graph, readable(graph, nodes))
+
+
+def function_names(given: object, where: str) -> list[str]:
+    """Return the names of functions of time.
+
+    Raises
+    ------
+    UsageError
+        If something is no function of time.
+    """
+    items = list(given) if isinstance(given, Iterable) else [given]
+    symbols = [_symbol_of(value) for value in read(items)]
+    wrong = [str(item) for item, symbol in zip(items, symbols, strict=True) if symbol is None]
+    if wrong:
+        raise UsageError(
+            Problem("mbsymba.not_a_function", where, f"{', '.join(wrong)} is no function of time",
+                    "coordinates and multipliers change with time",
+                    "make it by dynamicsymbols('x'), and give the function itself, not a rate of it")
+        )  # fmt: skip
+    return [symbol.name for symbol in symbols if symbol is not None]
+
+
+def _symbol_of(value: Expr) -> Symbol | None:
+    graph = value.graph
+    symbol = graph.symbols[graph.left[value.index]] if graph.ops[value.index] == SYMBOL else None
+    return symbol if symbol and symbol.kind is Kind.COORDINATE and not symbol.order else None

@@ -1,0 +1,1 @@
+"""Inverse dynamics: what makes a mechanism move as it is told to."""

@@ -1,0 +1,230 @@
+"""`inverse_dynamics`: the inputs that make a mechanism move as it is told to.
+
+Positions by continuation along the times, speeds and accelerations from the differentiated constraints, then
+one linear system in the unknown inputs at each time (García de Jalón & Bayo 1994, section 5.2; Haug 1989,
+section 6.4). Multipliers, reactions and energies are those of the equations of motion with these inputs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline
+
+from symbody.analysis.kinematics.follower import follower
+from symbody.codegen.compile import Value
+from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.ropes import ropes
+from symbody.errors import Problem, UsageError, nearest
+from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
+from symbody.simulation.inverse.influence import influence
+from symbody.simulation.inverse.motion_laws import Motion, motion_laws
+from symbody.simulation.inverse.path import Path, Samples
+from symbody.simulation.inverse.unknowns import Unknowns
+from symbody.simulation.native.run import Statistics
+from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.status import Status
+from symbody.simulation.task import Evaluator, Task
+
+Floats = NDArray[np.float64]
+
+
+def inverse_dynamics(
+    eqs: EquationSet,
+    motion: Mapping[str, Motion],
+    unknowns: str | Sequence[str],
+    times: ArrayLike,
+    parameters: Mapping[str, Value] | None = None,
+    inputs: Mapping[str, Law] | None = None,
+    guess: Mapping[str, Value] | None = None,
+) -> Trajectory:
+    """Return the motion asked for, with the inputs that make it.
+
+    Parameters
+    ----------
+    motion : mapping of coordinate to expression, table or callable
+        As many coordinates as the mechanism has freedoms, those of cut joints too: expressions in t and
+        parameters, ``{"theta": "pi*t**2"}``; (times, values) or a cubic `Table`, splined; a function of
+        time that returns the coordinate, its rate and its acceleration.
+    unknowns : str or sequence of str
+        Inputs to find; more than freedoms get the values of least norm, with a note.
+    times : (N,) array
+        Rising times [s]; positions are followed from each to the next.
+    parameters, inputs : mapping
+        As for `simulate`; inputs without a law are 0.
+    guess : mapping of name to number or formula in parameters
+        Near which the loops close at the first time.
+
+    Returns
+    -------
+    Trajectory
+        With the unknowns as keys beside all that a simulated motion has: coordinates, multipliers, reactions,
+        energy, work, constraint violation. Between its samples nothing is known.
+
+    Raises
+    ------
+    UsageError
+        If names make no sense, an unknown enters in higher degree, or the motion leaves freedoms.
+    AssemblyError
+        If the loops do not close at the first time.
+    SimulationError
+        If the motion leads out of reach, contradicts the constraints, or cannot be made by the unknowns,
+        with time and joint.
+    """
+    started = perf_counter()
+    names = (unknowns,) if isinstance(unknowns, str) else tuple(unknowns)
+    t, given, others = _times(times), dict(parameters or {}), dict(inputs or {})
+    _check_questions(eqs, names, motion, others)
+    span = (float(t[0]), float(t[-1]))
+    path = Path(eqs, follower(eqs, *motion_laws(motion, span), given), given, dict(guess or {}))
+    known = input_laws([name for name in eqs.input_names if name not in names], others, span)
+    solver = Unknowns(path, eqs, known, names, influence(eqs, names))
+    samples = path.samples(t)
+    found = solver.solved(samples)
+    notes = tuple(_notes(eqs, names, others, known, redundant=found.redundant))
+    return _trajectory(solver, samples, found.values, notes, started)
+
+
+def _trajectory(
+    solver: Unknowns, samples: Samples, r: Floats, notes: tuple[str, ...], started: float
+) -> Trajectory:
+    """Return the motion with the inputs found, and what follows from both."""
+    eqs, known = solver.eqs, solver.laws
+    laws = FoundLaws(known.formulas, known.asked, known.notes, solver, {_key(samples): r})
+    evaluate = Evaluator(Task(eqs, solver.path.parameters, laws), None)
+    power = evaluate("power", samples.t, samples.q, samples.u)
+    count = samples.t.size
+    return Trajectory(
+        t=samples.t,
+        q=samples.q,
+        u=samples.u,
+        coordinate_names=eqs.coordinate_names,
+        speed_names=eqs.speed_names,
+        status=Status.SUCCESS,
+        statistics=Statistics(count - 1, None, count, perf_counter() - started),
+        evaluate=evaluate,
+        stored=dict(zip(solver.names, r, strict=True)) | {"work": _integral(samples.t, power)},
+        units=eqs.units,
+        notes=notes,
+        name=eqs.model.name,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class FoundLaws(InputLaws):
+    """Laws of inputs, of which the unknown ones are solved for where they are asked."""
+
+    solver: Unknowns
+    # Of the samples of the motion, and whatever else was asked for.
+    found: dict[bytes, Floats] = field(repr=False)
+
+    def values(self, t: Floats, q: Floats, u: Floats) -> Floats:
+        """Return the inputs at times (N,) with q (n_q, N) and u (n_u, N): (N, n)."""
+        udot = np.zeros_like(u)
+        samples = Samples(t, q, u, udot)
+        key = _key(samples)
+        if key not in self.found:
+            columns = [self.solver.path.motion(float(s), x)[1] for s, x in zip(t, q.T, strict=True)]
+            samples = samples._replace(udot=np.array(columns).T)
+            self.found[key] = self.solver.solved(samples).values
+        return self.solver.arguments(samples, self.found[key])
+
+
+def _key(samples: Samples) -> bytes:
+    return samples.t.tobytes() + samples.q.tobytes() + samples.u.tobytes()
+
+
+def _times(times: ArrayLike) -> Floats:
+    try:
+        found = np.atleast_1d(np.array(times, dtype=np.float64))
+    except (TypeError, ValueError) as error:
+        raise _wrong_times(f"{times!r} are not numbers") from error
+    if found.ndim != 1 or not found.size or not np.isfinite(found).all():
+        raise _wrong_times(f"they have shape {found.shape}, or are not finite")
+    if (np.diff(found) <= 0.0).any():
+        raise _wrong_times("they do not rise")
+    return found
+
+
+def _wrong_times(what: str) -> UsageError:
+    return UsageError(
+        Problem("inverse.times", "times", what, "", "give rising numbers, such as linspace(0, 1, 101)")
+    )
+
+
+def _check_questions(
+    eqs: EquationSet, unknowns: Sequence[str], motion: Mapping[str, Any], inputs: Mapping[str, Any]
+) -> None:
+    """Refuse names that mean nothing, and questions without an answer, all at once.
+
+    Raises
+    ------
+    UsageError
+        Naming each.
+    """
+    problems = []
+    for name in dict.fromkeys(unknowns):
+        if name not in eqs.input_names:
+            problems.append(_no_input(eqs, name))
+        elif name in inputs:
+            problems.append(
+                Problem("inverse.known_unknown", f"unknown {name}", f"{name} is given in inputs, too", "",
+                        "leave it out of one of them")
+            )  # fmt: skip
+    if len(set(unknowns)) < len(unknowns):
+        problems.append(
+            Problem("inverse.repeated", "unknowns", "a name stands there twice", "", "name each once")
+        )
+    if not motion and eqs.speed_names:
+        problems.append(
+            Problem("inverse.no_motion", "motion", "no motion is given",
+                    "nothing says how the mechanism moves",
+                    f'write motion={{"{eqs.coordinate_names[0]}": "sin(t)"}}')
+        )  # fmt: skip
+    problems += [
+        Problem("inverse.rope", f"constraint {name}",
+                "a rope may be slack or taut, and a motion does not tell",
+                "", "use a Distance that is no rope where it is taut, or leave it out where it is slack")
+        for name in ropes(eqs.formed)
+    ]  # fmt: skip
+    if problems:
+        raise UsageError(*problems)
+
+
+def _no_input(eqs: EquationSet, name: str) -> Problem:
+    if name in eqs.multiplier_names or name.startswith(("reaction ", "effort ")):
+        return Problem(
+            "inverse.always_known", f"unknown {name}", f"{name} is no input of the model",
+            "multipliers, reactions and efforts are always solved for",
+            f"leave it out here and read run[{name!r}] from the result",
+        )  # fmt: skip
+    return Problem(
+        "inverse.unknown_input", f"unknown {name}", f"the model has no input {name!r}",
+        'an unknown is an input of the model, as of sb.Drive(applied="T") at a joint',
+        nearest(name, eqs.input_names),
+    )  # fmt: skip
+
+
+def _notes(
+    eqs: EquationSet, unknowns: Sequence[str], inputs: Mapping[str, Any], known: InputLaws, *, redundant: bool
+) -> list[str]:
+    silent = [name for name in eqs.input_names if name not in inputs and name not in unknowns]
+    notes = [f"input {name} has no value and is 0" for name in silent]
+    if redundant:
+        notes.append(
+            f"{', '.join(unknowns)} are more than the motion determines: of all values that give it, "
+            "these have the least sum of squares"
+        )
+    return [*notes, *known.notes]
+
+
+def _integral(t: Floats, power: Floats) -> Floats:
+    """Return the integral of a power since the first time, by a cubic spline."""
+    if t.size < 2:
+        return np.zeros_like(t)
+    return np.asarray(CubicSpline(t, power).antiderivative()(t), dtype=np.float64)

@@ -1,0 +1,145 @@
+"""The motion that is asked for: positions by continuation, speeds and accelerations exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.assembly import assemble
+from symbody.analysis.kinematics.follower import Follower
+from symbody.analysis.redundancy import redundancy
+from symbody.codegen.compile import Value
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import AssemblyError, Problem, SimulationError, SymbodyError, UsageError
+
+Floats = NDArray[np.float64]
+
+_CONSISTENT: Final = 1e-7  # of the largest term: positions are good to 1e-12 and times may be long
+
+
+class Samples(NamedTuple):
+    """A motion at times: q (n_q, N), u and udot (n_u, N)."""
+
+    t: Floats
+    q: Floats
+    u: Floats
+    udot: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Path:
+    """What is asked of a mechanism, and of what it consists."""
+
+    eqs: EquationSet
+    follower: Follower
+    parameters: Mapping[str, Value]
+    guess: Mapping[str, Value]
+
+    def samples(self, times: Floats) -> Samples:
+        """Return the motion at times.
+
+        Raises
+        ------
+        AssemblyError
+            If there is no first position.
+        UsageError
+            If the motion leaves freedoms.
+        SimulationError
+            If the motion contradicts the constraints, or leads out of reach, naming time and joint.
+        """
+        q = self._first(float(times[0]))
+        found = []
+        for k, t in enumerate(times.tolist()):
+            if k:
+                reached, q = self.follower.reached(float(times[k - 1]), q, t)
+                if reached != t:
+                    raise SimulationError(self._lost(reached, t, q))
+            u, udot = self.motion(t, q)
+            found.append((q, u, udot))
+        columns = [np.array([one[k] for one in found]).T for k in range(3)]
+        return Samples(times, *columns)
+
+    def motion(self, t: float, q: Floats) -> tuple[Floats, Floats]:
+        """Return speeds and accelerations at a position.
+
+        Raises
+        ------
+        UsageError
+            If the driven coordinates leave freedoms.
+        SimulationError
+            If they contradict the constraints, or each other.
+        """
+        follower = self.follower
+        still = np.zeros(len(self.eqs.speed_names))
+        jacobian, rate, _ = follower.rows(t, q, still)
+        freedom = follower.freedom(jacobian)
+        if freedom.basis.shape[1]:
+            raise UsageError(self._free(t, q, freedom.basis * follower.speed_sizes[:, np.newaxis]))
+        u, error = follower.solve(jacobian, rate)
+        self._check(t, "speeds", error, rate)
+        jacobian, _, acceleration = follower.rows(t, q, u)
+        udot, error = follower.solve(jacobian, acceleration)
+        self._check(t, "accelerations", error, acceleration)
+        return u, udot
+
+    def _first(self, t: float) -> Floats:
+        state = assemble(self.eqs, self.follower.asked(t), self.guess, self.parameters, None, t)
+        q = np.array(list(state.q.values()))
+        closer = self.follower.closed(t, q)
+        return q if closer is None else closer
+
+    def _check(self, t: float, what: str, error: float, wanted: Floats) -> None:
+        largest = float(np.abs(wanted / self.follower.scales).max(initial=0.0))
+        if error <= _CONSISTENT * (1.0 + largest):
+            return
+        driven = ", ".join(self.follower.driven)
+        raise SimulationError(
+            Problem("inverse.motion_conflict", f"motion {driven}",
+                    f"at t = {t:.9g} s no {what} of the mechanism have the motion asked for; it misses by "
+                    f"{error:.3g} of the mechanism's size",
+                    "the driven coordinates depend on each other, or the mechanism stands in a singular "
+                    "position", "drive fewer coordinates, or motions that fit the constraints")
+        )  # fmt: skip
+
+    def _free(self, t: float, q: Floats, basis: Floats) -> Problem:
+        """Say how many freedoms are left, and of which speeds."""
+        names, left = self.eqs.speed_names, basis.copy()
+        found = []
+        for _ in range(basis.shape[1]):
+            scaled = np.linalg.norm(left / self.follower.speed_sizes[:, np.newaxis], axis=1)
+            k = int(scaled.argmax())
+            found.append(names[k])
+            row = left[k] / np.linalg.norm(left[k])
+            left = left - np.outer(left @ row, row)
+        count, driven = basis.shape[1], ", ".join(self.follower.driven) or "nothing"
+        generic = redundancy(self.eqs, self.parameters, dict(zip(self.eqs.coordinate_names, q, strict=True)))
+        if len(self.follower.driven) >= generic.degrees_of_freedom:
+            why = "the mechanism stands in a singular position, at which the driven coordinates do not tell"
+            fix = "ask for times beside it, or drive another coordinate"
+        else:
+            why = f"it has {generic.degrees_of_freedom} freedoms, and driven are {driven}"
+            fix = "give motions of further coordinates, or sb.simulate with the inputs"
+        word = "freedom is" if count == 1 else "freedoms are"
+        return Problem("inverse.freedoms_left", "motion",
+                       f"at t = {t:.9g} s {count} {word} left: {', '.join(found)}", why, fix)  # fmt: skip
+
+    def _lost(self, reached: float, t: float, q: Floats) -> Problem:
+        """Say where the motion ends, and at which joint."""
+        joint = self.follower.stuck(reached, q)
+        known = dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
+        try:
+            assemble(self.eqs, self.follower.asked(t), known, self.parameters, None, t)
+            why = "at the next time the mechanism closes again, but no motion leads there"
+        except AssemblyError as error:
+            why = f"at t = {t:.9g} s {error.problems[0].what}"
+        except SymbodyError:
+            why = "no position farther on has these coordinates"
+        asked = ", ".join(f"{name} = {value:.6g}" for name, value in self.follower.asked(reached).items())
+        return Problem("inverse.out_of_reach", f"joint {joint}",
+                       f"at t = {reached:.9g} s the motion cannot go on; there {asked}", why,
+                       "end the motion before this time, or ask for one within reach; "
+                       "sb.trace_positions tells the limits")  # fmt: skip

@@ -1,0 +1,188 @@
+"""The linear system for unknown inputs: ``Z^T B r = Z^T (M u' - F0)`` at each sample.
+
+The columns of Z are the motions that the constraints allow, so multipliers drop out (García de Jalón & Bayo
+1994, section 5.2); with friction, which reads reactions, Newton's method repeats it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.codegen.compile import form_sequence
+from symbody.codegen.function import CompiledFunction
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import Problem, SimulationError
+from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.inverse.path import Path, Samples
+
+Floats = NDArray[np.float64]
+
+_RANK: Final = 1e-9  # of the largest singular value of Z^T B
+_HELD: Final = 1e-7  # of the largest force: what is left over counts as rounding
+_ROUNDS: Final = 30
+_SAME: Final = 1e-12
+_DIFFERENCE: Final = 1e-6  # of unknowns, for friction
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """Unknown inputs (n, N), and whether others would give the same motion."""
+
+    values: Floats
+    redundant: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Unknowns:
+    """What solves for unknown inputs.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The unknown inputs.
+    columns : tuple of EquationSet
+        The forcing of each is what a unit of one unknown adds.
+    """
+
+    path: Path
+    eqs: EquationSet
+    laws: InputLaws
+    names: tuple[str, ...]
+    columns: tuple[EquationSet, ...]
+    _functions: list[CompiledFunction] = field(default_factory=list, repr=False)
+
+    @property
+    def left(self) -> tuple[str, ...]:
+        """Inputs that are arguments of compiled functions, in order: unknown ones and those asked for."""
+        return tuple(name for name in self.eqs.input_names if name not in self.laws.formulas)
+
+    def arguments(self, samples: Samples, r: Floats) -> Floats:
+        """Return the inputs of compiled functions (N, n), from unknowns (n, N)."""
+        t, q, u, _ = samples
+        others = self.laws.values(t, q, u)
+        found = np.zeros((t.size, len(self.left)))
+        for k, name in enumerate(self.left):
+            if name in self.names:
+                found[:, k] = r[self.names.index(name)]
+            else:
+                found[:, k] = others[:, list(self.laws.asked).index(name)]
+        return found
+
+    def solved(self, samples: Samples) -> Found:
+        """Return the unknown inputs of a motion.
+
+        Raises
+        ------
+        SimulationError
+            If no values of the unknowns give the motion, naming the time and what they cannot move.
+        """
+        count = samples.t.size
+        sizes = self.path.follower.speed_sizes
+        mass = self._evaluated(self._compiled()[0], samples, np.zeros((len(self.names), count)))
+        needed = np.einsum("nij,jn->ni", mass, samples.udot) * sizes
+        unit = [self._evaluated(f, samples, np.zeros((len(self.names), count))) * sizes
+                for f in self._compiled()[2:]]  # fmt: skip
+        slopes = np.stack(unit, axis=-1) if unit else np.zeros((count, len(sizes), 0))
+        bases = [self._allowed(t, q, u) for t, q, u in zip(samples.t, samples.q.T, samples.u.T, strict=True)]
+        r = np.zeros((len(self.names), count))
+        redundant = False
+        for _ in range(_ROUNDS if self.eqs.formed.friction else 2):
+            forcing = self._forcing(samples, r)
+            columns = self._with_friction(samples, r, forcing) if self.eqs.formed.friction else slopes
+            change = np.zeros_like(r)
+            for k, basis in enumerate(bases):
+                change[:, k], few = _least(basis.T @ columns[k], basis.T @ (needed[k] - forcing[k]))
+                redundant |= few and np.abs(columns[k]).max(initial=0.0) > 0.0
+            r += change
+            if np.abs(change).max(initial=0.0) <= _SAME * np.abs(r).max(initial=0.0):
+                break
+        self._check(samples, bases, needed, self._forcing(samples, r), slopes)
+        return Found(r, redundant)
+
+    def _forcing(self, samples: Samples, r: Floats) -> Floats:
+        found: Floats = self._evaluated(self._compiled()[1], samples, r) * self.path.follower.speed_sizes
+        return found
+
+    def _with_friction(self, samples: Samples, r: Floats, forcing: Floats) -> Floats:
+        """Return the derivatives of the forcing by the unknowns, what friction makes of them included."""
+        scale = max(1.0, float(np.abs(r).max(initial=0.0)))
+        columns = []
+        for k in range(len(self.names)):
+            beside = r.copy()
+            beside[k] += _DIFFERENCE * scale
+            columns.append((self._forcing(samples, beside) - forcing) / (_DIFFERENCE * scale))
+        return np.stack(columns, axis=-1)
+
+    def _allowed(self, t: float, q: Floats, u: Floats) -> Floats:
+        """Return the motions that the mechanism's own constraints allow, in scaled speeds."""
+        follower = self.path.follower
+        jacobian = follower.rows(float(t), q, u)[0]
+        return follower.freedom(jacobian[follower.own_rows]).basis
+
+    def _compiled(self) -> Sequence[CompiledFunction]:
+        """Return functions of the mass matrix, the forcing, and each column of it."""
+        if not self._functions:
+            for eqs, name in [(self.eqs, "mass_matrix"), (self.eqs, "forcing"),
+                              *((column, "forcing") for column in self.columns)]:  # fmt: skip
+                sequence = form_sequence(eqs, name, self.path.parameters, (), self.laws.formulas)
+                self._functions.append(CompiledFunction(*sequence))
+        return self._functions
+
+    def _evaluated(self, function: CompiledFunction, samples: Samples, r: Floats) -> Any:
+        return function(samples.t, samples.q.T, samples.u.T, self.arguments(samples, r))
+
+    def _check(
+        self, samples: Samples, bases: Sequence[Floats], needed: Floats, forcing: Floats, slopes: Floats
+    ) -> None:
+        """Refuse a motion that the unknowns cannot make.
+
+        Raises
+        ------
+        SimulationError
+            Naming the time, the coordinates that nothing drives, and unknowns without influence.
+        """
+        for k, basis in enumerate(bases):
+            left = basis.T @ (needed[k] - forcing[k])
+            size = np.abs(needed[k]).max(initial=0.0) + np.abs(forcing[k]).max(initial=0.0)
+            if np.abs(left).max(initial=0.0) <= _HELD * size:
+                continue
+            raise SimulationError(self._powerless(samples, k, basis, left, slopes[k]))
+
+    def _powerless(self, samples: Samples, k: int, basis: Floats, left: Floats, slopes: Floats) -> Problem:
+        follower, t = self.path.follower, float(samples.t[k])
+        jacobian = follower.rows(t, samples.q[:, k], samples.u[:, k])[0]
+        rows = jacobian / follower.scales[:, np.newaxis] * follower.speed_sizes
+        first = follower.n_h - len(follower.driven)
+        shares = np.abs(rows[first : follower.n_h] @ (basis @ left))
+        idle = [
+            name for name, share in zip(follower.driven, shares, strict=True) if share > 0.01 * shares.max()
+        ]
+        reach = basis.T @ slopes
+        rank = int(
+            np.linalg.matrix_rank(reach, tol=_RANK * max(float(np.abs(slopes).max(initial=0.0)), 1e-300))
+        )
+        weak = [
+            name for j, name in enumerate(self.names)
+            if np.abs(reach[:, j]).max(initial=0.0) <= _RANK * max(np.abs(slopes).max(initial=0.0), 1e-300)
+        ]  # fmt: skip
+        listed = ", ".join(self.names) or "there are none"
+        why = f"of {basis.shape[1]} freedoms the unknowns ({listed}) drive {rank}"
+        if weak:
+            why += f"; {', '.join(weak)} cannot influence any motion here"
+        return Problem("inverse.underactuated", f"motion {', '.join(idle)}",
+                       f"at t = {t:.9g} s no values of the unknowns give {', '.join(idle)} as asked", why,
+                       "name further inputs as unknowns, give the model a drive there, "
+                       "or drive a coordinate that the unknowns move")  # fmt: skip
+
+
+def _least(matrix: Floats, right: Floats) -> tuple[Floats, bool]:
+    """Return the least solution, and whether there are others."""
+    if not matrix.size:
+        return np.zeros(matrix.shape[1]), bool(matrix.shape[1])
+    found = np.linalg.lstsq(matrix, right, rcond=_RANK)
+    return np.asarray(found[0], dtype=np.float64), bool(found[2] < matrix.shape[1])

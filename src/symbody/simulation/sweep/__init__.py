@@ -1,0 +1,1 @@
+"""Many motions of one mechanism: cases, chunks of them, workers, and what comes back."""

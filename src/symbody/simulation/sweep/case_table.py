@@ -1,0 +1,215 @@
+"""The cases of a sweep: which names vary, and a row of their values for each case."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.codegen.compile import Value
+from symbody.errors import Problem, UsageError
+
+Floats = NDArray[np.float64]
+Law = Literal["uniform", "loguniform", "normal"]
+Combine = Literal["product", "list"]
+
+_LAWS: Final = ("uniform", "loguniform", "normal")
+
+
+@dataclass(frozen=True, slots=True)
+class Samples:
+    """Random values of a parameter or initial value, the same for the same seed.
+
+    Attributes
+    ----------
+    law : "uniform", "loguniform" or "normal"
+        How they are distributed.
+    first, second : float
+        Lower and upper bound, or mean and standard deviation.
+
+    Raises
+    ------
+    UsageError
+        If the law is unknown, or its numbers make no sense.
+    """
+
+    law: Law
+    first: float
+    second: float
+
+    def __post_init__(self) -> None:
+        finite = bool(np.isfinite(self.first) and np.isfinite(self.second))
+        legal = finite and (self.second >= 0.0 if self.law == "normal" else self.second >= self.first)
+        if self.law == "loguniform":
+            legal = legal and self.first > 0.0
+        if self.law not in _LAWS or not legal:
+            raise UsageError(
+                Problem("sweep.samples", repr(self), "there are no such random numbers", "",
+                        "give sb.Samples('uniform', low, high), ('loguniform', low, high) with low above 0, "
+                        "or ('normal', mean, deviation)")
+            )  # fmt: skip
+
+    def draw(self, name: str, count: int, seed: int) -> Floats:
+        """Return `count` values; more of them begin with the same ones, whatever else is drawn."""
+        generator = np.random.default_rng([seed, *name.encode()])
+        if self.law == "normal":
+            return generator.normal(self.first, self.second, count)
+        if self.law == "uniform":
+            return generator.uniform(self.first, self.second, count)
+        return np.exp(generator.uniform(np.log(self.first), np.log(self.second), count))
+
+
+Varied = Value | Samples | Sequence[float] | Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CaseTable:
+    """All cases of a sweep.
+
+    Attributes
+    ----------
+    parameter_names, initial_names : tuple of str
+        What varies.
+    parameters, initial : (cases, names) arrays
+        Its values.
+    fixed_parameters, fixed_initial : mapping of name to number or formula
+        What is the same in all cases.
+    """
+
+    parameter_names: tuple[str, ...]
+    initial_names: tuple[str, ...]
+    parameters: Floats
+    initial: Floats
+    fixed_parameters: Mapping[str, Value]
+    fixed_initial: Mapping[str, Value]
+
+    @property
+    def count(self) -> int:
+        """How many cases there are."""
+        return self.parameters.shape[0]
+
+    def values(self, k: int) -> tuple[dict[str, Value], dict[str, Value]]:
+        """Return all parameters and initial values of case k, by name."""
+        parameters = dict(zip(self.parameter_names, self.parameters[k].tolist(), strict=True))
+        initial = dict(zip(self.initial_names, self.initial[k].tolist(), strict=True))
+        return {**self.fixed_parameters, **parameters}, {**self.fixed_initial, **initial}
+
+    def columns(self) -> dict[str, Floats]:
+        """Return what varies as columns by name; a parameter and a state of one name cannot be."""
+        names = (*self.parameter_names, *self.initial_names)
+        rows = np.concatenate([self.parameters, self.initial], axis=1)
+        return {name: rows[:, k].copy() for k, name in enumerate(names)}
+
+
+def case_table(
+    parameters: Mapping[str, Varied],
+    initial: Mapping[str, Varied],
+    combine: Combine = "product",
+    samples: int | None = None,
+    seed: int = 0,
+) -> CaseTable:
+    """Return the cases that mappings of names to values, sequences of values, or `Samples` stand for.
+
+    Raises
+    ------
+    UsageError
+        Listing every sequence that is empty, not finite, or of another length than the others in a list.
+    """
+    given = [("parameters", name, value) for name, value in parameters.items()]
+    given += [("initial", name, value) for name, value in initial.items()]
+    lists = {(kind, name): value for kind, name, value in given if _varies(value)}
+    drawn = {(kind, name): value for kind, name, value in given if isinstance(value, Samples)}
+    columns = _checked(lists, combine, bool(drawn), samples)
+    rows = _combined(columns, combine)
+    count = len(rows)
+    if drawn and samples is not None:
+        rows = np.repeat(rows, samples, axis=0)
+    keys = [*columns, *drawn]
+    table = np.empty((len(rows), len(keys)))
+    table[:, : len(columns)] = rows
+    for place, ((_, name), value) in enumerate(drawn.items(), start=len(columns)):
+        if isinstance(value, Samples) and samples is not None:
+            table[:, place] = np.tile(value.draw(name, samples, seed), count)
+    # In the order of the mappings, so that the same cases have the same names in the same places.
+    order = [(kind, name) for kind, name, _ in given if (kind, name) in keys]
+    own = {kind: [keys.index(key) for key in order if key[0] == kind] for kind in ("parameters", "initial")}
+    return CaseTable(
+        tuple(keys[k][1] for k in own["parameters"]),
+        tuple(keys[k][1] for k in own["initial"]),
+        np.ascontiguousarray(table[:, own["parameters"]]),
+        np.ascontiguousarray(table[:, own["initial"]]),
+        _constants(parameters),
+        _constants(initial),
+    )
+
+
+def _varies(value: Varied) -> bool:
+    if isinstance(value, np.ndarray):
+        return value.ndim > 0
+    return isinstance(value, Sequence) and not isinstance(value, str)
+
+
+def _constants(given: Mapping[str, Varied]) -> dict[str, Value]:
+    found: dict[str, Value] = {}
+    for name, value in given.items():
+        if not _varies(value) and not isinstance(value, Samples):
+            found[name] = float(value) if isinstance(value, np.ndarray) else value  # type-narrowed below
+    return found
+
+
+def _checked(
+    lists: Mapping[tuple[str, str], Varied], combine: str, has_samples: bool, samples: int | None
+) -> dict[tuple[str, str], Floats]:
+    """Return the sequences as arrays."""
+    problems = []
+    if combine not in ("product", "list"):
+        problems.append(
+            Problem("sweep.combine", "combine", f"combine = {combine!r} means nothing", "",
+                    "give 'product' for every combination, or 'list' for the first of each, the second, ...")
+        )  # fmt: skip
+    if has_samples != (samples is not None) or (samples is not None and samples < 1):
+        problems.append(
+            Problem("sweep.sample_count", "samples", f"samples = {samples!r} does not fit",
+                    "so many values are drawn for each sb.Samples", "give samples=1000 if any value is "
+                    "sb.Samples(...), and leave it out otherwise")
+        )  # fmt: skip
+    columns: dict[tuple[str, str], Floats] = {}
+    for (kind, name), value in lists.items():
+        column = _column(value)
+        if column is None:
+            problems.append(
+                Problem("sweep.values", f"{kind}, {name}", f"{value!r} is no list of numbers",
+                        "each case takes one finite number", "give numbers such as np.linspace(1, 2, 11)")
+            )  # fmt: skip
+        else:
+            columns[kind, name] = column
+    sizes = {f"{name} {column.size}" for (_, name), column in columns.items()}
+    if combine == "list" and len({column.size for column in columns.values()}) > 1:
+        problems.append(
+            Problem("sweep.lengths", "combine", f"lists differ in length: {', '.join(sorted(sizes))}",
+                    "combine='list' takes the first of each, then the second of each",
+                    "give lists of one length, or combine='product'")
+        )  # fmt: skip
+    if problems:
+        raise UsageError(*problems)
+    return columns
+
+
+def _column(value: Varied) -> Floats | None:
+    try:
+        column = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        return None
+    return column if column.ndim == 1 and column.size and np.isfinite(column).all() else None
+
+
+def _combined(columns: Mapping[tuple[str, str], Floats], combine: str) -> Floats:
+    """Return one row for each combination, the last name varying fastest."""
+    if combine == "list" and columns:
+        return np.stack(list(columns.values()), axis=1)
+    rows = list(product(*(column.tolist() for column in columns.values())))
+    return np.array(rows, dtype=np.float64).reshape(len(rows), len(columns))

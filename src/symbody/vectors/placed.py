@@ -1,0 +1,183 @@
+"""Frames placed by hand, and points and vectors in them: the algebra of 4 x 4 homogeneous matrices.
+
+A frame is a chain of steps from ground, each a turn, a shift or a matrix, whose entries are any expressions
+of coordinates and time. It is kept as a chain, not as one matrix: what two frames have in common cancels
+before anything is multiplied, and turns about one axis add up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from symbody.expr.expression import Expr, number
+from symbody.expr.graph import Graph
+from symbody.vectors.matrix import Matrix, Triple, apply_matrix, identity, inner, opposite, outer
+from symbody.vectors.rotation import DirectionCosines, Turn, rotation_matrix, rotation_of
+
+
+@dataclass(frozen=True, slots=True)
+class Shift:
+    """One displacement, by components in the axes before and after it, which are the same [m]."""
+
+    by: Triple
+
+    @property
+    def inverse(self) -> Shift:
+        """The displacement back."""
+        return Shift(opposite(self.by))
+
+
+PlacedStep = Turn | DirectionCosines | Shift
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedFrame:
+    """A frame by the steps that lead to it from ground; no steps is ground itself."""
+
+    steps: tuple[PlacedStep, ...] = ()
+
+    def __mul__(self, other: PlacedFrame) -> PlacedFrame:
+        return PlacedFrame((*self.steps, *other.steps))
+
+    @property
+    def inverse(self) -> PlacedFrame:
+        """The frame that leads back: ``F F^-1`` is ground."""
+        return PlacedFrame(tuple(step.inverse for step in reversed(self.steps)))
+
+    def seen_from(self, other: PlacedFrame) -> PlacedFrame:
+        """Return ``other^-1 self``; the steps that both begin with cancel."""
+        common = 0
+        for mine, its in zip(self.steps, other.steps, strict=False):
+            if mine != its:
+                break
+            common += 1
+        return PlacedFrame(other.steps[common:]).inverse * PlacedFrame(self.steps[common:])
+
+    @property
+    def expressions(self) -> Iterator[Expr]:
+        """What the steps are written in."""
+        for step in self.steps:
+            if isinstance(step, Turn):
+                yield from (*step.axis, step.angle)
+            elif isinstance(step, Shift):
+                yield from step.by
+            else:
+                yield from (entry for row in step.cosines for entry in row)
+
+    def rotation(self, graph: Graph) -> Matrix:
+        """Return R: components in this frame to components in ground."""
+        return rotation_matrix(graph, rotation_of(_turns(self.steps)))
+
+    def origin(self, graph: Graph) -> Triple:
+        """Return the position of the origin, in ground axes [m]."""
+        zero = number(graph, 0)
+        return self.place((zero, zero, zero))
+
+    def place(self, x: Triple) -> Triple:
+        """Return the ground coordinates of the point with coordinates `x` in this frame."""
+        graph = x[0].graph
+        for k in range(len(self.steps) - 1, -1, -1):
+            step = self.steps[k]
+            if isinstance(step, Shift):
+                x = plus(step.by, x)
+            elif k == 0 or isinstance(self.steps[k - 1], Shift):
+                # A run of turns is one matrix, so that parallel ones add up first.
+                run = rotation_of(_turns(_run(self.steps, k)))
+                x = apply_matrix(rotation_matrix(graph, run), x)
+        return x
+
+    def turn(self, x: Triple) -> Triple:
+        """Return the ground components of the vector with components `x` in this frame."""
+        return x if not self.steps else apply_matrix(self.rotation(x[0].graph), x)
+
+
+GROUND_FRAME = PlacedFrame()
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedPoint:
+    """A point by its coordinates in a frame [m]."""
+
+    frame: PlacedFrame
+    coordinates: Triple
+
+    def projected(self, frame: PlacedFrame) -> PlacedPoint:
+        """Return the same point by its coordinates in another frame."""
+        return PlacedPoint(frame, self.frame.seen_from(frame).place(self.coordinates))
+
+    @property
+    def position(self) -> Triple:
+        """The coordinates in ground."""
+        return self.frame.place(self.coordinates)
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedVector:
+    """A vector by its components in a frame."""
+
+    frame: PlacedFrame
+    components: Triple
+
+    def projected(self, frame: PlacedFrame) -> PlacedVector:
+        """Return the same vector by its components in another frame."""
+        return PlacedVector(frame, self.frame.seen_from(frame).turn(self.components))
+
+    def __add__(self, other: PlacedVector) -> PlacedVector:
+        return PlacedVector(self.frame, plus(self.components, other.projected(self.frame).components))
+
+    def __neg__(self) -> PlacedVector:
+        return PlacedVector(self.frame, opposite(self.components))
+
+    def __mul__(self, factor: Expr) -> PlacedVector:
+        x, y, z = self.components
+        return PlacedVector(self.frame, (x * factor, y * factor, z * factor))
+
+    def dot(self, other: PlacedVector) -> Expr:
+        """Return the scalar product."""
+        return inner(self.components, other.projected(self.frame).components)
+
+    def cross(self, other: PlacedVector) -> PlacedVector:
+        """Return the vector product, in the frame of the first factor."""
+        return PlacedVector(self.frame, outer(self.components, other.projected(self.frame).components))
+
+    @property
+    def in_ground(self) -> Triple:
+        """The components in ground."""
+        return self.frame.turn(self.components)
+
+
+def joined(start: PlacedPoint, end: PlacedPoint) -> PlacedVector:
+    """Return the vector from one point to another, in the frame of the first."""
+    there = end.projected(start.frame).coordinates
+    return PlacedVector(start.frame, minus(there, start.coordinates))
+
+
+def plus(a: Triple, b: Triple) -> Triple:
+    """Return ``a + b`` of components in one frame."""
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+def minus(a: Triple, b: Triple) -> Triple:
+    """Return ``a - b`` of components in one frame."""
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def homogeneous(frame: PlacedFrame, graph: Graph) -> tuple[tuple[Expr, ...], ...]:
+    """Return the frame as a 4 x 4 matrix, row by row: coordinates in the frame to coordinates in ground."""
+    zero, one = number(graph, 0), number(graph, 1)
+    rows = frame.rotation(graph) if frame.steps else identity(graph)
+    placed = tuple((*row, x) for row, x in zip(rows, frame.origin(graph), strict=True))
+    return (*placed, (zero, zero, zero, one))
+
+
+def _turns(steps: Iterable[PlacedStep]) -> list[Turn | DirectionCosines]:
+    return [step for step in steps if not isinstance(step, Shift)]
+
+
+def _run(steps: Sequence[PlacedStep], start: int) -> Sequence[PlacedStep]:
+    """Return the turns from `start` up to the next shift."""
+    end = start
+    while end < len(steps) and not isinstance(steps[end], Shift):
+        end += 1
+    return steps[start:end]

@@ -1,0 +1,142 @@
+"""Linear equations of random mechanisms: what they say follows from 40-digit differences of the full ones.
+
+Deviations of all states are those that the constraints admit, as many as there are freedoms; the rates of the
+independent ones change as the exact accelerations do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import mpmath
+import numpy as np
+import pytest
+
+import symbody as sb
+from tests.laws.consistent_states import consistent_state
+from tests.laws.evaluation import EPS, condition, equations, evaluator
+from tests.laws.mechanisms import random_mechanism
+from tests.laws.rotations import Array
+from tests.laws.tally import Tally, chunks, name_of
+
+H = mpmath.mpf(10) ** -15  # differences are good to h^2, and to 40 digits less those of h
+CONSTRAINTS = ("constraints", "velocity_constraints")
+
+
+def out_of(lin: sb.Linearization, column: Array) -> tuple[Array, Array]:
+    """The deviations (du, dq) for one of the independent states, quaternions by their own product rule."""
+    eqs, known = lin.at.eqs, lin.recover(column)
+    du = np.array([float(known[name]) for name in eqs.speed_names])
+    joints = {joint.quaternion: joint.name for joint in eqs.formed.topology.joints}
+    dq = {name: float(known[name]) for name in eqs.coordinate_names if name in known}
+    for four in eqs.quaternions:
+        w, x, y, z = (lin.at.q[name] for name in four)
+        a, b, c = (float(known[f"{joints[four]}_r{axis}"]) / 2 for axis in "xyz")
+        product = (
+            -x * a - y * b - z * c,
+            w * a + y * c - z * b,
+            w * b + z * a - x * c,
+            w * c + x * b - y * a,
+        )
+        dq |= dict(zip(four, product, strict=True))
+    return du, np.array([dq[name] for name in eqs.coordinate_names])
+
+
+def rates(lin: sb.Linearization, found: dict[str, Array]) -> Array:
+    """The rates of the independent states from (u', q')."""
+    eqs = lin.at.eqs
+    values = dict(zip(eqs.speed_names, found["udot"], strict=True))
+    values |= dict(zip(eqs.coordinate_names, found["qdot"], strict=True))
+    joints = {joint.quaternion: joint.name for joint in eqs.formed.topology.joints}
+    for four in eqs.quaternions:
+        (w, x, y, z), (dw, dx, dy, dz) = [lin.at.q[n] for n in four], [values[n] for n in four]
+        turn = (
+            w * dx - x * dw - y * dz + z * dy,
+            w * dy - y * dw - z * dx + x * dz,
+            w * dz - z * dw - x * dy + y * dx,
+        )
+        values |= {f"{joints[four]}_r{axis}": 2 * part for axis, part in zip("xyz", turn, strict=True)}
+    return np.array([values[name] for name in lin.state_names])
+
+
+def check(seeds: Iterable[int]) -> None:
+    tally = Tally()
+    for seed in seeds:
+        mechanism = random_mechanism(seed)
+        state = consistent_state(mechanism)
+        eqs = equations(mechanism)
+        guess = {name: state.known[name] for name in (*eqs.coordinate_names, *eqs.speed_names)}
+        inputs = {name: state.known[name] for name in eqs.input_names}
+        at = sb.assemble(eqs, guess=guess, inputs=inputs, t=state.t)
+        lin = sb.linearize(eqs, at)
+        assert lin.A.shape[0] == len(lin.state_names), seed
+        compare(lin, seed, tally)
+    tally.close("A against differences", may_be_empty=True)
+
+
+def compare(lin: sb.Linearization, seed: int, tally: Tally) -> None:
+    eqs, at = lin.at.eqs, lin.at
+    f = evaluator(
+        eqs, ["udot", "qdot", "lambda", *CONSTRAINTS, "mass_matrix", "forcing", "jacobian", "gamma"]
+    )
+    t, q, u = at.t, np.array(list(at.q.values())), np.array(list(at.u.values()))
+    r = [float(at.inputs[name]) for name in eqs.input_names]  # type: ignore[arg-type]
+    bound = EPS * condition(f(t, list(q), list(u), r)).number
+    # The deviations themselves are rounded, off what the constraints admit.
+    full = np.abs(sb.compile(eqs, "A")(t, q, u, np.array(r)))
+    with mpmath.workdps(40):
+        for k in range(len(lin.state_names)):
+            du, dq = out_of(lin, np.eye(len(lin.state_names))[k])
+            size = max(np.abs(du).max(initial=0.0), np.abs(dq).max(initial=0.0))
+            h = H * lin_size(lin, k)
+            ends = [f.precise(t, q + s * h * dq, u + s * h * du, r) for s in (1, -1)]
+            slopes = {name: (ends[0][name] - ends[1][name]) / (2 * h) for name in ends[0]}
+            assert size > 0
+            expected = np.array(rates(lin, slopes), dtype=float)
+            rounded = float(np.max(full @ np.abs(np.concatenate([du, dq])), initial=0.0))
+            # Where all derivatives cancel, what is left is rounding of accelerations over the size of q.
+            own = float(np.abs(q).max(initial=0.0)) or 1.0
+            rounded += float(np.abs(ends[0]["udot"].astype(float)).max(initial=0.0)) * size / own
+            unit = bound * (free_size(slopes, ends[0]) + rounded)
+            tally.enter(seed, f"A {lin.state_names[k]}", error(lin.A[:, k], expected, unit))
+            # Rows of constraints keep their values: assembly closes to 1e-9 at worst, with pivots of 2e-2.
+            rates_too = np.abs(dq).max(initial=0.0) * np.abs(u).max(initial=0.0)
+            for name, moved in (("constraints", dq), ("velocity_constraints", du)):
+                left = np.abs(np.array(slopes[name], dtype=float)).max(initial=0.0)
+                scale = np.abs(moved).max(initial=0.0) + rates_too
+                assert left <= 1e-7 * scale, (seed, name, left, scale)
+        for k, name in enumerate(lin.input_names):
+            step = [H * (i == k) for i in range(len(r))]
+            ends = [f.precise(t, q, u, [x + s * d for x, d in zip(r, step, strict=True)]) for s in (1, -1)]
+            slopes = {word: (ends[0][word] - ends[1][word]) / (2 * H) for word in ends[0]}
+            expected = np.array(rates(lin, slopes), dtype=float)
+            tally.enter(seed, f"B {name}", error(lin.B[:, k], expected, bound * free_size(slopes, ends[0])))
+
+
+def lin_size(lin: sb.Linearization, k: int) -> float:
+    return max(abs(float(lin.at.q.get(lin.state_names[k], 1.0))), 1e-3)
+
+
+def free_size(slopes: dict[str, Array], values: dict[str, Array]) -> float:
+    """How much forces and pulls of constraints change accelerations, each alone: what cancels in the sum."""
+    mass = np.diag(values["mass_matrix"]).astype(float)
+    pulls = np.abs(values["jacobian"].astype(float)).T @ np.abs(slopes["lambda"].astype(float))
+    forces = np.abs(slopes["forcing"].astype(float)) + pulls
+    free = (forces[mass > 0] / mass[mass > 0]).max(initial=0.0)
+    return float(
+        max(free, *(np.abs(slopes[word].astype(float)).max(initial=0.0) for word in ("udot", "qdot")))
+    )
+
+
+def error(found: Array, expected: Array, bound: float) -> float:
+    return float(np.abs(found - expected).max(initial=0.0) / bound) if bound else 0.0
+
+
+def test_linear_equations_follow_from_differences() -> None:
+    check((3, 5))
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("seeds", chunks(100), ids=name_of)
+def test_linear_equations_follow_from_differences_often(seeds: range) -> None:
+    check(seeds)
