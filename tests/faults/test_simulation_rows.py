@@ -138,7 +138,8 @@ def test_row_83_friction_that_jumps_comes_to_an_end() -> None:
     caught = sb.simulate(cart(), 5.0, initial={"x_dot": 1.0}, inputs=law, events=stop)
     assert caught.status is sb.Status.STOPPED
     t = caught.t[-1]
-    assert 1.0 - 2.0 * t + 1.0 - np.cos(t) == pytest.approx(0.0, abs=1e-9)
+    # the speed there, of errors of 1e-8 a step relative to it
+    assert 1.0 - 2.0 * t + 1.0 - np.cos(t) == pytest.approx(0.0, abs=1e-8 * caught.statistics.accepted)
 
 
 def test_row_84_events_between_long_steps() -> None:

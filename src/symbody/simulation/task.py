@@ -84,7 +84,8 @@ class Evaluator:
             moving = fastest > 0.0
             return np.where(moving, violation / np.where(moving, fastest, 1.0), violation)
         values: Floats = self.task.evaluated(self.task.compiled(name, quick=True), t, q, u)
-        if name in self.task.eqs.measured_angles:  # measured within half a turn, but motions go on
+        symbol = name[1:-1] if name.startswith("(") and name.endswith(")") else name
+        if symbol in self.task.eqs.measured_angles:  # measured within half a turn, but motions go on
             return np.unwrap(values)
         return np.moveaxis(values, 0, -1)
 

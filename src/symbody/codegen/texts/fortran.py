@@ -136,7 +136,7 @@ def continued(line: str) -> list[str]:
     """Return `line` broken at blanks, so that no part is longer than the standard allows.
 
     >>> [len(part) for part in continued("    x = " + " + ".join(["y" * 60] * 3))]
-    [73, 70, 68]
+    [72, 131]
     """
     is_comment = line.lstrip().startswith("!")
     indent = line[: len(line) - len(line.lstrip())] + ("!   " if is_comment else "    ")
