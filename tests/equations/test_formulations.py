@@ -146,6 +146,27 @@ def test_constraints_beside_joints(formulation: Formulation) -> None:
     check(model, formulation)
 
 
+@pytest.mark.parametrize("formulation", OTHERS)
+def test_coordinates_of_one_rate_are_told_apart(formulation: Formulation) -> None:
+    """A block turns with one joint and shifts with another, which hold each other's motion.
+
+    Rates of all coordinates that are only measured are 0 then: one number, and still each drive acts along
+    an axis of its own, as the reactions must tell.
+    """
+    model = sb.Model("held", [
+        sb.Body("Block", mass=2, inertia=(0.1, 0.2, 0.3)),
+        sb.Cartesian("carriage", "ground", "Block", coordinates=("x", "y", "z"),
+                     force={"x": sb.Drive(applied=5), "y": sb.Drive(stiffness=40, free=0.2), "z": sb.Drive(applied=-7)}),
+        sb.Gimbal("turret", "ground", "Block", coordinates=("a", "b", "c"),
+                  torque={"a": sb.Drive(applied=3), "b": sb.Drive(applied=-2), "c": sb.Drive(stiffness=6, free=0.1)}),
+    ], gravity=(0, -9.81, 0))  # fmt: skip
+    trees = sb.Trees(rotation=["carriage"], translation=["turret"])
+    one, two = values(model, sb.VirtualWork(), trees), values(model, formulation, trees)
+    for name, expected in one.items():
+        assert np.allclose(two[name], expected, rtol=0, atol=100 * EPS * 40), name
+    assert np.linalg.norm(one["reaction carriage"]) > 1
+
+
 def test_newton_euler_has_every_reaction_in_its_system() -> None:
     """A tree has no multipliers, and still the reactions come from the saddle system, not from a balance."""
     eqs = sb.form_equations(two_links(), sb.NewtonEuler())

@@ -26,8 +26,9 @@ FORMULATIONS: dict[str, Formulation] = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Derived:
-    """What one formulation says at a state."""
+    """What one formulation says at a state; `turning` tells which speeds are angular."""
 
+    turning: Array
     values: dict[str, Array]
     reactions: dict[str, Array]
     condition: Condition
@@ -49,6 +50,7 @@ def derived(mechanism: Mechanism, state: State, formulation: Formulation, tree: 
     reactions = {name: f"reaction {name}" for name in mechanism.linked}
     found = values_at(eqs, state, [*SYSTEM, "constraints", *reactions.values()])
     return Derived(
+        np.array([eqs.units[name] == "rad/s" for name in eqs.speed_names], dtype=bool),
         {name: found[name] for name in (*SYSTEM, "constraints")},
         {joint: found[output] for joint, output in reactions.items()},
         condition(found),
@@ -58,22 +60,24 @@ def derived(mechanism: Mechanism, state: State, formulation: Formulation, tree: 
 def differences(mechanism: Mechanism, one: Derived, two: Derived) -> dict[str, float | None]:
     """Differences of two derivations in units of ``eps cond scale``, the scale that of the largest term.
 
-    Every speed is weighted by the root of its entry in diag(M): then all entries of M are at most 1, those of
-    F and u' have one unit, and a unit of acceleration of the whole mass bounds terms that cancel from below.
+    Every speed is weighted by the root of its entry in diag(M), one that moves no mass by that of the whole
+    mass: then all entries of M are at most 1, those of F and u' have one unit, and a unit of acceleration of
+    the whole mass bounds terms that cancel from below.
     """
     weights = np.sqrt(np.diag(one.values["mass_matrix"]))
-    weights = np.where(weights > 0, weights, 1.0)
-    unit = float(np.sqrt(sum(body.mass for body in mechanism.bodies))) * mechanism.units.acceleration
+    mass = float(np.sqrt(sum(body.mass for body in mechanism.bodies)))
+    weights = np.where(weights > 0, weights, mass * np.where(one.turning, mechanism.units.length, 1.0))
+    unit = mass * mechanism.units.acceleration
     rounding = EPS * max(one.condition.number, two.condition.number)
     gap = {name: one.values[name] - two.values[name] for name in SYSTEM}
-    mass = np.abs(gap["mass_matrix"] / np.outer(weights, weights)).max(initial=0.0)
+    inertia = np.abs(gap["mass_matrix"] / np.outer(weights, weights)).max(initial=0.0)
     force, speed = one.values["forcing"] / weights, one.values["udot"] * weights
     lengths = np.linalg.norm(one.values["jacobian"] / weights, axis=1)
     lengths = np.where(lengths > 0, lengths, 1.0)
     rows = np.abs(gap["jacobian"] / weights / lengths[:, None]).max(initial=0.0)
     right, turned = one.values["gamma"] / lengths, gap["gamma"] / lengths
     return {
-        "mass matrix": float(mass / rounding),
+        "mass matrix": float(inertia / rounding),
         "forcing": _relative(gap["forcing"] / weights, max(np.abs(force).max(initial=0.0), unit), rounding),
         "jacobian": float(rows / rounding),
         "gamma": _relative(turned, max(np.abs(right).max(initial=0.0), unit), rounding),

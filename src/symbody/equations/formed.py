@@ -207,15 +207,16 @@ class Formed:
             self._free.append(free.solved())
         return self._free[0]
 
-    def _measured_efforts(self) -> Iterator[tuple[int, tuple[str, Wrench]]]:
-        """Return what a unit effort along each measured coordinate does, by the node of the rate."""
+    def _measured_efforts(self) -> Iterator[tuple[str, tuple[str, Wrench]]]:
+        """Return what a unit effort along each measured coordinate does."""
         names, one = self.names, Expr(self.graph, self.graph.constant(1))
         for use in self.uses:
             joint = use.joint
-            for coordinate in {**joint.drives, **joint.armature}:
+            rubbing = {law.coordinate: law for law in self.friction if law.joint.name == joint.name}
+            for coordinate in {**joint.drives, **joint.armature, **rubbing}:
                 if coordinate not in use.coordinates:
                     share = drive_wrench(names, self.kinematics, joint, coordinate, one)
-                    yield names.value(f"{coordinate}_dot").index, (joint.name, share)
+                    yield coordinate, (joint.name, share)
 
     def _measured_drives(self) -> Iterator[tuple[str, Wrench]]:
         """Return the wrenches of drives and rotors along coordinates that are not variables."""

@@ -133,7 +133,9 @@ def _formed(
     loads = form_loads(model, names, kinematics, bodies, uses, friction, weights=weights)
     armatures = {
         coordinate: Rotor(
-            names.value(f"{coordinate}_dot"), names.expression(rotor, f"joint {use.joint.name}")
+            names.value(f"{coordinate}_dot"),
+            names.expression(rotor, f"joint {use.joint.name}"),
+            coordinate,
         )
         for use in uses
         for coordinate, rotor in use.joint.armature.items()

@@ -35,10 +35,13 @@ class Rotor:
     ----------
     rate : Expr
         In the speeds, or in time alone if the coordinate is prescribed.
+    coordinate : str
+        Its name; several coordinates may have one rate.
     """
 
     rate: Expr
     inertia: Expr
+    coordinate: str
 
 
 def form_inertia(names: Names, body: Body) -> Inertia:

@@ -59,10 +59,17 @@ class Pull:
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """A force or torque along a scalar rate, that of a driven joint coordinate."""
+    """A force or torque along a scalar rate, that of a driven joint coordinate.
+
+    Attributes
+    ----------
+    coordinate : str
+        Its name; several coordinates may have one rate, those that rest for instance.
+    """
 
     rate: Expr
     effort: Expr
+    coordinate: str
 
 
 Load = PointForce | Moment | Pull | Effort

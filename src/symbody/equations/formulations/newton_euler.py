@@ -51,8 +51,8 @@ class FreeBodies:
         Differentiated placements.
     shifts : mapping of joint to Vector
         From start to end in the joint's own coordinates, in the start frame.
-    within : mapping of node to (joint, Wrench)
-        What a unit effort along a rate, that of a measured coordinate, does to the end of its joint.
+    within : mapping of coordinate to (joint, Wrench)
+        What a unit effort along a measured coordinate does to the end of its joint.
     coupled : mapping of row name to ((joint, Wrench), ...)
         The same for a unit multiplier of rows written in measured coordinates.
     """
@@ -65,7 +65,7 @@ class FreeBodies:
     loads: tuple[Load, ...]
     rotors: tuple[Rotor, ...]
     rows: tuple[Row, ...]
-    within: Mapping[int, tuple[str, Wrench]]
+    within: Mapping[str, tuple[str, Wrench]]
     coupled: Mapping[str, tuple[tuple[str, Wrench], ...]]
 
     def solved(self) -> Solution:
@@ -267,14 +267,14 @@ class _System:
             self._add(forcing, self._applied(body.frame, body.frame, wrench), number(tree.graph, -1))
         for load in free.loads:
             if isinstance(load, Effort):
-                self._add(forcing, self._along_rate(load.rate), load.effort)
+                self._add(forcing, self._along_rate(load), load.effort)
         for rotor in free.rotors:
             self._add_rotor(rotor, mass, forcing)
         return mass, forcing
 
     def _add_rotor(self, rotor: Rotor, mass: dict[tuple[int, int], Expr], forcing: _Column) -> None:
         """Add what turns with a rate; inside a cut joint it acts on the joint's bodies."""
-        row = self._along_rate(rotor.rate)
+        row = self._along_rate(rotor)
         (rest,) = moved(self.zero.graph, [rotor.rate], flow(self.free.kinematics))
         bodies = {column: entry for column, entry in row.items() if column < self.first}
         rest = rest - self._bias(bodies)
@@ -283,12 +283,12 @@ class _System:
             for j, b in row.items():
                 mass[i, j] = mass.get((i, j), self.zero) + rotor.inertia * a * b
 
-    def _along_rate(self, rate: Expr) -> _Column:
+    def _along_rate(self, along: Effort | Rotor) -> _Column:
         """Return where a unit effort along a rate acts: on speeds, or on bodies where it is measured."""
-        inside = self.free.within.get(rate.index)
+        inside = self.free.within.get(along.coordinate)
         if inside is not None:
             return self._transmitted(*inside)
-        slopes = self.free.kinematics.slopes(rate)
+        slopes = self.free.kinematics.slopes(along.rate)
         return {self.first + self.speeds.index(u): slope for u, slope in slopes.items()}
 
     def _add(self, forcing: _Column, column: _Column, factor: Expr) -> None:

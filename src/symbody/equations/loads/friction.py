@@ -76,7 +76,7 @@ class FrictionLaw:
     @property
     def load(self) -> Effort:
         """What it does to the equations of motion."""
-        return Effort(self.rate, self.effort)
+        return Effort(self.rate, self.effort, self.coordinate)
 
 
 class Resistance(NamedTuple):

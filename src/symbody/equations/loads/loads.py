@@ -82,7 +82,7 @@ def form_loads(
             if coordinate in use.prescribed:
                 continue
             x, rate = names.value(coordinate), names.value(f"{coordinate}_dot")
-            drive_law = _drive_law(names, drive, x, rate, f"joint {use.joint.name}")
+            drive_law = _drive_law(names, drive, x, rate, coordinate, f"joint {use.joint.name}")
             key = effort_name(use.joint, coordinate)
             efforts.update((key, load.effort) for load in drive_law.loads if isinstance(load, Effort))
             laws.append(drive_law)
@@ -122,18 +122,14 @@ def _weights(model: Model, names: Names, kinematics: Kinematics, bodies: Sequenc
     return laws
 
 
-def _drive_law(names: Names, drive: Drive, x: Expr, rate: Expr, where: str) -> Law:
+def _drive_law(names: Names, drive: Drive, x: Expr, rate: Expr, coordinate: str, where: str) -> Law:
     stiffness, free = names.expression(drive.stiffness, where), names.expression(drive.free, where)
     other = names.expression(drive.applied, where) - names.expression(drive.damping, where) * rate
-    return _line_law(rate, stiffness, x - free, other + law_value(names, drive.law, x, where), free)
-
-
-def _line_law(rate: Expr, stiffness: Expr, stretch: Expr, other: Expr, free: Expr) -> Law:
-    """Return the law of a spring along a scalar, with another effort beside it."""
+    other, stretch = other + law_value(names, drive.law, x, where), x - free
     spring = -(stiffness * stretch)
-    load = Effort(rate, other + spring)
+    load = Effort(rate, other + spring, coordinate)
     if is_constant(stiffness) and is_constant(free):
-        return Law((load,), stiffness * stretch**2 / 2, other * rate, (Effort(rate, other),))
+        return Law((load,), stiffness * stretch**2 / 2, other * rate, (Effort(rate, other, coordinate),))
     return Law((load,), number(rate.graph, 0), (other + spring) * rate)
 
 
