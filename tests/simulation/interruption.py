@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import _thread
+import gc
 import signal
 import threading
 from collections.abc import Iterator
@@ -29,11 +30,17 @@ class CtrlC:
 
 @contextmanager
 def ctrl_c() -> Iterator[CtrlC]:
-    """What to give as progress; processes started in the background ignore Ctrl-C, so it is heard here first."""
+    """What to give as progress; processes started in the background ignore Ctrl-C, so it is heard here first.
+
+    Hypothesis leaves a function with the garbage collector. Python drops what is raised there, and after a long
+    collection it is the first Python code to run: a Ctrl-C pressed meanwhile would be raised in it, and lost.
+    """
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    collecting, gc.callbacks[:] = gc.callbacks[:], []
     press = CtrlC()
     try:
         yield press
         press.join()
     finally:
         signal.signal(signal.SIGINT, before)
+        gc.callbacks[:] = collecting

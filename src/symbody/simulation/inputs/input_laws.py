@@ -52,6 +52,8 @@ class InputLaws:
         SimulationError
             If a law fails.
         """
+        if not self.asked:
+            return np.empty((t.size, 0))
         return np.array([self.at(*point) for point in zip(t.tolist(), q.T, u.T, strict=True)]).reshape(
             t.size, len(self.asked)
         )
