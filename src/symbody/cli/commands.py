@@ -20,7 +20,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 import symbody
-from symbody.cli.model_files import load_model, model_file
+from symbody.cli.model_files import example_names, example_text, load_model
 from symbody.cli.settings import Settled, assigned
 from symbody.cli.small_motions import linear_json, linear_lines, rest_json, rest_lines
 from symbody.cli.summary import summary
@@ -177,9 +177,7 @@ def linearize(
 ) -> None:
     """Print A, B, C, D of small motions about a state, eigenvalues, and what they say of stability."""
     eqs = _formed(load_model(model), tree)
-    given = Settled.of(
-        eqs, assigned(parameters, "--set"), assigned(inputs, "--input"), assigned(at, "--at")
-    )
+    given = Settled.of(eqs, assigned(parameters, "--set"), assigned(inputs, "--input"), assigned(at, "--at"))
     found = symbody.linearize(
         eqs, given.initial, given.parameters, given.inputs, outputs or (), independent, cyclic or ()
     )
@@ -284,15 +282,16 @@ def examples(
 ) -> None:
     """List the examples, print one, or copy its files."""
     folder = examples_folder()
-    known = sorted(path.name for path in folder.iterdir() if model_file(path).is_file())
+    known = example_names(folder)
     if name is None:
         _print(known)
     elif name not in known:
+        alike = [other for other in known if name in other] or known
         raise UsageError(
-            Problem("cli.unknown_example", name, f"there is no example {name!r}", "", nearest(name, known))
+            Problem("cli.unknown_example", name, f"there is no example {name!r}", "", nearest(name, alike))
         )
     elif copy is None:
-        typer.echo(model_file(folder / name).read_text(encoding="utf-8"), nl=False)
+        typer.echo(example_text(folder / name), nl=False)
     else:
         _print(_copy_files(folder / name, copy, force))
 

@@ -1,4 +1,4 @@
-"""Model files of any format, by the end of their name."""
+"""Model files of any format, by the end of their name, and the examples."""
 
 from __future__ import annotations
 
@@ -24,3 +24,17 @@ def model_file(folder: Path) -> Path:
     """Return the model file of an example, which bears the name of its folder."""
     urdf = folder / f"{folder.name}.urdf"
     return urdf if urdf.is_file() else folder / f"{folder.name}.toml"
+
+
+def example_names(folder: Path) -> list[str]:
+    """Return the examples, folders with a script of the same name: ``slider_crank``, ``notes/basics``."""
+    scripts = [*folder.glob("*/*.py"), *folder.glob("*/*/*.py")]
+    found = (path.parent.relative_to(folder).as_posix() for path in scripts if path.stem == path.parent.name)
+    return sorted(found, key=lambda name: ("/" in name, name))
+
+
+def example_text(folder: Path) -> str:
+    """Return the model file of an example, or its script where it has none."""
+    model = model_file(folder)
+    chosen = model if model.is_file() else folder / f"{folder.name}.py"
+    return chosen.read_text(encoding="utf-8")
