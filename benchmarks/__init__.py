@@ -5,6 +5,7 @@
     python -m benchmarks derivation       equations of motion, beside sympy.physics.mechanics
     python -m benchmarks evaluation       compile times, and batches on one core
     python -m benchmarks motion           the compiled loop, beside SciPy's DOP853
+    python -m benchmarks sweep            many motions, by one thread and by two
     python -m benchmarks --help           sizes, time limit, number of rounds
 
 How to read the tables

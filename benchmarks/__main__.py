@@ -10,7 +10,7 @@ from typing import Final
 
 from rich.console import Console
 
-from benchmarks import derivation, evaluation, expressions, motion, nodes, operations
+from benchmarks import analyses, derivation, evaluation, expressions, motion, nodes, operations, sweep
 from benchmarks.table import Table, show
 from benchmarks.timing import Settings
 
@@ -20,8 +20,10 @@ BENCHMARKS: Final[Mapping[str, Callable[[Settings], Iterator[Table]]]] = Mapping
         "expressions": expressions.tables,
         "derivation": derivation.tables,
         "evaluation": evaluation.tables,
+        "analyses": analyses.tables,
         "motion": motion.tables,
         "operations": operations.tables,
+        "sweep": sweep.tables,
     }
 )
 

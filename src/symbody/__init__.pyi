@@ -113,6 +113,7 @@ from .analysis import velocity_ratios as velocity_ratios
 from .simulation import Baumgarte as Baumgarte
 from .simulation import Event as Event
 from .simulation import Explicit as Explicit
+from .simulation import FixedStep as FixedStep
 from .simulation import GGL as GGL
 from .simulation import Partition as Partition
 from .simulation import Stiff as Stiff
@@ -121,6 +122,9 @@ from .simulation import Status as Status
 from .simulation import Table as Table
 from .simulation import Trajectory as Trajectory
 from .simulation import simulate as simulate
+from .simulation import Samples as Samples
+from .simulation import Sweep as Sweep
+from .simulation import sweep as sweep
 from .simulation import inverse_dynamics as inverse_dynamics
 from .analysis import IndexOneSolution as IndexOneSolution
 from .analysis import solve_index_1 as solve_index_1

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from numba.core.caching import FunctionCache
 
+from symbody.simulation.native import cases as native_cases
 from symbody.simulation.native import interface as native_interface
 from symbody.simulation.native import loop as native_loop
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_8
@@ -70,3 +71,5 @@ def test_the_cache_is_renewed_with_every_file_compiled_into_the_loop() -> None:
     folder = Path(native_loop.__file__).parent
     texts = "".join((folder / name).read_text(encoding="utf-8") for name in COMPILED_IN)
     assert hashlib.sha256(texts.encode()).hexdigest()[:16] == native_loop.SOURCES
+    texts += (folder / "loop.py").read_text(encoding="utf-8")
+    assert hashlib.sha256(texts.encode()).hexdigest()[:16] == native_cases.SOURCES

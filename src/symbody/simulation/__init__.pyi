@@ -4,9 +4,13 @@ from .inverse.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from .methods.constraints import Baumgarte as Baumgarte
 from .methods.constraints import Projection as Projection
 from .methods.explicit import Explicit as Explicit
+from .methods.fixed_step import FixedStep as FixedStep
 from .methods.gear_gupta_leimkuhler import GGL as GGL
 from .methods.partition import Partition as Partition
 from .methods.stiff import Stiff as Stiff
 from .results.trajectory import Trajectory as Trajectory
 from .simulate import simulate as simulate
 from .status import Status as Status
+from .sweeps.case_table import Samples as Samples
+from .sweeps.result import Sweep as Sweep
+from .sweeps.sweep import sweep as sweep

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -21,6 +22,7 @@ from symbody.simulation.methods.change_point import run_held
 from symbody.simulation.methods.choice import Constraints, Integrator, run_chosen
 from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Projection, projector_of
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, Progress, RawRun, integrate
+from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.request import Request
 from symbody.simulation.modes.dependent_speeds import pivot_events, pivots_judged
 from symbody.simulation.modes.painleve import judged
@@ -69,7 +71,8 @@ def simulate(
     times : array, optional
         Exactly the samples to store; by default every step.
     integrator, constraints : optional
-        ``Explicit(order=8)``, with a change to `Stiff` where it pays; ``Projection()`` holds closed loops.
+        ``Explicit(order=8)``, with a change to `Stiff` where it pays, or `FixedStep`; ``Projection()`` holds
+        closed loops.
     events : Event or sequence of Event
         What to watch. Where one changes the state, both states are samples, of `times` only the one after.
     rtol, atol : float
@@ -127,13 +130,15 @@ def _run(
     x = np.array([*first.u.values(), *first.q.values(), 0.0])
     request = wanted(task=task, x0=x, span=span, watch=None)
     projector, closing = _projector(task, constraints, request.atol)
+    if isinstance(integrator, FixedStep):  # however far a step went, there is no shorter one
+        projector = projector._replace(limit=math.inf)
     watch = _watch(task, events, projector if closing else None, abs(span[1] - span[0]))
     request = replace(request, watch=watch)
     run = partial(integrate, t_span=span, times=request.times, projector=projector, watch=watch)
     atol = [*x[:-1] * 0.0 + request.atol, _work_tolerance(task, first, span[0], request)]
     run = partial(run, rtol=request.rtol, atol=atol, max_steps=request.max_steps)
 
-    def explicit(method: Explicit, stop: bool) -> RawRun:
+    def explicit(method: Explicit | FixedStep, stop: bool) -> RawRun:
         return _integrated(
             task, partial(run, method=method, stop_when_stiff=stop, progress=request.progress), first
         )

@@ -41,9 +41,7 @@ class Status(Enum):
         "an event happens again and again within an instant: use action='stop', give it a dead band, or "
         "describe what follows by another law"
     )
-    NOT_STARTED = (
-        "the motion cannot start with these values: look for the reason in the notes of the case"
-    )
+    NOT_STARTED = "the motion cannot start with these values: look for the reason in the notes of the case"
     WORKER_LOST = (
         "the workers that computed this case ended again and again: look for their memory and their log, or "
         "pass executor=None"

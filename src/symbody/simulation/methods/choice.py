@@ -11,6 +11,7 @@ import numpy as np
 from symbody.errors import Problem, UsageError
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
+from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.gear_gupta_leimkuhler import GGL, run_ggl
 from symbody.simulation.methods.partition import Partition, run_partition
 from symbody.simulation.methods.request import Request
@@ -18,7 +19,7 @@ from symbody.simulation.methods.stiff import Stiff, run_stiff
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.status import Status
 
-Integrator = Explicit | Stiff
+Integrator = Explicit | FixedStep | Stiff
 Constraints = Projection | Baumgarte | GGL | Partition
 Notes = tuple[str, ...]
 
@@ -31,13 +32,13 @@ def run_chosen(
     request: Request,
     integrator: Integrator | None,
     constraints: Constraints,
-    explicit: Callable[[Explicit, bool], RawRun],
+    explicit: Callable[[Explicit | FixedStep, bool], RawRun],
 ) -> tuple[RawRun, Notes]:
     """Return the run of a motion and what to note about it.
 
     Parameters
     ----------
-    integrator : Explicit, Stiff or None
+    integrator : Explicit, FixedStep, Stiff or None
         None starts explicitly and goes on with `Stiff` where stability alone keeps the steps small.
     explicit : callable
         Runs the compiled loop by a method, with or without stopping where that happens.
@@ -49,13 +50,13 @@ def run_chosen(
     """
     is_closed = bool(request.eqs.multiplier_names)
     if isinstance(constraints, GGL):
-        if isinstance(integrator, Explicit):
+        if isinstance(integrator, Explicit | FixedStep):
             raise _unfit("sb.GGL()", "are implicit equations", "sb.Stiff()")
         if is_closed:
             return run_ggl(request, integrator or Stiff())
         constraints = Projection()
     if isinstance(constraints, Partition):
-        if isinstance(integrator, Stiff):
+        if not isinstance(integrator, Explicit | None):
             raise _unfit("sb.Partition()", "is integrated explicitly", "sb.Explicit()")
         if is_closed:
             return run_partition(request, constraints, integrator or DEFAULT)

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.errors import Problem, UsageError
+from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.interface import Goal, Projector, RightHandSide
 from symbody.simulation.native.loop import EPSILON
 from symbody.simulation.native.run import NativeRun, drive, fresh_memory, fresh_record, method_arrays
 from symbody.simulation.native.run import Progress as Progress
 from symbody.simulation.native.run import RawRun as RawRun
-from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8
+from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8, Tableau
 from symbody.simulation.native.segments import Watch
 
 Floats = NDArray[np.float64]
@@ -74,6 +75,11 @@ class Explicit:
                     name, f"{name} = {step!r} is not a positive number", f"leave {name} out, or give seconds"
                 )
 
+    @property
+    def tableau(self) -> Tableau:
+        """Its coefficients."""
+        return DORMAND_PRINCE_8 if self.order == 8 else DORMAND_PRINCE_5
+
 
 def integrate(
     address: int,
@@ -83,7 +89,7 @@ def integrate(
     x0: ArrayLike,
     t_span: tuple[float, float],
     *,
-    method: Explicit,
+    method: Explicit | FixedStep,
     inputs: ArrayLike = (),
     parameters: ArrayLike = (),
     constants: ArrayLike = (),
@@ -128,7 +134,7 @@ def integrate(
     (start, end), x = checked_span(t_span), _checked_state(x0, n_u + n_q)
     goal = _goal(start, end, method, checked_rtol(rtol), checked_atol(atol, x.size))
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
-    tableau = DORMAND_PRINCE_8 if method.order == 8 else DORMAND_PRINCE_5
+    tableau = method.tableau
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
     rhs = RightHandSide(int(address), int(n_u), r, p, c, np.zeros(work_size), np.zeros(1))
     run = NativeRun(rhs, projector, method_arrays(tableau), goal, fresh_memory(tableau, x, start))
@@ -136,7 +142,7 @@ def integrate(
     return drive(run, record, 0.0 if method.first_step is None else float(method.first_step), progress, watch)
 
 
-def _goal(start: float, end: float, method: Explicit, rtol: float, atol: Floats) -> Goal:
+def _goal(start: float, end: float, method: Explicit | FixedStep, rtol: float, atol: Floats) -> Goal:
     max_step = math.inf if method.max_step is None else float(method.max_step)
     return Goal(end, 1.0 if end >= start else -1.0, rtol, atol, max_step, 0, False)
 

@@ -93,6 +93,8 @@ class Method(NamedTuple):
         The coefficients that are not zero, and which stages they belong to.
     c : (k,) array
         The nodes.
+    split : bool
+        Whether coordinates wait for the new speeds, see `runge_kutta.SEMI_IMPLICIT`.
     """
 
     first: Integers
@@ -107,6 +109,7 @@ class Method(NamedTuple):
     shrink: float
     growth: float
     stiff_bound: float
+    split: bool
 
 
 class Goal(NamedTuple):

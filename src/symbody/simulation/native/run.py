@@ -130,6 +130,7 @@ def method_arrays(tableau: Tableau) -> Method:
         tableau.shrink,
         tableau.growth,
         tableau.stiff_bound,
+        tableau.split,
     )
 
 

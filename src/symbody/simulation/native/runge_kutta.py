@@ -1,4 +1,4 @@
-"""The embedded Runge-Kutta pairs of Dormand and Prince as data: orders 5(4) and 8(5,3).
+"""Runge-Kutta methods as data: the pairs of Dormand and Prince, orders 5(4) and 8(5,3), and fixed steps.
 
 Coefficients, dense outputs and control constants are those of the codes dopri5 and dop853 in Hairer,
 Norsett and Wanner, Solving Ordinary Differential Equations I, 2nd ed., sections II.4 to II.6 and II.10.
@@ -39,6 +39,8 @@ class Tableau:
         Least and greatest factor.
     stiff_bound : float
         Above this ``h * |eigenvalue|`` a step is limited by stability, section IV.2.
+    split : bool
+        Whether stages move the speeds alone, and coordinates go on with the rates of the last of them.
 
     Raises
     ------
@@ -57,6 +59,7 @@ class Tableau:
     shrink: float
     growth: float
     stiff_bound: float
+    split: bool = False
 
     def __post_init__(self) -> None:
         if len(self.A) != len(self.c) or any(len(row) > k for k, row in enumerate(self.A)):
@@ -166,4 +169,36 @@ DORMAND_PRINCE_8: Final = Tableau(
     shrink=0.333,
     growth=6.0,
     stiff_bound=6.1,
+)
+
+# Without error estimates every step is taken as it is; one that fails is not tried again with a shorter one.
+RUNGE_KUTTA_4: Final = Tableau(
+    order=4,
+    stages=4,
+    A=_rows("; 1/2; 0 1/2; 0 0 1; 1/6 1/3 1/3 1/6"),
+    c=(0, 1 / 2, 1 / 2, 1, 1),
+    error=((), ()),
+    dense=(),
+    exponent=0.25,
+    memory=0.0,
+    shrink=0.0,
+    growth=1.0,
+    stiff_bound=2.785,
+)
+
+# Symplectic Euler: u' = u + h udot(q, u), then q' = q + h qdot(q, u') [Hairer, Lubich and Wanner, Geometric
+# Numerical Integration, 2nd ed., section I.1.2, (1.9)].
+SEMI_IMPLICIT: Final = Tableau(
+    order=1,
+    stages=2,
+    A=_rows("; 1; 0 1"),
+    c=(0, 1, 1),
+    error=((), ()),
+    dense=(),
+    exponent=1.0,
+    memory=0.0,
+    shrink=0.0,
+    growth=1.0,
+    stiff_bound=2.0,
+    split=True,
 )

@@ -73,6 +73,13 @@ def _combine(method: Method, row: int, memory: Memory, factor: float, base: int,
 
 
 @inlined
+def _copy(memory: Memory, first: int, stop: int, source: int, target: int) -> None:
+    """Copy some states of one vector to another."""
+    for i in range(first, stop):
+        memory.vectors[target, i] = memory.vectors[source, i]
+
+
+@inlined
 def row_is_finite(array: Floats, row: int) -> bool:
     """Return whether a row holds no infinity and no NaN."""
     for i in range(array.shape[1]):
@@ -116,8 +123,12 @@ def attempt(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, t: f
     end = method.stages
     for k in range(1, end):
         _combine(method, k, memory, h, STATE_OLD, STAGE)
+        if method.split:
+            _copy(memory, rhs.n_u, memory.K.shape[1], STATE_OLD, STAGE)
         evaluate(rhs, memory, t + method.c[k] * h, STAGE, k)
     _combine(method, end, memory, h, STATE_OLD, STATE_NEW)
+    if method.split:
+        _copy(memory, 0, rhs.n_u, STAGE, STATE_NEW)
     if method.error_reads_end:
         evaluate(rhs, memory, t + h, STATE_NEW, end)
     error = _error_norm(method, goal, memory, h)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from symbody.codegen.compile import Value
 from symbody.errors import Problem, UsageError
+from symbody.expr.language.formula import Formula
 
 Floats = NDArray[np.float64]
 Law = Literal["uniform", "loguniform", "normal"]
@@ -90,7 +91,7 @@ class CaseTable:
     @property
     def count(self) -> int:
         """How many cases there are."""
-        return self.parameters.shape[0]
+        return len(self.parameters)
 
     def values(self, k: int) -> tuple[dict[str, Value], dict[str, Value]]:
         """Return all parameters and initial values of case k, by name."""
@@ -148,17 +149,15 @@ def case_table(
 
 
 def _varies(value: Varied) -> bool:
-    if isinstance(value, np.ndarray):
-        return value.ndim > 0
-    return isinstance(value, Sequence) and not isinstance(value, str)
+    return not isinstance(value, int | float | str | Formula | Samples | np.number)
 
 
 def _constants(given: Mapping[str, Varied]) -> dict[str, Value]:
-    found: dict[str, Value] = {}
-    for name, value in given.items():
-        if not _varies(value) and not isinstance(value, Samples):
-            found[name] = float(value) if isinstance(value, np.ndarray) else value  # type-narrowed below
-    return found
+    return {
+        name: value
+        for name, value in given.items()
+        if isinstance(value, int | float | str | Formula | np.number)
+    }
 
 
 def _checked(

@@ -1,0 +1,83 @@
+"""Many motions: tops of different masses in the loop over many cases, by one thread and by two.
+
+Throughput is stated for each core, beside the same motions one by one in the loop for a single motion, and by
+SciPy's DOP853 with the same compiled function.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+import symbody as sb
+from benchmarks.mechanisms import EXAMPLES
+from benchmarks.table import Table, seconds_text
+from benchmarks.timing import Settings, processor_seconds, seconds
+
+CASES: Final = 100_000
+END: Final = 10.0
+THREADS: Final = (1, 2)
+# Of so many times the throughput of one thread.
+GOAL: Final = 0.8
+_ALONE: Final = 20
+
+
+def tables(settings: Settings) -> Iterator[Table]:
+    """Yield the table of this benchmark."""
+    yield tops(settings)
+
+
+def tops(settings: Settings, cases: int = CASES) -> Table:
+    """Return times of all cases and of one, and what a second thread brings."""
+    eqs = sb.form_equations(sb.load_model(EXAMPLES / "spinning_top" / "spinning_top.toml"))
+    masses = np.linspace(0.9, 1.1, cases)
+    times = [END]
+
+    def swept(threads: int, count: int = cases) -> sb.Sweep:
+        return sb.sweep(eqs, END, {"m": masses[:count]}, times=times, threads=threads)
+
+    swept(2, 64)  # compiles
+    rows, first = [], 0.0
+    for threads in THREADS:
+        spent = min(seconds(lambda threads=threads: swept(threads)) for _ in range(min(settings.rounds, 2)))
+        work = processor_seconds(lambda threads=threads: swept(threads))
+        first = first or spent
+        share = first / spent / threads
+        rows.append(
+            (
+                f"sweep, {threads} thread{'s' * (threads > 1)}",
+                seconds_text(spent),
+                f"{cases / spent:.0f}",
+                f"{cases / work:.0f}",
+                f"{share:.0%}{' met' if share >= GOAL else ''}",
+            )
+        )
+    alone = [
+        sb.simulate(eqs, END, parameters={"m": mass}, times=times, integrator=sb.Explicit()).statistics
+        for mass in masses[:_ALONE]
+    ]
+    loop = min(run.loop_seconds for run in alone)
+    rows.append(("one by one, its loop alone", "", f"{1 / loop:.0f}", f"{1 / loop:.0f}", ""))
+    peer = _peer(eqs)
+    rows.append(("SciPy's DOP853", "", f"{1 / peer:.0f}", f"{1 / peer:.0f}", ""))
+    columns = ("by", f"{cases} cases", "cases a second", "a second of processor", "of its threads")
+    notes = (
+        f"tops of {END:g} s at rtol 1e-8; {os.cpu_count()} processors; goal: {GOAL:.0%} of twice one thread",
+        "what else runs on the machine slows the first two columns down, not the third",
+    )
+    return Table("many motions", columns, tuple(rows), notes)
+
+
+def _peer(eqs: sb.EquationSet) -> float:
+    """Return the time of one motion by SciPy."""
+    f, start = sb.compile(eqs, "xdot"), sb.assemble(eqs)
+    x = np.array([*start.u.values(), *start.q.values()])
+    options = {"method": "DOP853", "t_eval": [END], "rtol": 1e-8, "atol": 1e-10}
+    return min(
+        processor_seconds(lambda: solve_ivp(lambda t, x: f.of_state(t, x), (0.0, END), x, **options))
+        for _ in range(5)
+    )

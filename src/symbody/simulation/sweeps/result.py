@@ -1,0 +1,175 @@
+"""`Sweep`: all motions of a sweep, with what varied and how each ended."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.errors import EnvironmentFault, Problem, UsageError
+from symbody.simulation.native.run import Statistics
+from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.status import Status
+from symbody.simulation.sweeps.evaluation import Evaluation
+
+if TYPE_CHECKING:
+    import xarray
+
+Floats = NDArray[np.float64]
+
+# Columns of `Sweep.counts`.
+_ACCEPTED, _REJECTED, _EVALUATIONS, _SAMPLES = range(4)
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Sweep:
+    """All motions of a sweep: arrays have the cases first and time last.
+
+    Attributes
+    ----------
+    t : (N,) array
+        Times of the samples [s].
+    x : (cases, n, N) array
+        States x = (u, q); not a number where a motion did not reach.
+    cases : mapping of name to (cases,) array
+        What varied, in the order of the cases.
+    status : tuple of Status
+        How each motion ended.
+    counts : (cases, k) array of int
+        Steps accepted, steps rejected, evaluations, samples.
+    reached : (cases,) array
+        Time up to which each motion is known [s].
+    case_notes : mapping of int to str
+        What there is to say of single cases, such as why they failed.
+    notes : tuple of str
+        What there is to say of all.
+    """
+
+    t: Floats
+    x: Floats
+    cases: Mapping[str, Floats]
+    status: tuple[Status, ...]
+    counts: NDArray[np.int64]
+    reached: Floats
+    evaluation: Evaluation
+    coordinate_names: tuple[str, ...]
+    speed_names: tuple[str, ...]
+    case_notes: Mapping[int, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
+    name: str = ""
+
+    def __len__(self) -> int:
+        """How many cases there are."""
+        return len(self.status)
+
+    def __repr__(self) -> str:
+        names = ", ".join(self.cases) or "nothing"
+        return f"Sweep({self.name}): {self.succeeded.sum()} of {len(self)} cases succeeded, {names} varied"
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Names of the rows of `x`: speeds, then coordinates."""
+        return (*self.speed_names, *self.coordinate_names)
+
+    @property
+    def succeeded(self) -> NDArray[np.bool_]:
+        """Which motions were computed as far as was asked (cases,)."""
+        return np.array([status.success for status in self.status], dtype=np.bool_)
+
+    @property
+    def success(self) -> bool:
+        """Whether all were."""
+        return bool(self.succeeded.all())
+
+    def __getitem__(self, name: str) -> Floats:
+        """Return what varied (cases,), or a state or any output (cases, N), (cases, 3, N) for a vector.
+
+        Raises
+        ------
+        FormulationError
+            If the name is neither an output nor an expression.
+        """
+        if name == "t":
+            return self.t
+        if name in self.state_names:
+            row: Floats = self.x[:, self.state_names.index(name)]
+            return row
+        if name in self.cases:
+            return self.cases[name]
+        return self.evaluation.of(name, self.t, self.x)
+
+    def trajectory(self, case: int) -> Trajectory:
+        """Return the motion of one case.
+
+        Raises
+        ------
+        UsageError
+            If there is no such case.
+        """
+        count = len(self)
+        if not -count <= case < count:
+            what = f"there is no case {case}"
+            raise UsageError(Problem("sweep.case", "trajectory", what, fix=f"cases are 0 to {count - 1}"))
+        case %= count
+        known = int(self.counts[case, _SAMPLES])
+        n_u = len(self.speed_names)
+        accepted, rejected, evaluations = self.counts[case, :3].tolist()
+        values = ", ".join(f"{name} = {column[case]:g}" for name, column in self.cases.items())
+        note = self.case_notes.get(case, "")
+        return Trajectory(
+            self.t[:known],
+            self.x[case, n_u:, :known],
+            self.x[case, :n_u, :known],
+            self.coordinate_names,
+            self.speed_names,
+            self.status[case],
+            Statistics(accepted, rejected, evaluations, 0.0),
+            lambda name, t, q, u: self.evaluation.of_case(case, name, t, q, u),
+            units=self.units,
+            notes=(f"case {case}: {values}", *((note,) if note else ()), *self.notes),
+            name=self.name,
+        )
+
+    def to_xarray(self, *names: str) -> xarray.Dataset:
+        """Return an xarray data set: `x` over (case, state, time), further outputs, what varied, status.
+
+        ``.to_netcdf("sweep.nc")`` and ``.to_zarr("sweep.zarr")`` of the result write it to files.
+
+        Parameters
+        ----------
+        *names : str
+            Outputs to compute and add, numbers or vectors.
+
+        Raises
+        ------
+        EnvironmentFault
+            If xarray is not installed.
+        """
+        try:
+            import xarray
+        except ImportError:
+            what = "xarray is not installed"
+            raise EnvironmentFault(
+                Problem("sweep.xarray", "to_xarray", what, fix="pip install symbody[sweep]")
+            ) from None
+        variables: dict[str, object] = {"x": (("case", "state", "time"), self.x)}
+        for name in names:
+            values = self[name]
+            inner = tuple(f"axis_{k}" for k in range(values.ndim - 2))
+            variables[name] = (("case", *inner, "time"), values)
+        variables["status"] = (("case",), np.array([status.name for status in self.status]))
+        variables["reached"] = (("case",), self.reached)
+        variables["evaluations"] = (("case",), self.counts[:, _EVALUATIONS])
+        coordinates: dict[str, object] = {
+            "case": np.arange(len(self)),
+            "state": np.array(self.state_names),
+            "time": ("time", self.t, {"units": "s"}),
+        }
+        for name, column in self.cases.items():
+            taken = name in variables or name in coordinates
+            coordinates[f"{name} of case" if taken else name] = ("case", column)
+        return xarray.Dataset(variables, coordinates, {"model": self.name, "notes": "\n".join(self.notes)})

@@ -1,0 +1,125 @@
+"""Finished parts of a sweep in a folder, from which a later call goes on."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import zipfile
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from symbody.errors import EnvironmentFault, Problem, UsageError
+from symbody.simulation.sweeps.job import Job, Part, Records
+
+_FORMAT: Final = "symbody sweep 1"
+_ABOUT: Final = "sweep.json"
+_NAME: Final = re.compile(r"cases_(\d+)_(\d+)\.npz")
+
+
+class Store:
+    """A folder with the finished parts of one sweep.
+
+    Parameters
+    ----------
+    path : path
+        The folder, made where it does not exist.
+    digest : str
+        Stands for all that results depend on.
+
+    Raises
+    ------
+    UsageError
+        If the folder belongs to another sweep, or to something else.
+    EnvironmentFault
+        If it cannot be made or read.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], digest: str) -> None:
+        self._folder = Path(path)
+        about = {"format": _FORMAT, "digest": digest}
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            found = self._about()
+            if found is None:
+                _write(self._folder / _ABOUT, json.dumps(about).encode())
+        except OSError as error:
+            raise self._unwritable(error) from error
+        if found is not None and found != about:
+            raise UsageError(
+                Problem("sweep.store", str(path), "the folder holds parts of another sweep",
+                        "its model, cases, times, method or tolerances differ, or the release of symbody",
+                        "give another folder, or delete this one")
+            )  # fmt: skip
+
+    def finished(self) -> Iterable[Records]:
+        """Yield what was kept; files that cannot be read are computed anew."""
+        for path in sorted(self._folder.glob("cases_*.npz")):
+            name = _NAME.fullmatch(path.name)
+            try:
+                with open(path, "rb") as file, np.load(file, allow_pickle=False) as arrays:
+                    found = Records(
+                        int(name[1]) if name else -1,
+                        arrays["x"], arrays["codes"], arrays["counts"], arrays["reached"],
+                    )  # fmt: skip
+            except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+                continue
+            if name:
+                yield found
+
+    def keep(self, records: Records) -> None:
+        """Keep a part that is complete.
+
+        Raises
+        ------
+        EnvironmentFault
+            If it cannot be written.
+        """
+        name = f"cases_{records.first:09d}_{records.first + records.count:09d}.npz"
+        own = self._folder / f"{name}.{os.getpid()}.part"
+        try:
+            with open(own, "wb") as file:
+                np.savez(
+                    file, x=records.x, codes=records.codes, counts=records.counts, reached=records.reached
+                )
+            os.replace(own, self._folder / name)
+        except OSError as error:
+            raise self._unwritable(error) from error
+
+    def _about(self) -> object:
+        path = self._folder / _ABOUT
+        if not path.exists():
+            return None
+        try:
+            return json.loads(path.read_text(encoding="utf-8"))
+        except ValueError:
+            return {}
+
+    def _unwritable(self, error: OSError) -> EnvironmentFault:
+        what = f"the folder cannot be used: {error.strerror or error}"
+        return EnvironmentFault(
+            Problem("sweep.store_folder", str(self._folder), what, fix="give a folder that is yours")
+        )
+
+
+def digest(job: Job, part: Part) -> str:
+    """Return what stands for all that results depend on: code, first states, values, times, method."""
+    about = hashlib.sha256()
+    for function in (job.function, job.closing):
+        about.update(b"" if function is None else function.source("c").encode())
+    for array in (part.states, part.parameters, part.scales, part.sizes, job.times):
+        about.update(f"{array.shape}".encode())
+        about.update(np.ascontiguousarray(array).tobytes())
+    choices = (job.span, job.method, job.rtol, job.atol, job.max_steps, job.stop_when_stiff, job.limit)
+    about.update(repr((*choices, job.rounding)).encode())
+    return about.hexdigest()
+
+
+def _write(path: Path, content: bytes) -> None:
+    own = path.with_suffix(f".{os.getpid()}.part")
+    own.write_bytes(content)
+    os.replace(own, path)

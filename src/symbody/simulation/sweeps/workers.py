@@ -1,0 +1,288 @@
+"""Who computes the parts of a sweep: threads of this process, or the workers of any Executor."""
+
+from __future__ import annotations
+
+import os
+import pickle
+from collections.abc import Callable, Sequence
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
+from dataclasses import dataclass
+from multiprocessing import get_context
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from symbody.errors import EnvironmentFault, Problem, UsageError
+from symbody.simulation.native.run import Progress
+from symbody.simulation.sweeps.job import (
+    NOT_ENDED,
+    WORKER_LOST,
+    Job,
+    Part,
+    Records,
+    Signal,
+    blocks,
+    compute,
+    run_part,
+)
+
+# How often progress is told and Ctrl-C is heard [s].
+_TICK: Final = 0.1
+# Parts that wait with an executor at one time.
+_WINDOW: Final = 64
+# A part that was lost so often is tried alone, and then given up.
+_SUSPECT: Final = 2
+_GIVEN_UP: Final = 4
+_BROKEN_POOLS: Final = 50
+# Many cases: lanes are full, and what is lost or repeated is little. Few: all workers work.
+_LARGEST_PART: Final = 1024
+_PARTS: Final = 16
+
+
+class Crew(NamedTuple):
+    """Who computes.
+
+    Attributes
+    ----------
+    executor : Executor or None
+        None for threads of this process.
+    threads : int
+        Threads of this process, or of each worker.
+    part : int or None
+        How many cases make a part.
+    """
+
+    executor: Executor | None
+    threads: int
+    part: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Listener:
+    """Whom to tell.
+
+    Attributes
+    ----------
+    progress : callable or None
+        Is told the share that is done; False ends the sweep.
+    finished : callable
+        Is told each part that is complete.
+    """
+
+    progress: Progress | None
+    finished: Callable[[Records], None]
+
+
+class Tally(NamedTuple):
+    """How the work ended: whether it was interrupted, and what was lost, by number of the first case."""
+
+    interrupted: bool
+    lost: dict[int, str]
+
+
+def crew(executor: Executor | None, threads: int | None, part: int | None) -> Crew:
+    """Return who computes.
+
+    Raises
+    ------
+    UsageError
+        If there are no such threads, or the executor is none.
+    """
+    problems = []
+    for name, value in (("threads", threads), ("part", part)):
+        if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
+            problems.append(
+                Problem(f"sweep.{name}", name, f"{name} = {value!r} is no such number", "",
+                        "give a whole number from 1 on, or leave it out")
+            )  # fmt: skip
+    if executor is not None and not isinstance(executor, Executor):
+        problems.append(
+            Problem("sweep.executor", "executor", f"{type(executor).__name__} is no Executor", "",
+                    "give a concurrent.futures.Executor, such as Client(...).get_executor() of Dask")
+        )  # fmt: skip
+    if problems:
+        raise UsageError(*problems)
+    usual = 1 if executor is not None else os.cpu_count() or 1
+    return Crew(executor, usual if threads is None else threads, part)
+
+
+def parts(part: Part, missing: Sequence[tuple[int, int]], size: int | None) -> list[Part]:
+    """Return what is missing of all cases, cut into parts."""
+    count = sum(stop - start for start, stop in missing)
+    length = size or max(1, min(_LARGEST_PART, -(-count // _PARTS)))
+    return [
+        part.cut(start + low, start + high)
+        for start, stop in missing
+        for low, high in blocks(stop - start, length)
+    ]
+
+
+def compute_here(job: Job, pieces: Sequence[Part], records: Records, threads: int, told: Listener) -> Tally:
+    """Compute parts in threads of this process; Ctrl-C ends it between two steps."""
+    signal, total = Signal.new(), max(1, sum(piece.count for piece in pieces))
+    ended = [np.zeros(1, dtype=np.int64) for _ in pieces]
+    interrupted = False
+    with ThreadPoolExecutor(threads) as pool:
+        waiting: dict[Future[None], Records] = {}
+        try:
+            for piece, done in zip(pieces, ended, strict=True):
+                own = records.cut(piece.first, piece.first + piece.count)
+                waiting[pool.submit(compute, job, piece, own, signal.stop, done)] = own
+            while waiting:
+                for task in wait(waiting, _TICK, FIRST_COMPLETED).done:
+                    own = waiting.pop(task)
+                    task.result()
+                    if not (own.codes == NOT_ENDED).any():
+                        told.finished(own)
+                share = float(sum(done[0] for done in ended)) / total
+                if told.progress is not None and told.progress(share) is False:
+                    raise KeyboardInterrupt
+        except KeyboardInterrupt:
+            interrupted = True
+        finally:
+            signal.stop[0] = int(bool(waiting))
+            for task in waiting:
+                task.cancel()
+    return Tally(interrupted, {})
+
+
+def compute_there(job: Job, pieces: Sequence[Part], records: Records, who: Crew, told: Listener) -> Tally:
+    """Compute parts by the workers of an executor; parts of workers that end too early are given out anew.
+
+    Raises
+    ------
+    EnvironmentFault
+        If no worker could compute anything.
+    """
+    round = _Round(job, pieces, records, who, told)
+    try:
+        round.run()
+    except KeyboardInterrupt:
+        round.cancel()
+        return Tally(True, round.lost)
+    finally:
+        round.close()
+    return Tally(False, round.lost)
+
+
+class _Round:
+    """Parts on their way to workers and back."""
+
+    def __init__(self, job: Job, pieces: Sequence[Part], records: Records, who: Crew, told: Listener) -> None:
+        self.lost: dict[int, str] = {}
+        self._payload = _packed(job)
+        self._records = records
+        self._threads = who.threads
+        self._told = told
+        self._executor = who.executor
+        self._own: ProcessPoolExecutor | None = None
+        self._broken = 0
+        self._left = list(reversed(pieces))
+        self._failures = dict.fromkeys((piece.first for piece in pieces), 0)
+        self._waiting: dict[Future[Records | str], Part] = {}
+        self._total = max(1, sum(piece.count for piece in pieces))
+        self._done = 0
+
+    def run(self) -> None:
+        """Give out parts until all are back."""
+        while self._left or self._waiting:
+            self._give_out()
+            for task in wait(self._waiting, _TICK, FIRST_COMPLETED).done:
+                self._take_back(task, self._waiting.pop(task))
+            progress = self._told.progress
+            if progress is not None and progress(self._done / self._total) is False:
+                raise KeyboardInterrupt
+
+    def cancel(self) -> None:
+        """Ask for no more."""
+        for task in self._waiting:
+            task.cancel()
+
+    def close(self) -> None:
+        """End the processes that were begun here."""
+        if self._own is not None:
+            self._own.shutdown(wait=True, cancel_futures=True)
+
+    def _give_out(self) -> None:
+        while self._left and len(self._waiting) < _WINDOW:
+            piece = self._left[-1]
+            suspect = self._failures[piece.first] >= _SUSPECT
+            if self._waiting and (suspect or self._is_alone()):
+                return  # whose fault it is shows only where nothing else is computed
+            self._left.pop()
+            try:
+                if self._executor is None:
+                    raise BrokenExecutor
+                task = self._executor.submit(run_part, self._payload, piece, self._threads)
+            except (BrokenExecutor, RuntimeError):
+                self._left.append(piece)
+                self._replace_executor()
+                continue
+            self._waiting[task] = piece
+
+    def _is_alone(self) -> bool:
+        return any(self._failures[piece.first] >= _SUSPECT for piece in self._waiting.values())
+
+    def _replace_executor(self) -> None:
+        """Go on with processes of this machine where an executor has broken for good.
+
+        Raises
+        ------
+        EnvironmentFault
+            If these break, too, again and again.
+        """
+        self._broken += 1
+        if self._broken > _BROKEN_POOLS:
+            raise _nobody("processes end as soon as they are started")
+        self.close()
+        self._own = ProcessPoolExecutor(mp_context=get_context("spawn"))
+        self._executor = self._own
+
+    def _take_back(self, task: Future[Records | str], piece: Part) -> None:
+        try:
+            found = task.result()
+        except (KeyboardInterrupt, SystemExit):
+            raise
+        except BaseException as error:  # cancelled, killed, unreachable: each executor has words of its own
+            found = f"{type(error).__name__}: {error}"
+        if isinstance(found, Records):
+            self._records.put(found)
+            self._done += piece.count
+            self._told.finished(found)
+            return
+        self._failures[piece.first] += 1
+        if self._failures[piece.first] < _GIVEN_UP:
+            # Suspects come last, when everything else is safe.
+            self._left.insert(0, piece)
+            return
+        if not self._done:
+            raise _nobody(found)
+        if piece.count > 1:  # whose fault it is
+            for low, high in blocks(piece.count, -(-piece.count // 2)):
+                half = piece.cut(low, high)
+                self._left.insert(0, half)
+                self._failures[half.first] = _GIVEN_UP - 1
+            return
+        self._done += piece.count
+        self.lost[piece.first] = found
+        self._records.cut(piece.first, piece.first + 1).codes[:] = WORKER_LOST
+
+
+def _packed(job: Job) -> bytes:
+    return pickle.dumps(job)
+
+
+def _nobody(why: str) -> EnvironmentFault:
+    return EnvironmentFault(
+        Problem("sweep.no_worker", "executor", "no worker of the executor could compute a part", why,
+                "install the same version of symbody and Python for all workers, give them memory for "
+                "fewer cases with part=..., or leave executor out")
+    )  # fmt: skip

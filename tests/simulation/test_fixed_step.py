@@ -1,0 +1,85 @@
+"""Steps of one length: orders, energies, and what happens where they fail."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import symbody as sb
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+@cache
+def oscillator() -> sb.EquationSet:
+    slide = sb.Prismatic("slide", "ground", "B", axis="x", coordinate="x", force=sb.Drive("-w**2*x"))
+    model = sb.Model("oscillator", [sb.Body("B", mass=1), slide], gravity=(0, 0, 0), parameters={"w": 2.0})
+    return sb.form_equations(model)
+
+
+def motion(step: float, method: str, end: float = 1.0) -> sb.Trajectory:
+    integrator = sb.FixedStep(step, method)  # type: ignore[arg-type]
+    return sb.simulate(oscillator(), end, {"x": 1.0}, integrator=integrator)
+
+
+@pytest.mark.parametrize(("method", "order"), [("rk4", 4), ("semi-implicit", 1)])
+def test_errors_shrink_with_the_order(method: str, order: int) -> None:
+    errors = [abs(motion(step, method)["x"][-1] - np.cos(2.0)) for step in (1 / 64, 1 / 128)]
+    # the next term of the error is smaller by a factor of the order of the step
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.1)
+
+
+def test_semi_implicit_steps_are_those_of_symplectic_euler() -> None:
+    run = motion(1 / 4, "semi-implicit", 2.0)
+    x, v = 1.0, 0.0
+    for k in range(9):
+        assert run["x"][k] == pytest.approx(x, rel=1e-13) and run["x_dot"][k] == pytest.approx(v, rel=1e-13)
+        v -= 4.0 * x / 4
+        x += v / 4
+
+
+def test_semi_implicit_euler_keeps_its_own_energy() -> None:
+    # v^2 + w^2 x^2 - h w^2 x v is constant for the oscillator, up to rounding of each of 4000 steps
+    run = motion(1 / 40, "semi-implicit", 100.0)
+    x, v = run["x"], run["x_dot"]
+    own = v**2 + 4 * x**2 - 4 * x * v / 40
+    assert np.ptp(own) < 4000 * 4 * 2.2e-16 * own[0]
+
+
+def test_steps_have_one_length_but_the_last() -> None:
+    run = motion(0.3, "rk4")
+    np.testing.assert_allclose(np.diff(run.t), [0.3, 0.3, 0.3, 0.1], rtol=1e-12)
+    assert run.statistics.rejected == 0
+
+
+def test_closed_loops_are_closed_after_every_step() -> None:
+    eqs = sb.form_equations(sb.load_model(EXAMPLES / "slider_crank" / "slider_crank.toml"))
+    run = sb.simulate(eqs, 0.5, integrator=sb.FixedStep(5e-3))
+    exact = sb.simulate(eqs, 0.5, times=[0.5])
+    assert run.success and run.t.size == 101
+    assert run.constraint_violation.max() < 1e-9
+    assert run["s"][-1] == pytest.approx(exact["s"][-1], abs=1e-6)  # 5e-3**4 times derivatives of about 1e3
+
+
+def test_a_failing_step_is_not_tried_again() -> None:
+    slide = sb.Prismatic("slide", "ground", "B", axis="x", coordinate="x", force=sb.Drive("sqrt(1 - t)"))
+    model = sb.Model("stop", [sb.Body("B", mass=1), slide], gravity=(0, 0, 0))
+    run = sb.simulate(sb.form_equations(model), 2.0, integrator=sb.FixedStep(0.25))
+    assert run.status is sb.Status.NOT_FINITE
+    assert run.t[-1] == 1.0 and run.statistics.rejected == 1
+
+
+def test_sweeps_take_fixed_steps() -> None:
+    result = sb.sweep(oscillator(), 1.0, {"w": [1.0, 2.0]}, {"x": 1.0}, integrator=sb.FixedStep(1e-2))
+    np.testing.assert_allclose(result["x"][:, -1], np.cos([1.0, 2.0]), atol=1e-7)
+
+
+def test_steps_and_methods_that_make_no_sense_are_refused_together() -> None:
+    with pytest.raises(sb.UsageError) as fault:
+        sb.FixedStep(-1.0, "euler")  # type: ignore[arg-type]
+    assert len(fault.value.problems) == 2
+    with pytest.raises(sb.UsageError, match="cannot be combined"):
+        sb.simulate(oscillator(), 1.0, integrator=sb.FixedStep(0.1), constraints=sb.GGL())
