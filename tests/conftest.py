@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import os
+import tempfile
 
 import pytest
 from hypothesis import settings
 
 # Before anything imports matplotlib: the tests run where there is no display.
 os.environ["MPLBACKEND"] = "Agg"
+
+# Compiled code goes to a folder of this run, not to the user's, unless one is named; processes that tests start inherit it.
+_CODE = tempfile.TemporaryDirectory(prefix="symbody-tests-")
+os.environ.setdefault("SYMBODY_CACHE", _CODE.name)
 
 # The same examples on every machine; a failure prints what reproduces it, nothing is stored.
 settings.register_profile("fast", max_examples=50, deadline=None, derandomize=True, database=None)

@@ -109,7 +109,10 @@ def arm() -> sb.EquationSet:
 
 @pytest.mark.parametrize("count", [0, 1, WIDTH - 1, WIDTH, WIDTH + 1, 5 * WIDTH + 3])
 @pytest.mark.parametrize("threads", [1, 3])
-def test_any_batch_by_any_threads_has_the_same_bits(arm: sb.EquationSet, count: int, threads: int) -> None:
+def test_any_batch_by_any_threads_has_the_same_bits(
+    arm: sb.EquationSet, count: int, threads: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("symbody.codegen.native_call._WORTH_A_THREAD", 1)
     outputs = ["udot", "mass_matrix"]
     without = sb.compile(arm, outputs, free=["l"], lanes=False)
     with_lanes = sb.compile(arm, outputs, free=["l"], lanes=True)

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from symbody.codegen import stored_code
-from symbody.codegen.llvm import machine
+from symbody.codegen.llvm import machine, stored_module
 from symbody.codegen.llvm.native import compile_sequence
 from symbody.codegen.llvm.runtime import Runtime
 from symbody.codegen.stored_code import VARIABLE, folder, store, stored
@@ -77,7 +77,7 @@ def test_another_processor_or_version_is_another_key(place: Path, monkeypatch: p
     sequence, _ = random_sequence(3, 50, EXACT)
     compile_sequence(sequence)
     before = set(place.iterdir())
-    monkeypatch.setattr(machine, "_environment", lambda: "another")
+    monkeypatch.setattr(stored_module, "environment", lambda: "another")
     compile_sequence(sequence)
     assert len(set(place.iterdir()) - before) >= 1
 

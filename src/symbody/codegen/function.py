@@ -49,8 +49,8 @@ class CompiledFunction:
     signature : Signature
         Names and order of the arguments, for messages.
     quick : bool
-        Compile in a quarter of the time for calls that take three times as long; it pays below about 50,000
-        evaluations. Results do not depend on it, nor on `lanes`.
+        Compile in less than half the time for calls that take 1.5 to 3 times as long; it pays below about
+        100,000 evaluations. Results do not depend on it, nor on `lanes`.
     lanes : bool or None
         Whether batches are computed several points at once. True compiles that at the first batch, None when
         300,000 points have been asked for, False never.
@@ -93,7 +93,7 @@ class CompiledFunction:
         out : array, optional
             Receives the result of a single output, of the result's shape, contiguous float64.
         threads : int
-            Threads that share the points of a batch; results do not depend on it.
+            Threads that share the points of a batch, fewer where that is faster; results do not depend on it.
 
         Raises
         ------

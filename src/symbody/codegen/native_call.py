@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from symbody.codegen.llvm.machine import lanes as widest
 from symbody.codegen.llvm.native import NativeFunction, compile_sequence
 from symbody.errors import Problem, SimulationError
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequence import Kernel, Sequence
 
 Floats = NDArray[np.float64]
 GROUPS: Final = ("t", "q", "u", "r", "p", "c")
@@ -31,6 +31,10 @@ _BATCH: Final = ctypes.CFUNCTYPE(
 
 # Lanes compile in about 40 us an operation and save about 0.1 ns an operation and point.
 _POINTS_THAT_PAY: Final = 300_000
+
+# Operations that are worth a thread: about a millisecond. One takes a tenth of that to start, and on a
+# machine with other work several until it gets a processor, while the caller waits.
+_WORTH_A_THREAD: Final = 5_000_000
 
 
 class NativeCall:
@@ -57,22 +61,25 @@ class NativeCall:
         self.native: NativeFunction = compile_sequence(sequence, quick=quick)
         self._points_left = {None: _POINTS_THAT_PAY, True: 0, False: sys.maxsize}[lanes]
         self._in_lanes: NativeFunction | None = None
+        self._work = sequence.operation_count + sum(_kernel_work(kernel) for kernel in sequence.kernels)
 
     def __call__(self, given: Mapping[str, Floats], batch: tuple[int, ...], threads: int = 1) -> Floats:
-        """Return (*batch, outputs); groups that are missing or empty are not read."""
+        """Return (*batch, outputs) by at most `threads`; groups that are missing or empty are not read."""
         count = int(np.prod(batch, dtype=np.int64))
         out = np.empty((count, self.sequence.output_size))
         points = _Points(tuple(_rows(given.get(group), batch, count) for group in GROUPS), out)
         lanes = self._lanes_for(count)
-        part = max(1, -(-count // threads))
+        useful = max(1, min(threads, count * self._work // _WORTH_A_THREAD))
+        part = max(1, -(-count // useful))
         if lanes is not None:  # whole lanes in each part but the last
             part = -(-part // lanes.width) * lanes.width
         starts = range(0, count, part)
         if len(starts) < 2:
             check_status(self._run(0, count, points, lanes))
         else:
-            with ThreadPoolExecutor(len(starts)) as pool:
-                codes = list(pool.map(lambda k: self._run(k, min(k + part, count), points, lanes), starts))
+            with ThreadPoolExecutor(len(starts) - 1) as pool:  # this thread takes the first part
+                others = pool.map(lambda k: self._run(k, min(k + part, count), points, lanes), starts[1:])
+                codes = [self._run(0, part, points, lanes), *others]
             check_status(next(filter(None, codes), 0))
         return out.reshape((*batch, out.shape[1]))
 
@@ -136,6 +143,11 @@ class SinglePoint(local):
         """Return the outputs for what stands in `groups`; a view that the next call overwrites."""
         check_status(self._function(*self._addresses))
         return self.out
+
+
+def _kernel_work(kernel: Kernel) -> int:
+    """Return about how many operations a kernel takes."""
+    return (kernel.n + kernel.m) ** 3
 
 
 def check_status(status: int) -> None:

@@ -24,24 +24,28 @@ class Expr:
 
     # Vectors are full of zeros: most sums and products with them need no look at the graph.
     def __add__(self, other: Expr | Constant) -> Expr:
-        if isinstance(other, Expr) and other.graph is self.graph:
-            if other.index == canonical.ZERO:
+        graph = self.graph
+        if isinstance(other, Expr) and other.graph is graph:
+            a, b = self.index, other.index
+            if b == canonical.ZERO:
                 return self
-            if self.index == canonical.ZERO:
-                return other
+            return other if a == canonical.ZERO else Expr(graph, canonical.add(graph, a, b))
         return _binary(canonical.add, self, other)
 
     def __sub__(self, other: Expr | Constant) -> Expr:
-        if isinstance(other, Expr) and other.index == canonical.ZERO and other.graph is self.graph:
-            return self
+        graph = self.graph
+        if isinstance(other, Expr) and other.graph is graph:
+            b = other.index
+            return self if b == canonical.ZERO else Expr(graph, canonical.sub(graph, self.index, b))
         return _binary(canonical.sub, self, other)
 
     def __mul__(self, other: Expr | Constant) -> Expr:
-        if isinstance(other, Expr) and other.graph is self.graph:
-            if self.index == canonical.ZERO:
+        graph = self.graph
+        if isinstance(other, Expr) and other.graph is graph:
+            a, b = self.index, other.index
+            if a == canonical.ZERO:
                 return self
-            if other.index == canonical.ZERO:
-                return other
+            return other if b == canonical.ZERO else Expr(graph, canonical.mul(graph, a, b))
         return _binary(canonical.mul, self, other)
 
     def __truediv__(self, other: Expr | Constant) -> Expr:

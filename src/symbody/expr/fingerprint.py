@@ -38,6 +38,7 @@ from symbody.expr.opcodes import (
 # (PRIME - 1) / 2 is prime too, so no power of 2 below 2**(10**18) is 1: floats, which are whole numbers times
 # powers of 2, stay distinct. (In the field of 2**61 - 1 the float 2**-60 is 2.) It is 3 modulo 4, see Circle.
 PRIME: Final = 2**61 - 2373
+_HALF: Final = PRIME // 2
 _WORD: Final = 2**64 - 1
 
 
@@ -53,21 +54,24 @@ class _Fingerprinter:
         self.graph = graph
         self.values: dict[int, Pair] = {}
         self._circle = Circle(graph, nodes, PRIME, self.values)
-        for node in nodes:
-            self.values[node] = self._value(node)
+        values, ops, left, right, p = self.values, graph.ops, graph.left, graph.right, PRIME
+        for node in nodes:  # nearly all are sums and products
+            op = ops[node]
+            if op == MUL:
+                (a1, a2), (b1, b2) = values[left[node]], values[right[node]]
+                values[node] = (a1 * b1 % p, a2 * b2 % p)
+            elif op == ADD:
+                (a1, a2), (b1, b2) = values[left[node]], values[right[node]]
+                values[node] = ((a1 + b1) % p, (a2 + b2) % p)
+            elif op == SUB:
+                (a1, a2), (b1, b2) = values[left[node]], values[right[node]]
+                values[node] = ((a1 - b1) % p, (a2 - b2) % p)
+            else:
+                values[node] = self._value(node)
 
     def _value(self, node: int) -> Pair:
         graph, values = self.graph, self.values
         op, a, b = graph.ops[node], graph.left[node], graph.right[node]
-        if op == MUL:
-            (a1, a2), (b1, b2) = values[a], values[b]
-            return (a1 * b1 % PRIME, a2 * b2 % PRIME)
-        if op == ADD:
-            (a1, a2), (b1, b2) = values[a], values[b]
-            return ((a1 + b1) % PRIME, (a2 + b2) % PRIME)
-        if op == SUB:
-            (a1, a2), (b1, b2) = values[a], values[b]
-            return ((a1 - b1) % PRIME, (a2 - b2) % PRIME)
         if op == NEG:
             a1, a2 = values[a]
             return (-a1 % PRIME, -a2 % PRIME)
@@ -80,7 +84,10 @@ class _Fingerprinter:
     def _leaf(self, node: int) -> Pair:
         op = self.graph.ops[node]
         if op in (RATIONAL, FLOAT):
-            value = Fraction(self.graph.constants[self.graph.left[node]])
+            value = self.graph.constants[self.graph.left[node]]
+            if isinstance(value, int):
+                return (value % PRIME, value % PRIME)
+            value = Fraction(value)
             residue = value.numerator * pow(value.denominator, -1, PRIME) % PRIME
             return (residue, residue)
         return scrambled(op, self.graph.hashes[node])
@@ -131,8 +138,10 @@ def vanishing(graph: Graph, nodes: Sequence[int]) -> list[bool]:
 
 def unsigned(pair: Pair) -> tuple[Pair, bool]:
     """Return the smaller of a fingerprint and its negative, and whether the sign was changed."""
-    opposite = (-pair[0] % PRIME, -pair[1] % PRIME)
-    return (opposite, True) if opposite < pair else (pair, False)
+    first, second = pair
+    if first > _HALF or (not first and second > _HALF):
+        return ((-first % PRIME, -second % PRIME), True)
+    return (pair, False)
 
 
 def scrambled(*words: int) -> Pair:

@@ -102,8 +102,8 @@ class Graph:
     """
 
     __slots__ = (
-        "__weakref__", "_copies", "_index", "_lock", "_symbol_index", "constants", "functions", "hashes",
-        "kernels", "left", "operand_tuples", "ops", "right", "symbols",
+        "__weakref__", "_copies", "_index", "_lock", "_symbol_index", "_whole", "constants", "functions",
+        "hashes", "kernels", "left", "operand_tuples", "ops", "right", "symbols",
     )  # fmt: skip
 
     def __init__(self) -> None:
@@ -118,6 +118,7 @@ class Graph:
         self.kernels: list[Kernel] = []
         self._index: dict[object, int] = {}
         self._symbol_index: dict[Symbol, int] = {}
+        self._whole: dict[int, int] = {}  # nodes of whole numbers, the constants most asked for
         self._copies: WeakKeyDictionary[Graph, dict[int, int]] = WeakKeyDictionary()
         self._lock = RLock()
         for value in (0, 1, 2):  # so that node i is the constant i: the folding rules rely on it
@@ -164,16 +165,23 @@ class Graph:
         ExpressionError
             For bool, complex, NaN, infinity, or anything that is not a number.
         """
+        if type(value) is not int:  # bool is another type, and refused
+            return self._constant(value)
+        known = self._whole.get(value)
+        if known is None:
+            known = self._whole[value] = self._constant(value)
+        return known
+
+    def _constant(self, value: Constant) -> int:
         kind, number = _checked(value)
         if number < 0 or (kind == FLOAT and math.copysign(1.0, number) < 0):
             return self.node(NEG, self.constant(-number))
         key: object
-        if kind == FLOAT:
+        if isinstance(number, float):
             key = (FLOAT, bits := struct.unpack("<q", struct.pack("<d", number))[0])
             fingerprint = hash((FLOAT, bits))
         else:
-            exact = Fraction(number)
-            key = (RATIONAL, exact.numerator, exact.denominator)
+            key = (RATIONAL, number.numerator, number.denominator)
             fingerprint = hash(key)
         found = self._index.get(key)
         if found is not None:
@@ -233,14 +241,26 @@ class Graph:
 
     def reachable(self, roots: Iterable[int]) -> list[int]:
         """Return all nodes the `roots` are computed from, ascending."""
-        seen: set[int] = set()
-        stack = list(roots)
-        while stack:
-            node = stack.pop()
-            if node not in seen:
-                seen.add(node)
-                stack.extend(self.operands(node))
-        return sorted(seen)
+        ops, left, right, tuples = self.ops, self.left, self.right, self.operand_tuples
+        seen = set(roots)
+        found = list(seen)
+        for node in found:  # it grows meanwhile
+            arity = ARITY[ops[node]]
+            if arity == 2:
+                a, b = left[node], right[node]
+                if a not in seen:
+                    seen.add(a)
+                    found.append(a)
+                if b not in seen:
+                    seen.add(b)
+                    found.append(b)
+            elif arity:
+                for a in (left[node],) if arity == 1 else tuples[left[node]]:
+                    if a not in seen:
+                        seen.add(a)
+                        found.append(a)
+        found.sort()
+        return found
 
     def datum(self, node: int) -> int:
         """Return what beside the operands defines `node`: entry of a PICK, place of a function or kernel."""

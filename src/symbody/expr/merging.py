@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from symbody.expr.canonical import ONE, ZERO, make, neg
+from symbody.expr.circle import Pair
 from symbody.expr.fingerprint import fingerprints, unsigned
 from symbody.expr.graph import Graph, copy_nodes
 from symbody.expr.opcodes import (
@@ -36,20 +37,23 @@ _RISKY = frozenset({ACOS, ASIN, CALL, DIV, LOG, SADDLE, SQRT, TAN})
 def merge_equal(source: Graph, roots: Sequence[int], target: Graph) -> list[int]:
     """Return the `roots` rebuilt in `target` with equal or opposite values computed once."""
     nodes = source.reachable([ZERO, ONE, *roots])
-    values = fingerprints(source, nodes)
+    keys: dict[int, Pair] = {}
+    flipped: dict[int, bool] = {}
+    for node, value in fingerprints(source, nodes).items():
+        keys[node], flipped[node] = unsigned(value)
     rank = _ranks(source, nodes)
-    chosen: dict[tuple[int, int], int] = {}
-    for node in nodes:
-        key, _ = unsigned(values[node])
-        if key not in chosen or rank[node] < rank[chosen[key]]:
+    chosen: dict[Pair, int] = {}
+    for node, key in keys.items():
+        known = chosen.get(key)
+        if known is None or rank[node] < rank[known]:
             chosen[key] = node
-    kept = _needed(source, roots, {node: chosen[unsigned(values[node])[0]] for node in nodes})
+    best = {node: chosen[key] for node, key in keys.items()}
+    kept = _needed(source, roots, best)
     built: dict[int, int] = {}
 
     def in_target(node: int) -> int:
-        key, flipped = unsigned(values[node])
-        best = chosen[key]
-        return neg(target, built[best]) if flipped != unsigned(values[best])[1] else built[best]
+        other = best[node]
+        return built[other] if flipped[node] == flipped[other] else neg(target, built[other])
 
     # A representative ranks no higher than what it replaces, so this order puts operands first.
     for node in sorted(kept, key=rank.__getitem__):
@@ -60,23 +64,24 @@ def merge_equal(source: Graph, roots: Sequence[int], target: Graph) -> list[int]
 def contract_products(graph: Graph, roots: Sequence[int]) -> list[int]:
     """Return the `roots` with ``a*b + c`` as one rounding where the product has no other use."""
     nodes = graph.reachable(roots)
+    operands = [graph.operands(node) for node in nodes]
     uses = dict.fromkeys(nodes, 0)
-    for node in nodes:
-        for operand in graph.operands(node):
+    for old in operands:
+        for operand in old:
             uses[operand] += 1
     for root in roots:
         uses[root] += 1
     memo: dict[int, int] = {}
-    for node in nodes:
-        old = graph.operands(node)
-        new = tuple([memo[k] for k in old])
+    for node, old in zip(nodes, operands, strict=True):
         fused = _fused(graph, node, uses, memo) if graph.ops[node] in (ADD, SUB) else None
-        memo[node] = fused if fused is not None else _remade(graph, node, old, new)
+        memo[node] = fused if fused is not None else _remade(graph, node, old, memo)
     return [memo[root] for root in roots]
 
 
 def _fused(graph: Graph, node: int, uses: dict[int, int], memo: dict[int, int]) -> int | None:
-    a, b = graph.operands(node)
+    a, b = graph.left[node], graph.right[node]
+    if uses[a] > 1 and uses[b] > 1:
+        return None
     minus = graph.ops[node] == SUB
     for product, rest, product_sign, rest_sign in (
         (a, b, 1, -1 if minus else 1),
@@ -99,8 +104,9 @@ def _factors(graph: Graph, node: int) -> tuple[int, int] | None:
     return None
 
 
-def _remade(graph: Graph, node: int, old: tuple[int, ...], new: tuple[int, ...]) -> int:
+def _remade(graph: Graph, node: int, old: tuple[int, ...], memo: dict[int, int]) -> int:
     """Return `node` with new operands, without folding: contraction must not move signs or terms."""
+    new = tuple([memo[k] for k in old])
     if new == old:
         return node
     op = graph.ops[node]
@@ -119,27 +125,35 @@ def _ranks(graph: Graph, nodes: Sequence[int]) -> dict[int, tuple[bool, float, i
     Nothing in it depends on when a node was made, nor on what else was asked for. Sizes saturate.
     """
     ranks: dict[int, tuple[bool, float, int, int]] = {}
+    ops, left, right, hashes = graph.ops, graph.left, graph.right, graph.hashes
     for node in nodes:
+        op = ops[node]
+        if ADD <= op <= MUL:  # most are, and these need no look further
+            fails, size, depth, _ = ranks[left[node]]
+            also, more, other, _ = ranks[right[node]]
+            top = depth if depth > other else other
+            ranks[node] = (fails or also, 1.0 + (size + more), 1 + top, hashes[node])
+            continue
         below = [ranks[k] for k in graph.operands(node)]
-        op = graph.ops[node]
-        risky = op in _RISKY or (op == POW and not isinstance(graph.number(graph.right[node]), int))
+        risky = op in _RISKY or (op == POW and not isinstance(graph.number(right[node]), int))
         ranks[node] = (
-            risky or any(rank[0] for rank in below),
-            float(node_cost(graph, node)) + sum(rank[1] for rank in below),
-            1 + max((rank[2] for rank in below), default=0),
-            graph.hashes[node],
+            risky or any([rank[0] for rank in below]),
+            float(node_cost(graph, node)) + sum([rank[1] for rank in below]),
+            1 + max([rank[2] for rank in below], default=0),
+            hashes[node],
         )
     return ranks
 
 
 def _needed(graph: Graph, roots: Sequence[int], best: dict[int, int]) -> set[int]:
-    needed: set[int] = set()
-    stack = [best[root] for root in roots]
-    while stack:
-        node = stack.pop()
-        if node not in needed:
-            needed.add(node)
-            stack.extend(best[k] for k in graph.operands(node))
+    needed = {best[root] for root in roots}
+    found = list(needed)
+    for node in found:  # it grows meanwhile
+        for operand in graph.operands(node):
+            other = best[operand]
+            if other not in needed:
+                needed.add(other)
+                found.append(other)
     return needed
 
 

@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 from symbody.errors import CompileError, Problem
 from symbody.expr.graph import Constant, Graph, Kernel, UserFunction, copy_nodes
 from symbody.expr.merging import contract_products, merge_equal
-from symbody.expr.opcodes import CONDITIONS, COST, FLOAT, LEAVES, POW, RATIONAL, SADDLE, SYMBOL
+from symbody.expr.opcodes import ADD, CONDITIONS, COST, DIV, FLOAT, LEAVES, POW, RATIONAL, SADDLE, SYMBOL
 from symbody.expr.rewrite import multiplications
 
 __all__ = ["Input", "Kernel", "Operation", "Output", "Roots", "Sequence", "build_sequence"]
@@ -197,7 +197,7 @@ def build_sequence(
 
 def _linearized(graph: Graph, outputs: Items[Roots], found: Items[Input | None]) -> Sequence:
     order = graph.reachable(node for output in outputs for node in output.nodes)
-    missing = [k for k, entry in enumerate(found) if entry is None]
+    missing = {k for k, entry in enumerate(found) if entry is None}
     unknown = [graph.left[n] for n in order if graph.ops[n] == SYMBOL and graph.left[n] in missing]
     if unknown:
         names = ", ".join(graph.symbols[k].label for k in unknown)
@@ -211,7 +211,11 @@ def _linearized(graph: Graph, outputs: Items[Roots], found: Items[Input | None])
     number: dict[int, int] = {}
     operations: list[Operation] = []
     for node in order:
-        op, datum = graph.ops[node], graph.datum(node)
+        op, datum = graph.ops[node], 0
+        if ADD <= op <= DIV:  # most are
+            number[node] = len(operations)
+            operations.append(Operation(op, (number[graph.left[node]], number[graph.right[node]])))
+            continue
         if op == SYMBOL:
             datum = len(used)
             entry = found[graph.left[node]]
@@ -219,6 +223,8 @@ def _linearized(graph: Graph, outputs: Items[Roots], found: Items[Input | None])
         elif op in (RATIONAL, FLOAT):
             datum = len(constants)
             constants.append(graph.constants[graph.left[node]])
+        else:
+            datum = graph.datum(node)
         number[node] = len(operations)
         operations.append(Operation(op, tuple([number[k] for k in graph.operands(node)]), datum))
     return Sequence(

@@ -41,6 +41,8 @@ class Topology:
     # The joints, and all that connects frames, by name; filled on first use.
     _named: dict[str, Joint] = field(default_factory=dict, init=False, compare=False, repr=False)
     _links: dict[str, Joint | Contact] = field(default_factory=dict, init=False, compare=False, repr=False)
+    # Names of the joints in each tree, filled on first use too: it is asked for each joint.
+    _inside: dict[str, frozenset[str]] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def joint(self, name: str) -> Joint:
         """Return the joint called `name`."""
@@ -63,12 +65,18 @@ class Topology:
     @property
     def turning(self) -> frozenset[str]:
         """Names of the joints in the rotation tree."""
-        return frozenset(branch.edge.name for branch in self.rotation.branches)
+        return self._names_in("rotation", self.rotation)
 
     @property
     def sliding(self) -> frozenset[str]:
         """Names of the joints in the translation tree."""
-        return frozenset(branch.edge.name for branch in self.translation.branches)
+        return self._names_in("translation", self.translation)
+
+    def _names_in(self, kind: str, tree: SpanningTree) -> frozenset[str]:
+        found = self._inside.get(kind)
+        if found is None:
+            found = self._inside[kind] = frozenset(branch.edge.name for branch in tree.branches)
+        return found
 
 
 def choose_topology(model: Model, choice: TreeChoice = None) -> Topology:

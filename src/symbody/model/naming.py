@@ -83,7 +83,9 @@ def symbol_from(name: str) -> str:
     >>> symbol_from("upper arm")
     'upper_arm'
     """
-    text = "".join(c if c == "_" or f"a{c}".isidentifier() else "_" for c in normalize(name))
+    text = normalize(name)
+    if not text.isidentifier():
+        text = "".join(c if c == "_" or f"a{c}".isidentifier() else "_" for c in text)
     return text if is_name(text) and text not in RESERVED_SYMBOLS else f"_{text}"
 
 

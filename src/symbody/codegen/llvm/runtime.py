@@ -12,9 +12,10 @@ import llvmlite.binding as binding
 from llvmlite import ir
 
 from symbody.codegen.llvm.loops import INTEGER, POINTER, Array, count, integer
-from symbody.codegen.llvm.machine import SMALL, THOROUGH, lanes, object_codes, target_machine
+from symbody.codegen.llvm.machine import SMALL, THOROUGH, environment, lanes, object_codes, target_machine
 from symbody.codegen.llvm.saddle import NAME as SADDLE_NAME
 from symbody.codegen.llvm.saddle import STATUS, define_solve_saddle
+from symbody.codegen.llvm.stored_module import Module, read_module, store_module, written_by
 from symbody.codegen.llvm.trig import SINCOS_NAME, define_lane_sincos, define_sincos
 
 GATHER: Final = "symbody_gather"
@@ -43,8 +44,7 @@ class Runtime:
     def __init__(self) -> None:
         names = [SINCOS_NAME, SADDLE_NAME, LANE_SADDLE, GATHER, SCATTER, *map(lane_sincos, lane_counts())]
         builder = binding.JITLibraryBuilder().add_current_process()
-        (code,) = object_codes([_text()], THOROUGH)
-        builder.add_object_img(code)
+        builder.add_object_img(_code())
         for name in names:
             builder.export_symbol(name)
         linker = binding.create_lljit_compiler(target_machine(), use_jit_link=SMALL)
@@ -58,7 +58,15 @@ def runtime() -> Runtime:
     return Runtime()
 
 
-@cache
+def _code() -> bytes:
+    key = written_by() and written_by() + environment().encode()
+    known = read_module(key)
+    if known is None:
+        known = Module(tuple(object_codes([_text()], THOROUGH)), 0, calls_runtime=False)
+        store_module(key, known)
+    return known.codes[0]
+
+
 def _text() -> str:
     module = ir.Module("symbody_runtime")
     for define in (define_sincos, define_solve_saddle):

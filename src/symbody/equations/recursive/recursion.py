@@ -24,6 +24,9 @@ from symbody.vectors.matrix import Triple
 # Composite bodies are not even tried where their entries and elimination are estimated to cost this
 # many times what articulated bodies do.
 _HOPELESS: Final = 2.0
+# Factors of M serve many right-hand sides while a speed is carried by fewer than this many on average:
+# 4 operations a right-hand side for each of them, 70 a link for articulated bodies.
+_LONG: Final = 18
 # Operations: of an articulated body, and of carrying a column of the mass matrix over one link.
 _ARTICULATED, _CARRYING = 300, 18
 
@@ -114,6 +117,17 @@ class Recursion:
         if not self._chosen:
             self._chosen.append(self.method or self._cheaper(forces))
         return self._solve_by(self._chosen[0], forces)
+
+    def solve_columns(self, columns: Sequence[Sequence[Expr]]) -> list[list[Expr]]:
+        """Return u' with ``M u' = column`` for many columns; by other operations than `solve`."""
+        method = self.method
+        if not method:
+            links = zip(self.light.depths, self.light.links, strict=True)
+            carried = sum(depth * len(link.motion.columns) for depth, link in links)
+            joined = any(one != two for one, two in self._rotor_entries())
+            short = carried < _LONG * len(self.kinematics.speeds)
+            method = "composite" if joined or short else "articulated"
+        return [self._solve_by(method, column).values for column in columns]
 
     @property
     def chosen(self) -> str:

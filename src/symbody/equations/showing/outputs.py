@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 from symbody.equations.formed import Formed
+from symbody.equations.showing.derivative_outputs import asked_derivative, derivative_roots, differentiated
 from symbody.equations.showing.frame_motion import frame_output
 from symbody.equations.showing.friction_outputs import (
     friction_effort,
@@ -22,9 +23,9 @@ from symbody.equations.solving.projection import (
     velocity_residual,
 )
 from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.slopes import inverse_dynamics
 from symbody.equations.solving.solution import resistance, solve, solved
 from symbody.errors import ExpressionError, FormulationError, Problem, nearest
-from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Kind, Symbol
 from symbody.expr.language.formula import Formula
@@ -35,8 +36,8 @@ from symbody.expr.sequence import Roots
 def output_roots(formed: Formed, name: str) -> Roots:
     """Return the roots of the output `name`.
 
-    Reserved words come first, then "effort J", then symbols and expressions in them; parentheses
-    reach a symbol that bears a reserved word's name.
+    Reserved words come first, then derivatives, "effort J", then symbols and expressions in them;
+    parentheses reach a symbol that bears a reserved word's name.
 
     Raises
     ------
@@ -46,6 +47,9 @@ def output_roots(formed: Formed, name: str) -> Roots:
     maker = _MAKERS.get(name)
     if maker is not None:
         return maker(formed)
+    asked = asked_derivative(name)
+    if asked is not None:
+        return derivative_roots(formed, name, asked, evaluable_roots(formed, asked.output))
     measured = formed.loads.measures.get(name.replace('"', ""))
     if measured is not None:
         return _roots(name, (), [measured])
@@ -82,7 +86,7 @@ def _check_measured(formed: Formed, name: str, value: Expr) -> None:
 def evaluable_roots(formed: Formed, name: str) -> Roots:
     """Return the roots of an output without unknown friction efforts, which formulas for reading keep."""
     roots = output_roots(formed, name)
-    if not formed.friction:
+    if not formed.friction or asked_derivative(name) is not None:
         return roots
     found = solved(formed, [Expr(formed.graph, node) for node in roots.nodes])
     return _roots(name, roots.shape, found)
@@ -113,10 +117,7 @@ def _states(formed: Formed) -> tuple[Symbol, ...]:
 
 def _slopes(formed: Formed, by: Sequence[Symbol]) -> list[list[Expr]]:
     """Return the derivatives of x' = (u', q') by symbols, all others held fixed."""
-    graph = formed.graph
-    nodes = [rate.index for rate in (*_udot(formed), *_qdot(formed))]
-    rows = jacobian(graph, nodes, [graph.symbol(symbol) for symbol in by])
-    return [[Expr(graph, entry) for entry in row] for row in rows]
+    return differentiated(formed, "xdot", [rate.index for rate in (*_udot(formed), *_qdot(formed))], by)
 
 
 def _roots(name: str, shape: tuple[int, ...], values: Sequence[Expr]) -> Roots:
@@ -162,6 +163,7 @@ _MAKERS: Final[dict[str, Callable[[Formed], Roots]]] = {
     "mass_matrix": _matrix("mass_matrix", lambda formed: formed.projection.mass_matrix),
     "forcing": _vector("forcing", lambda formed: formed.projection.forcing),
     "bias": _vector("bias", _bias),
+    "inverse_dynamics": _vector("inverse_dynamics", inverse_dynamics),
     "kinetic_energy": _scalar("kinetic_energy", lambda formed: formed.kinetic_energy),
     "potential_energy": _scalar("potential_energy", lambda formed: formed.loads.potential_energy),
     "energy": _scalar("energy", lambda formed: formed.kinetic_energy + formed.loads.potential_energy),

@@ -12,9 +12,11 @@ from collections.abc import Sequence
 from symbody.equations.formed import Formed
 from symbody.equations.recursive.recursion import Recursion
 from symbody.equations.solving.solution import solve
-from symbody.expr.calculus import jacobian
+from symbody.errors import FormulationError, Problem
+from symbody.expr.calculus import forward, jacobian
+from symbody.expr.canonical import ONE, ZERO
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Symbol
+from symbody.expr.graph import Graph, Symbol
 from symbody.expr.rewrite import substitute
 
 
@@ -32,15 +34,40 @@ def acceleration_slopes(formed: Formed, by: Sequence[Symbol]) -> list[list[Expr]
         return [[Expr(graph, entry) for entry in row] for row in rows]
     symbols = formed.expressions([u.derivative for u in formed.u])
     missing = recursion.inverse_dynamics(symbols)
-    entries = [entry for row in jacobian(graph, [x.index for x in missing], nodes) for entry in row]
+    roots = [x.index for x in missing]
+    entries = [entry for column in columns_of_slopes(graph, roots, nodes) for entry in column]
     known = {symbol.index: value.index for symbol, value in zip(symbols, udot, strict=True)}
     slopes = [-Expr(graph, entry) for entry in substitute(graph, entries, known)]
-    columns = [recursion.solve(slopes[k :: len(nodes)]).values for k in range(len(nodes))]
-    return [list(row) for row in zip(*columns, strict=True)]
+    n = len(roots)
+    columns = recursion.solve_columns([slopes[k : k + n] for k in range(0, len(slopes), n)])
+    return [list(row) for row in zip(*columns, strict=True)] if columns else [[] for _ in udot]
+
+
+def columns_of_slopes(graph: Graph, roots: Sequence[int], by: Sequence[int]) -> list[list[int]]:
+    """Return the derivatives of inverse dynamics by symbols, one column a symbol.
+
+    Forward, whatever the numbers of both: what turns with one joint changes few links, while each root is
+    reached from all.
+    """
+    still = dict.fromkeys(by, ZERO)
+    return [forward(graph, roots, {**still, node: ONE}) for node in by]
 
 
 def inverse_dynamics(formed: Formed) -> list[Expr]:
-    """Return ``M u' - F``, what is missing along each speed for accelerations given as the symbols u'."""
+    """Return ``M u' - F``, what is missing along each speed for accelerations given as the symbols u'.
+
+    Raises
+    ------
+    FormulationError
+        If there is friction, which follows from accelerations only together with the forces that are asked.
+    """
+    if formed.friction:
+        names = ", ".join(sorted({law.joint.name for law in formed.friction}))
+        raise FormulationError(
+            Problem("equations.inverse_friction", "inverse_dynamics", f"there is friction in {names}",
+                    "it depends on the forces that are to be found",
+                    "use inverse_dynamics(eqs, motion, unknowns, times), which solves for both")
+        )  # fmt: skip
     symbols = formed.expressions([u.derivative for u in formed.u])
     if isinstance(formed.projection, Recursion):
         return formed.projection.inverse_dynamics(symbols)

@@ -1,0 +1,98 @@
+"""Machine code of a sequence on the disk, found by the sequence: its text need not be written again.
+
+The key holds all that code follows from: operations, constants, where inputs are read and outputs written, what is
+asked of the compiler, the processor, the versions, and the files of this package that write the text, so that
+nothing stale is found after an update or while they are worked on.
+"""
+
+from __future__ import annotations
+
+import json
+from array import array
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from itertools import accumulate, pairwise
+from pathlib import Path
+
+from symbody.codegen.llvm.machine import environment
+from symbody.codegen.stored_code import store, stored
+from symbody.expr.opcodes import NAMES
+from symbody.expr.saddle_factors import CUT_FACTOR, EPSILON, EXPONENT_LIMIT, LIGHTEST, PIVOT_SHARE
+from symbody.expr.sequence import Sequence
+
+
+@dataclass(frozen=True, slots=True)
+class Module:
+    """Object code of one function.
+
+    Attributes
+    ----------
+    codes : tuple of bytes
+        Of the modules that are linked together.
+    work_size : int
+        Doubles of scratch that the function needs.
+    calls_runtime : bool
+        Whether it calls functions of `runtime`.
+    """
+
+    codes: tuple[bytes, ...]
+    work_size: int
+    calls_runtime: bool
+
+
+def key_of(sequence: Sequence, *asked: int) -> bytes:
+    """Return the key of a sequence and of the numbers that are `asked` of the compiler.
+
+    It is empty, so that nothing is stored, if the files that write the text cannot be read.
+    """
+    writers = written_by()
+    if not writers:
+        return b""
+    operations = array("q")
+    for code, operands, datum in sequence.operations:
+        operations.extend((code, datum, len(operands), *operands))
+    rest = (
+        [(entry.group, entry.position) for entry in sequence.inputs],
+        sequence.constants,
+        [(kernel.n, kernel.m) for kernel in sequence.kernels],
+        [output.values for output in sequence.outputs],
+        asked,
+        environment(),
+    )
+    return b"\n".join([writers, repr(rest).encode(), operations.tobytes()])
+
+
+def read_module(key: bytes) -> Module | None:
+    """Return the module stored under `key`, or None."""
+    content = stored(key) if key else None
+    if content is None:
+        return None
+    head, _, body = content.partition(b"\n")
+    told = json.loads(head)
+    bounds = accumulate(told["sizes"], initial=0)
+    codes = tuple(body[start:stop] for start, stop in pairwise(bounds))
+    return Module(codes, told["work_size"], told["calls_runtime"])
+
+
+def store_module(key: bytes, module: Module) -> None:
+    """Store a module, if it has a key."""
+    if key:
+        told = {
+            "sizes": [len(code) for code in module.codes],
+            "work_size": module.work_size,
+            "calls_runtime": module.calls_runtime,
+        }
+        store(key, json.dumps(told).encode() + b"\n" + b"".join(module.codes))
+
+
+@cache
+def written_by() -> bytes:
+    """Return a hash of the files and numbers that texts are written by; nothing if they cannot be read."""
+    here = Path(__file__).parent
+    files = [*sorted(here.parent.glob("*.py")), *sorted(here.glob("*.py"))]
+    numbers = (NAMES, CUT_FACTOR, EPSILON, EXPONENT_LIMIT, LIGHTEST, PIVOT_SHARE)
+    found = sha256(repr(numbers).encode())
+    for file in files:
+        found.update(sha256(file.read_bytes()).digest())
+    return found.digest() if files else b""

@@ -1,0 +1,88 @@
+"""Derivatives of outputs by name: ``d udot/d q``, ``d mass_matrix/d theta``, ``d udot/d(q, u, F)``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from itertools import chain
+from typing import Final, NamedTuple
+
+from symbody.equations.formed import Formed
+from symbody.equations.solving.slopes import acceleration_slopes, columns_of_slopes
+from symbody.errors import FormulationError, Problem, nearest
+from symbody.expr.calculus import jacobian
+from symbody.expr.expression import Expr
+from symbody.expr.graph import Symbol
+from symbody.expr.opcodes import SYMBOL
+from symbody.expr.sequence import Roots
+
+_ASKED: Final = re.compile(
+    r"d\s+(?P<output>.+?)\s*/\s*d\s*(?:\((?P<list>[^/]*)\)|(?<=\s)(?P<one>[^/()]+))\s*", re.S
+)
+_GROUPS: Final = ("q", "u", "r")
+
+
+class Asked(NamedTuple):
+    """An output, the words it is differentiated by, and whether one symbol is meant, which gives no axis."""
+
+    output: str
+    by: tuple[str, ...]
+    alone: bool
+
+
+def asked_derivative(name: str) -> Asked | None:
+    """Return what a name like ``d udot/d q`` asks for; None if it asks for no derivative."""
+    found = _ASKED.fullmatch(name.strip())
+    if found is None:
+        return None
+    if found["one"] is not None:
+        word = found["one"].strip()
+        return Asked(found["output"], (word,), word not in _GROUPS)
+    return Asked(found["output"], tuple(word.strip() for word in found["list"].split(",")), False)
+
+
+def derivative_roots(formed: Formed, name: str, asked: Asked, values: Roots) -> Roots:
+    """Return the derivatives of `values`, the roots of the output asked for; the last axis is by what.
+
+    All other symbols are held fixed; components of a quaternion count as independent.
+
+    Raises
+    ------
+    FormulationError
+        If a word is none of ``q``, ``u``, ``r`` and no symbol of these equations, with the nearest names.
+    """
+    by = tuple(chain.from_iterable(_symbols(formed, name, word) for word in asked.by))
+    rows = differentiated(formed, asked.output, values.nodes, by)
+    shape = values.shape if asked.alone else (*values.shape, len(by))
+    return Roots(name, shape, tuple(entry.index for row in rows for entry in row))
+
+
+def differentiated(
+    formed: Formed, output: str, nodes: Sequence[int], by: Sequence[Symbol]
+) -> list[list[Expr]]:
+    """Return the derivatives of an output, one row an entry; those of u' by way of the inverse dynamics."""
+    graph = formed.graph
+    places = [graph.symbol(symbol) for symbol in by]
+    if output == "inverse_dynamics":
+        columns = columns_of_slopes(graph, nodes, places)
+        return [[Expr(graph, column[k]) for column in columns] for k in range(len(nodes))]
+    first = len(formed.u) if output in ("udot", "xdot") else 0
+    slopes = acceleration_slopes(formed, by) if first else []
+    rest = jacobian(graph, nodes[first:], places)
+    return [*slopes, *([Expr(graph, entry) for entry in row] for row in rest)]
+
+
+def _symbols(formed: Formed, name: str, word: str) -> tuple[Symbol, ...]:
+    """Return the symbols of a group or of one name; parentheses reach a symbol named like a group."""
+    groups = {"q": formed.q, "u": formed.u, "r": formed.inputs}
+    if word in groups:
+        return groups[word]
+    graph, inner = formed.graph, word.strip("() ")
+    node = formed.names.node(inner)
+    if node is not None and graph.ops[node] == SYMBOL:
+        return (graph.symbols[graph.left[node]],)
+    known = [*_GROUPS, *formed.names.symbols]
+    raise FormulationError(
+        Problem("equations.derivative_by", name, f"{word!r} is nothing to differentiate by",
+                "it is no symbol of these equations, or stands for an expression", nearest(inner, known))
+    )  # fmt: skip
