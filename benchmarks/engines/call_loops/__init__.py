@@ -1,0 +1,1 @@
+"""Loops in C over functions known by their address."""
