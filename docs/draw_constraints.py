@@ -8,7 +8,7 @@ from typing import Final
 
 import matplotlib.pyplot as plt
 import numpy as np
-from draw_joints import END, OWN, PICTURES, START, UNITS, Picture, turned
+from draw_joints import END, OWN, PICTURES, START, UNITS, Array, Picture, turned
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
@@ -78,10 +78,169 @@ def point_on_curve(p: Picture) -> None:
     p.text((origin + point) / 2 + np.array([0, 0.0, -0.14]), "p", START)
 
 
+def distance(p: Picture) -> None:
+    """Draw a rod between two origins, and the force along it."""
+    a, b = np.array([-0.3, -0.7, -0.2]), np.array([0.1, 0.3, 0.4])
+    p.frame(a, UNITS, START, "", 0.5)
+    p.frame(b, turned("z", -50) @ turned("y", 35), END, "'", 0.45)
+    p.axes.plot(*np.array([a, b]).T, color=START, linewidth=3.0)
+    p.text((a + b) / 2 + np.array([0, -0.1, 0.16]), "value", START)
+    along = (b - a) / np.linalg.norm(b - a)
+    p.arrow(b, b + 0.6 * along, OWN)
+    p.text(b + 0.7 * along + np.array([0, 0.1, 0.1]), "lambda")
+
+
+def point_on_line(p: Picture) -> None:
+    """Draw an axis of start, a point of end on it, and the two forces across."""
+    a, at = np.array([0, -0.85, 0]), np.array([0, 0.35, 0])
+    r = turned("z", 90)
+    p.line(a - 0.15 * UNITS[1], a + 2.1 * UNITS[1])
+    p.frame(a, r, START, "", 0.4, unnamed="x")
+    p.text(a + np.array([0, 0.42, 0.14]), "x", START)
+    p.frame(at, turned("x", 140) @ turned("z", 40), END, "'", 0.4)
+    p.arrow(a, at, START)
+    p.text((a + at) / 2 + np.array([0, 0.15, -0.16]), "p", START)
+    for direction, name in ((r[:, 1], "lambda_1"), (r[:, 2], "lambda_2")):
+        p.arrow(at, at + 0.75 * direction, OWN)
+        p.text(at + 0.95 * direction, name)
+
+
+def point_on_plane(p: Picture) -> None:
+    """Draw a plane of start, a point of end in it, and the force along the normal."""
+    _ground(p)
+    a, at = np.array([0.2, -0.7, 0]), np.array([0.0, 0.45, 0])
+    p.frame(a, UNITS, START, "", 0.5)
+    p.frame(at, turned("x", 25) @ turned("z", 30), END, "'", 0.4, unnamed="z")
+    p.arrow(a, at, START)
+    p.text((a + at) / 2 + np.array([0, 0.1, 0.14]), "p", START)
+    p.arrow(at, at + 0.85 * UNITS[2], OWN)
+    p.text(at + 1.0 * UNITS[2], "lambda")
+
+
+def point_on_surface(p: Picture) -> None:
+    """Draw a surface f = 0 in start, a point of end on it, and the force along the gradient."""
+    x, y = np.meshgrid(np.linspace(-0.9, 0.9, 13), np.linspace(-0.9, 0.9, 13))
+    p.axes.plot_wireframe(x, y, 0.35 - 0.35 * (x**2 + y**2), color=START, linewidth=0.5)
+    origin = np.array([-0.2, -0.3, -0.55])
+    p.frame(origin, UNITS, START, "", 0.45)
+    at = np.array([0.35, 0.4, 0.35 - 0.35 * (0.35**2 + 0.4**2)])
+    gradient = np.array([0.7 * at[0], 0.7 * at[1], 1.0])
+    gradient /= np.linalg.norm(gradient)
+    p.frame(at, turned("z", 60), END, "'", 0.35, unnamed="z")
+    p.arrow(at, at + 0.75 * gradient, OWN)
+    p.text(at + 0.9 * gradient, "lambda grad f")
+
+
+def _axes_of_two(p: Picture, degrees: float, first: str, second: str) -> tuple[Array, Array, Array]:
+    """Draw an axis of start and one of end; return where the second stands, and both directions."""
+    a, b = np.array([0, -0.85, -0.2]), np.array([0, -0.1, -0.2])
+    one, two = UNITS[2], turned("x", -degrees) @ UNITS[2]
+    p.arrow(a, a + 1.1 * one, START)
+    p.text(a + 1.24 * one, first, START)
+    p.arrow(b, b + 1.0 * two, END)
+    p.text(b + 1.14 * two, second, END)
+    return b, one, two
+
+
+def parallel(p: Picture) -> None:
+    """Draw two axes of one direction, and the moments that keep them so."""
+    b, one, _ = _axes_of_two(p, 0, "first", "second")
+    for normal, name, k in ((UNITS[0], "n_1", 1), (UNITS[1], "n_2", 2)):
+        p.arrow(b, b + 0.8 * normal, START, 1.3)
+        p.text(b + 0.94 * normal, name, START)
+        # about second x n, which is the other normal but for its sign
+        about = np.cross(one, normal)
+        p.angle(b + 0.3 * one, about, turned(about, -80) @ one, 70, f"lambda_{k}", 0.45, 0.3)
+
+
+def perpendicular(p: Picture) -> None:
+    """Draw two axes at a right angle, and the moment that keeps it."""
+    b, one, two = _axes_of_two(p, 90, "first", "second")
+    p.arrow(b, b + 0.6 * one, START, 1.3)
+    square = np.array([b + 0.16 * one, b + 0.16 * (one + two), b + 0.16 * two])
+    p.axes.plot(*square.T, color=START, linewidth=1.2)
+    p.angle(b, UNITS[0], turned("x", -75) @ UNITS[2], 60, "lambda", 0.42, 0.3)
+
+
+def angle(p: Picture) -> None:
+    """Draw two axes, the angle between them, and the sense of the moment."""
+    b, one, two = _axes_of_two(p, 55, "first", "second")
+    p.arrow(b, b + 0.8 * one, START, 1.3)
+    arc = np.array([b + 0.4 * (turned("x", -k) @ one) for k in np.linspace(0, 55, 30)])
+    p.axes.plot(*arc.T, color=START, linewidth=1.5)
+    p.text(b + 0.55 * (turned("x", -27) @ one), "value", START)
+    p.angle(b, UNITS[0], turned("x", -75) @ UNITS[2], 40, "", 0.62)
+    p.text(b + 0.8 * (turned("x", -84) @ one), "lambda")
+
+
+def _wheel(p: Picture, centre: Array, radius: float, colour: str) -> None:
+    """Draw a wheel in the plane across the view's x."""
+    turn = np.linspace(0, 2 * np.pi, 80)
+    rim = centre + radius * np.column_stack([np.zeros_like(turn), np.cos(turn), np.sin(turn)])
+    p.axes.plot(*rim.T, color=colour, linewidth=1.8)
+    p.axes.plot(*centre[:, None], color=colour, marker="o", markersize=3)
+
+
+def gear(p: Picture) -> None:
+    """Draw two wheels, their angles, and the torque on the first."""
+    a, b = np.array([0, -0.45, 0.2]), np.array([0, 0.6, 0.2])
+    _wheel(p, a, 0.65, START)
+    _wheel(p, b, 0.4, END)
+    p.angle(a, UNITS[0], UNITS[1], 110, "first, lambda", 0.25, 0.18)
+    p.angle(b, UNITS[0], UNITS[1], 110, "second", 0.2, 0.28)
+
+
+def rack_pinion(p: Picture) -> None:
+    """Draw a pinion on a rack, the angle, the displacement, and the force on the rack."""
+    centre = np.array([0, 0.0, 0.5])
+    _wheel(p, centre, 0.5, START)
+    p.angle(centre, UNITS[0], UNITS[1], 70, "angle", 0.25, 0.18)
+    p.axes.plot([0, 0], [-0.9, 0.9], [0, 0], color=END, linewidth=3.0)
+    p.slide((0, -0.9, -0.15), (0, -0.1, -0.15), "displacement", (0, 0.1, -0.2))
+    p.slide((0, 0.35, 0.12), (0, 0.95, 0.12), "lambda", (0, 0.1, 0.17))
+
+
+def belt(p: Picture) -> None:
+    """Draw two pulleys, the belt, their angles, and the pull."""
+    a, b, r, s = np.array([0, -0.55, 0.2]), np.array([0, 0.65, 0.2]), 0.5, 0.3
+    _wheel(p, a, r, START)
+    _wheel(p, b, s, END)
+    lean = np.arcsin((r - s) / np.linalg.norm(b - a))
+    for side in (1, -1):
+        normal = np.array([0, np.sin(lean), side * np.cos(lean)])
+        p.axes.plot(*np.array([a + r * normal, b + s * normal]).T, color=OWN, linewidth=1.2)
+    p.angle(a, UNITS[0], UNITS[1], 70, "first", 0.22, 0.18)
+    p.angle(b, UNITS[0], UNITS[1], 70, "second", 0.14, 0.26)
+    top = a + r * np.array([0, np.sin(lean), np.cos(lean)])
+    p.slide(top + np.array([0, 0.75, -0.06]), top + np.array([0, 0.2, 0.04]), "lambda", (0, 0.1, 0.16))
+
+
+def differential(p: Picture) -> None:
+    """Draw two half shafts and the carrier that turns about them."""
+    p.line(-1.0 * UNITS[1], 1.0 * UNITS[1])
+    for at, name, colour in ((-0.75, "left", START), (0.75, "right", START), (0.0, "carrier", END)):
+        radius = 0.55 if name == "carrier" else 0.3
+        turn = np.linspace(0, 2 * np.pi, 80)
+        rim = np.column_stack([radius * np.cos(turn), np.full_like(turn, at), radius * np.sin(turn)])
+        p.axes.plot(*rim.T, color=colour, linewidth=1.8)
+        p.angle((0, at, 0), UNITS[1], turned("y", 150) @ UNITS[0], 100, name, radius + 0.1, 0.16)
+
+
 CONSTRAINTS: Final[dict[str, Callable[[Picture], None]]] = {
-    "rolling": rolling,
-    "knife_edge": knife_edge,
+    "distance": distance,
+    "point_on_line": point_on_line,
+    "point_on_plane": point_on_plane,
     "point_on_curve": point_on_curve,
+    "point_on_surface": point_on_surface,
+    "parallel": parallel,
+    "perpendicular": perpendicular,
+    "angle": angle,
+    "knife_edge": knife_edge,
+    "rolling": rolling,
+    "gear": gear,
+    "rack_pinion": rack_pinion,
+    "belt": belt,
+    "differential": differential,
 }
 
 
