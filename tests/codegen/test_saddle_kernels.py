@@ -17,7 +17,8 @@ from llvmlite import ir
 
 from symbody.codegen.llvm.loops import INTEGER, POINTER, REAL, Array, count, count_down, integer, loop, real
 from symbody.codegen.llvm.saddle import define_solve_saddle
-from symbody.codegen.saddle_c import SADDLE_C, saddle_work_size
+from symbody.codegen.pieces import saddle_work_size
+from symbody.codegen.texts.saddle_c import SADDLE_C
 from symbody.expr.saddle import solve_saddle
 from tests.saddle_systems import systems
 

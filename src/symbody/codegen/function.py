@@ -10,7 +10,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.codegen import c, python_text
 from symbody.codegen.native_call import GROUPS, NativeCall, SinglePoint
 from symbody.codegen.texts.languages import TEXTS
 from symbody.errors import CompileError, Problem, nearest
@@ -18,7 +17,6 @@ from symbody.expr.folding import fold_constants
 from symbody.expr.sequence import Sequence
 
 Floats = NDArray[np.float64]
-_LANGUAGES: Final = {"c": c.generate, "python": python_text.generate}
 _WORDS: Final = {"q": "coordinates", "u": "speeds", "r": "inputs", "p": "parameters", "t": "time"}
 
 
@@ -237,15 +235,13 @@ def source_text(sequence: Sequence, language: str, signature: Signature | None =
         If the language is not known.
     """
     word = language.lower()
-    if word in TEXTS:
-        arguments = {group: signature.names(group) for group in "qurp"} if signature is not None else None
-        return TEXTS[word](sequence, "f", arguments)
-    if word not in _LANGUAGES:
-        cure = nearest(word, (*_LANGUAGES, *TEXTS))
+    if word not in TEXTS:
+        cure = nearest(word, TEXTS)
         raise CompileError(
             Problem("compile.unknown_language", "language", f"there is no language {language!r}", "", cure)
         )
-    return _LANGUAGES[word](sequence)
+    arguments = {group: signature.names(group) for group in "qurp"} if signature is not None else None
+    return TEXTS[word](sequence, "f", arguments)
 
 
 def _broadcast(given: Mapping[str, Floats]) -> tuple[int, ...]:

@@ -16,7 +16,6 @@ from itertools import accumulate
 from typing import Final
 
 from symbody.codegen.lowering import constant_values, refuse_user_functions
-from symbody.codegen.saddle_c import saddle_work_size
 from symbody.expr.opcodes import LEAVES, PICK, SADDLE
 from symbody.expr.sequence import Kernel, Sequence
 
@@ -70,6 +69,11 @@ def argument_places(kernel: Kernel, start: int) -> tuple[int, int, int, int]:
     jacobian = start + kernel.n * kernel.n
     force = jacobian + kernel.m * kernel.n
     return start, jacobian, force, force + kernel.n
+
+
+def saddle_work_size(n: int, m: int) -> int:
+    """Return how many doubles of scratch `solve_saddle` needs for n accelerations and m rows."""
+    return n * n + m * n + 6 * n + 4 * m
 
 
 def plan_pieces(sequence: Sequence, size: int = PIECE_SIZE) -> Plan:

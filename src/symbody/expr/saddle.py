@@ -3,7 +3,7 @@
 ``solve_saddle`` solves ``M udot = F + J^T lambda``, ``J udot = gamma`` by the null-space method, where M is
 symmetric and positive definite on the null space of J only (massless bodies) and rows of J may depend on
 each other; ``docs/derivations/solve_saddle.md`` derives every step. The loops here and in `saddle_factors`
-are the definition: the kernels in `codegen.saddle_c` and `codegen.llvm.saddle` repeat them operation by
+are the definition: the kernels in `codegen.texts.saddle_c` and `codegen.llvm.saddle` repeat them operation by
 operation and return the same bits. All matrices are flat, row-major sequences; entries are floats, or
 ``mpmath.mpf`` together with ``sqrt=mpmath.sqrt``.
 

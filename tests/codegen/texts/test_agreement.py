@@ -14,9 +14,9 @@ from symbody.expr import opcodes as op
 from symbody.expr.sequence import Input, Kernel, Operation, Output, Sequence
 from symbody.formats.native import from_data
 from tests.codegen.sequences import EXACT, LIBRARY, TRIGONOMETRIC, random_sequence, same_bits
-from tests.codegen.test_c import HOSTILE, SPECIAL, named
-from tests.codegen.test_python_text import expected
 from tests.codegen.texts.running import ALL, CASADI_, FORTRAN, JULIA_, MATLAB, Point, run
+from tests.codegen.texts.test_c import HOSTILE, SPECIAL, named
+from tests.codegen.texts.test_python import expected
 from tests.problems.mechanisms import EPS, condition, equations_of, random_values, state_of
 from tests.problems.test_parallelogram import parallelogram
 

@@ -57,7 +57,7 @@ def define_solve_saddle(module: ir.Module) -> ir.Function:
 
     ``int (int n, int m, const double *M, *J, *F, *gamma, double *result, double *work)`` returns 0, or 1 if
     the system cannot be solved; `result` takes n + m + 1 doubles, `work` as many as
-    `saddle_c.saddle_work_size` says.
+    `saddle_work_size` says.
     """
     general = define_solve_saddle_cut(module)
     function = ir.Function(module, ir.FunctionType(STATUS, [STATUS, STATUS, *[POINTER] * 6]), name=NAME)

@@ -1,15 +1,18 @@
-"""Which texts there are besides C and Python for NumPy."""
+"""Which texts there are."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from symbody.codegen.texts import casadi, fortran, jax, julia, matlab
+from symbody.codegen.texts import c, casadi, fortran, jax, julia, matlab, python
 from symbody.codegen.texts.layout import Arguments
 from symbody.expr.sequence import Sequence
 
 TEXTS: Final[Mapping[str, Callable[[Sequence, str, Arguments | None], str]]] = {
+    # These two take what the sequence reads; the others all arguments, in their order.
+    "c": lambda sequence, name, _: c.generate(sequence, name),
+    "python": lambda sequence, name, _: python.generate(sequence, name),
     "fortran": fortran.generate,
     "matlab": matlab.generate,  # Octave reads it too
     "octave": matlab.generate,

@@ -13,7 +13,7 @@ from typing import Final
 from symbody.codegen.identifiers import assign_identifiers, quoted
 from symbody.codegen.lowering import power_products, whole_exponent
 from symbody.codegen.pieces import PIECE_SIZE, Piece, Plan, argument_places, plan_pieces
-from symbody.codegen.saddle_c import SADDLE_C
+from symbody.codegen.texts.saddle_c import SADDLE_C
 from symbody.errors import CompileError, Problem
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Operation, Sequence

@@ -9,12 +9,6 @@ from __future__ import annotations
 
 from typing import Final
 
-
-def saddle_work_size(n: int, m: int) -> int:
-    """Return how many doubles of scratch the kernel needs for n accelerations and m rows."""
-    return n * n + m * n + 6 * n + 4 * m
-
-
 SADDLE_C: Final = r"""
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("fp-contract=off")

@@ -15,7 +15,7 @@ from typing import Final
 from symbody.codegen.identifiers import assign_identifiers, quoted
 from symbody.codegen.lowering import power_products, whole_exponent
 from symbody.codegen.pieces import Plan, plan_pieces
-from symbody.codegen.saddle_python import SADDLE_PYTHON
+from symbody.codegen.texts.saddle_python import SADDLE_PYTHON
 from symbody.errors import CompileError, Problem
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Operation, Sequence

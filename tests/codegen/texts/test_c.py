@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from symbody.codegen.c import generate
 from symbody.codegen.llvm.native import compile_sequence
+from symbody.codegen.texts.c import generate
 from symbody.errors import CompileError
 from symbody.expr import opcodes as op
 from symbody.expr.evaluate import FLOATS, evaluate_sequence

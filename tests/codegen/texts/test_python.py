@@ -17,7 +17,7 @@ import pytest
 
 import symbody as sb
 from symbody.codegen.compile import form_sequence
-from symbody.codegen.python_text import generate
+from symbody.codegen.texts.python import generate
 from symbody.errors import CompileError
 from symbody.expr import opcodes as op
 from symbody.expr.evaluate import FLOATS, evaluate_sequence
@@ -31,7 +31,7 @@ from tests.codegen.sequences import (
     same_bits,
     single,
 )
-from tests.codegen.test_c import HOSTILE, SPECIAL, named
+from tests.codegen.texts.test_c import HOSTILE, SPECIAL, named
 from tests.problems.mechanisms import EPS, condition, equations_of, random_values, state_of
 
 # NumPy has no fma: the text rounds the product first.
