@@ -1,2 +1,3 @@
-from .commands import main as main
-from .commands import run as run
+from .commands import app as app
+from .entry import main as main
+from .entry import run as run

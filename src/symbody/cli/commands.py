@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import json
 import shutil
-import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -29,7 +28,7 @@ from symbody.codegen.compile import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.showing.textbook import MOST_SPEEDS
-from symbody.errors import EnvironmentFault, Problem, SymbodyError, UsageError, nearest
+from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
 from symbody.model.model import Model
 from symbody.simulation.results.trajectory import Trajectory
 
@@ -307,31 +306,6 @@ def examples_folder() -> Path:
             "cli.no_examples", str(package), "the examples are not installed", "", "install symbody again"
         )
     )
-
-
-def main() -> None:
-    """Run the command line; faults of the user end in a message and an exit code, never in a traceback."""
-    sys.exit(run(sys.argv[1:]))
-
-
-def run(arguments: Sequence[str]) -> int:
-    """Run the command line and return its exit code."""
-    try:
-        app(list(arguments))
-        return 0
-    except SystemExit as done:  # typer ends this way, after telling faults of usage
-        return done.code if isinstance(done.code, int) else 0
-    except SymbodyError as error:
-        return _told(str(error), error.exit_code)
-    except KeyboardInterrupt:
-        return _told("interrupted", 130)
-    except OSError as error:
-        return _told(f"[cli.file] {error.filename or ''}: {error.strerror or error}", 5)
-
-
-def _told(message: str, code: int) -> int:
-    Console(stderr=True, highlight=False).print(message, markup=False, soft_wrap=True)
-    return code
 
 
 def _refuse_overwriting(path: Path, force: bool) -> None:

@@ -1,0 +1,36 @@
+"""Where the command line begins: it runs the commands and turns faults into messages and exit codes."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+from rich.console import Console
+
+from symbody import cli
+from symbody.errors import SymbodyError
+
+
+def main() -> None:
+    """Run the command line; faults of the user end in a message and an exit code, never in a traceback."""
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run the command line and return its exit code."""
+    try:
+        cli.app(list(arguments))  # loads compilers, which may be broken: this is told like any other fault
+        return 0
+    except SystemExit as done:  # typer ends this way, after telling faults of usage
+        return done.code if isinstance(done.code, int) else 0
+    except SymbodyError as error:
+        return _told(str(error), error.exit_code)
+    except KeyboardInterrupt:
+        return _told("interrupted", 130)
+    except OSError as error:
+        return _told(f"[cli.file] {error.filename or ''}: {error.strerror or error}", 5)
+
+
+def _told(message: str, code: int) -> int:
+    Console(stderr=True, highlight=False).print(message, markup=False, soft_wrap=True)
+    return code
