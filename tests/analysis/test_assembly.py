@@ -9,6 +9,7 @@ import pytest
 
 import symbody as sb
 from symbody.analysis import state as state_module
+from tests.problems.mechanisms import equations_of
 
 EPS = np.finfo(float).eps
 
@@ -172,3 +173,18 @@ def test_fixed_quaternions_are_units_or_refused() -> None:
         with pytest.raises(sb.AssemblyError) as caught:
             sb.assemble(eqs, fixed)
         assert caught.value.problems[0].code == "assembly.quaternion"
+
+
+def test_guessed_rates_of_cut_joints_are_asked_before_what_the_file_says() -> None:
+    """The slider's rate is no speed where bodies are free; the file starts the crank with another."""
+    model = equations_of("slider_crank").model
+    for tree in ("joints", "absolute"):
+        eqs = sb.form_equations(model, tree=tree)
+        state = sb.assemble(eqs, {"theta": 0.6}, guess={"s_dot": -0.3, "theta_dot": 7.0})
+        rates = [sb.compile(eqs, name)(0.0, [*state.q.values()], [*state.u.values()], [0.0])
+                 for name in ("s_dot", "theta_dot")]  # fmt: skip
+        whole = sb.assemble(eqs, {"theta": 0.6, "theta_dot": 1.0})
+        ratio = float(sb.compile(eqs, "s_dot")(0.0, [*whole.q.values()], [*whole.u.values()], [0.0]))
+        assert rates[0] == pytest.approx(-0.3, rel=1e-12)
+        assert rates[1] == pytest.approx(-0.3 / ratio, rel=1e-12)
+        assert state.moved["theta_dot"] == pytest.approx(rates[1] - 7.0, rel=1e-12)

@@ -87,7 +87,7 @@ def assemble(
     def attempt(equations: EquationSet, values: Mapping[str, float]) -> State:
         return _assembled(equations, values, guess, parameters, inputs, t, ranges)
 
-    known = _values(eqs, {**eqs.model.initial, **(guess or {})}, parameters, strict=set(guess or ()))
+    known = _values(eqs, _guessed(eqs, guess), parameters, strict=set(guess or ()))
     wanted = _values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     values = dict(parameters or {}), dict(inputs or {})
     return assembled_with_ropes(eqs, wanted, known, attempt, lambda held: closure(held, *values, t))
@@ -104,7 +104,7 @@ def _assembled(
 ) -> State:
     """Return a state in which all constraints of some equations hold."""
     task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t)
-    known = _values(eqs, {**eqs.model.initial, **(guess or {})}, parameters, strict=set(guess or ()))
+    known = _values(eqs, _guessed(eqs, guess), parameters, strict=set(guess or ()))
     wanted = _values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     positions, rates = task.parted(wanted)
     positions, known = unit_quaternions(eqs.quaternions, positions, known)
@@ -128,6 +128,12 @@ def _assembled(
         ]
 
     return task.state(q, u, start, guessed, others)
+
+
+def _guessed(eqs: EquationSet, guess: Mapping[str, Value] | None) -> dict[str, Value]:
+    """Return the guesses, and behind them what only the model says of the start."""
+    given = dict(guess or {})
+    return given | {name: value for name, value in eqs.model.initial.items() if name not in given}
 
 
 def consistent_start(
@@ -167,7 +173,7 @@ def assembled_configurations(
 ) -> list[Floats]:
     """Return up to `count` different configurations that close the loops, the nearest to the guess first."""
     eqs = task.eqs
-    known = _values(eqs, {**eqs.model.initial, **guess}, parameters, strict=set(guess))
+    known = _values(eqs, _guessed(eqs, guess), parameters, strict=set(guess))
     found: list[Floats] = []
     for start in _starts(task, task.start(known), {}):
         attempt = _newton(task, start, {})

@@ -232,6 +232,9 @@ class Closure:
         if any(name in guess and name not in rates for name in names):
             found = self.function("qdot")(self.t, q, u).tolist()
             rates = dict(zip(names, found, strict=True)) | rates
+        for name in self.parted(guess)[1]:  # of cut joints
+            if name not in rates:
+                rates[name] = float(self.function(name)(self.t, q, u))
         scale = max(map(abs, [*rates.values(), *guess.values()]), default=0.0)
         changes = {name: rates[name] - value for name, value in guess.items() if name in rates}
         return {name: change for name, change in changes.items() if abs(change) > _CHANGED * scale}

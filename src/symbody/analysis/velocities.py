@@ -22,8 +22,8 @@ def consistent_speeds(
 ) -> Floats:
     """Return u with ``J u + b = 0`` and the fixed rates; independent speeds left take their guess, else 0.
 
-    Speeds with a guess are asked first, then the others, in their order; eliminated ones too, so that both
-    forms of the equations start alike.
+    Speeds and rates with a guess are asked first, in the order of the guesses, also those of cut joints; then
+    the other speeds, in their order; eliminated ones too, so that both forms of the equations start alike.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def consistent_speeds(
     if error > _CONSISTENT * (1.0 + float(np.abs(right).max(initial=0.0))):
         raise AssemblyError(_conflict(task, q, fixed))
     basis = _basis(rows)
-    for name in sorted(task.all_speeds, key=lambda name: name not in guess):
+    for name in dict.fromkeys([*task.parted(guess)[1], *task.all_speeds]):
         own, value = task.speed_row(q, name, guess.get(name, 0.0))
         left = _outside(basis, own / max(float(np.linalg.norm(own)), 1e-300))
         distance = float(np.linalg.norm(left))
