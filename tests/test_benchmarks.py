@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import time
 from collections.abc import Iterator
 from io import StringIO
@@ -12,8 +13,9 @@ import pytest
 import sympy
 from rich.console import Console
 
-from benchmarks import derivation, evaluation, expressions, motion, nodes
+from benchmarks import derivation, evaluation, expressions, motion, nodes, trajectories
 from benchmarks.__main__ import BENCHMARKS, main
+from benchmarks.engines import moving
 from benchmarks.engines.algebra import Floats, Scalar
 from benchmarks.engines.counting import count_operations
 from benchmarks.engines.engine import Engine
@@ -283,3 +285,20 @@ def test_motion_table_compares_evaluations() -> None:
     for row in table.rows:
         share = float(row[2].partition("(")[2].rstrip(")"))
         assert 0.8 < share < 1.25  # the same method with the same control of steps
+
+
+def test_trajectories_of_equal_accuracy() -> None:
+    """Whatever engines are installed, all that step the same function reach the same angles."""
+    loose, tight = trajectories.tables(Settings(rounds=1), 2, 0.5)
+    for table, bound in ((loose, 1e-4), (tight, 1e-8)):
+        rows = {row[0]: row for row in table.rows}
+        assert float(rows["symbody"][2]) <= bound and rows["symbody"][3].split()[1] in ("us", "ms")
+        assert float(rows["SciPy's DOP853, our function"][2]) <= bound
+        assert all("not installed" in note for note in table.notes[2:])
+
+
+def test_chain_of_mujoco_has_the_masses_of_ours() -> None:
+    text = moving.mujoco_text(3)
+    assert text.count("<body ") == text.count("</body>") == 3
+    assert re.findall(r'axis="([01 ]+)"', text) == ["0 1 0", "0 0 1", "1 0 0"]
+    assert set(re.findall(r'mass="([^"]+)"', text)) == {str(moving.parameters(3)["m2"])}
