@@ -289,6 +289,21 @@ def test_unreachable_closure() -> None:
         sb.linearize(equations_of("slider_crank"), {"s": 5.0})
 
 
+@pytest.mark.parametrize("name", ["cart", "four-bar", "quaternion"])
+def test_the_recursive_formulation_has_the_same_linear_equations(name: str) -> None:
+    eqs, at = {
+        "cart": lambda: (cart_pendulum(), {"phi": 0.3, "phi_dot": 0.5}),
+        "four-bar": lambda: (four_bar(), {"q1": 1.2, "q1_dot": 0.5}),
+        "quaternion": lambda: (hung_body("quaternion"), {}),
+    }[name]()
+    again = sb.form_equations(eqs.model, formulation=sb.Recursive())
+    found, wanted = (sb.linearize(each, at) for each in (again, eqs))
+    assert found.state_names == wanted.state_names
+    # Condition of M below 1e3, some hundred roundings of terms of A.
+    for part, expected in zip(found, wanted, strict=True):
+        np.testing.assert_allclose(part, expected, rtol=0, atol=1e-11 * max(1.0, np.abs(wanted.A).max()))
+
+
 def test_derivatives_are_outputs_too() -> None:
     """compile(eqs, "A"), of all states, constraints held by the kernel."""
     A, B = sb.compile(four_bar(), ["A", "B"])(0.0, [1.2, -1.0, 1.5], [0.1, 0.2, 0.3])

@@ -106,6 +106,29 @@ def test_an_equation_set_brings_its_constraints_and_values() -> None:
     assert longer["s"] == pytest.approx(5.0, abs=1e-12)
 
 
+def offset_crank() -> sb.EquationSet:
+    """The slider's line lies `e` above the pivot; the cut joint measures along the rod."""
+    elements = [one for one in slider_crank().elements if one.name != "D"]
+    line = sb.Prismatic("D", "ground.line", "Slider", coordinate="s")
+    values, ground = {"L1": 1, "L2": 3, "e": 0.5}, {"line": sb.Frame(at=(0, "e", 0))}
+    return sb.form_equations(sb.Model("offset", [*elements, line], parameters=values, ground=ground))
+
+
+def test_loops_closed_in_the_axes_of_a_link_are_solved_too() -> None:
+    """s cos(theta + beta) + e sin(theta + beta) - ... of the rod's axes is turned into those of ground."""
+    found = sb.solve_positions(offset_crank(), ["beta", "s"])
+    rng = random.Random(2)
+    for _ in range(20):
+        at = {"theta": rng.uniform(-3, 3), "L1": rng.uniform(0.5, 1.5), "e": rng.uniform(-1, 1)}
+        across = at["e"] - at["L1"] * math.sin(at["theta"])
+        ahead, reach = at["L1"] * math.cos(at["theta"]), math.sqrt(9 - across**2)
+        values = sorted(one["s"] for one in found.evaluate(at) if one is not None)
+        assert values == pytest.approx([ahead - reach, ahead + reach], abs=1e-12)
+    state = sb.assemble(offset_crank(), {"theta": 0.7}, {"s": 4.0})
+    branch = found.evaluate({"theta": 0.7})[found.branches.index(found.nearest({"s": 4.0}, {"theta": 0.7}))]
+    assert branch is not None and branch["s"] == pytest.approx(state.q["s"], abs=1e-12)
+
+
 OTHERS = {
     "circles": ([x**2 + y**2 - L1**2, (x - L4) ** 2 + y**2 - L2**2], [x, y], {"L1": 3, "L2": 3, "L4": 2}),
     "slotted lever": ([s * sp.cos(beta) - L1 * sp.cos(theta), s * sp.sin(beta) - L1 * sp.sin(theta) - L4],

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
+from symbody.analysis.closure import mechanism_size
 from tests.laws.consistent_states import consistent_state
 from tests.laws.evaluation import EPS, condition, equations, evaluator
 from tests.laws.mechanisms import random_mechanism
@@ -83,6 +84,8 @@ def compare(lin: sb.Linearization, seed: int, tally: Tally) -> None:
     r = [float(at.inputs[name]) for name in eqs.input_names]  # type: ignore[arg-type]
     bound = EPS * condition(f(t, list(q), list(u), r)).number
     # The deviations themselves are rounded, off what the constraints admit.
+    length = mechanism_size(eqs, at.parameters)
+    sizes = np.array([length if eqs.units.get(name) == "m" else 1.0 for name in eqs.coordinate_names])
     full = np.abs(sb.compile(eqs, "A")(t, q, u, np.array(r)))
     with mpmath.workdps(40):
         for k in range(len(lin.state_names)):
@@ -94,9 +97,11 @@ def compare(lin: sb.Linearization, seed: int, tally: Tally) -> None:
             assert size > 0
             expected = np.array(rates(lin, slopes), dtype=float)
             rounded = float(np.max(full @ np.abs(np.concatenate([du, dq])), initial=0.0))
-            # Where all derivatives cancel, what is left is rounding of accelerations over the size of q.
-            own = float(np.abs(q).max(initial=0.0)) or 1.0
-            rounded += float(np.abs(ends[0]["udot"].astype(float)).max(initial=0.0)) * size / own
+            # Forces are sums of terms a*f(q), with f of angles in radians and lengths over the mechanism's size.
+            # Their derivatives are again such terms, as large as the accelerations that they make; where all
+            # of them cancel, as about an axis that nothing depends on, their rounding is what is left.
+            turned = float(np.max(np.abs(dq) / sizes, initial=0.0))
+            rounded += float(np.abs(ends[0]["udot"].astype(float)).max(initial=0.0)) * turned
             unit = bound * (free_size(slopes, ends[0]) + rounded)
             tally.enter(seed, f"A {lin.state_names[k]}", error(lin.A[:, k], expected, unit))
             # Rows of constraints keep their values: assembly closes to 1e-9 at worst, with pivots of 2e-2.

@@ -176,10 +176,31 @@ def test_angular_velocity_in_space_is_that_of_the_rotation_matrix() -> None:
 
 
 def test_describe_and_show(capsys: pytest.CaptureFixture[str]) -> None:
+    """N-01: help as a comment, then the signature with the kinds of the arguments."""
     mb.Describe(mb.cross_prod)
+    mb.Describe(mb.gravitational_energy)
     mb.Describe(mb.kinetic_energy)
+    mb.Describe(mb.state_space)
+    text = capsys.readouterr().out
+    assert text.startswith("# Return the vector product")
+    assert "\ncross_prod(u: VECTOR | FORCE | TORQUE, v: VECTOR | FORCE | TORQUE) -> VECTOR\n" in text
+    assert "\ngravitational_energy(bodies: BODY | Iterable[BODY]) -> Expr\n" in text
+    assert "# With ``nat_coords`` its mass matrix is constant" in text
+    assert "\nkinetic_energy(bodies: BODY | Iterable[BODY], nat_coords: bool = False) -> Expr\n" in text
+    assert "state_space(eqns: Iterable[Expr | Equality], t: Expr | None, x: Iterable[Expr])" in text
+    mb.Describe(mb.make_FORCE)
+    mb.Describe(mb.set_gravity)
+    text = capsys.readouterr().out
+    assert "make_FORCE(RF, Fx, Fy, Fz, P, B1, B2)" in text and "\nmake_FORCE(*arguments) -> FORCE\n" in text
+    assert text.endswith("set_gravity(g: VECTOR | None)\n")
     mb.show(mb.make_POINT(mb.rotate("Z", th1), 1, 2, 0))
     text = capsys.readouterr().out
-    assert "cross_prod(u, v)" in text and "kinetic_energy(bodies, nat_coords=False)" in text
-    assert text.startswith("# Return the vector product") and "coords = [1, 2, 0, 1]" in text
-    assert "[cos(theta1(t)), -sin(theta1(t)), 0, 0]" in text
+    assert "coords = [1, 2, 0, 1]" in text and "[cos(theta1(t)), -sin(theta1(t)), 0, 0]" in text
+
+
+def test_every_word_describes_itself(capsys: pytest.CaptureFixture[str]) -> None:
+    for name in mb.__all__:
+        if callable(getattr(mb, name)):
+            mb.Describe(getattr(mb, name))
+            text = capsys.readouterr().out
+            assert text.startswith("# ") and f"\n{name}(" in text, name

@@ -1,4 +1,4 @@
-"""Sections 4.2 to 4.9 of the notes: F = m a, initial conditions, Baumgarte, virtual work, equilibrium, inverse."""
+"""Sections 4.4 to 4.9 of the notes: initial conditions, Baumgarte, virtual work, equilibrium, inverse."""
 
 from __future__ import annotations
 
@@ -16,8 +16,6 @@ from symbody import mbsymba as mb
 from tests.mbsymba import slider_crank as sc
 from tests.mbsymba.spots import POINTS, all_same, same, t, values
 
-FORMULATIONS = (sb.VirtualWork(), sb.NewtonEuler(), sb.Lagrange())
-
 
 @pytest.fixture(autouse=True)
 def gravity() -> Iterator[None]:
@@ -26,55 +24,9 @@ def gravity() -> Iterator[None]:
     mb.set_gravity(None)
 
 
-def equations(way: str, formulation: object = None) -> sb.EquationSet:
-    if way == "drawn":
-        return sb.form_equations(sc.drawn(), formulation or sb.VirtualWork())
+def equations(way: str) -> sb.EquationSet:
     objects, q = sc.objects_of(sc.MECHANISMS[way]())
-    return mb.equation_set(objects, q, formulation, parameters=sc.DATA)
-
-
-def cross(a: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """The moment about z of forces (2, n) at an arm (2,)."""
-    return a[0] * F[1] - a[1] * F[0]
-
-
-@pytest.mark.parametrize(
-    "formulation",
-    [pytest.param(one, marks=[pytest.mark.exhaustive] if k else []) for k, one in enumerate(FORMULATIONS)],
-    ids=lambda one: type(one).__name__,
-)
-@pytest.mark.parametrize("way", [*sc.MECHANISMS, "drawn"])
-def test_forces_are_masses_times_accelerations(way: str, formulation: object) -> None:
-    """Nine equations of Newton and Euler for eight reactions, one of them the force in the pin C."""
-    eqs, key = equations(way, formulation), "recursive" if way == "drawn" else way
-    run = sb.simulate(eqs, 1e-6, sc.INITIAL[key], sc.GUESS[key], times=[0.0])
-    names = ("crank", "rod", "slider")
-    G, a = ([run[f"frame {kind} {name} ground ground"][:2, 0] for name in names] for kind in ("r", "vdot"))
-    turning = [run[f"frame wdot {name} ground ground"][2, 0] for name in names]
-    A, B, C = np.zeros(2), 0.3 * np.array([np.cos(sc.THETA), np.sin(sc.THETA)]), G[2]
-    masses, inertias = ([sc.DATA[f"{letter}{k}"] for k in (1, 2)] for letter in "mJ")
-    masses.append(sc.DATA["m3"])
-    # Columns: the forces of A on the crank, B and C on the rod, N and the moment on the slider.
-    on, zero = np.eye(2), np.zeros((2, 2))
-    rows = [
-        np.hstack([on, -on, zero, zero]),
-        np.hstack([cross(A - G[0], on), -cross(B - G[0], on), 0, 0, 0, 0]),
-        np.hstack([zero, on, on, zero]),
-        np.hstack([0, 0, cross(B - G[1], on), cross(C - G[1], on), 0, 0]),
-        np.hstack([zero, zero, -on, [[0, 0], [1, 0]]]),
-        np.array([0, 0, 0, 0, 0, 0, 0, 1]),
-    ]
-    up = np.array([0, 9.81])
-    wanted = [
-        *(masses[0] * (a[0] + up), inertias[0] * turning[0]),
-        *(masses[1] * (a[1] + up), inertias[1] * turning[1]),
-        *(masses[2] * (a[2] + up), turning[2]),
-    ]
-    left, right = np.vstack(rows), np.hstack(wanted)
-    reactions = np.linalg.lstsq(left, right, rcond=None)[0]
-    assert np.abs(left @ reactions - right).max() < 1e-8
-    names = ("reaction C Fx", "reaction C Fy") if way == "drawn" else eqs.multiplier_names[:2]
-    assert reactions[4:6] == pytest.approx([run[name][0] for name in names], rel=1e-8)
+    return mb.equation_set(objects, q, parameters=sc.DATA)
 
 
 def test_initial_conditions_the_special_way() -> None:

@@ -91,6 +91,7 @@ def test_examples_are_copied_whole(tmp_path: Path, capsys: pytest.CaptureFixture
     assert {path.name for path in tmp_path.iterdir()} == {
         "projectile.py", "projectile.toml", "projectile_free.toml",
     }  # fmt: skip
+    capsys.readouterr()
     assert run(["examples"]) == 0
     listed = capsys.readouterr().out.split()  # the course notes come last: test_notes_run.py
     assert listed[: len(FOLDERS)] == FOLDERS

@@ -102,12 +102,15 @@ figure = Figure(layout="constrained", figsize=(6.4, 6.4))
 above, below = figure.subplots(2, sharex=True)
 for name, each in runs.items():
     above.semilogy(times[1:], np.maximum(each.constraint_violation[1:], 1e-17), label=name)
-above.set(ylabel="largest constraint", title="What keeps the constraints, and the reactions")
-above.legend()
+above.set(
+    ylabel="largest constraint [m, m^2, 1]", ylim=(1e-18, 1e-3),
+    title="What keeps the constraints, and the reactions",
+)  # fmt: skip
+above.legend(loc="upper right", ncols=3)
 for name in ("lambda1", "lambda2"):
     below.plot(by_hand.t, reactions[name], label=f"{name}, index 1 by hand")
-    below.plot(times[::20], run[name][::20], "k.")
-below.set(xlabel="time [s]", ylabel="force at the pivot [N]", ylim=(-70, 220))
+    below.plot(times[::20], run[name][::20], "k.", label="of projection" if name == "lambda2" else None)
+below.set(xlabel="time [s]", ylabel="force at the pivot [N]", ylim=(-70, 270))
 below.legend()
 sb.save_plot(above, "simulation_constraints.png")
 

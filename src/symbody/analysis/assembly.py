@@ -40,6 +40,10 @@ NO_RANGES: Final[Ranges] = MappingProxyType({})
 CLOSED: Final = 1e-9  # of the size of the mechanism: closer than any loop is built
 _STARTS: Final = 24
 _STEPS: Final = 80
+# A step is halved until it gains a share of what it promises; one so short that this never happens ends where
+# gaps are least, or where all conditions hold to rounding.
+_HALVINGS: Final = 12
+_DECREASE: Final = 1e-3  # Nocedal & Wright 2006, equation 3.4
 # The nearest of all ends from which the least gaps are looked for, and gaps too small to tell.
 _LEAST_OPEN: Final = 3
 _TOLD: Final = 1e-6
@@ -62,7 +66,8 @@ def assemble(
         Coordinates, speeds, ``_dot`` names, or any named joint coordinate, that must have these values.
     guess : mapping of name to number or formula in parameters
         Where to look for the others; by default the model's initial values, then 0. Among several
-        assemblies the nearest to the guess is taken; independent speeds take their guess exactly.
+        assemblies the nearest to the guess is taken; speeds and rates take their guesses exactly, in their
+        order, those of the model last, as long as they are independent. `State.moved` tells which are not.
     parameters, inputs : mapping
         As for `simulate`; they matter for explicit time, accelerations and multipliers.
     t : float
@@ -245,12 +250,12 @@ def _newton(task: Closure, q: Floats, fixed: Mapping[str, float]) -> _Attempt:
         columns = slopes[:, free] * task.sizes[free]
         step = np.linalg.lstsq(columns, -values, rcond=1e-10)[0] * task.sizes[free]
         share = min(1.0, 1.0 / max(float(np.abs(step / task.sizes[free]).max(initial=0.0)), 1e-300))
-        for _ in range(30):
+        for _ in range(_HALVINGS):
             tried = q.copy()
             tried[free] += share * step
             new_values, new_slopes = task.residuals(tried, fixed)
             new_norm = float(np.linalg.norm(new_values))
-            if new_norm < norm:
+            if new_norm < (1.0 - _DECREASE * share) * norm:
                 break
             share /= 2.0
         else:

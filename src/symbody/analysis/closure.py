@@ -52,6 +52,7 @@ class Closure:
     size: float = 1.0
     # Functions already compiled; they follow from the fields above.
     _functions: dict[str | tuple[str, ...], CompiledFunction] = field(default_factory=dict, repr=False)
+    _fours: list[list[list[int]]] = field(default_factory=list, repr=False)
 
     @property
     def is_tree(self) -> bool:
@@ -241,8 +242,10 @@ class Closure:
 
     def quaternions(self) -> list[list[int]]:
         """Return the places of each quaternion in q."""
-        names = self.eqs.coordinate_names
-        return [[names.index(name) for name in four] for four in self.eqs.quaternions]
+        if not self._fours:
+            names = self.eqs.coordinate_names
+            self._fours.append([[names.index(name) for name in four] for four in self.eqs.quaternions])
+        return self._fours[0]
 
     def _is_angle(self, name: str) -> bool:
         return name in self.angles

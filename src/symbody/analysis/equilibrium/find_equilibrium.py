@@ -27,6 +27,12 @@ Floats = NDArray[np.float64]
 
 _STARTS: Final = 24
 _STEPS: Final = 60
+# How often a step is halved: what does not help by then ends in a valley without equilibrium; where all
+# equations hold to rounding, steps only polish.
+_HALVINGS: Final = 12
+_POLISHED: Final = 1e-12
+_POLISHINGS: Final = 2
+_DECREASE: Final = 1e-3  # of what a full step promises (Nocedal & Wright 2006, equation 3.4)
 _MOVING: Final = 1e-9
 _SMALL: Final = 1e-10  # of the largest singular value: directions in which nothing changes
 _FLAT: Final = 1e-8  # the same, at an equilibrium
@@ -223,11 +229,11 @@ class _Search:
                 break
             step = np.linalg.lstsq(rest.rows[:, free], -rest.values, rcond=_SMALL)[0]
             share = min(1.0, 1.0 / max(float(np.abs(step).max(initial=0.0)), 1e-300))
-            for _ in range(30):
+            for _ in range(_HALVINGS if rest.merit > _POLISHED else _POLISHINGS):
                 moved = rest.q.copy()
                 moved[free] += share * step * sizes[free]
                 tried = self.balance.rest(self.task.normalized(moved), rest.inputs, largest)
-                if tried.merit < rest.merit:
+                if tried.merit < (1.0 - _DECREASE * share) * rest.merit:
                     break
                 share /= 2.0
             else:

@@ -69,13 +69,19 @@ def free_coordinates(eqs: EquationSet) -> tuple[str, ...]:
 
 
 def joint_of(eqs: EquationSet, name: str) -> str:
-    """Return the joint that a coordinate or a speed belongs to; its own name where it belongs to none."""
+    """Return the joint that a coordinate or a speed belongs to; the coordinate itself of frames by hand."""
     for use in eqs.formed.uses:
         labels = {symbol.label for symbol in use.speeds}
         labels.update(f"{coordinate}_dot" for coordinate in use.joint.coordinates)
         if name in labels or name in use.joint.coordinates:
             return use.joint.name
-    return name
+    return name.removesuffix("_dot")
+
+
+def element_of(eqs: EquationSet, name: str) -> str:
+    """Return `joint_of` with what it is: "joint A", or "coordinate s"."""
+    joint = joint_of(eqs, name)
+    return f"{'joint' if eqs.formed.uses else 'coordinate'} {joint}"
 
 
 def _not_free(eqs: EquationSet, name: str) -> Problem | None:
@@ -86,7 +92,7 @@ def _not_free(eqs: EquationSet, name: str) -> Problem | None:
     if any(name in use.prescribed for use in eqs.formed.uses):
         return Problem(
             "kinematics.prescribed", f"motion {name}", f"{name} is prescribed by the model already",
-            f"joint {joint_of(eqs, name)} has a motion of its own",
+            f"{element_of(eqs, name)} has a motion of its own",
             "leave it out here, or take the motion out of the model",
         )  # fmt: skip
     if name in eqs.speed_names or name.endswith("_dot"):

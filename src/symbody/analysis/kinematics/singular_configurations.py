@@ -50,8 +50,8 @@ class SingularConfiguration:
     q : mapping of coordinate to float
         Where, to about 1e-7.
     joint : str
-        The joint of the coordinate that stands still at a lock-up; the cut joint or constraint whose
-        equations depend on others at a bifurcation.
+        The joint of the coordinate that stands still at a lock-up, or that coordinate where frames were
+        placed by hand; the cut joint or constraint whose equations depend on others at a bifurcation.
     limits : mapping of coordinate to str
         What independent coordinates do there along the curve: "maximum", "minimum" or "passes".
     determinant : float
@@ -65,13 +65,13 @@ class SingularConfiguration:
     determinant: float
 
     def __str__(self) -> str:
-        place = ", ".join(f"{name} = {value:.7g}" for name, value in self.q.items())
+        # Places are good to about 1e-7: what is smaller than 1e-9 is rounding about 0.
+        place = ", ".join(f"{name} = {round(value, 9) + 0.0:.7g}" for name, value in self.q.items())
         if self.kind == "bifurcation":
             return f"bifurcation at {place}: constraints of {self.joint} depend on others, branches cross"
         ends = ", ".join(f"{name} has a {end}" for name, end in self.limits.items() if end != "passes")
-        return f"lock-up at {place}: joint {self.joint} cannot drive the mechanism" + (
-            f", {ends}" if ends else ""
-        )
+        drive = f"{'coordinate' if self.joint in self.q else 'joint'} {self.joint}"
+        return f"lock-up at {place}: {drive} cannot drive the mechanism" + (f", {ends}" if ends else "")
 
 
 def singular_configurations(

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.analysis.assembly import assemble
 from symbody.analysis.kinematics.follower import Follower, Law, follower
+from symbody.analysis.kinematics.held import element_of
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
@@ -162,7 +163,8 @@ def _ended(driven: Follower, values: Mapping[str, Floats], q: Floats, s: float, 
     limits = driven.asked(s)
     joint = driven.stuck(s, last)
     told = ", ".join(f"{name} = {value:.9g}" for name, value in limits.items())
-    note = f"joint {joint}: no position follows beyond {told}; it is a limit of what is driven"
+    element = element_of(driven.eqs, joint)
+    note = f"{element}: no position follows beyond {told}; it is a limit of what is driven"
     done = {name: np.append(x[: q.shape[1]], limits[name]) for name, x in values.items()}
     return Positions(driven.eqs.coordinate_names, np.column_stack([q, last]), done, limits, joint, (note,))
 
@@ -179,6 +181,11 @@ def _values(over: Mapping[str, ArrayLike]) -> dict[str, Floats]:
     count = max((x.size for x in given.values()), default=0)
     bad = [name for name, x in given.items()
            if x.ndim != 1 or x.size not in (1, count) or not np.isfinite(x).all()]  # fmt: skip
+    if not over:
+        raise UsageError(
+            Problem("kinematics.values", "over", "nothing is led", "positions follow from values given",
+                    'give a coordinate its values: over={"theta": [0.1, 0.2, 0.3]}')
+        )  # fmt: skip
     if bad or not count:
         raise UsageError(
             Problem("kinematics.values", f"over {', '.join(bad)}",

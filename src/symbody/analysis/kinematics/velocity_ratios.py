@@ -17,7 +17,7 @@ from scipy.linalg import qr
 
 from symbody.analysis.assembly import assemble
 from symbody.analysis.kinematics.follower import Follower, follower
-from symbody.analysis.kinematics.held import joint_of
+from symbody.analysis.kinematics.held import element_of
 from symbody.analysis.redundancy import redundancy
 from symbody.analysis.state import State
 from symbody.codegen.compile import Value, form_sequence
@@ -215,10 +215,8 @@ class VelocityRatios:
         left, sizes, _ = np.linalg.svd(basis[own])
         if sizes.size and sizes[-1] < _SINGULAR:
             k = int(np.abs(left[:, -1]).argmax())
-            joint = joint_of(self.eqs, self.independent[k])
-            why = (
-                f"joint {joint} stands still while others move (lock-up): {self.independent[k]} cannot drive"
-            )
+            element = element_of(self.eqs, self.independent[k])
+            why = f"{element} stands still while others move (lock-up): {self.independent[k]} cannot drive"
             raise SimulationError(self._singular(q, why))
         ratios = np.linalg.solve(basis[own].T, basis[others].T).T if own else np.zeros((len(others), 0))
         found: Floats = ratios * mechanism.speed_sizes[others][:, np.newaxis] / mechanism.speed_sizes[own]

@@ -172,7 +172,7 @@ class _Point:
         return [k for k in range(len(affine)) if abs(affine[k]) > bounds[k] + 1e-12 * sizes[k]]
 
     def _notes(self, moving: list[int], names: tuple[str, ...], affine: Floats) -> tuple[str, ...]:
-        notes = list(self.space.notes)
+        notes = [*self.space.notes, *self.slopes.kinks]
         if moving:
             worst = max(moving, key=lambda k: abs(affine[k]))
             units = self.eqs.units

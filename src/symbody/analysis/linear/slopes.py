@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
+from symbody.analysis.linear.kinks import kink_notes, switches
 from symbody.analysis.state import State
 from symbody.codegen.compile import Value, constant_values, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.errors import AssemblyError, Problem
 from symbody.expr.graph import TIME, Kind
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import symbols_of
@@ -23,6 +25,7 @@ Floats = NDArray[np.float64]
 
 _BY_STATE: Final = "linear slopes by states"
 _BY_INPUT: Final = "linear slopes by inputs"
+_KINKS: Final = "linear kinks"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,6 +46,8 @@ class Slopes:
         J, dPhi/dq, M.
     timed : bool
         Whether anything depends on time explicitly.
+    kinks : tuple of str
+        What is not differentiable here.
     """
 
     rates: Floats
@@ -54,10 +59,17 @@ class Slopes:
     position_jacobian: Floats
     mass_matrix: Floats
     timed: bool
+    kinks: tuple[str, ...]
 
 
 def slopes(eqs: EquationSet, state: State, outputs: Sequence[str]) -> Slopes:
-    """Return the derivatives at a state with its parameters, inputs and time."""
+    """Return the derivatives at a state with its parameters, inputs and time.
+
+    Raises
+    ------
+    AssemblyError
+        If one of them is infinite or does not exist.
+    """
     parameters = state.parameters
     if eqs.multiplier_names:
         eqs = eqs.for_values(constant_values(eqs, {p: p for p in eqs.parameter_names}, parameters))
@@ -68,16 +80,39 @@ def slopes(eqs: EquationSet, state: State, outputs: Sequence[str]) -> Slopes:
     inputs = tuple(symbol for symbol in eqs.formed.inputs if symbol.name not in laws)
     by_state = partial_derivatives(eqs, _BY_STATE, nodes, (*eqs.formed.u, *eqs.formed.q))
     by_input = partial_derivatives(eqs, _BY_INPUT, nodes, inputs)
-    wider = with_outputs(eqs, [by_state, by_input])
-    words = ("xdot", _BY_STATE, _BY_INPUT, "jacobian", "position_jacobian", "mass_matrix")
+    between = switches(eqs, nodes)
+    kinks = Roots(_KINKS, (len(between),), tuple(node for _, node in between))
+    wider = with_outputs(eqs, [by_state, by_input, kinks])
+    words = ("xdot", _BY_STATE, _BY_INPUT, "jacobian", "position_jacobian", "mass_matrix", _KINKS)
     given = dict.fromkeys(eqs.input_names, 0) | dict(state.inputs)
     function = CompiledFunction(*form_sequence(wider, words, parameters, (), given))
     found = function(state.t, list(state.q.values()), list(state.u.values()))
     graph = eqs.formed.graph
     timed = graph.symbol(TIME) in symbols_of(graph, [*nodes, *eqs.roots("constraints").nodes])
-    rates, states, loads, rows, positions, mass = found
+    rates, states, loads, rows, positions, mass, near = found
     names = tuple(symbol.name for symbol in inputs)
-    return Slopes(rates, states, loads, _scalars(shown), names, rows, positions, mass, timed)
+    _check_finite(eqs, rates, states, loads, names)
+    told = kink_notes(eqs, between, near)
+    return Slopes(rates, states, loads, _scalars(shown), names, rows, positions, mass, timed, told)
+
+
+def _check_finite(
+    eqs: EquationSet, rates: Floats, states: Floats, loads: Floats, inputs: tuple[str, ...]
+) -> None:
+    """Refuse derivatives that are not finite, as that of a root where it is 0."""
+    values = np.column_stack([rates, states[: rates.size], loads[: rates.size]])
+    bad = np.argwhere(~np.isfinite(values))
+    if not bad.size:
+        return
+    row, column = (int(k) for k in bad[0])
+    names = (*eqs.speed_names, *eqs.coordinate_names)
+    by = ("", *names, *inputs)[column]
+    what = f"{names[row]}' has no finite {f'derivative by {by}' if by else 'value'} here"
+    raise AssemblyError(
+        Problem("linearize.infinite", f"state {by or names[row]}", what,
+                "a force is not differentiable, as a root of 0, or it is infinite",
+                "linearize beside this state, or give the force a smooth law")
+    )  # fmt: skip
 
 
 def _laws(eqs: EquationSet, inputs: Mapping[str, Value]) -> dict[str, Value]:

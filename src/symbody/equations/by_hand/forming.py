@@ -29,10 +29,12 @@ from symbody.equations.kinematics.variables import Variables
 from symbody.equations.loads.loads import Loads
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.trigonometry.whole_turns import turning_symbols
 from symbody.graph.spanning_tree import SpanningTree
 from symbody.graph.topology import Topology
 from symbody.model.model import Model
 from symbody.vectors.dyadic import symmetric_split
+from symbody.vectors.placed import homogeneous
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,6 +99,7 @@ class ByHand:
             kinetic_energy=kinetic,
             notes=notes,
             formulation=self.formulation,
+            angles=_angles(self.mechanism, self.coordinates),
             formed_again=self.formed,
         )
 
@@ -116,6 +119,19 @@ class ByHand:
             energies = form_energies(kinematics, bodies, loads.potential_energy, loads.without_potential, ())
             return project_energies(kinematics, energies), kinetic
         return project_directly(kinematics, bodies, loads.loads, {}), kinetic
+
+
+def _angles(mechanism: HandPlaced, coordinates: Sequence[str]) -> frozenset[str]:
+    """Return the coordinates by whose whole turns no body moves and no constraint changes."""
+    graph = Graph()
+    placed = Restated(graph, {}).mechanism(mechanism)
+    points = [body.centre for body in placed.bodies]
+    values = [entry for point in points for row in homogeneous(point.frame, graph) for entry in row]
+    values += [x for point in points for x in point.coordinates]
+    values += [x for constraint in placed.constraints for x in constraint.values]
+    symbols = {graph.symbol(Symbol(name, Kind.COORDINATE)): name for name in coordinates}
+    found = turning_symbols(graph, [value.index for value in values], list(symbols))
+    return frozenset(symbols[node] for node in found)
 
 
 def _variables(graph: Graph, coordinates: Sequence[str]) -> Variables:

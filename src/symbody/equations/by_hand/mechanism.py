@@ -197,7 +197,9 @@ def _placing(mechanism: HandPlaced) -> set[str]:
 def _no_body(mechanism: HandPlaced) -> Iterator[Problem]:
     if not mechanism.bodies:
         yield Problem("by_hand.no_body", "objects", "there is no body among the objects",
-                      "equations of motion are those of bodies", "add what make_BODY returned")  # fmt: skip
+                      "equations of motion are those of bodies",
+                      "add what make_BODY returned, of any mass if only positions matter; "
+                      "sb.solve_positions(Phi, unknowns) solves constraints alone")  # fmt: skip
 
 
 def _twice(mechanism: HandPlaced) -> Iterator[Problem]:

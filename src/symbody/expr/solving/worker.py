@@ -9,11 +9,14 @@ from collections.abc import Sequence
 import sympy as sp
 
 from symbody.expr.solving.triangular import solve_triangular
+from symbody.expr.solving.turned_rows import shortest_rows
 
 
 def solutions(equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]) -> list[dict[sp.Symbol, sp.Expr]]:
     """Return all solutions found for the unknowns, each with a value for every one of them."""
     found = solve_triangular(equations, unknowns)
+    if found is None:
+        found = solve_triangular(shortest_rows(equations, unknowns), unknowns)
     if found is None:
         try:
             found = sp.solve(equations, unknowns, dict=True)

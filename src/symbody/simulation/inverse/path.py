@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assemble
 from symbody.analysis.kinematics.follower import Follower
+from symbody.analysis.kinematics.held import element_of
 from symbody.analysis.redundancy import redundancy
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
@@ -139,7 +140,7 @@ class Path:
         except SymbodyError:
             why = "no position farther on has these coordinates"
         asked = ", ".join(f"{name} = {value:.6g}" for name, value in self.follower.asked(reached).items())
-        return Problem("inverse.out_of_reach", f"joint {joint}",
+        return Problem("inverse.out_of_reach", element_of(self.eqs, joint),
                        f"at t = {reached:.9g} s the motion cannot go on; there {asked}", why,
                        "end the motion before this time, or ask for one within reach; "
                        "sb.trace_positions tells the limits")  # fmt: skip
