@@ -21,6 +21,7 @@ import numpy as np
 from symbody.simulation.native.interface import (
     Floats,
     Goal,
+    Integers,
     Memory,
     Method,
     Projector,
@@ -68,14 +69,14 @@ from symbody.simulation.native.stages import (
 )
 
 # Of the files below that are compiled into these functions; a test says what it has to be.
-SOURCES: Final = "8978875873d2da6a"
+SOURCES: Final = "558a5f7f8138514b"
 EPSILON: Final = 2.220446049250313e-16
 SMALLEST_STEP: Final = 1e-290  # absolute, for motions that fail at t = 0
 SAFETY: Final = 0.9
 
 
 @inlined
-def _interpolate(F: Floats, piece: int, s: float, x: Floats, target: int) -> None:
+def interpolate(F: Floats, piece: int, s: float, x: Floats, target: int) -> None:
     """Set x[target] to the dense output at the share s of the step; `dense_output` repeats it."""
     rows, n = F.shape[1], F.shape[2]
     for block in range(0, n, 4):
@@ -132,7 +133,7 @@ def _store(projector: Projector, goal: Goal, memory: Memory, record: Record, t: 
         if time == t_new:
             _store_sample(memory, record, time, STATE_NEW)
         else:
-            _interpolate(F, piece, (time - t) / (t_new - t), record.x, counts[SAMPLES])
+            interpolate(F, piece, (time - t) / (t_new - t), record.x, counts[SAMPLES])
             if projector.address != 0:
                 project(projector, goal.rtol, goal.atol, time, record.x, counts[SAMPLES])
             record.t[counts[SAMPLES]] = time
@@ -140,7 +141,7 @@ def _store(projector: Projector, goal: Goal, memory: Memory, record: Record, t: 
 
 
 @inlined
-def _is_stiff(method: Method, memory: Memory, h: float) -> bool:
+def is_stiff(method: Method, memory: Memory, h: float) -> bool:
     """Count steps at the stability bound as section IV.2 does; return whether there are too many."""
     counts, vectors, K = memory.counts, memory.vectors, memory.K
     if (counts[ACCEPTED] + 1) % 1000 != 0 and counts[STIFF_VOTES] == 0:
@@ -163,9 +164,10 @@ def _is_stiff(method: Method, memory: Memory, h: float) -> bool:
 
 
 @inlined
-def _accept(method: Method, memory: Memory, goal: Goal, t_new: float, h: float, error: float) -> None:
-    """Make the new state the old one and choose the next step: sections II.4 and IV.2."""
-    real, counts = memory.real, memory.counts
+def accept(
+    method: Method, goal: Goal, real: Floats, counts: Integers, t_new: float, h: float, error: float
+) -> None:
+    """Go on to the end of a step and choose the next one: sections II.4 and IV.2."""
     factor = SAFETY * error ** (-method.exponent) if error > 0.0 else method.growth
     if method.memory != 0.0 and error > 0.0:
         factor *= real[ERROR] ** method.memory
@@ -177,13 +179,18 @@ def _accept(method: Method, memory: Memory, goal: Goal, t_new: float, h: float, 
     real[ERROR] = max(error, 1e-4)
     counts[ACCEPTED] += 1
     counts[AFTER_REJECTION] = 0
-    for i in range(memory.K.shape[1]):
-        memory.vectors[STATE_OLD, i] = memory.vectors[STATE_NEW, i]
-        memory.K[0, i] = memory.K[method.stages, i]
 
 
 @inlined
-def _failure(method: Method, goal: Goal, memory: Memory) -> int:
+def reject(method: Method, real: Floats, counts: Integers, h: float, error: float) -> None:
+    """Choose a shorter step."""
+    real[STEP] = h * max(method.shrink, SAFETY * error ** (-method.exponent))
+    counts[REJECTED] += 1
+    counts[AFTER_REJECTION] = 1
+
+
+@inlined
+def failure(method: Method, goal: Goal, memory: Memory) -> int:
     """Say why the last trial failed, and write which state is to blame to counts[STATE]."""
     if memory.counts[KERNEL] != 0:
         return SINGULAR
@@ -222,19 +229,25 @@ def _close(
 
 
 @inlined
+def next_trial(goal: Goal, t: float, h: float) -> tuple[float, float]:
+    """Return length and end of the next trial, of length 0 where steps are too short to go on."""
+    rest = goal.t_end - t
+    # stretched by one percent rather than leave a tiny last step, but never beyond the step that was allowed
+    if abs(rest) <= 1.01 * abs(h) and abs(rest) <= goal.max_step * (1.0 + 1e-9):
+        return rest, goal.t_end
+    if abs(h) <= max(10.0 * EPSILON * abs(t), SMALLEST_STEP):
+        return 0.0, t
+    return h, t + h
+
+
+@inlined
 def _try_step(
     rhs: RightHandSide, projector: Projector, method: Method, goal: Goal, memory: Memory, record: Record
 ) -> int:
-    real, counts = memory.real, memory.counts
-    t, h = real[TIME], real[STEP]
-    rest = goal.t_end - t
-    # stretched by one percent rather than leave a tiny last step, but never beyond the step that was allowed
-    is_last = abs(rest) <= 1.01 * abs(h) and abs(rest) <= goal.max_step * (1.0 + 1e-9)
-    if is_last:
-        h = rest
-    elif abs(h) <= max(10.0 * EPSILON * abs(t), SMALLEST_STEP):
-        return _failure(method, goal, memory)
-    t_new = goal.t_end if is_last else t + h
+    t, counts = memory.real[TIME], memory.counts
+    h, t_new = next_trial(goal, t, memory.real[STEP])
+    if h == 0.0:
+        return failure(method, goal, memory)
     error = attempt(rhs, method, goal, memory, t, h)
     if error <= 1.0 and projector.address != 0 and not _close(rhs, projector, method, goal, memory, t_new):
         error = np.inf
@@ -244,12 +257,13 @@ def _try_step(
             error = np.inf
     if error <= 1.0:
         _store(projector, goal, memory, record, t, t_new)
-        stiff = _is_stiff(method, memory, h)
-        _accept(method, memory, goal, t_new, h, error)
+        stiff = is_stiff(method, memory, h)
+        accept(method, goal, memory.real, counts, t_new, h, error)
+        for i in range(memory.K.shape[1]):
+            memory.vectors[STATE_OLD, i] = memory.vectors[STATE_NEW, i]
+            memory.K[0, i] = memory.K[method.stages, i]
         return STIFF if stiff and goal.stop_when_stiff and t_new != goal.t_end else RUNNING
-    real[STEP] = h * max(method.shrink, SAFETY * error ** (-method.exponent))
-    counts[REJECTED] += 1
-    counts[AFTER_REJECTION] = 1
+    reject(method, memory.real, counts, h, error)
     return RUNNING
 
 
@@ -334,7 +348,7 @@ def begin(
     memory.real[ERROR] = 1e-4
     evaluate(rhs, memory, t, STATE_OLD, 0)
     if memory.counts[KERNEL] != 0 or not row_is_finite(memory.K, 0):
-        return _failure(method, goal, memory)
+        return failure(method, goal, memory)
     step = first_step if first_step > 0.0 else _first_step(rhs, method, goal, memory)
     memory.real[STEP] = goal.direction * min(step, goal.max_step)
     return RUNNING

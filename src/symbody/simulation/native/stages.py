@@ -98,18 +98,23 @@ def scale(goal: Goal, memory: Memory, i: int) -> float:
 
 @inlined
 def _error_norm(method: Method, goal: Goal, memory: Memory, h: float) -> float:
-    """Return the local error over its tolerance: sections II.4 and II.10."""
+    """Return the local error over its tolerance: section II.4."""
     vectors = memory.vectors
     row = memory.K.shape[0]
     _combine(method, row, memory, 1.0, NOTHING, ERROR_1)
     _combine(method, row + 1, memory, 1.0, NOTHING, ERROR_2)
     first = 0.0
     second = 0.0
-    n = vectors.shape[1]
-    for i in range(n):
+    for i in range(vectors.shape[1]):
         share = 1.0 / scale(goal, memory, i)
         first += (vectors[ERROR_1, i] * share) ** 2
         second += (vectors[ERROR_2, i] * share) ** 2
+    return error_size(first, second, h, vectors.shape[1])
+
+
+@inlined
+def error_size(first: float, second: float, h: float, n: int) -> float:
+    """Return the local error from the sums of squares of both estimates: section II.10."""
     if first == 0.0:
         return 0.0
     error: float = abs(h) * first / np.sqrt((first + 0.01 * second) * n)

@@ -118,7 +118,8 @@ def check_names(eqs: EquationSet, table: CaseTable, guess: Mapping[str, Value]) 
     ]  # fmt: skip
     if problems:
         raise AssemblyError(*problems)
-    return {name: value for name, value in {**eqs.model.initial, **guess}.items() if name in legal}
+    ordered = {**guess, **{name: value for name, value in eqs.model.initial.items() if name not in guess}}
+    return {name: value for name, value in ordered.items() if name in legal}
 
 
 def _of_tree(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,7 +29,9 @@ from symbody.simulation.sweeps.job import Job, Part
 Floats = NDArray[np.float64]
 
 # Samples where no times are given.
-USUAL_SAMPLES = 101
+USUAL_SAMPLES: Final = 101
+# Cases from which on several are computed side by side.
+CASES_THAT_PAY: Final = 256
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,6 +53,7 @@ class Wish:
     rtol: float
     atol: float
     max_steps: int
+    lanes: bool | None
 
     @classmethod
     def checked(
@@ -60,6 +64,7 @@ class Wish:
         constraints: Constraints | None,
         tolerances: tuple[float, float],
         max_steps: int,
+        lanes: bool | None,
     ) -> Wish:
         """Return what was asked for, with usual times where none are given.
 
@@ -79,6 +84,7 @@ class Wish:
             checked_rtol(rtol),
             float(checked_atol(atol, 1)[0]),
             int(max_steps),
+            lanes,
         )
 
 
@@ -131,6 +137,7 @@ def planned(
         wish.atol,
         wish.max_steps,
         stop_when_stiff=wish.integrator is None,
+        lanes=_in_lanes(wish, table),
     )
     nothing = np.zeros((table.count, 0))
     is_closed = bool(eqs.multiplier_names or eqs.quaternions)
@@ -152,10 +159,16 @@ def planned(
         wish.atol,
         wish.max_steps,
         wish.integrator is None,
+        False,
         ROUNDED_PER_COORDINATE * len(eqs.coordinate_names) * EPSILON / tolerance,
         np.inf if isinstance(method, FixedStep) else projection.limit,
     )
     return closed, Part(0, first.states, table.parameters, tolerance * padded, sizes), dict(first.notes)
+
+
+def _in_lanes(wish: Wish, table: CaseTable) -> bool:
+    """Return whether compiling for lanes, about as long as for one case, pays."""
+    return table.count >= CASES_THAT_PAY if wish.lanes is None else wish.lanes
 
 
 def cases_apart(eqs: EquationSet, table: CaseTable) -> list[int]:

@@ -137,7 +137,7 @@ class Sweep:
     def to_xarray(self, *names: str) -> xarray.Dataset:
         """Return an xarray data set: `x` over (case, state, time), further outputs, what varied, status.
 
-        ``.to_netcdf("sweep.nc")`` and ``.to_zarr("sweep.zarr")`` of the result write it to files.
+        ``.to_netcdf("sweep.nc")`` and ``.to_zarr("sweep.zarr", consolidated=False)`` write it to files.
 
         Parameters
         ----------
@@ -161,12 +161,12 @@ class Sweep:
             values = self[name]
             inner = tuple(f"axis_{k}" for k in range(values.ndim - 2))
             variables[name] = (("case", *inner, "time"), values)
-        variables["status"] = (("case",), np.array([status.name for status in self.status]))
+        variables["status"] = (("case",), np.array([status.name for status in self.status], dtype=object))
         variables["reached"] = (("case",), self.reached)
         variables["evaluations"] = (("case",), self.counts[:, _EVALUATIONS])
         coordinates: dict[str, object] = {
             "case": np.arange(len(self)),
-            "state": np.array(self.state_names),
+            "state": np.array(self.state_names, dtype=object),
             "time": ("time", self.t, {"units": "s"}),
         }
         for name, column in self.cases.items():

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,6 +25,7 @@ from symbody.simulation.methods.change_point import is_overconstrained
 from symbody.simulation.methods.choice import Constraints, Integrator
 from symbody.simulation.methods.explicit import checked_span
 from symbody.simulation.native import places
+from symbody.simulation.native.lanes.arithmetic import WIDTH
 from symbody.simulation.native.run import VERDICTS, Progress
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulate import simulate
@@ -39,77 +41,59 @@ from symbody.simulation.sweeps.store import Store, digest
 from symbody.simulation.sweeps.workers import Crew, Listener, Tally, compute_here, compute_there, crew, parts
 from symbody.simulation.task import Task
 
+# Lanes run empty at the end of a part: the more cases it has, the less that matters.
+_LEAST_IN_LANES: Final = 4 * WIDTH
+
 
 def sweep(
-    eqs: EquationSet,
-    t_end: float | tuple[float, float],
-    parameters: Mapping[str, Varied] | None = None,
-    initial: Mapping[str, Varied] | None = None,
-    guess: Mapping[str, Value] | None = None,
-    inputs: Mapping[str, Law] | None = None,
-    times: ArrayLike | None = None,
-    integrator: Integrator | None = None,
-    constraints: Constraints | None = None,
-    events: Event | Sequence[Event] = (),
-    *,
-    combine: Combine = "product",
-    samples: int | None = None,
-    seed: int = 0,
-    executor: Executor | None = None,
-    threads: int | None = None,
-    part: int | None = None,
-    store: str | os.PathLike[str] | None = None,
-    rtol: float = 1e-8,
-    atol: float = 1e-10,
-    max_steps: int = 1_000_000,
-    progress: Progress | bool = False,
-) -> Sweep:
+    eqs: EquationSet, t_end: float | tuple[float, float], parameters: Mapping[str, Varied] | None = None,
+    initial: Mapping[str, Varied] | None = None, guess: Mapping[str, Value] | None = None,
+    inputs: Mapping[str, Law] | None = None, times: ArrayLike | None = None,
+    integrator: Integrator | None = None, constraints: Constraints | None = None,
+    events: Event | Sequence[Event] = (), *, combine: Combine = "product", samples: int | None = None,
+    seed: int = 0, executor: Executor | None = None, threads: int | None = None, part: int | None = None,
+    lanes: bool | None = None, store: str | os.PathLike[str] | None = None, rtol: float = 1e-8,
+    atol: float = 1e-10, max_steps: int = 1_000_000, progress: Progress | bool = False,
+) -> Sweep:  # fmt: skip
     """Return the motions of a mechanism for many parameters and initial values.
 
-    Results depend on the cases alone, bit for bit: not on threads, workers or parts.
+    Results depend on the cases alone, bit for bit: not on threads, workers, parts or lanes. What is not
+    listed here is as in `simulate`, the same for all cases.
 
     Parameters
     ----------
-    t_end, guess, inputs, integrator, constraints, events, rtol, atol, max_steps
-        As in `simulate`, the same for all cases.
     parameters, initial : mapping of name to number, formula, sequence of numbers, or `Samples`
         Sequences and samples vary from case to case.
     times : array, optional
-        Samples to store, by default 101 over the span; ``[t_end]`` for final values alone.
+        Samples to store [s], by default 101 over the span; ``[t_end]`` for final values alone.
     combine : "product" or "list"
         Every combination of all sequences, the last varying fastest; or the first values, the second, ...
     samples, seed : int
-        How many values are drawn for each `Samples`, together, for every combination of the sequences; and
-        what they follow from.
+        How many values are drawn for each `Samples`, together, for every combination; what they follow from.
     executor : concurrent.futures.Executor, optional
-        Whose workers compute; by default threads of this process. What its workers lose is given out anew.
+        Whose workers compute, by default threads of this process. What workers lose is given out anew.
     threads : int, optional
         Threads of this process, by default one a processor; with an executor those of each worker, 1.
     part : int, optional
         Cases a worker is given at a time.
+    lanes : bool, optional
+        Whether each thread computes several cases side by side, by default for 256 or more.
     store : path, optional
         A folder that keeps finished parts; the same call goes on where the last one ended.
     progress : bool or callable
         True shows a bar; a callable is told the share that is done, and ends the sweep by returning False.
 
-    Returns
-    -------
-    Sweep
-        Every case has a status of its own. Ctrl-C ends the sweep and keeps what there is.
-
     Raises
     ------
     CompileError, AssemblyError, UsageError
         Names, values, times or an executor that make no sense, all of them listed.
-    SimulationError
-        More samples than the memory holds.
-    EnvironmentFault
-        If no worker of the executor can compute, or the store cannot be used.
+    SimulationError, EnvironmentFault
+        More samples than the memory holds; no worker that can compute, or a store that cannot be used.
     """
     span = checked_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
     laws = input_laws(eqs.input_names, inputs or {}, span)
     table = case_table(parameters or {}, initial or {}, combine, samples, seed)
-    wish = Wish.checked(span, times, integrator, constraints, (rtol, atol), max_steps)
+    wish = Wish.checked(span, times, integrator, constraints, (rtol, atol), max_steps, lanes)
     who = crew(executor, threads, part)
     check_memory(table.count, wish.times.size, len(eqs.state_names))
     order = _Order(eqs, table, dict(guess or {}), laws, dict(inputs or {}), wish, checked_events(events, eqs))
@@ -265,12 +249,14 @@ class _Order:
 
     def _result(self, records: Records, case_notes: Mapping[int, str], notes: tuple[str, ...]) -> Sweep:
         eqs = self.eqs
+        codes = records.codes.tolist()
+        verdicts = {code: _status(code) for code in {*codes}}
         told = {**_stop_notes(records, eqs.state_names), **case_notes}
         return Sweep(
             self.wish.times,
             np.moveaxis(records.x, 1, 2),
             self.table.columns(),
-            tuple(_status(code) for code in records.codes.tolist()),
+            tuple(verdicts[code] for code in codes),
             records.counts[:, [places.ACCEPTED, places.REJECTED, places.EVALUATIONS, places.SAMPLES]],
             records.reached,
             Evaluation(eqs, self.table, self.laws),
@@ -296,7 +282,7 @@ def _computed(
     if kept is not None:
         for found in kept.finished():
             records.put(found)
-    pieces = parts(part, _missing(records), who.part)
+    pieces = parts(part, _missing(records), who.part, _LEAST_IN_LANES if job.lanes else 1)
     listener = Listener(progress, (lambda found: None) if kept is None else kept.keep)
     if who.executor is None:
         return compute_here(job, pieces, records, who.threads, listener)

@@ -22,6 +22,7 @@ import numpy as np
 
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.native.run import Progress
+from symbody.simulation.sweeps.compute import compute, run_part
 from symbody.simulation.sweeps.job import (
     NOT_ENDED,
     WORKER_LOST,
@@ -30,8 +31,6 @@ from symbody.simulation.sweeps.job import (
     Records,
     Signal,
     blocks,
-    compute,
-    run_part,
 )
 
 # How often progress is told and Ctrl-C is heard [s].
@@ -41,7 +40,8 @@ _WINDOW: Final = 64
 # A part that was lost so often is tried alone, and then given up.
 _SUSPECT: Final = 2
 _GIVEN_UP: Final = 4
-_BROKEN_POOLS: Final = 50
+# Pools that may break before a part comes back: a case that ends every worker is found by halving its part.
+_BROKEN_POOLS: Final = 16
 # Many cases: lanes are full, and what is lost or repeated is little. Few: all workers work.
 _LARGEST_PART: Final = 1024
 _PARTS: Final = 16
@@ -114,10 +114,10 @@ def crew(executor: Executor | None, threads: int | None, part: int | None) -> Cr
     return Crew(executor, usual if threads is None else threads, part)
 
 
-def parts(part: Part, missing: Sequence[tuple[int, int]], size: int | None) -> list[Part]:
-    """Return what is missing of all cases, cut into parts."""
+def parts(part: Part, missing: Sequence[tuple[int, int]], size: int | None, least: int = 1) -> list[Part]:
+    """Return what is missing of all cases, cut into parts of `size`, by default of `least` or more."""
     count = sum(stop - start for start, stop in missing)
-    length = size or max(1, min(_LARGEST_PART, -(-count // _PARTS)))
+    length = size or max(least, min(_LARGEST_PART, -(-count // _PARTS)))
     return [
         part.cut(start + low, start + high)
         for start, stop in missing
@@ -130,6 +130,8 @@ def compute_here(job: Job, pieces: Sequence[Part], records: Records, threads: in
     signal, total = Signal.new(), max(1, sum(piece.count for piece in pieces))
     ended = [np.zeros(1, dtype=np.int64) for _ in pieces]
     interrupted = False
+    if job.lanes:
+        job.function.in_lanes()  # compiled once, not by each thread
     with ThreadPoolExecutor(threads) as pool:
         waiting: dict[Future[None], Records] = {}
         try:
@@ -148,7 +150,7 @@ def compute_here(job: Job, pieces: Sequence[Part], records: Records, threads: in
         except KeyboardInterrupt:
             interrupted = True
         finally:
-            signal.stop[0] = int(bool(waiting))
+            signal.stop[0] = 1  # leaving the pool waits for its threads
             for task in waiting:
                 task.cancel()
     return Tally(interrupted, {})
@@ -166,9 +168,9 @@ def compute_there(job: Job, pieces: Sequence[Part], records: Records, who: Crew,
     try:
         round.run()
     except KeyboardInterrupt:
-        round.cancel()
         return Tally(True, round.lost)
     finally:
+        round.cancel()
         round.close()
     return Tally(False, round.lost)
 
@@ -222,7 +224,7 @@ class _Round:
                 if self._executor is None:
                     raise BrokenExecutor
                 task = self._executor.submit(run_part, self._payload, piece, self._threads)
-            except (BrokenExecutor, RuntimeError):
+            except (AssertionError, BrokenExecutor, RuntimeError):  # the first: processes that may start none
                 self._left.append(piece)
                 self._replace_executor()
                 continue
@@ -243,6 +245,7 @@ class _Round:
         if self._broken > _BROKEN_POOLS:
             raise _nobody("processes end as soon as they are started")
         self.close()
+        # Not by forking: a lock that another thread holds just then would stay held in the copy for ever.
         self._own = ProcessPoolExecutor(mp_context=get_context("spawn"))
         self._executor = self._own
 
@@ -255,6 +258,7 @@ class _Round:
             found = f"{type(error).__name__}: {error}"
         if isinstance(found, Records):
             self._records.put(found)
+            self._broken = 0
             self._done += piece.count
             self._told.finished(found)
             return
@@ -284,5 +288,6 @@ def _nobody(why: str) -> EnvironmentFault:
     return EnvironmentFault(
         Problem("sweep.no_worker", "executor", "no worker of the executor could compute a part", why,
                 "install the same version of symbody and Python for all workers, give them memory for "
-                "fewer cases with part=..., or leave executor out")
+                "fewer cases with part=..., call sweep under `if __name__ == '__main__':` where processes "
+                "are started, or leave executor out")
     )  # fmt: skip
