@@ -3,8 +3,11 @@
     python -m benchmarks                  all, ten minutes with all peers
     python -m benchmarks expressions      one
     python -m benchmarks derivation       equations of motion, beside sympy.physics.mechanics
+    python -m benchmarks growth           from file to first call, chains of 10 to 1000 bodies
     python -m benchmarks evaluation       compile times, and batches on one core
     python -m benchmarks motion           the compiled loop, beside SciPy's DOP853
+    python -m benchmarks trajectories     motions of equal accuracy, beside SUNDIALS, MuJoCo and PyDy
+    python -m benchmarks robots           robots beside Pinocchio in C++, C by CasADi, and MuJoCo
     python -m benchmarks sweep            many motions, by one thread and by two
     python -m benchmarks --help           sizes, time limit, number of rounds
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import platform
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
@@ -10,19 +11,35 @@ from typing import Final
 
 from rich.console import Console
 
-from benchmarks import analyses, derivation, evaluation, expressions, motion, nodes, operations, sweep
+from benchmarks import (
+    analyses,
+    derivation,
+    evaluation,
+    expressions,
+    growth,
+    motion,
+    nodes,
+    operations,
+    robots,
+    sweep,
+    trajectories,
+)
 from benchmarks.table import Table, show
 from benchmarks.timing import Settings
+from symbody.storage import VARIABLE
 
 BENCHMARKS: Final[Mapping[str, Callable[[Settings], Iterator[Table]]]] = MappingProxyType(
     {
         "nodes": nodes.tables,
         "expressions": expressions.tables,
         "derivation": derivation.tables,
+        "growth": growth.tables,
         "evaluation": evaluation.tables,
         "analyses": analyses.tables,
         "motion": motion.tables,
+        "trajectories": trajectories.tables,
         "operations": operations.tables,
+        "robots": robots.tables,
         "sweep": sweep.tables,
     }
 )
@@ -67,4 +84,5 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
+    os.environ[VARIABLE] = "off"  # figures are of the work, not of finding it done
     main()

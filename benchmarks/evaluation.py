@@ -20,7 +20,7 @@ from benchmarks.timing import Settings, processor_seconds
 from symbody.codegen.compile import form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.codegen.llvm.machine import lanes
-from symbody.codegen.stored_code import VARIABLE
+from symbody.storage import VARIABLE
 
 POINTS: Final = 4000
 CHAINS: Final = (3, 7, 20)

@@ -41,7 +41,7 @@ ROBOTS: Final[Mapping[str, Robot]] = MappingProxyType(
     }
 )
 
-_FOLDER: Final = "cmeel.prefix/share/example-robot-data/robots"
+ROBOTS_FOLDER: Final = "cmeel.prefix/share/example-robot-data/robots"
 
 TRICKS: Final[Mapping[str, sb.VirtualWork | sb.Recursive]] = MappingProxyType(
     {
@@ -62,7 +62,7 @@ def tables(
     settings: Settings, robots: Mapping[str, Robot] = ROBOTS, folder: Path | None = None
 ) -> Iterator[Table]:
     """Yield the one table of robots."""
-    where = folder if folder is not None else Path(sysconfig.get_path("purelib"), _FOLDER)
+    where = folder if folder is not None else Path(sysconfig.get_path("purelib"), ROBOTS_FOLDER)
     rows, notes = [], ["operations of udot; in brackets beside the prototype's figure of the same kind"]
     for name, robot in robots.items():
         path = where / robot.path

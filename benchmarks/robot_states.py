@@ -42,6 +42,8 @@ class States:
         The same in Pinocchio's order.
     order : (n_v,) array of int
         Where each component of Pinocchio's v stands in u.
+    driven : list of int
+        Where what each of symbody's inputs drives stands in Pinocchio's v.
     """
 
     text: str
@@ -56,6 +58,7 @@ class States:
     pin_tau: Floats
     pin_a: Floats
     order: NDArray[np.int64]
+    driven: list[int]
 
     @property
     def r_and_udot(self) -> Floats:
@@ -77,17 +80,16 @@ def robot_states(path: Path, robot: Robot, pin: Any, count: int = STATES) -> Sta
     r = random.uniform(-1.0, 1.0, (count, len(eqs.input_names)))
     if pin is None:
         none = np.zeros((0, 0))
-        return States(text, eqs, q, u, r, udot, None, none, none, none, none, np.zeros(0, dtype=np.int64))
+        return States(text, eqs, q, u, r, udot, None, none, none, none, none, np.zeros(0, np.int64), [])
     model = pin.buildModelFromXML(text, *([pin.JointModelFreeFlyer()] if robot.floating else []))
     order = np.array([eqs.speed_names.index(name) for name in _speeds(model)])
     pin_q = _positions(model, eqs, q)
+    speeds = [f"tau_{name.removesuffix('_dot')}" for name in _speeds(model)]
+    driven = [speeds.index(name) for name in eqs.input_names]
     tau = np.zeros((count, model.nv))
-    for k, name in enumerate(_speeds(model)):
-        effort = f"tau_{name.removesuffix('_dot')}"
-        if effort in eqs.input_names:
-            tau[:, k] = r[:, eqs.input_names.index(effort)]
+    tau[:, driven] = r
     v, a = np.ascontiguousarray(u[:, order]), np.ascontiguousarray(udot[:, order])
-    return States(text, eqs, q, u, r, udot, model, pin_q, v, tau, a, order)
+    return States(text, eqs, q, u, r, udot, model, pin_q, v, tau, a, order, driven)
 
 
 def _joints(model: Any) -> list[tuple[str, Any]]:

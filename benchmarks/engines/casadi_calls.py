@@ -26,6 +26,7 @@ class CasadiCalls:
         generator: Any = casadi.CodeGenerator("f")
         generator.add(function)
         code = str(generator.dump())
+        self.function = function
         self._library = compiled_c(code, "casadi")
         self._out = [np.empty(function.numel_out(k)) for k in range(function.n_out())]
         self._iw, self._w = (
@@ -34,6 +35,16 @@ class CasadiCalls:
         )
         self._arguments = (ctypes.c_void_p * max(5, function.sz_arg()))()
         self._results = (ctypes.c_void_p * max(1, function.sz_res()))(*(out.ctypes.data for out in self._out))
+
+    def results(self, q: Floats, u: Floats, r: Floats) -> list[Floats]:
+        """Return each output at each state, flat and row by row, computed by the same code."""
+        found: list[list[Floats]] = [[] for _ in self._out]
+        for k in range(len(q)):
+            self.nanoseconds(q[k : k + 1], u[k : k + 1], r[k : k + 1])
+            for j, out in enumerate(self._out):
+                shape = self.function.size_out(j)
+                found[j].append(out.reshape(shape, order="F").flatten())
+        return [np.array(x) for x in found]
 
     def nanoseconds(self, q: Floats, u: Floats, r: Floats) -> float:
         """Return what a call takes, state after state [ns]."""

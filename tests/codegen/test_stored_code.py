@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from symbody.codegen import stored_code
+from symbody import storage
 from symbody.codegen.llvm import machine, stored_module
 from symbody.codegen.llvm.native import compile_sequence
 from symbody.codegen.llvm.runtime import Runtime
-from symbody.codegen.stored_code import VARIABLE, folder, store, stored
+from symbody.storage import VARIABLE, folder, store, stored
 from tests.codegen.native import call
 from tests.codegen.sequences import EXACT, TRIGONOMETRIC, random_sequence, same_bits
 
@@ -30,7 +30,7 @@ def test_what_is_stored_is_found_under_its_key_alone(place: Path) -> None:
     store(b"key", b"code")
     assert stored(b"key") == b"code"
     assert stored(b"another") is None
-    assert [path.suffix for path in place.iterdir()] == [".object"]
+    assert [path.suffix for path in place.iterdir()] == [".stored"]
 
 
 @pytest.mark.parametrize("damage", [b"", b"short", None])
@@ -121,11 +121,11 @@ def test_the_folder_is_where_the_system_wants_it(monkeypatch: pytest.MonkeyPatch
 
 
 def test_what_was_used_longest_ago_goes_first(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stored_code, "LIMIT", 1000)
+    monkeypatch.setattr(storage, "LIMIT", 1000)
     keys = [b"%d" % k for k in range(8)]
     for age, key in enumerate(keys):
         store(key, bytes(168))  # 200 bytes with its hash
-        if (path := stored_code._path(place, key)).exists():
+        if (path := storage._path(place, key)).exists():
             os.utime(path, (age, age))
     found = [stored(key) is not None for key in keys]
     assert found[-1] and not found[0]

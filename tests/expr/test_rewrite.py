@@ -12,13 +12,14 @@ from symbody.errors import ExpressionError
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, TWO, ZERO, add, apply, div, mul, neg, power, sub
 from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.graph import TIME, Graph, Kernel, Kind, Symbol
+from symbody.expr.graph import TIME, Graph, Kernel, Kind, Symbol, copy_nodes
 from symbody.expr.rewrite import (
     dependence,
     multiplications,
     node_cost,
     operation_count,
     substitute,
+    substitute_into,
     symbols_of,
     tree_size,
 )
@@ -75,6 +76,24 @@ def test_substituting_nothing_changes_nothing(sample: Sample) -> None:
     assert substitute(graph, nodes, {x: x}) == nodes
     assert substitute(graph, nodes, {absent: ZERO}) == nodes
     assert len(graph) == size + 1
+
+
+@both_tiers
+@given(compositions())
+def test_substitution_into_another_graph_makes_the_same_nodes(pair: tuple[Sample, Program]) -> None:
+    inner, outer = pair
+    graph, target = Graph(), Graph()
+    argument, roots = built(inner.program, graph)[-1], built(outer, graph)
+    replaced = {graph.symbol(SYMBOLS[0]): argument, graph.symbol(SYMBOLS[1]): ONE}
+    try:
+        expected = copy_nodes(graph, target, substitute(graph, roots, replaced), {})
+    except ExpressionError:  # a divisor became 0
+        with pytest.raises(ExpressionError):
+            substitute_into(target, graph, roots, replaced)
+        return
+    size = len(graph.ops)
+    assert substitute_into(target, graph, roots, replaced) == expected
+    assert len(graph.ops) == size
 
 
 def test_replacements_are_made_at_once_and_not_searched_again() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import statistics
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,25 +34,25 @@ class PinocchioCalls:
     n_v: int
 
     @classmethod
-    def of(cls, program: Path, folder: Path, model: Any, q: Floats, v: Floats, tau: Floats) -> PinocchioCalls:
-        """Return the program with files written into a folder."""
+    def of(cls, program: Path, folder: Path, model: Any, q: Floats, v: Floats, x: Floats) -> PinocchioCalls:
+        """Return the program with its files in a folder; x are efforts for aba, accelerations for rnea."""
         found = cls(program, folder / "model.txt", folder / "states.bin", v.shape[1])
         model.saveToText(str(found.model))
         head = np.array([len(q), q.shape[1], v.shape[1]], dtype=float)
-        np.concatenate([head, np.hstack([q, v, tau]).ravel()]).tofile(found.states)
+        np.concatenate([head, np.hstack([q, v, x]).ravel()]).tofile(found.states)
         return found
 
     def nanoseconds(self, repeats: int) -> dict[str, float]:
-        """Return the shortest time a call of each recursion."""
+        """Return the time of a call of each recursion [ns], the median of so many passes over the states."""
         text = self._run(repeats)
-        found: dict[str, float] = {}
+        found: dict[str, list[float]] = {}
         for line in text.splitlines():
             name, value = line.split()
-            found[name] = min(found.get(name, np.inf), float(value))
-        return found
+            found.setdefault(name, []).append(float(value))
+        return {name: statistics.median(values) for name, values in found.items()}
 
     def results(self) -> tuple[Floats, Floats]:
-        """Return the accelerations of the articulated-body algorithm, and rnea at accelerations tau."""
+        """Return the accelerations of aba for the efforts x, and the efforts of rnea for accelerations x."""
         self._run(0)
         both = np.fromfile(self._results).reshape(-1, 2, self.n_v)
         return both[:, 0], both[:, 1]

@@ -14,13 +14,16 @@ import numpy as np
 
 from symbody.codegen.function import CompiledFunction, Signature, source_text
 from symbody.codegen.massless import massless_problem, massless_speeds
+from symbody.codegen.stored_sequence import read_sequence, sequence_key, store_sequence
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.known import store_notes
 from symbody.errors import CompileError, ExpressionError, Problem, nearest
 from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.graph import TIME
+from symbody.expr.graph import TIME, Graph
 from symbody.expr.language.formula import Formula
-from symbody.expr.rewrite import substitute, symbols_of
+from symbody.expr.rewrite import substitute, substitute_into, symbols_of
 from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
+from symbody.model.content import content_of
 from symbody.model.door import plain
 
 Value = int | float | str | Formula
@@ -101,30 +104,53 @@ def form_sequence(
     `inputs` replaces inputs by expressions in time, states, parameters; those not named stay arguments.
     """
     names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
-    kept = tuple(free)
-    replacements = _parameter_nodes(eqs, parameters or {}, kept)
+    kept, values, replaced = tuple(free), dict(parameters or {}), dict(inputs or {})
+    key = sequence_key(eqs.identity, content_of(names, values, kept, replaced) if eqs.identity else b"")
+    known = read_sequence(key)
+    if known is None:
+        known = _made_sequence(eqs, names, values, kept, replaced)
+        if store_sequence(key, *known):
+            store_notes(eqs.identity, eqs.notes)
+    return known
+
+
+def _made_sequence(
+    eqs: EquationSet,
+    names: Items[str],
+    parameters: Mapping[str, Value],
+    kept: tuple[str, ...],
+    inputs: Mapping[str, Value],
+) -> tuple[Sequence, Signature]:
+    replacements = _parameter_nodes(eqs, parameters, kept)
     eqs = eqs.for_values(_known_values(eqs, replacements)) if eqs.multiplier_names else eqs
-    replacements |= _input_nodes(eqs, inputs or {}, replacements)
-    left = tuple(name for name in eqs.input_names if name not in (inputs or {}))
+    replacements |= _input_nodes(eqs, inputs, replacements)
+    left = tuple(name for name in eqs.input_names if name not in inputs)
     signature = Signature(eqs.coordinate_names, eqs.speed_names, left, kept)
+    # What belongs to values of this call alone goes when it is done: equations serve for many calls.
+    graph = Graph() if parameters or inputs else eqs.formed.graph
     try:
-        roots = [_replaced(eqs, eqs.roots(name), replacements) for name in names]
+        roots = [_replaced(eqs, eqs.roots(name), replacements, graph) for name in names]
     except ExpressionError as error:
         raise _undefined(eqs, names, replacements, signature, error) from error
-    signature = replace(signature, r=(*left, *_accelerations_read(eqs, roots)))
-    return build_sequence(eqs.formed.graph, roots, _places(eqs, signature)), signature
+    signature = replace(signature, r=(*left, *_accelerations_read(eqs, roots, graph)))
+    return build_sequence(graph, roots, _places(eqs, signature, graph)), signature
 
 
-def _accelerations_read(eqs: EquationSet, roots: Items[Roots]) -> tuple[str, ...]:
+def _accelerations_read(eqs: EquationSet, roots: Items[Roots], graph: Graph) -> tuple[str, ...]:
     """Return the names of u' where outputs read them as given, as inverse dynamics do; none elsewhere."""
-    graph = eqs.formed.graph
     given = {graph.symbol(u.derivative) for u in eqs.formed.u}
     read = symbols_of(graph, [node for output in roots for node in output.nodes])
     return () if given.isdisjoint(read) else eqs.acceleration_names
 
 
-def _replaced(eqs: EquationSet, roots: Roots, replacements: Mapping[int, int]) -> Roots:
-    return Roots(roots.name, roots.shape, tuple(substitute(eqs.formed.graph, roots.nodes, replacements)))
+def _replaced(eqs: EquationSet, roots: Roots, replacements: Mapping[int, int], graph: Graph) -> Roots:
+    """Return roots with symbols replaced, in the graph of the equations or in another one."""
+    own = eqs.formed.graph
+    if graph is own:
+        nodes = substitute(own, roots.nodes, replacements)
+    else:
+        nodes = substitute_into(graph, own, roots.nodes, replacements)
+    return Roots(roots.name, roots.shape, tuple(nodes))
 
 
 def _undefined(
@@ -135,8 +161,9 @@ def _undefined(
     error: ExpressionError,
 ) -> CompileError | ExpressionError:
     """Return why outputs cannot be formed with these values: what no mass resists, or what was divided."""
-    matrices = [_replaced(eqs, eqs.roots(name), replacements) for name in ("mass_matrix", "jacobian")]
-    sequence = build_sequence(eqs.formed.graph, matrices, _places(eqs, signature))
+    graph = eqs.formed.graph
+    matrices = [_replaced(eqs, eqs.roots(name), replacements, graph) for name in ("mass_matrix", "jacobian")]
+    sequence = build_sequence(graph, matrices, _places(eqs, signature, graph))
     # A configuration without symmetries; mass matrices that are singular everywhere are so there.
     anywhere = {
         group: [0.3 + math.sin(1 + k) / 4 for k in range(len(signature.names(group)))] for group in "qurp"
@@ -151,12 +178,14 @@ def _undefined(
     return ExpressionError(*(p if p.where else replace(p, where=where) for p in error.problems))
 
 
-def _places(eqs: EquationSet, signature: Signature) -> dict[int, Input]:
-    names, graph = eqs.formed.names, eqs.formed.graph
+def _places(eqs: EquationSet, signature: Signature, graph: Graph) -> dict[int, Input]:
+    """Return where the symbols of a graph are found at call time."""
+    names, own = eqs.formed.names, eqs.formed.graph
     places = {graph.symbol(TIME): Input("t", "t", 0)}
     for group in ("q", "u", "r", "p"):
         for k, name in enumerate(signature.names(group)):
-            places[names.value(name).index] = Input(name, group, k)
+            symbol = own.symbols[own.left[names.value(name).index]]
+            places[graph.symbol(symbol)] = Input(name, group, k)
     return places
 
 
@@ -246,7 +275,7 @@ def form_values(
     made = substitute(graph, nodes, replacements)
     roots = [Roots(name, (), (node,)) for name, node in zip(formulas, made, strict=True)]
     signature = Signature((), (), (), kept)
-    return build_sequence(graph, roots, _places(eqs, signature)), signature
+    return build_sequence(graph, roots, _places(eqs, signature, graph)), signature
 
 
 def constant_values(

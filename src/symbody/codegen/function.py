@@ -10,6 +10,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from symbody.codegen.direct_call import DirectCall
+from symbody.codegen.llvm.native import NativeFunction
 from symbody.codegen.native_call import GROUPS, NativeCall, SinglePoint
 from symbody.codegen.texts.languages import TEXTS
 from symbody.errors import CompileError, Problem, nearest
@@ -38,7 +40,7 @@ class CompiledFunction:
     """Native function ``f(t, q, u, r=(), p=(), *, out=None)``.
 
     Arguments are 1-D, or have leading batch axes that broadcast against each other: q of shape
-    (B, n_q) gives results of shape (B, ...). Calls are reentrant and release the GIL; functions pickle.
+    (B, n_q) gives results of shape (B, ...). Calls are reentrant; batches release the GIL; functions pickle.
 
     Parameters
     ----------
@@ -67,6 +69,9 @@ class CompiledFunction:
         sizes = {group: len(signature.names(group)) for group in "tqurp"}
         sizes["c"] = 0 if self._head is None else self._head.sequence.output_size
         self._single = SinglePoint(self._tail, sizes)
+        # Made by the first call at a point.
+        self._direct: DirectCall | None = None
+        self._at_point: Callable[..., Any] | None = None
 
     def __call__(
         self,
@@ -100,7 +105,14 @@ class CompiledFunction:
         SimulationError
             If the mass matrix is singular on the admissible velocities.
         """
+        if out is None and self._at_point is not None:
+            found = self._at_point(t, q, u, r, p)
+            if found is not None:
+                return found if self._result is None else self._taken_apart(found)
         if self._head is None and self._filled(t, q, u, r, p):
+            if self._direct is None:
+                self._direct = self._made_direct()
+                self._at_point = self._direct.call
             return self._shaped(self._single.run().copy(), (), out)
         given = {group: self._checked(group, x) for group, x in zip("qurp", (q, u, r, p), strict=True)}
         given["t"] = self._checked("t", np.asarray(t)[..., np.newaxis])
@@ -142,6 +154,10 @@ class CompiledFunction:
         """Doubles of scratch that the function at `address` needs."""
         return self._tail.native.work_size
 
+    def in_lanes(self) -> NativeFunction:
+        """Return the same code for several points at once, for calls by address; the first call compiles."""
+        return self._tail.in_lanes()
+
     def constants(self, p: ArrayLike = ()) -> Floats:
         """Return the values ``c`` that depend on parameters alone, for calls by address."""
         given = {group: np.zeros(0) for group in GROUPS} | {"p": self._checked("p", p)}
@@ -167,6 +183,23 @@ class CompiledFunction:
 
     def __reduce__(self) -> tuple[Callable[..., CompiledFunction], tuple[object, ...]]:
         return _remade, (self.sequence, self.signature, *self._choices)
+
+    def _made_direct(self) -> DirectCall:
+        outputs = self.sequence.outputs
+        shape = outputs[0].shape if len(outputs) == 1 else (self._tail.sequence.output_size,)
+        sizes = {group: len(self.signature.names(group)) for group in GROUPS if group != "c"}
+        return DirectCall(self._tail, sizes, shape)
+
+    def _taken_apart(self, flat: Floats) -> Any:
+        """Return several outputs of one point, which lie one after the other."""
+        results, start = [], 0
+        for output in self.sequence.outputs:
+            shape = output.shape
+            stop = start + len(output.values)
+            part = flat[start:stop]
+            results.append(part if len(shape) == 1 else part.reshape(shape))
+            start = stop
+        return self._result(*results) if self._result is not None else results[0]
 
     def _filled(self, *arguments: ArrayLike) -> bool:
         """Put single points of floats in place; False if this is anything else."""

@@ -90,6 +90,10 @@ class NativeCall:
         self._points_left -= count
         if self._points_left > 0:
             return None
+        return self.in_lanes()
+
+    def in_lanes(self) -> NativeFunction:
+        """Return the code for several points at once, compiled when it is first asked for."""
         if self._in_lanes is None:
             self._in_lanes = compile_sequence(self.sequence, in_lanes=True)
         return self._in_lanes

@@ -9,6 +9,7 @@ from typing import Final
 from symbody.equations.formed import Formed
 from symbody.equations.forming import form
 from symbody.equations.freedoms.mobility import degrees_of_freedom, independent_speeds
+from symbody.equations.known import Deferred
 from symbody.equations.showing.outputs import evaluable_roots
 from symbody.equations.showing.textbook import MOST_SPEEDS, Reaction, Textbook
 from symbody.equations.showing.units import Units, output_units
@@ -36,23 +37,32 @@ class EquationSet:
     model : Model
         What the equations belong to.
     formed : Formed
-        The equations in the expression graph.
+        The equations in the expression graph. Those that were formed before, as `known` tells, are formed
+        when this is read.
     notes : tuple of str
         Every choice that was made, with its reason.
+    identity : bytes
+        A hash of all that the equations follow from; empty if that cannot be told.
     """
 
     model: Model
-    formed: Formed
+    _given: Formed | Deferred
     notes: tuple[str, ...] = ()
     # Roots and formulas already made; pure functions of `formed`, so they cannot go stale.
     _roots: dict[str, Roots] = field(default_factory=dict, repr=False)
     _textbook: list[Textbook] = field(default_factory=list, repr=False)
     _noise_program: list[Sequence] = field(default_factory=list, repr=False)
     _for_values: dict[tuple[float | None, ...], EquationSet] = field(default_factory=dict, repr=False)
+    identity: bytes = field(default=b"", repr=False)
 
     def __repr__(self) -> str:
         sizes = f"{len(self.formed.q)} coordinates, {len(self.formed.u)} speeds"
         return f"EquationSet of {self.model.name!r}: {sizes}, {len(self.formed.rows)} constraints"
+
+    @property
+    def formed(self) -> Formed:
+        """The equations in the expression graph."""
+        return self._given.formed if isinstance(self._given, Deferred) else self._given
 
     @property
     def quaternions(self) -> tuple[tuple[str, ...], ...]:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.formed import Formed
 from symbody.equations.forming import form
 from symbody.equations.formulations.choice import chosen_formulation
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.freedoms.chosen_speeds import chosen_speeds
+from symbody.equations.known import Deferred, identity, known_notes
 from symbody.expr.graph import Graph
 from symbody.graph.topology import Topology, choose_topology
 from symbody.graph.trees import TreeChoice
@@ -52,6 +54,21 @@ def form_equations(
     AssemblyError, ModelError
         If "auto" finds no configuration, or no value of a parameter.
     """
+    equations = identity(model, formulation, tree, dependent_speeds)
+    notes = known_notes(equations)
+    if notes is not None:  # nothing was wrong with them, so they can wait
+        later = Deferred(lambda: _formed(model, formulation, tree, dependent_speeds)[0])
+        return EquationSet(model, later, notes, identity=equations)
+    return EquationSet(model, *_formed(model, formulation, tree, dependent_speeds), identity=equations)
+
+
+def _formed(
+    model: Model,
+    formulation: Formulation | None,
+    tree: TreeChoice,
+    dependent_speeds: Sequence[str] | None,
+) -> tuple[Formed, tuple[str, ...]]:
+    """Return the equations and all notes."""
     topology = choose_topology(model, tree)
     how = chosen_formulation(topology, formulation, dependent_speeds is not None)
     if dependent_speeds == "auto":
@@ -59,7 +76,7 @@ def form_equations(
     else:
         dependent, told = _named(dependent_speeds), ()
     formed = form(topology, Graph(), how, dependent=dependent)
-    return EquationSet(model, formed, model.notes + topology.notes + told + formed.notes)
+    return formed, model.notes + topology.notes + told + formed.notes
 
 
 def _named(wanted: Sequence[str] | None) -> tuple[str, ...]:

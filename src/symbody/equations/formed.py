@@ -68,6 +68,8 @@ class Formed:
         What made some speeds functions of the others; their rows are not among `rows`.
     slack : tuple of Row
         Rows of ropes that are slack; they are not among `rows`.
+    angles : frozenset of str
+        Coordinates placed by hand that whole turns change nothing of; those of joints are known by these.
     formed_again : callable or None
         ``formed_again(graph, spread=...)`` forms the same equations once more, for mechanisms placed by hand;
         those that are drawn are formed again from their topology.
@@ -92,6 +94,7 @@ class Formed:
     formulation: Formulation = VIRTUAL_WORK
     elimination: Elimination | None = None
     slack: tuple[Row, ...] = ()
+    angles: frozenset[str] = frozenset()
     formed_again: FormedAgain | None = None
     # Made on first request; a pure function of the fields above, so it cannot go stale.
     _wrenches: dict[str, Wrench] = field(default_factory=dict, repr=False)

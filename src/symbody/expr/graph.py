@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
@@ -290,11 +290,12 @@ def copy_nodes(source: Graph, target: Graph, roots: Iterable[int], memo: dict[in
     wanted = list(roots)
     for node in source.reachable(wanted):
         if node not in memo:
-            memo[node] = _copy_node(source, target, node, memo)
+            memo[node] = copy_node(source, target, node, memo)
     return [memo[root] for root in wanted]
 
 
-def _copy_node(source: Graph, target: Graph, node: int, memo: dict[int, int]) -> int:
+def copy_node(source: Graph, target: Graph, node: int, memo: Mapping[int, int]) -> int:
+    """Copy one node whose operands `memo` has."""
     op = source.ops[node]
     arity = ARITY[op]
     if arity == 2:

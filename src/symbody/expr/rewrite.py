@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from symbody.expr.canonical import make
-from symbody.expr.graph import Graph, Kind
-from symbody.expr.opcodes import COST, POW, SYMBOL
+from symbody.expr.graph import Graph, Kind, copy_node, copy_nodes
+from symbody.expr.opcodes import CALL, COST, POW, SADDLE, SYMBOL
 
 
 def substitute(graph: Graph, roots: Sequence[int], replacements: Mapping[int, int]) -> list[int]:
@@ -21,6 +21,30 @@ def substitute(graph: Graph, roots: Sequence[int], replacements: Mapping[int, in
         if new != old:
             memo[node] = make(graph, ops[node], new, graph.datum(node))
     return [memo.get(root, root) for root in roots]
+
+
+def substitute_into(
+    target: Graph, source: Graph, roots: Sequence[int], replacements: Mapping[int, int]
+) -> list[int]:
+    """Return what `substitute` does, in another graph; the source does not grow."""
+    values = copy_nodes(source, target, replacements.values(), {})
+    memo = dict(zip(replacements, values, strict=True))
+    changed = set(memo)
+    for node in source.reachable(roots):
+        if node in changed:
+            continue
+        old = source.operands(node)
+        if changed.isdisjoint(old):
+            memo[node] = copy_node(source, target, node, memo)
+            continue
+        datum = source.datum(node)
+        if source.ops[node] == CALL:
+            datum = target.function(source.functions[datum])
+        elif source.ops[node] == SADDLE:
+            datum = target.kernel(source.kernels[datum])
+        memo[node] = make(target, source.ops[node], tuple([memo[k] for k in old]), datum)
+        changed.add(node)
+    return [memo[root] for root in roots]
 
 
 def symbols_of(graph: Graph, roots: Iterable[int]) -> list[int]:

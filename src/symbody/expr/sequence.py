@@ -121,11 +121,13 @@ class Sequence:
 
     def _depends_only_on(self, groups: frozenset[str]) -> list[bool]:
         result: list[bool] = []
-        for operation in self.operations:
-            if operation.op == SYMBOL:
-                result.append(self.inputs[operation.datum].group in groups)
+        for op, operands, datum in self.operations:
+            if len(operands) == 2:  # most have two
+                result.append(result[operands[0]] and result[operands[1]])
+            elif op == SYMBOL:
+                result.append(self.inputs[datum].group in groups)
             else:
-                result.append(all(result[k] for k in operation.operands))
+                result.append(all([result[k] for k in operands]))
         return result
 
     def _reading_from(self, cut: list[int]) -> Sequence:
@@ -146,13 +148,16 @@ class Sequence:
             if used[k]:
                 for operand in self.operations[k].operands:
                     used[operand] = True
-        number: dict[int, int] = {}
+        number = [0] * len(self.operations)
         operations: list[Operation] = []
         for k, operation in enumerate(self.operations):
-            if used[k]:
-                number[k] = len(operations)
+            if not used[k]:
+                continue
+            number[k] = new = len(operations)
+            if new < k:  # something before it is gone, so what it reads may have moved
                 moved = tuple([number[j] for j in operation.operands])
-                operations.append(Operation(operation.op, moved, operation.datum))
+                operation = Operation(operation.op, moved, operation.datum)
+            operations.append(operation)
         moved_outputs = tuple(
             Output(output.name, output.shape, tuple([number[k] for k in output.values])) for output in outputs
         )

@@ -1,8 +1,8 @@
 """Machine code of a sequence on the disk, found by the sequence: its text need not be written again.
 
-The key holds all that code follows from: operations, constants, where inputs are read and outputs written, what is
-asked of the compiler, the processor, the versions, and the files of this package that write the text, so that
-nothing stale is found after an update or while they are worked on.
+The key holds all that code follows from: operations, constants, where inputs are read and outputs written,
+what is asked of the compiler, the processor, the versions, and the files of this package that write the text,
+so that nothing stale is found after an update or while they are worked on.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from itertools import accumulate, pairwise
 from pathlib import Path
 
 from symbody.codegen.llvm.machine import environment
-from symbody.codegen.stored_code import store, stored
 from symbody.expr.opcodes import NAMES
 from symbody.expr.saddle_factors import CUT_FACTOR, EPSILON, EXPONENT_LIMIT, LIGHTEST, PIVOT_SHARE
 from symbody.expr.sequence import Sequence
+from symbody.storage import store, stored
 
 
 @dataclass(frozen=True, slots=True)

@@ -67,6 +67,8 @@ class Units(Mapping[str, str]):
 def output_units(formed: Formed) -> Units:
     """Return the units of coordinates, their rates, energies, and the efforts, reactions and multipliers."""
     units = dict(_GENERAL)
+    for name in formed.angles:
+        units |= dict(zip((name, f"{name}_dot", f"{name}_ddot"), _ROTATION[:3], strict=True))
     driven = set(effort_names(formed))
     for joint in formed.topology.joints:
         for name, (place, rate, second, effort) in _coordinates(joint):

@@ -174,6 +174,8 @@ def _number(word: str) -> Constant | None:
     """Return the exact value of a decimal number, or None if it is none that can be calculated with."""
     if not word.isascii() or len(word) > _MAX_DIGITS or not _NUMBER.match(word):
         return None
+    if word.isdigit():  # 0 and 1 are most frequent, and fractions take long
+        return int(word) if float(word) <= _LARGEST else None
     if abs(float(word)) > _LARGEST:
         return None
     value = Fraction(word)

@@ -120,6 +120,10 @@ def turn_rows(letter: str, angle: Angle) -> Rows:
 
 def product(a: Rows, b: Rows) -> Rows:
     """Return the product of two matrices."""
+    if a == ONE and _is_exact(b):
+        return b
+    if b == ONE and _is_exact(a):
+        return a
     x, y, z = (_row(row, b) for row in a)
     return (x, y, z)
 
@@ -132,7 +136,7 @@ def transposed(a: Rows) -> Rows:
 
 def applied(a: Rows, v: Sequence[Constant]) -> Numbers:
     """Return a matrix times a vector."""
-    x, y, z = (total(p * q for p, q in zip(row, v, strict=True)) for row in a)
+    x, y, z = (total(_times(p, q) for p, q in zip(row, v, strict=True)) for row in a)
     return (x, y, z)
 
 
@@ -142,9 +146,11 @@ def total(terms: Iterable[Constant]) -> Constant:
     value: Constant = 0
     for term in listed:
         value += term
+    if not isinstance(value, float):
+        return value
     # Each term is a product of at most three rounded factors, and each addition rounds once.
     noise = 4 * len(listed) * _EPS * sum(abs(float(term)) for term in listed)
-    return 0 if isinstance(value, float) and abs(float(value)) <= noise else value
+    return 0 if abs(value) <= noise else value
 
 
 def numeral(value: Constant) -> str:
@@ -155,8 +161,26 @@ def numeral(value: Constant) -> str:
 
 
 def _row(row: Numbers, b: Rows) -> Numbers:
-    x, y, z = (total(p * q for p, q in zip(row, column, strict=True)) for column in zip(*b, strict=True))
+    columns = zip(*b, strict=True)
+    x, y, z = (total(_times(p, q) for p, q in zip(row, column, strict=True)) for column in columns)
     return (x, y, z)
+
+
+def _is_exact(rows: Rows) -> bool:
+    """Return whether no entry is rounded; a product with the identity leaves these as they are."""
+    return not any(isinstance(entry, float) for row in rows for entry in row)
+
+
+def _times(p: Constant, q: Constant) -> Constant:
+    """Return a product; most have the whole numbers 0 or 1 in them, and fractions take long."""
+    if type(p) is int:
+        p, q = q, p
+    if type(q) is int and q < 2:
+        if q == 1:
+            return p
+        if q == 0 and type(p) is not float:
+            return 0
+    return p * q
 
 
 def _joined(first: Turns, second: Turns) -> Turns:

@@ -1,9 +1,8 @@
-"""Object code on the disk, so that the next process need not compile it again.
+"""Results on the disk that the next process need not find again: sequences and object code.
 
-One file for each piece of code, named after a hash of everything the code follows from. It begins with a
-hash of the rest: a file that was cut or changed is thrown away and made again. Only files in a folder of the
-user's own are read. Whatever fails here is as if nothing had been stored: a home that cannot be written to is
-no error.
+One file for each, named after a hash of everything it follows from. It begins with a hash of the rest: a file
+that was cut or changed is thrown away and made again. Only files in a folder of the user's own are read.
+Whatever fails here is as if nothing had been stored: a home that cannot be written to is no error.
 """
 
 from __future__ import annotations
@@ -20,12 +19,12 @@ from typing import Final
 VARIABLE: Final = "SYMBODY_CACHE"
 LIMIT: Final = 256 * 2**20  # bytes in all; what was used longest ago goes first
 _KEPT: Final = 0.75  # of the limit, when something has to go
-_ENDING: Final = ".object"
+_ENDING: Final = ".stored"
 _DIGEST: Final = 32
 
 
 def folder() -> Path | None:
-    """Return where code is stored, None if it is not to be."""
+    """Return where results are stored, None if they are not to be."""
     chosen = os.environ.get(VARIABLE, "")
     if chosen:
         return None if chosen.lower() in ("off", "0", "no", "none") else Path(chosen)
@@ -40,27 +39,27 @@ def folder() -> Path | None:
 
 
 def stored(key: bytes) -> bytes | None:
-    """Return the code stored under `key`, None if there is none that can be trusted."""
+    """Return what is stored under `key`, None if there is nothing that can be trusted."""
     place = folder()
     if place is None or not _is_own(place):
         return None
     path = _path(place, key)
     try:
-        content = path.read_bytes()
+        found = path.read_bytes()
     except OSError:
         return None
-    code = content[_DIGEST:]
-    if content[:_DIGEST] != _digest(key, code):
+    content = found[_DIGEST:]
+    if found[:_DIGEST] != _digest(key, content):
         with suppress(OSError):
             path.unlink()
         return None
     with suppress(OSError):
         os.utime(path)  # it was used now
-    return code
+    return content
 
 
-def store(key: bytes, code: bytes) -> None:
-    """Store `code` under `key`; processes that do so at the same time do not meet."""
+def store(key: bytes, content: bytes) -> None:
+    """Store `content` under `key`; processes that do so at the same time do not meet."""
     place = folder()
     if place is None:
         return
@@ -71,7 +70,7 @@ def store(key: bytes, code: bytes) -> None:
         handle, name = tempfile.mkstemp(dir=place)
         try:
             with os.fdopen(handle, "wb") as file:
-                file.write(_digest(key, code) + code)
+                file.write(_digest(key, content) + content)
             os.replace(name, _path(place, key))
         except OSError:
             Path(name).unlink(missing_ok=True)
@@ -112,5 +111,5 @@ def _path(place: Path, key: bytes) -> Path:
     return place / (sha256(key).hexdigest() + _ENDING)
 
 
-def _digest(key: bytes, code: bytes) -> bytes:
-    return sha256(sha256(key).digest() + code).digest()
+def _digest(key: bytes, content: bytes) -> bytes:
+    return sha256(sha256(key).digest() + content).digest()

@@ -1,0 +1,94 @@
+"""Sequences on the disk, found by what they were made from: the equations need not be formed again.
+
+The key holds the identity of the equations, what was asked of them, and what object code depends on too, for
+the functions of this machine fold constants. Small sequences are not stored: they are formed in milliseconds.
+"""
+
+from __future__ import annotations
+
+import json
+from array import array
+from collections.abc import Iterator
+from fractions import Fraction
+from itertools import accumulate, pairwise
+from typing import Final
+
+from symbody.codegen.function import Signature
+from symbody.codegen.llvm.machine import environment
+from symbody.codegen.llvm.stored_module import written_by
+from symbody.expr.graph import Constant
+from symbody.expr.sequence import Input, Kernel, Operation, Output, Sequence
+from symbody.storage import store, stored
+
+SMALLEST: Final = 500  # operations
+_CODE: Final = "i"  # 32 bits on every machine
+
+
+def sequence_key(equations: bytes, asked: bytes) -> bytes:
+    """Return the key of a sequence of `equations`; empty, so that nothing is stored, if one of them is."""
+    writers = written_by()
+    if not (equations and asked and writers):
+        return b""
+    return b"\n".join([b"sequence", equations, writers, environment().encode(), asked])
+
+
+def read_sequence(key: bytes) -> tuple[Sequence, Signature] | None:
+    """Return the sequence stored under `key` and its arguments, or None."""
+    content = stored(key) if key else None
+    if content is None:
+        return None
+    head, _, body = content.partition(b"\n")
+    told = json.loads(head)
+    columns = array(_CODE)
+    columns.frombytes(body)
+    sequence = Sequence(
+        tuple(Input(*entry) for entry in told["inputs"]),
+        tuple(_constant(text) for text in told["constants"]),
+        tuple(Kernel(n, m) for n, m in told["kernels"]),
+        (),
+        tuple(_operations(columns, told["operations"])),
+        tuple(Output(name, tuple(shape), tuple(values)) for name, shape, values in told["outputs"]),
+    )
+    q, u, r, p = (tuple(names) for names in told["signature"])
+    return sequence, Signature(q, u, r, p)
+
+
+def store_sequence(key: bytes, sequence: Sequence, signature: Signature) -> bool:
+    """Store a sequence if that pays, and return whether it did."""
+    if not key or len(sequence.operations) < SMALLEST or sequence.functions:
+        return False
+    told = {
+        "inputs": [(entry.name, entry.group, entry.position) for entry in sequence.inputs],
+        "constants": [_constant_text(value) for value in sequence.constants],
+        "kernels": [(kernel.n, kernel.m) for kernel in sequence.kernels],
+        "operations": len(sequence.operations),
+        "outputs": [(output.name, output.shape, output.values) for output in sequence.outputs],
+        "signature": (signature.q, signature.u, signature.r, signature.p),
+    }
+    columns = array(_CODE, (operation.op for operation in sequence.operations))
+    columns.extend(operation.datum for operation in sequence.operations)
+    columns.extend(len(operation.operands) for operation in sequence.operations)
+    columns.extend(k for operation in sequence.operations for k in operation.operands)
+    store(key, json.dumps(told).encode() + b"\n" + columns.tobytes())
+    return True
+
+
+def _operations(columns: array[int], count: int) -> Iterator[Operation]:
+    """Return operations from codes, data, numbers of operands, and operands one after the other."""
+    bounds = accumulate(columns[2 * count : 3 * count], initial=3 * count)
+    operands = columns.tolist()
+    data = columns[count : 2 * count]
+    for code, datum, (start, stop) in zip(columns, data, pairwise(bounds), strict=False):
+        yield Operation(code, tuple(operands[start:stop]), datum)
+
+
+def _constant_text(value: Constant) -> str:
+    return value.hex() if isinstance(value, float) else str(value)
+
+
+def _constant(text: str) -> Constant:
+    """Return the number that `_constant_text` wrote; floats have a point or are not finite."""
+    if "x" in text or text.strip("+-") in ("inf", "nan"):
+        return float.fromhex(text)
+    value = Fraction(text)
+    return value.numerator if "/" not in text else value

@@ -1,0 +1,88 @@
+"""Equations that were formed before: which they are, and that they could be formed.
+
+What follows from a model, its formulation and this package is the same in every process. Who finds a
+later result on the disk, such as a sequence, needs the equations only when something else is asked of them.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cache
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from typing import Final
+
+from symbody.equations.formed import Formed
+from symbody.model.content import content_of
+from symbody.model.model import Model
+from symbody.storage import folder, store, stored
+
+# The rooms that equations and sequences are made in, and the packages that decide something there.
+_ROOMS: Final = ("expr", "vectors", "model", "graph", "equations")
+_PACKAGES: Final = ("networkx", "sympy")
+
+
+@dataclass(frozen=True, slots=True)
+class Deferred:
+    """Equations that are formed when they are first asked for."""
+
+    form: Callable[[], Formed]
+    _made: list[Formed] = field(default_factory=list, repr=False)
+
+    @property
+    def formed(self) -> Formed:
+        """The equations; two threads that ask at once get the same."""
+        if not self._made:
+            self._made.append(self.form())
+        return self._made[0]
+
+
+def identity(model: Model, *choices: object) -> bytes:
+    """Return a hash of all that equations follow from; empty if that cannot be told.
+
+    It cannot where classes or functions of a user's own take part, and it is not where nothing is stored.
+    """
+    sources = _sources() if folder() is not None else b""
+    content = content_of(model, choices) if sources else b""
+    return sha256(sources + content).digest() if content else b""
+
+
+def known_notes(equations: bytes) -> tuple[str, ...] | None:
+    """Return the notes of equations that were formed before without an error, else None."""
+    found = stored(_key(equations)) if equations else None
+    return None if found is None else tuple(json.loads(found))
+
+
+def store_notes(equations: bytes, notes: tuple[str, ...]) -> None:
+    """Keep the notes of equations for the next process."""
+    if equations and stored(_key(equations)) is None:
+        store(_key(equations), json.dumps(notes).encode())
+
+
+def _key(equations: bytes) -> bytes:
+    return b"notes\n" + equations
+
+
+@cache
+def _sources() -> bytes:
+    """Return a hash of the files that equations are made by; empty if they cannot be read."""
+    package = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+    try:
+        versions = [version(name) for name in _PACKAGES]
+    except PackageNotFoundError:
+        return b""
+    found = sha256(f"{sys.version} {versions}".encode())
+    count = 0
+    for room in _ROOMS:
+        for place, folders, files in os.walk(os.path.join(package, room)):
+            folders.sort()
+            for name in sorted(files):
+                if name.endswith(".py"):
+                    with open(os.path.join(place, name), "rb") as file:
+                        found.update(sha256(file.read()).digest())
+                    count += 1
+    return found.digest() if count else b""
