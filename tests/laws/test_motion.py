@@ -22,6 +22,8 @@ from tests.laws.motions import ATOL, RTOL, Motion, motion
 from tests.laws.parts import Mechanism
 from tests.laws.tally import chunks, name_of
 
+# Three or four seconds each, with all its trees: most of it forming and compiling.
+NUMBER = 2000
 SHARE = 0.3  # of the mechanism's unit of time
 STOPPED = (sb.Status.STEP_COLLAPSE, sb.Status.SINGULAR)
 # Each step adds an error of RTOL at most. Speeds and forces are of order one in the mechanism's own units, and
@@ -96,12 +98,12 @@ def test_without_ground_momenta_are_kept() -> None:
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("seeds", chunks(200), ids=name_of)
+@pytest.mark.parametrize("seeds", chunks(NUMBER), ids=name_of)
 def test_motions_do_not_depend_on_the_trees_often(seeds: range) -> None:
     check(seeds)
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("seeds", chunks(60), ids=name_of)
+@pytest.mark.parametrize("seeds", chunks(NUMBER), ids=name_of)
 def test_without_ground_momenta_are_kept_often(seeds: range) -> None:
     check_momenta(seeds)
