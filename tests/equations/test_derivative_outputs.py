@@ -75,6 +75,7 @@ def test_accelerations_of_a_floating_tree(method: str) -> None:
     assert deviation(values(eqs, "d udot/d(q, u, r)", point), expected) < CLOSE
     n = len(eqs.coordinate_names)
     assert deviation(values(eqs, "d udot/d q", point), expected[:, :n]) < CLOSE
+    assert np.array_equal(values(eqs, "d udot/dq", point), values(eqs, "d udot/d q", point))
 
 
 @pytest.mark.parametrize("name", ["slider_crank", "spatial_four_bar"])

@@ -1,4 +1,4 @@
-"""Derivatives of outputs by name: ``d udot/d q``, ``d mass_matrix/d theta``, ``d udot/d(q, u, F)``."""
+"""Derivatives of outputs by name: ``d udot/d q``, also ``d udot/dq``; ``d energy/d m``, ``d udot/d(q, u, F)``."""
 
 from __future__ import annotations
 
@@ -16,9 +16,7 @@ from symbody.expr.graph import Symbol
 from symbody.expr.opcodes import SYMBOL
 from symbody.expr.sequence import Roots
 
-_ASKED: Final = re.compile(
-    r"d\s+(?P<output>.+?)\s*/\s*d\s*(?:\((?P<list>[^/]*)\)|(?<=\s)(?P<one>[^/()]+))\s*", re.S
-)
+_ASKED: Final = re.compile(r"d\s+(?P<output>.+?)\s*/\s*d\s*(?:\((?P<list>[^/]*)\)|(?P<one>[^/()]+))\s*", re.S)
 _GROUPS: Final = ("q", "u", "r")
 
 
