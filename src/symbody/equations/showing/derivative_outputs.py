@@ -1,4 +1,4 @@
-"""Derivatives of outputs by name: ``d udot/d q``, also ``d udot/dq``; ``d energy/d m``, ``d udot/d(q, u, F)``."""
+"""Derivatives of outputs by name: ``d udot/d q`` or ``d udot/dq``, ``d energy/d m``, ``d udot/d(q, u)``."""
 
 from __future__ import annotations
 
