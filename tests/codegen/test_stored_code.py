@@ -122,6 +122,7 @@ def test_the_folder_is_where_the_system_wants_it(monkeypatch: pytest.MonkeyPatch
 
 def test_what_was_used_longest_ago_goes_first(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(storage, "LIMIT", 1000)
+    monkeypatch.setattr(storage, "EVERY", 1)
     keys = [b"%d" % k for k in range(8)]
     for age, key in enumerate(keys):
         store(key, bytes(168))  # 200 bytes with its hash
@@ -130,6 +131,18 @@ def test_what_was_used_longest_ago_goes_first(place: Path, monkeypatch: pytest.M
     found = [stored(key) is not None for key in keys]
     assert found[-1] and not found[0]
     assert sum(path.stat().st_size for path in place.iterdir()) <= 1000
+
+
+def test_the_folder_is_looked_through_now_and_then(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not at each file: that would take longer the more there are; and still it stays near its bound."""
+    looks: list[Path] = []
+    evict = storage._evict
+    monkeypatch.setattr(storage, "LIMIT", 20_000)
+    monkeypatch.setattr(storage, "_evict", lambda where: (looks.append(where), evict(where)))
+    for k in range(1000):
+        store(b"%d" % k, bytes(168))  # 200 bytes with its hash
+    assert 10 < len(looks) < 100
+    assert sum(path.stat().st_size for path in place.iterdir()) < 4 * 20_000
 
 
 def test_many_at_once_do_not_meet(place: Path) -> None:
