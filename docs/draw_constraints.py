@@ -226,6 +226,20 @@ def differential(p: Picture) -> None:
         p.angle((0, at, 0), UNITS[1], turned("y", 150) @ UNITS[0], 100, name, radius + 0.1, 0.16)
 
 
+def equation(p: Picture) -> None:
+    """Draw what an equation between coordinates leaves, and the efforts of its multiplier across it."""
+    p.arrow(-0.9 * UNITS[0], 1.0 * UNITS[0], START)
+    p.arrow(-0.9 * UNITS[1], 1.0 * UNITS[1], START)
+    p.text(1.15 * UNITS[0], "q1", START)
+    p.text(1.15 * UNITS[1], "q2", START)
+    s = np.linspace(-0.8, 0.8, 80)
+    curve = np.column_stack([s, 0.35 - 0.7 * s**2, 0 * s])
+    p.axes.plot(*curve.T, color=END, linewidth=1.8)
+    p.text(curve[-1] + np.array([0.1, -0.25, 0]), "f(q1, q2) = 0", END)
+    at, slope = curve[52], np.array([1.4 * s[52], 1.0, 0])
+    p.slide(at, at + 0.6 * slope, "lambda grad f", (0.0, 0.3, 0.12))
+
+
 CONSTRAINTS: Final[dict[str, Callable[[Picture], None]]] = {
     "distance": distance,
     "point_on_line": point_on_line,
@@ -241,6 +255,7 @@ CONSTRAINTS: Final[dict[str, Callable[[Picture], None]]] = {
     "rack_pinion": rack_pinion,
     "belt": belt,
     "differential": differential,
+    "equation": equation,
 }
 
 

@@ -94,6 +94,14 @@ class Picture:
         self.text(origin + (radius + outside) * middle, name)
 
 
+def weld(p: Picture) -> None:
+    """Draw the weld: both frames are one."""
+    p.frame((0, 0, 0), UNITS, START, "", 1.05, unnamed="xyz")
+    p.frame((0, 0, 0), UNITS, END, "'", 0.7, unnamed="xyz")
+    for k, letter in enumerate("xyz"):
+        p.text(1.22 * UNITS[k], f"{letter} = {letter}'", END)
+
+
 def revolute(p: Picture) -> None:
     """Draw the revolute joint."""
     r = turned("z", 40)
@@ -282,6 +290,7 @@ def free(p: Picture) -> None:
 
 
 JOINTS: Final[tuple[Callable[[Picture], None], ...]] = (
+    weld,
     revolute,
     prismatic,
     screw,

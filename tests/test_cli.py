@@ -11,11 +11,35 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import symbody
 from symbody.cli import run
 from symbody.cli.commands import examples_folder
 from symbody.cli.written import equation_lines
 from symbody.equations.form import form_equations
 from symbody.formats.native import load_model
+from symbody.simulation.native import run as native_run
+from tests.simulation.interruption import ctrl_c
+
+SHAFT = """name = "shaft"
+[[body]]
+name = "Shaft"
+mass = 1
+inertia = [1, 1, 1]
+frames.far = { at = [0, 0, 1] }
+[ground.frames]
+far = { at = [0, 0, 1] }  # post
+[[joint]]
+name = "near"
+type = "revolute"
+between = ["ground", "Shaft"]
+coordinate = "a"
+tree = false
+[[joint]]
+name = "far"
+type = "revolute"
+between = ["ground.far", "Shaft.far"]
+tree = false
+"""
 
 
 @pytest.fixture
@@ -321,3 +345,85 @@ def test_linearize_and_equilibrium(model: Path, capsys: pytest.CaptureFixture[st
     assert json.loads(capsys.readouterr().out)["equilibria"][0]["q"]["x"] == pytest.approx(0.75)
     assert run(["equilibrium", str(model), "-i", "F=3", "-p", "k=0"]) == 4
     assert "equilibrium.none" in capsys.readouterr().err
+
+
+def test_a_bar_names_the_stages_and_stays_out_of_the_output(
+    model: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arguments = ["simulate", str(model), "--set", "d=0", "--end", "4000"]
+    assert run(arguments) == 0
+    plain = capsys.readouterr()
+    assert plain.err == ""  # no screen, no bar
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert run(arguments) == 0
+    shown = capsys.readouterr()
+    places = [
+        shown.err.index(word) for word in ("forming the equations", "compiling", "integrating", "drawing")
+    ]
+    assert places == sorted(places) and "%" in shown.err[places[2] : places[3]]
+    untimed = [re.sub(r"[\d.]+ ms", "", text) for text in (plain.out, shown.out)]
+    assert untimed[0] == untimed[1]
+
+
+def test_ctrl_c_saves_what_was_computed(
+    model: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    table, usual = model.with_suffix(".csv"), symbody.simulate
+    with ctrl_c() as press:
+        told = {"progress": press, "max_steps": 10**9}
+        monkeypatch.setattr(symbody, "simulate", lambda *args, **words: usual(*args, **words | told))
+        asked = ["--set", "d=0", "--end", "1e8", "--samples", "100001", "--csv", str(table)]
+        code = run(["simulate", str(model), *asked])
+    assert code == 130
+    out = capsys.readouterr().out
+    assert "known up to t = " in out and symbody.Status.INTERRUPTED.value in out
+    assert model.with_suffix(".png").stat().st_size > 10_000
+    rows = table.read_text(encoding="utf-8").splitlines()
+    assert rows[0] == "t,x,x_dot" and rows[1] == "0.0,1.0,0.0" and len(rows) < 100_000
+
+
+def test_more_samples_than_memory_are_refused_before_the_motion(
+    model: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(native_run, "memory_limit", lambda: 24_000)
+    assert run(["simulate", str(model), "--samples", "1000000000000"]) == 4  # 8 TB as an array of times alone
+    shown = capsys.readouterr().err
+    assert "simulation.memory" in shown and "ask for at most 750 times" in shown
+
+
+def test_check_names_the_joint_that_stays_open(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A conflict is told otherwise than redundancy: by what does not close, and how far."""
+    path = tmp_path / "shaft.toml"
+    path.write_text(SHAFT, encoding="utf-8")
+    assert run(["check", str(path)]) == 0
+    told = capsys.readouterr().out
+    assert "redundant constraints: 5" in told and "degrees of freedom: 1\n" in told
+    path.write_text(SHAFT.replace("[0, 0, 1] }  # post", "[0, 0, 1.1] }"), encoding="utf-8")
+    assert run(["check", str(path)]) == 0
+    told = capsys.readouterr().out
+    # The least sum of squares halves the gap of 0.1 m.
+    assert re.search(r"degrees of freedom: not counted, .*; joint near stays open by 0\.05 m and 0 deg", told)
+    assert "redundant" not in told
+
+
+def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["--version"]) == 0
+    assert capsys.readouterr().out.strip() == symbody.__version__
+
+
+def test_a_folder_that_is_missing_is_told_with_a_cure(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model = examples_folder() / "spring_mass_damper" / "spring_mass_damper.toml"
+    assert run(["code", str(model), "--out", str(tmp_path / "none" / "f.c")]) == 5
+    assert "fix: give a path in a folder that exists" in capsys.readouterr().err
+
+
+def test_small_numbers_bear_no_needless_digits_or_signs(capsys: pytest.CaptureFixture[str]) -> None:
+    folder = examples_folder()
+    top, crank = (str(folder / name / f"{name}.toml") for name in ("spinning_top", "slider_crank"))
+    assert run(["linearize", top, "--cyclic", "zeta", "--at", "eta=0.5"]) == 0
+    assert run(["equilibrium", crank, "--unknown", "F", "--fix", "theta=0.5"]) == 0
+    out = capsys.readouterr().out
+    assert "damping ratio 0" in out and "ratio -0" not in out
+    assert re.search(r"inputs: F = -16\.533$", out, re.MULTILINE)  # six digits, as of all other numbers

@@ -126,3 +126,13 @@ def nearest(name: str, known: Iterable[str]) -> str:
         return "there are no names to choose from."
     shown = ", ".join(names[:20]) + (f", ... ({len(names)} in all)" if len(names) > 20 else "")
     return f"known names: {shown}."
+
+
+def counted(number: int, word: str) -> str:
+    """Return a number of things in words.
+
+    >>> counted(1, "body"), counted(2, "body"), counted(0, "joint")
+    ('1 body', '2 bodies', '0 joints')
+    """
+    plural = f"{word[:-1]}ies" if word.endswith("y") else f"{word}s"
+    return f"{number} {word if number == 1 else plural}"

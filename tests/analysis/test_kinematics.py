@@ -84,6 +84,8 @@ def test_the_holding_force_is_that_of_virtual_work() -> None:
     assert run["F"] == pytest.approx(value, rel=1e-11)
     balanced = sb.assemble(eqs, {"theta": 0.7}, inputs={"T": 2.0, "F": value})
     assert ratios.generalized_forces(balanced) == pytest.approx(0, abs=1e-12)
+    unloaded = sb.assemble(eqs, {"theta": 0.7})
+    assert ratios.generalized_forces({"theta": 0.7}).tolist() == ratios.generalized_forces(unloaded).tolist()
 
 
 def test_the_choice_of_independent_speeds_is_told() -> None:

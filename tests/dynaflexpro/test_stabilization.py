@@ -69,7 +69,7 @@ def test_constraints_decay_as_the_constants_say(built: ModelEquations) -> None:
 
 
 def test_wrong_constants_are_told(built: ModelEquations) -> None:
-    wrong: list[list[Any]] = [[1], [1, 2, 3], [-1, 1], [1, float("nan")], ["a", 1]]
+    wrong: list[Any] = [5, [1], [1, 2, 3], [-1, 1], [1, float("nan")], ["a", 1]]
     for pair in wrong:
         with pytest.raises(UsageError) as caught:
             built.SetBaumgarte(pair)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from symbody.analysis.linear.linearize import linearize
 from symbody.codegen.compile import compile
 from symbody.equations.form import form_equations
 from symbody.expr.calculus import derivative
@@ -23,8 +24,11 @@ from symbody.expr.rewrite import substitute
 from symbody.expr.sequence import Roots, build_sequence
 from symbody.expr.sympy_bridge import from_sympy
 from symbody.model import Body, Drive, Frame, Free, Model, Prismatic, Revolute, Spherical, SpringDamper
+from symbody.simulation.methods.gear_gupta_leimkuhler import GGL
 from symbody.simulation.methods.stiff import Stiff
 from symbody.simulation.simulate import simulate
+from tests.faults.refusals import refused
+from tests.simulation.loops import example
 
 EPS = float(np.finfo(float).eps)
 
@@ -154,8 +158,35 @@ def test_row_64_forces_with_kinks_move_a_stiff_solver_too() -> None:
     assert ends[0] == pytest.approx(ends[1], abs=1e-5)
 
 
-@pytest.mark.skip(reason="formulas take no functions of the user: there is none without a derivative")
-def test_row_65_functions_without_derivative() -> None: ...
+def test_row_65_functions_of_the_user() -> None:
+    """Formulas take none; laws of inputs do, and implicit methods take their slopes from differences."""
+    words = "'f' is not a function of the language"
+    assert refused(lambda: block("f(x)"), words=words)[0][0] == "expression.unknown_function"
+    slide = Prismatic("P", "ground", Body("A", mass=1), axis="x", coordinate="x", force=Drive(applied="F"))
+    eqs = form_equations(Model("block", [slide], inputs=["F"]))
+    formula = "-1e4*(x - cos(t)) - 1e4*x_dot"  # time constants of 1 s and 0.1 ms
+
+    def law(t: float, q: np.ndarray, u: np.ndarray) -> float:
+        return float(-1e4 * (q[0] - np.cos(t)) - 1e4 * u[0])
+
+    for way in ({"integrator": Stiff()}, {}):
+        asked, known = (simulate(eqs, 2.0, inputs={"F": each}, **way) for each in (law, formula))
+        assert any("slopes from differences" in note for note in asked.notes)
+        # Slopes good to 1e-8 cost no steps: without them it took a hundred times as many.
+        assert asked.statistics.accepted <= known.statistics.accepted + 20
+        assert asked["x"][-1] == pytest.approx(known["x"][-1], abs=1e-6)
+    found = refused(lambda: linearize(eqs, inputs={"F": law}))
+    assert found == [("expression.type", "input F")]
+
+
+@pytest.mark.parametrize("way", [{"integrator": Stiff()}, {"constraints": GGL()}], ids=["stiff", "GGL"])
+def test_row_65_a_function_that_brakes_a_loop(way: dict[str, object]) -> None:
+    eqs = example("slider_crank")
+    place = eqs.speed_names.index("s_dot")
+    laws = (lambda t, q, u: -2000.0 * float(u[place]), "-2000*s_dot")
+    asked, known = (simulate(eqs, 0.5, inputs={"F": law}, times=[0.0, 0.25, 0.5], **way) for law in laws)
+    assert asked.success and asked.statistics.accepted < 1.2 * known.statistics.accepted
+    assert np.abs(asked.q - known.q).max() < 1e-6  # some hundred steps of 1e-8
 
 
 def test_row_66_nothing_is_divided_by_a_symbol_that_may_be_zero() -> None:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import ast
+from builtins import compile as builtins_compile
 
 import numpy as np
 import pytest
+from sympy.core.function import AppliedUndef, Derivative
 
 from symbody.codegen.compile import compile, generate_code
 from symbody.equations.form import form_equations
 from symbody.expr.graph import Kind, Symbol
-from symbody.model import Body, Drive, Frame, Model, Prismatic
+from symbody.model import Body, Drive, Frame, Model, Prismatic, Revolute
 from tests.faults.refusals import refused_file, refused_model
 
 # Constants, functions and keywords elsewhere: of SymPy, Python, C, and of the papers.
@@ -36,6 +38,47 @@ def test_row_19_and_20_and_23_words_of_other_languages_are_names(name: str) -> N
     stiffness = next(symbol for symbol in eqs.forcing.free_symbols if str(symbol) == name)
     assert stiffness.is_Symbol and eqs.forcing.diff(stiffness)[0] == -eqs.coordinates[0]
     ast.parse(generate_code(eqs, ["udot"], language="python"))  # keywords are not left in it
+
+
+def test_row_23_names_that_generated_code_would_choose() -> None:
+    """Definitions of closed forms, temporaries of code and derivatives step aside, and values stay right."""
+    names = {"z1": 0.7, "z2": 1.3, "x_ddot_0": 0.4, "t1": 2.0, "out": 0.3}
+    length, mass, inertia, gravity, damping = names
+    frames = {"top": Frame(at=(0, 0, length)), "end": Frame(at=(length, 0, f"-{length}"))}
+    count = 6  # enough for closed forms in definitions
+    bodies = [
+        Body(f"B{k}", mass, (inertia, f"2*{inertia}", f"2*{inertia}"), frames=frames) for k in range(count)
+    ]
+    joints = [
+        Revolute(f"J{k}", f"B{k - 1}.end" if k else "ground", f"B{k}.top", axis="xyz"[k % 3],
+                 coordinate=f"qdd{k}", torque=Drive(damping=damping))
+        for k in range(count)
+    ]  # fmt: skip
+    eqs = form_equations(Model("chain", [*bodies, *joints], ("0", "0", f"-{gravity}"), names))
+    matrix, definitions = eqs.mass_matrix, eqs.definitions
+    assert definitions and not {str(name) for name, _ in definitions} & set(names)
+    q, u = np.linspace(0.2, 0.9, count), np.linspace(-1.0, 1.0, count)
+    values = {str(symbol): value for symbol, value in zip(eqs.coordinates, q, strict=True)}
+
+    def number(expression: object) -> float:
+        free = {s: values[str(s)] for s in (*expression.free_symbols, *expression.atoms(AppliedUndef))
+                if str(s) in values}  # fmt: skip
+        return float(expression.xreplace(free))
+
+    values |= names
+    for name, formula in definitions:
+        if not formula.has(Derivative) and set(
+            map(str, (*formula.free_symbols, *formula.atoms(AppliedUndef)))
+        ) - {"t"} <= set(values):
+            values[str(name)] = number(formula)
+    mass_matrix, udot = compile(eqs, ["mass_matrix", "udot"])(0.0, q, u)
+    assert number(matrix[0, 1]) == pytest.approx(mass_matrix[0, 1], rel=1e-12)
+    namespace: dict[str, object] = {}
+    exec(builtins_compile(generate_code(eqs, ["udot"], language="python"), "f", "exec"), namespace)
+    function = namespace["f"]
+    assert callable(function)
+    found = np.asarray(function(0.0, list(q), list(u), [], list(names.values())))
+    np.testing.assert_allclose(found, udot, rtol=1e-10)
 
 
 @pytest.mark.parametrize("name", ["I", "lambda", "double", "E", "test", "qdd1"])

@@ -84,12 +84,13 @@ def test_row_30_degrees_for_radians_and_millimetres_for_metres() -> None:
     assert any("are lengths in m" in note for note in Model("rod", [rod]).notes)
 
 
-@pytest.mark.skip(reason="parameters have no declared units: there is nothing to check them against")
-def test_row_30_declared_units_that_do_not_fit() -> None: ...
-
-
-@pytest.mark.skip(reason="parameters have no declared units: there is nothing to check them against")
-def test_row_31_sums_of_unlike_dimensions() -> None: ...
+@pytest.mark.parametrize("text", ["9.81 m/s^2", "2 + 3 kg", "5 [N/m]", "90 degrees"])
+def test_row_30_and_31_units_are_not_declared_and_nothing_is_guessed_from_them(text: str) -> None:
+    """All quantities are in SI units and rad: a unit written out is told with its column, never dropped."""
+    ((code, where), *_) = refused_model(parameters={"a": text})
+    assert code.startswith("expression.") and ", column " in where
+    table = 'name = "a"\n[units]\nm = "kg"\n'
+    assert refused(lambda: model_from_toml(table, where="a.toml"), words="units")[0][0] == "file.unknown_key"
 
 
 def test_row_32_gravity_left_out_is_told() -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from functools import cache
-from multiprocessing import get_context
+from multiprocessing import get_all_start_methods, get_context
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ import symbody as sb
 from symbody.errors import SimulationError, SymbodyError, UsageError
 from symbody.simulation.native import run as native_run
 from tests.faults.refusals import refused
+from tests.simulation.test_stop_note import slider_crank
 
 Floats = NDArray[np.float64]
 
@@ -86,11 +88,45 @@ def test_row_78_what_no_mass_resists_is_named() -> None:
     ]
 
 
+def test_row_78_a_mass_matrix_that_becomes_singular_on_the_way() -> None:
+    """A slider on a massless crank and rod: at the dead centre, at rest, it does not resist their motion."""
+    from_side = {"theta": 0.5, "s_dot": 1.0}
+    run = sb.simulate(slider_crank(0.0), 3.0, from_side, {"s": 3.8})
+    assert run.status is sb.Status.SINGULAR and not run.success
+    assert f"known up to t = {run.t[-1]:.9g} s; there the mass matrix is singular" in run.notes[-1]
+    assert "resists a motion of theta, beta" in run.notes[-1] and "give what moves there" in run.notes[-1]
+    # Without force the slider goes at 1 m/s from where it starts to 1 m + 3 m.
+    start = np.cos(0.5) + np.sqrt(9 - np.sin(0.5) ** 2)
+    assert run.t[-1] == pytest.approx(4.0 - start, abs=1e-6)
+    assert run["s"] == pytest.approx(start + run.t, abs=1e-7)
+
+
+def test_row_78_a_pole_at_which_a_point_mass_does_not_resist_a_turn() -> None:
+    parts = [
+        *(sb.Body("Arm"), sb.Body("Bob", mass=1, frames={"pin": sb.Frame(at=(-1, 0, 0))})),
+        sb.Revolute("yaw", "ground", "Arm", axis="z", coordinate="a"),
+        sb.Revolute("pitch", "Arm", "Bob.pin", axis="y", coordinate="b"),
+    ]
+    run = sb.simulate(sb.form_equations(sb.Model("m", parts)), 3.0, {"b": np.pi / 2, "b_dot": 1.0})
+    assert not run.success and run.t.tolist() == [0.0]
+    assert "no mass or inertia resists a motion of a;" in run.notes[-1]
+
+
 def test_row_79_a_stiff_motion_is_told_what_to_use() -> None:
     law = {"F": "-1e8*(x - cos(t)) - 1e6*x_dot"}
     run = sb.simulate(cart(), 100.0, inputs=law, max_steps=5_000, integrator=sb.Explicit())
     assert run.status is sb.Status.TOO_MANY_STEPS
     assert "sb.Stiff()" in run.status.value
+
+
+def test_row_79_without_a_choice_a_stiff_motion_changes_over() -> None:
+    law = {"F": "-1e8*(x - cos(t)) - 1e6*x_dot"}
+    run = sb.simulate(cart(), 100.0, {"x": 1.0}, inputs=law, max_steps=50_000)
+    assert run.success and any(
+        "the motion is stiff and sb.Stiff() integrates it" in note for note in run.notes
+    )
+    # x follows cos(t) behind by d/k = 0.01 s: a stationary motion of amplitude 1 within 1e-4.
+    assert run["x"][-1] == pytest.approx(np.cos(100.0 - 0.01), abs=1e-4)
 
 
 def test_row_80_blow_up_in_finite_time_ends_close_before_it() -> None:
@@ -140,6 +176,24 @@ def test_row_83_friction_that_jumps_comes_to_an_end() -> None:
     t = caught.t[-1]
     # the speed there, of errors of 1e-8 a step relative to it
     assert 1.0 - 2.0 * t + 1.0 - np.cos(t) == pytest.approx(0.0, abs=1e-8 * caught.statistics.accepted)
+
+
+@pytest.mark.parametrize("scale", [None, 1e-3], ids=["sticking", "smooth"])
+def test_row_83_friction_of_a_joint_needs_few_steps(scale: float | None) -> None:
+    """The same block with its friction in the joint: it stops, and rests since |sin t| < 2."""
+    friction = sb.Friction(force=2.0, v0=scale)
+    joint = sb.Prismatic("j", "ground", "B", axis="x", coordinate="x", force=sb.Drive("F"), friction=friction)
+    eqs = sb.form_equations(sb.Model("block", [sb.Body("B", mass=1), joint], inputs=["F"]))
+    run = sb.simulate(eqs, 5.0, initial={"x_dot": 1.0}, inputs={"F": "sin(t)"})
+    # Explicit steps of about v0 / (2 N/kg) for the smooth law, where a jump took millions of evaluations.
+    assert run.success and run.statistics.evaluations < (2_000 if scale is None else 40_000)
+    if scale is None:
+        (event,) = run.events
+        assert event.name == "j sticks"
+        # v = 1 - 2 t + 1 - cos(t)
+        assert 2.0 - 2.0 * event.t - np.cos(event.t) == pytest.approx(0.0, abs=1e-7)
+    late = run.at(np.linspace(2.0, 5.0, 7))["x_dot"]
+    assert np.abs(late).max() <= (0.0 if scale is None else 1e-3)  # smooth it creeps at v0 and less
 
 
 def test_row_84_events_between_long_steps() -> None:
@@ -201,6 +255,16 @@ def test_row_89_a_cancelled_run_is_a_partial_result() -> None:
     assert run["theta"].size == run.t.size and "known up to" in run.notes[-1]
 
 
+def test_row_89_a_limit_on_the_time_of_the_clock() -> None:
+    """By progress, which is asked every twentieth of a second."""
+    end = time.monotonic() + 0.3
+    run = sb.simulate(
+        pendulum(), 1e7, {"theta": 2.0}, progress=lambda share: time.monotonic() < end, max_steps=10**9
+    )
+    assert run.status is sb.Status.INTERRUPTED and 0.0 < run.t[-1] < 1e7
+    assert run.statistics.loop_seconds < 2.0 and "known up to" in run.notes[-1]
+
+
 def end_of(start: float) -> float | str:
     """One case of a sweep: where it ends, or why it does not."""
     try:
@@ -218,7 +282,8 @@ def test_row_90_a_sweep_does_not_depend_on_who_computes_it() -> None:
 
 
 @pytest.mark.exhaustive
-def test_row_90_in_other_processes() -> None:
+@pytest.mark.parametrize("method", get_all_start_methods())
+def test_row_90_in_other_processes(method: str) -> None:
     starts = [0.5, 1.0, float("nan"), 1.5]
-    with ProcessPoolExecutor(2, get_context("spawn")) as processes:
+    with ProcessPoolExecutor(2, get_context(method)) as processes:
         assert list(processes.map(end_of, starts)) == [end_of(start) for start in starts]

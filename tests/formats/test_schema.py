@@ -11,8 +11,9 @@ import pytest
 from pydantic import ValidationError
 
 from symbody import formats
-from symbody.formats import schema, schema_joints
-from symbody.formats.entries import ELEMENTS, JOINTS
+from symbody.errors import FormatError
+from symbody.formats import checking, schema, schema_joints
+from symbody.formats.entries import CONSTRAINTS, ELEMENTS, JOINTS
 from symbody.formats.schema import ModelFile
 from symbody.model import Drive, Frame, Model
 from symbody.model.model import KINDS
@@ -85,3 +86,12 @@ def test_numbers_and_texts_are_expressions(value: object) -> None:
 def test_nothing_is_converted(data: object) -> None:
     with pytest.raises(ValidationError):
         ModelFile.model_validate(data)
+
+
+def test_names_of_other_programs_lead_to_ours() -> None:
+    known = {*JOINTS, *CONSTRAINTS}
+    assert set(checking._OTHER_NAMES.values()) <= known and not known & set(checking._OTHER_NAMES)
+    joint = {"name": "J", "type": "Hinge", "between": ["ground", "A"]}
+    data = {"name": "m", "body": [{"name": "A", "mass": 1}], "joint": [joint]}
+    with pytest.raises(FormatError, match="it is called 'revolute' here"):
+        formats.from_data(data)

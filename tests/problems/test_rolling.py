@@ -83,3 +83,50 @@ def test_leaning_disc_runs_in_a_circle(lean: float) -> None:
     np.testing.assert_allclose(run.q[:2, -1], 0.0, atol=1e-7)  # once around
     assert run["constraint_violation"].max() < 1e-9
     assert run["velocity_violation"].max() < 1e-9
+
+
+def wheel_set(hinged: bool) -> sb.Model:
+    """An axle with two wheels, on hinges or rigid, on a plane that slopes along x."""
+    m, radius, half = 2.0, 0.3, 0.5
+    ends = {"L": sb.Frame(at=(0, half, 0)), "R": sb.Frame(at=(0, -half, 0))}
+    wheel = {"mass": 0.8, "inertia": (0.02, 0.036, 0.02)}
+    parts: list[sb.Body | sb.Free | sb.Revolute | sb.Weld | sb.Rolling] = [
+        sb.Body("Axle", m, (0.2, 0.05, 0.2), frames=ends),
+        sb.Free("f", "ground", "Axle", angles="321", coordinates=["x", "y", "z", "yaw", "pitch", "roll"]),
+    ]
+    for side in "LR":
+        parts.append(sb.Body(f"Wheel{side}", **wheel))
+        hinge = sb.Revolute(f"h{side}", f"Axle.{side}", f"Wheel{side}", axis="y", coordinate=f"spin{side}")
+        parts.append(hinge if hinged else sb.Weld(f"h{side}", f"Axle.{side}", f"Wheel{side}"))
+        parts.append(sb.Rolling(f"r{side}", "ground", f"Wheel{side}", radius=radius, axis="y"))
+    return sb.Model("wheel set", parts, gravity=(1.5, 0, -9.0), initial={"z": radius})
+
+
+@pytest.mark.parametrize("hinged", [True, False])
+def test_a_wheel_set_rolls_down_as_one_mass(hinged: bool) -> None:
+    """Both discs hold the same lateral velocity: one of six rows is redundant, and named."""
+    eqs = sb.form_equations(wheel_set(hinged))
+    found = sb.redundancy(eqs)
+    # Hinged: along, about the vertical, and the axle about itself. Rigid: along.
+    assert found.degrees_of_freedom == (3 if hinged else 1)
+    assert len(found.dropped) == 1 and found.dropped[0].removeprefix("lambda_r") in ("L_3", "R_3")
+    run = sb.simulate(eqs, 1.0, guess={"z": 0.3}, rtol=1e-10, atol=1e-12)
+    whole, turning = 2.0 + 2 * 0.8, 2 * 0.036 + (0.0 if hinged else 0.05)
+    rate = whole * 1.5 / (whole + turning / 0.3**2)
+    assert run.success
+    np.testing.assert_allclose(run["x"], rate * run.t**2 / 2, atol=1e-8)
+    assert run["constraint_violation"].max() < 1e-9 and run["velocity_violation"].max() < 1e-9
+
+
+def test_wheels_of_different_speed_turn_the_axle() -> None:
+    """Heading changes by R (right - left) / width, and the middle goes round in a circle."""
+    model = wheel_set(True)
+    eqs = sb.form_equations(sb.Model("level", model.elements, gravity=(0, 0, -9.0), initial=model.initial))
+    start = {"yaw": 0.0, "x": 0.0, "y": 0.0, "spinL": 0.0, "spinR": 0.0, "pitch": 0.0}
+    run = sb.simulate(
+        eqs, 2.0, start | {"spinL_dot": 2.0, "spinR_dot": 4.0, "pitch_dot": 0.0}, {"z": 0.3}, **TIGHT
+    )
+    yaw, forward = 0.3 * (4 - 2) / 1.0, 0.3 * 3.0
+    np.testing.assert_allclose(run["yaw"], yaw * run.t, atol=1e-8)
+    np.testing.assert_allclose(run["x"], forward / yaw * np.sin(yaw * run.t), atol=1e-8)
+    np.testing.assert_allclose(run["y"], forward / yaw * (1 - np.cos(yaw * run.t)), atol=1e-8)

@@ -146,3 +146,22 @@ def test_separate_parameters_override_the_file() -> None:
     run = sb.simulate(eqs, 10.0, parameters={"d": 2}, times=[0, 1, 10], rtol=1e-11, atol=1e-13)
     t = run.t
     assert run["x"] == pytest.approx((1 + t) * np.exp(-t), abs=1e-10)  # critical damping
+
+
+def test_spring_damper_and_force_may_stand_apart() -> None:
+    """D-05: three connections between the same bodies in place of one drive that holds all of them."""
+    mass = sb.Body("Mass", mass="m")
+    parts = [
+        mass, sb.Prismatic("slider", "ground", mass, axis="x", coordinate="x"),
+        sb.SpringDamper("spring", "ground.post", mass, stiffness="k", free=2),
+        sb.SpringDamper("damper", "ground.post", mass, damping="d"),
+        sb.Force("push", mass, ("F", 0, 0)),
+    ]  # fmt: skip
+    post = {"post": sb.Frame(at=(-2, 0, 0))}
+    model = sb.Model("apart", parts, parameters={"m": 1, "d": 0.5, "k": 1}, inputs=["F"], ground=post)
+    apart, together = (sb.compile(sb.form_equations(each), "udot") for each in (model, script()))
+    for x, v, force in np.random.default_rng(3).uniform(-1.5, 1.5, (20, 3)):
+        # The length x + 2 is a root of a square: a few more roundings of numbers up to 4.
+        assert apart(0.0, [x], [v], [force]) == pytest.approx(together(0.0, [x], [v], [force]), abs=1e-14)
+    run = sb.simulate(sb.form_equations(model), 10.0, {"x": 1}, times=[1, 5, 10], rtol=1e-11, atol=1e-13)
+    assert run["x"] == pytest.approx([0.60705485, -0.03655079, -0.08477596], abs=5e-9)

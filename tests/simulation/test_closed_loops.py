@@ -177,6 +177,20 @@ def far(turn: tuple[float, float, float]) -> tuple[float, ...]:
     return tuple((np.array([0.2, -0.1, 0.3]) + matrix(turn) @ np.array([0.8, 0.0, 0.0])).tolist())
 
 
+def test_a_four_bar_of_spatial_hinges_turns_a_hundred_times() -> None:
+    """Three of its constraints follow from the others: dropped with a note, or found by their numbers."""
+    eqs, guess = four_bar((0.7, -0.4, 1.1)), {"b": -0.6, "d": 1.4}
+    found = sb.redundancy(eqs, guess={"a": 1.0, **guess})
+    (note,) = [note for note in eqs.notes if "hold identically and are dropped" in note]
+    named = {f"lambda_C_{k}" for k in range(1, 6)} - set(found.kept)
+    assert found.degrees_of_freedom == 1 and len(named) == 3
+    assert all(name in note or name in found.dropped for name in named)
+    run = sb.simulate(eqs, 33.0, initial={"a": 1.0, "a_dot": 20.0}, guess=guess)
+    assert np.ptp(run["a"]) > 100 * 2 * np.pi
+    check_closed(run)
+    assert run.energy_drift < 1e-8 * run.statistics.accepted * run["kinetic_energy"].max()
+
+
 def test_a_planar_four_bar_in_space_moves_as_it_does_flat() -> None:
     runs = []
     for turn in ((0.0, 0.0, 0.0), (0.7, -0.4, 1.1)):

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import symbody as sb
+from tests.simulation.test_closed_loops import angle, at_lowest_point, free_pendulum
+from tests.simulation.test_order import IMPACTS, mass_on_spring
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -83,3 +85,49 @@ def test_steps_and_methods_that_make_no_sense_are_refused_together() -> None:
     assert len(fault.value.problems) == 2
     with pytest.raises(sb.UsageError, match="cannot be combined"):
         sb.simulate(oscillator(), 1.0, integrator=sb.FixedStep(0.1), constraints=sb.GGL())
+
+
+BOUNCE = sb.Event("y", -1, {"y_dot": "-e*y_dot"})
+
+
+def bouncing(method: str, steps: float) -> sb.Trajectory:
+    """The mass that hits its wall after every pi seconds, so many steps a flight; speeds fall by 0.8."""
+    integrator = sb.FixedStep(np.pi / steps, method)  # type: ignore[arg-type]
+    start = {"y": 0.0, "y_dot": 1.0}
+    return sb.simulate(mass_on_spring(), (IMPACTS + 0.5) * np.pi, start, integrator=integrator, events=BOUNCE)
+
+
+@pytest.mark.parametrize("method", ["rk4", "semi-implicit"])
+def test_steps_keep_their_length_after_an_event(method: str) -> None:
+    run = bouncing(method, 200.4)
+    lengths = np.diff(run.t)
+    hits = [int(np.searchsorted(run.t, event.t)) for event in run.events]
+    assert len(hits) == IMPACTS and lengths.max() < np.pi / 200.4 * (1 + 1e-9)
+    whole = np.isclose(lengths, np.pi / 200.4, rtol=1e-9)
+    # Short are only the steps cut by an impact, the two samples at it, and the last.
+    assert set(np.flatnonzero(~whole)) == {*(k - 1 for k in hits), *hits, lengths.size - 1}
+
+
+@pytest.mark.parametrize(
+    ("method", "order", "counts"), [("rk4", 4, (20, 26, 34, 44)), ("semi-implicit", 1, (200, 300, 450, 700))]
+)
+def test_impacts_keep_the_order(method: str, order: int, counts: tuple[int, ...]) -> None:
+    """Of the state a quarter of a period after the last impact, where the speed is zero: its error is of phase."""
+    errors = [abs(bouncing(method, count + 0.4)["y_dot"][-1]) for count in counts]
+    slope = np.polyfit(-np.log(np.add(counts, 0.4)), np.log(errors), 1)[0]
+    assert slope == pytest.approx(order, abs=0.15)
+
+
+@pytest.mark.parametrize(
+    ("method", "order", "counts"), [("rk4", 4, (100, 128, 160, 200)), ("semi-implicit", 1, (560, 800, 1100))]
+)
+def test_projection_keeps_the_order(method: str, order: int, counts: tuple[int, ...]) -> None:
+    eqs, errors = free_pendulum(), []
+    start = dict(zip(eqs.state_names, at_lowest_point(eqs), strict=True))
+    for count in counts:
+        integrator = sb.FixedStep(10.0 / count, method)  # type: ignore[arg-type]
+        run = sb.simulate(eqs, 10.0, start, integrator=integrator)
+        assert run.constraint_violation.max() < 1e-9
+        errors.append(np.abs(run["theta"] - angle(run.t)).max())
+    slope = np.polyfit(-np.log(counts), np.log(errors), 1)[0]
+    assert slope == pytest.approx(order, abs=0.15)

@@ -227,3 +227,14 @@ def test_a_force_at_its_dead_centre_drives_nothing() -> None:
         sb.inverse_dynamics(eqs, {"theta": "t"}, "F", [0.0], {"J": 1}, {"T": 1}, {"s": 4})
     (problem,) = caught.value.problems
     assert problem.code == "inverse.underactuated" and "F cannot influence" in problem.why
+
+
+def test_a_uniform_motion_needs_what_holds_the_other_forces() -> None:
+    bob = sb.Body("Bob", mass=1, frames={"top": sb.Frame(at=[0, 1, 0])})
+    hinge = sb.Revolute("hinge", "ground", "Bob.top", axis="z", coordinate="theta",
+                        torque=sb.Drive(applied="T", damping=0.1))  # fmt: skip
+    eqs = sb.form_equations(sb.Model("pendulum", [bob, hinge], gravity=(0, "-9.81", 0), inputs=["T"]))
+    run = sb.inverse_dynamics(eqs, {"theta": "t"}, "T", times=np.linspace(0, 1, 11))
+    # m g l sin(t) + d: a few roundings of numbers below 10
+    assert run["T"] == pytest.approx(9.81 * np.sin(run.t) + 0.1, abs=1e-13)
+    assert sb.inverse_dynamics(eqs, {"theta": "pi"}, [], times=[0.0, 1.0]).success  # rests upside down

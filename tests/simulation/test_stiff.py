@@ -10,6 +10,7 @@ import pytest
 import symbody as sb
 from symbody.formats import model_from_toml
 from symbody.simulation.inputs.input_laws import input_laws
+from symbody.simulation.methods import choice
 from symbody.simulation.methods.explicit import integrate
 from symbody.simulation.methods.state_jacobian import STATE_JACOBIAN, with_state_jacobian
 from symbody.simulation.task import Task
@@ -194,3 +195,13 @@ def test_requests_are_checked() -> None:
     for wrong in ({"times": [1.0, 0.0]}, {"rtol": 1e-20}, {"atol": -1.0}):
         with pytest.raises(sb.UsageError):
             sb.simulate(turning_pendulum(), 1.0, integrator=sb.Stiff(), **wrong)
+
+
+def test_ctrl_c_at_the_change_keeps_what_came_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(choice, "run_stiff", interrupted)
+    run = sb.simulate(damped_slider(), 5.0)
+    assert run.status is sb.Status.INTERRUPTED and 0.0 < run.t[-1] < 1.0
+    assert "known up to" in run.notes[-1] and np.abs(run["x"] - slider_at(run.t)).max() < 1e-8

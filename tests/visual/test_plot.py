@@ -263,6 +263,14 @@ def test_nothing_is_cut_off(tmp_path: Path) -> None:
     pyplot.close(figure)
 
 
+@pytest.mark.parametrize("count", [16, 23, 40])
+def test_long_legends_stay_in_the_picture(tmp_path: Path, count: int) -> None:
+    save_plot(plot(swing(), *["x"] * count, title="Many curves"), tmp_path / "many.png")
+    picture = imread(tmp_path / "many.png")
+    edges = [picture[:2], picture[-2:], picture[:, :2], picture[:, -2:]]
+    assert all((edge == 1.0).all() for edge in edges)
+
+
 def test_files_that_cannot_be_written_are_told(tmp_path: Path) -> None:
     ax = plot(swing(), "x")
     with pytest.raises(UsageError, match="'bmp9' is no picture format\n.*png"):

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.closure import Closure, closure
 from symbody.analysis.least_open import least_open
+from symbody.analysis.named_values import checked_mappings, checked_pairs, named_values
 from symbody.analysis.quaternions import unit_quaternions
 from symbody.analysis.ranges import (
     Ranges,
@@ -29,10 +30,10 @@ from symbody.analysis.ranges import (
 from symbody.analysis.ropes import assembled_with_ropes
 from symbody.analysis.state import State
 from symbody.analysis.velocities import consistent_speeds
-from symbody.codegen.compile import Value, constant_values
+from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
-from symbody.errors import AssemblyError, Problem, nearest
+from symbody.errors import AssemblyError, Problem
 
 Floats = NDArray[np.float64]
 
@@ -63,7 +64,8 @@ def assemble(
     Parameters
     ----------
     fixed : mapping of name to number or formula in parameters
-        Coordinates, speeds, ``_dot`` names, or any named joint coordinate, that must have these values.
+        Coordinates, speeds, ``_dot`` names, or any named joint coordinate, that must have these values; of an
+        angle also ``"30 deg"``.
     guess : mapping of name to number or formula in parameters
         Where to look for the others; by default the model's initial values, then 0. Among several
         assemblies the nearest to the guess is taken; speeds and rates take their guesses exactly, in their
@@ -86,14 +88,16 @@ def assemble(
         gaps is least, and the others open there; or they close outside the ranges only; or fixed values
         contradict each other, naming the smallest set that does; or if a name is unknown.
     """
+    checked_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
+    checked_pairs(ranges or {})
     if not ropes(eqs.formed):
         return _assembled(eqs, fixed, guess, parameters, inputs, t, ranges)
 
     def attempt(equations: EquationSet, values: Mapping[str, float]) -> State:
         return _assembled(equations, values, guess, parameters, inputs, t, ranges)
 
-    known = _values(eqs, _guessed(eqs, guess), parameters, strict=set(guess or ()))
-    wanted = _values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
+    known = named_values(eqs, _guessed(eqs, guess), parameters, strict=set(guess or ()))
+    wanted = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     values = dict(parameters or {}), dict(inputs or {})
     return assembled_with_ropes(eqs, wanted, known, attempt, lambda held: closure(held, *values, t))
 
@@ -109,12 +113,14 @@ def _assembled(
 ) -> State:
     """Return a state in which all constraints of some equations hold."""
     task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t)
-    known = _values(eqs, _guessed(eqs, guess), parameters, strict=set(guess or ()))
-    wanted = _values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
+    known = named_values(eqs, _guessed(eqs, guess), parameters, strict=set(guess or ()))
+    wanted = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     positions, rates = task.parted(wanted)
     positions, known = unit_quaternions(eqs.quaternions, positions, known)
     lower, upper = (
-        _values(eqs, {name: pair[k] for name, pair in (ranges or {}).items()}, parameters, set(ranges or ()))
+        named_values(
+            eqs, {name: pair[k] for name, pair in (ranges or {}).items()}, parameters, set(ranges or ())
+        )
         for k in (0, 1)
     )
     within = checked_ranges(task, lower, upper)
@@ -178,7 +184,7 @@ def assembled_configurations(
 ) -> list[Floats]:
     """Return up to `count` different configurations that close the loops, the nearest to the guess first."""
     eqs = task.eqs
-    known = _values(eqs, _guessed(eqs, guess), parameters, strict=set(guess))
+    known = named_values(eqs, _guessed(eqs, guess), parameters, strict=set(guess))
     found: list[Floats] = []
     for start in _starts(task, task.start(known), {}):
         attempt = _newton(task, start, {})
@@ -344,28 +350,3 @@ def _width(gap: tuple[float, float], size: float) -> str:
         value if value > _TOLD * unit else 0.0 for value, unit in zip(gap, (size, 1.0), strict=True)
     )
     return f"{distance:.3g} m and {np.degrees(angle):.3g} deg"
-
-
-def _values(
-    eqs: EquationSet,
-    formulas: Mapping[str, Value],
-    parameters: Mapping[str, Value] | None,
-    strict: set[str],
-) -> dict[str, float]:
-    """Return the values of named formulas; names that mean nothing are refused where the user gave them.
-
-    Raises
-    ------
-    AssemblyError
-        Naming each unknown name, with the nearest ones.
-    """
-    names = eqs.formed.readable_names
-    known = {*names.symbols, *names.values}
-    problems = [
-        Problem("assembly.unknown_name", name, f"there is no coordinate or speed {name!r}", "",
-                nearest(name, (*eqs.coordinate_names, *eqs.speed_names)))
-        for name in formulas if name in strict and name not in known
-    ]  # fmt: skip
-    if problems:
-        raise AssemblyError(*problems)
-    return constant_values(eqs, {k: v for k, v in formulas.items() if k in known}, parameters)

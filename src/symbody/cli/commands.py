@@ -14,23 +14,23 @@ from typing import Annotated, Any, Final
 
 import numpy as np
 import typer
-from numpy.typing import NDArray
-from rich.console import Console
-from rich.progress import Progress
 
 import symbody
 from symbody.cli.model_files import example_names, example_text, load_model
 from symbody.cli.settings import Settled, assigned
 from symbody.cli.small_motions import linear_json, linear_lines, rest_json, rest_lines
+from symbody.cli.stages import StageBar
 from symbody.cli.summary import summary
 from symbody.cli.written import equation_lines
 from symbody.codegen.compile import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.showing.textbook import MOST_SPEEDS
-from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
+from symbody.errors import EnvironmentFault, Problem, UsageError, counted, nearest
 from symbody.model.model import Model
+from symbody.simulation.native.run import check_memory
 from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.status import Status
 
 _SCREEN: Final = 48  # lines of equations that are read before a motion
 
@@ -71,6 +71,21 @@ Tree = Annotated[
     ),
 ]
 Force = Annotated[bool, _option("--force", text="Overwrite existing files.")]
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        typer.echo(symbody.__version__)
+        raise typer.Exit
+
+
+@app.callback()
+def about(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Stand before all commands."""
 
 
 @app.command()
@@ -117,7 +132,7 @@ def code(
 @app.command()
 def simulate(
     model: ModelFile,
-    end: Annotated[float, _option("--end", "-t", text="End time [s].")] = 10.0,
+    end: Annotated[float, _option("--end", "-t", text="End time in s.")] = 10.0,
     parameters: Settings = None,
     inputs: Inputs = None,
     initial: Initials = None,
@@ -144,20 +159,24 @@ def simulate(
             Problem("cli.samples", "--samples", f"{samples} samples make no motion", "", "give 2 or more")
         )
     given = [assigned(parameters, "--set"), assigned(inputs, "--input"), assigned(initial, "--initial")]
-    eqs = _formed(load_model(model), tree)
-    settings = Settled.of(eqs, *given)
-    if not as_json:
-        _print(_introduction(eqs, model))
-    times = None if samples is None else np.linspace(0.0, end, samples)
-    motion = _motion(eqs, end, settings, times, rtol, atol)
+    bar = StageBar()
+    with bar.stage("forming the equations"):
+        eqs = _formed(load_model(model), tree)
+        settings = Settled.of(eqs, *given)
+        told = [] if as_json else _introduction(eqs, model)
+    _print(told)
+    with bar.stage("compiling"):
+        motion = _motion(eqs, end, settings, samples, rtol, atol, bar)
     # Without --out the picture is ours: it bears the model's name and is made anew each time.
     picture = model.with_suffix(".png") if out is None else out
-    symbody.save_plot(symbody.plot(motion, *(curves or eqs.coordinate_names), title=eqs.model.name), picture)
-    if csv is not None:
-        motion.to_csv(csv, *eqs.coordinate_names, *eqs.speed_names, *(curves or ()))
+    with bar.stage("drawing"):
+        ax = symbody.plot(motion, *(curves or eqs.coordinate_names), title=eqs.model.name)
+        symbody.save_plot(ax, picture)
+        if csv is not None:
+            motion.to_csv(csv, *eqs.coordinate_names, *eqs.speed_names, *(curves or ()))
     _print([_as_json(eqs, motion)] if as_json else _report(eqs, motion, picture))
     if not motion.success:
-        raise typer.Exit(4)
+        raise typer.Exit(130 if motion.status is Status.INTERRUPTED else 4)
 
 
 @app.command()
@@ -210,22 +229,21 @@ def _formed(model: Model, tree: TreeWord | None) -> EquationSet:
 
 
 def _motion(
-    eqs: EquationSet, end: float, given: Settled, times: NDArray[np.float64] | None, rtol: float, atol: float
+    eqs: EquationSet, end: float, given: Settled, samples: int | None, rtol: float, atol: float, bar: StageBar
 ) -> Trajectory:
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("simulating", total=1.0)
-        return symbody.simulate(
-            eqs,
-            end,
-            parameters=given.parameters,
-            inputs=given.inputs,
-            initial=given.initial,
-            times=times,
-            progress=lambda share: bar.update(task, completed=share),
-            rtol=rtol,
-            atol=atol,
-        )
+    if samples is not None:
+        check_memory(samples, len(eqs.state_names) + 1)
+    return symbody.simulate(
+        eqs,
+        end,
+        parameters=given.parameters,
+        inputs=given.inputs,
+        initial=given.initial,
+        times=None if samples is None else np.linspace(0.0, end, samples),
+        progress=bar.moved,
+        rtol=rtol,
+        atol=atol,
+    )
 
 
 def _introduction(eqs: EquationSet, model: Path) -> list[str]:
@@ -233,10 +251,13 @@ def _introduction(eqs: EquationSet, model: Path) -> list[str]:
     lines = equation_lines(eqs) if len(eqs.speed_names) <= MOST_SPEEDS else []
     if lines and len(lines) <= _SCREEN:
         return lines
-    sizes = f"{len(eqs.coordinate_names)} coordinates, {len(eqs.speed_names)} speeds"
-    return [
-        f"{sizes}, {len(eqs.multiplier_names)} constraints; `symbody equations {model}` prints the equations"
-    ]
+    numbers = {
+        "coordinate": eqs.coordinate_names,
+        "speed": eqs.speed_names,
+        "constraint": eqs.multiplier_names,
+    }
+    sizes = ", ".join(counted(len(names), word) for word, names in numbers.items())
+    return [f"{sizes}; `symbody equations {model}` prints the equations"]
 
 
 def _report(eqs: EquationSet, motion: Trajectory, picture: Path) -> list[str]:

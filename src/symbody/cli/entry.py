@@ -28,7 +28,8 @@ def run(arguments: Sequence[str]) -> int:
     except KeyboardInterrupt:
         return _told("interrupted", 130)
     except OSError as error:
-        return _told(f"[cli.file] {error.filename or ''}: {error.strerror or error}", 5)
+        fix = "\n  fix: give a path in a folder that exists and is yours" if error.filename else ""
+        return _told(f"[cli.file] {error.filename or ''}: {error.strerror or error}{fix}", 5)
 
 
 def _told(message: str, code: int) -> int:

@@ -42,7 +42,7 @@ def rest_lines(found: Equilibrium) -> list[str]:
     return [
         *(f"{_values(place.q)}: {place.verdict}" for place in places),
         *([f"multipliers: {_values(found.multipliers)}"] if found.multipliers else []),
-        *([f"inputs: {', '.join(f'{k} = {v}' for k, v in found.inputs.items())}"] if found.inputs else []),
+        *([f"inputs: {_values(found.inputs)}"] if found.inputs else []),
         *(f"note: {note}" for note in found.notes),
     ]
 
@@ -57,8 +57,12 @@ def rest_json(found: Equilibrium) -> str:
     return json.dumps({"equilibria": states, "inputs": {k: str(v) for k, v in found.inputs.items()}})
 
 
-def _values(named: Mapping[str, float]) -> str:
-    return ", ".join(f"{name} = {value:.6g}" for name, value in named.items())
+def _values(named: Mapping[str, object]) -> str:
+    return ", ".join(f"{name} = {_short(value)}" for name, value in named.items())
+
+
+def _short(value: object) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _matrix(name: str, matrix: NDArray[np.float64]) -> Iterator[str]:
@@ -76,7 +80,8 @@ def _modes(modes: Sequence[Mode]) -> Iterable[str]:
             pair = f" +- {value.imag:.6g}i" if value.imag > 0.0 else ""
             facts = [f"eigenvalue {value.real:.6g}{pair} 1/s"]
             if pair:
-                facts.append(f"frequency {mode.frequency:.6g} rad/s, damping ratio {mode.damping_ratio:.4g}")
+                damping = mode.damping_ratio + 0.0  # no minus before 0
+                facts.append(f"frequency {mode.frequency:.6g} rad/s, damping ratio {damping:.4g}")
             elif math.isfinite(mode.time_constant):
                 facts.append(f"time constant {mode.time_constant:.6g} s")
             yield ": ".join(facts)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from symbody.analysis.assembly import assemble
 from symbody.analysis.redundancy import redundancy
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import SymbodyError
+from symbody.errors import AssemblyError, SymbodyError
 from symbody.formats.native import to_data
 from symbody.model.element import Element
 from symbody.model.joint import Joint
@@ -126,4 +127,15 @@ def _freedoms(eqs: EquationSet) -> str:
     try:
         return str(eqs.degrees_of_freedom)
     except SymbodyError as error:
-        return f"not counted, {error.problems[0].what}"
+        return f"not counted, {error.problems[0].what}{_what_stays_open(eqs)}"
+
+
+def _what_stays_open(eqs: EquationSet) -> str:
+    """Return which joints keep loops from closing, and how far; nothing if that is not why."""
+    try:
+        assemble(eqs)
+    except AssemblyError as error:
+        return "".join(f"; {problem.what}" for problem in error.problems)
+    except SymbodyError:
+        return ""
+    return ""

@@ -267,9 +267,9 @@ def source_text(sequence: Sequence, language: str, signature: Signature | None =
     CompileError
         If the language is not known.
     """
-    word = language.lower()
+    word = language.lower() if isinstance(language, str) else language
     if word not in TEXTS:
-        cure = nearest(word, TEXTS)
+        cure = nearest(str(word), TEXTS)
         raise CompileError(
             Problem("compile.unknown_language", "language", f"there is no language {language!r}", "", cure)
         )

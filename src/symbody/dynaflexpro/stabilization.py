@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from symbody.equations.equation_set import EquationSet
@@ -19,7 +19,7 @@ def checked_pair(pair: Sequence[float]) -> tuple[float, float]:
     UsageError
         If there are not two finite numbers >= 0.
     """
-    values = list(pair)
+    values = list(pair) if isinstance(pair, Iterable) else [pair]
     numbers = all(isinstance(value, int | float) and 0 <= value < math.inf for value in values)
     if len(values) != 2 or not numbers:
         raise UsageError(

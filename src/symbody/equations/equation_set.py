@@ -15,6 +15,7 @@ from symbody.equations.showing.textbook import MOST_SPEEDS, Reaction, Textbook
 from symbody.equations.showing.units import Units, output_units
 from symbody.equations.solving.idle import check_idle
 from symbody.equations.solving.noise import noise_program, without_noise
+from symbody.errors import counted
 from symbody.expr.graph import Symbol
 from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Roots, Sequence
@@ -56,8 +57,9 @@ class EquationSet:
     identity: bytes = field(default=b"", repr=False)
 
     def __repr__(self) -> str:
-        sizes = f"{len(self.formed.q)} coordinates, {len(self.formed.u)} speeds"
-        return f"EquationSet of {self.model.name!r}: {sizes}, {len(self.formed.rows)} constraints"
+        numbers = {"coordinate": self.formed.q, "speed": self.formed.u, "constraint": self.formed.rows}
+        sizes = ", ".join(counted(len(those), word) for word, those in numbers.items())
+        return f"EquationSet of {self.model.name!r}: {sizes}"
 
     @property
     def formed(self) -> Formed:

@@ -11,6 +11,7 @@ from symbody.equations.formulations.choice import chosen_formulation
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.freedoms.chosen_speeds import chosen_speeds
 from symbody.equations.known import Deferred, identity, known_notes
+from symbody.errors import Problem, UsageError
 from symbody.expr.graph import Graph
 from symbody.graph.topology import Topology, choose_topology
 from symbody.graph.trees import TreeChoice
@@ -46,6 +47,8 @@ def form_equations(
 
     Raises
     ------
+    UsageError
+        If `model` is none.
     TopologyError
         If the trees are no trees.
     FormulationError
@@ -54,12 +57,19 @@ def form_equations(
     AssemblyError, ModelError
         If "auto" finds no configuration, or no value of a parameter.
     """
+    if not isinstance(model, Model):
+        raise UsageError(_no_model(model))
     equations = identity(model, formulation, tree, dependent_speeds)
     notes = known_notes(equations)
     if notes is not None:  # nothing was wrong with them, so they can wait
         later = Deferred(lambda: _formed(model, formulation, tree, dependent_speeds)[0])
         return EquationSet(model, later, notes, identity=equations)
     return EquationSet(model, *_formed(model, formulation, tree, dependent_speeds), identity=equations)
+
+
+def _no_model(given: object) -> Problem:
+    cure = f"form_equations(load_model({given!r}))" if isinstance(given, str) else "give a Model"
+    return Problem("equations.not_a_model", "model", f"{given!r} is no model", fix=cure)
 
 
 def _formed(

@@ -22,6 +22,28 @@ _MAX_PROBLEMS: Final = 50
 _LARGE: Final = 10**60
 _TYPED: Final = (("joint",), ("constraint",))
 
+# What other programs, and books, call our types.
+_OTHER_NAMES: Final = MappingProxyType(
+    {
+        other: ours
+        for ours, others in (
+            ("revolute", "hinge pin pivot rotational continuous"),
+            ("prismatic", "slider slide translational linear"),
+            ("spherical", "ball"),
+            ("weld", "fixed rigid"),
+            ("free", "floating"),
+            ("universal", "cardan hooke"),
+            ("constant_velocity", "rzeppa"),
+            ("screw", "helical"),
+            ("pin_slot", "slot"),
+            ("distance", "rod link"),
+            ("point_on_curve", "cam"),
+            ("rolling", "wheel disc"),
+            ("knife_edge", "skate blade"),
+        )
+        for other in others.split()
+    }
+)
 _EXPECTED: Final = MappingProxyType(
     {
         "bool_type": "true or false",
@@ -113,8 +135,10 @@ def _type_of(found: dict[str, Any], kind: str) -> tuple[str, str, str, str]:
     if not known:
         word = "distance" if kind == "constraint" else "revolute"
         return "missing_key", "'type' is missing", "", f'add type = "{word}", for instance'
-    tag = found["ctx"]["tag"]
-    return "unknown_type", f"there is no {kind} type {tag!r}", "", nearest(tag, known)
+    tag = str(found["ctx"]["tag"])
+    meant = _OTHER_NAMES.get(tag.lower(), "")
+    fix = f"it is called {meant!r} here" if meant in known else nearest(tag, known)
+    return "unknown_type", f"there is no {kind} type {tag!r}", "", fix
 
 
 def _known_keys(root: Schema, location: Path) -> list[str]:

@@ -31,7 +31,10 @@ def load_model(path: str | os.PathLike[str]) -> Model:
     ModelError
         If the mechanism it describes contradicts itself. Both tell all problems, with their lines.
     """
-    return model_from_toml(read_text(path), where=os.fsdecode(path))
+    where = os.fsdecode(path)
+    if where.endswith(".urdf"):
+        raise FormatError(Problem("file.urdf", where, "it is no TOML", fix=f"write load_urdf({where!r})"))
+    return model_from_toml(read_text(path), where=where)
 
 
 def save_model(model: Model, path: str | os.PathLike[str]) -> None:

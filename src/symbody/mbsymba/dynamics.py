@@ -118,7 +118,7 @@ def lagrange_equations(
         If a coordinate does not occur, something moves that is no coordinate, or the objects do not fit.
     """
     mechanism = _mechanism(objects, "lagrange_equations")
-    names = function_names(list(variables), "lagrange_equations")
+    names = function_names(variables, "lagrange_equations")
     coordinates = tuple(name for name in names if name not in mechanism.multipliers)
     check_coordinates(mechanism, coordinates)
     found = write(lagrange(mechanism, coordinates, nat_coords))
@@ -158,13 +158,13 @@ def equation_set(
         objects do not fit.
     """
     mechanism = _mechanism(objects, "equation_set")
-    names = function_names(list(coordinates), "equation_set")
+    names = function_names(coordinates, "equation_set")
     return equations_by_hand(
         mechanism,
         [item for item in names if item not in mechanism.multipliers],
         formulation,
         natural=nat_coords,
-        reactions=function_names(list(reactions), "equation_set"),
+        reactions=function_names(reactions, "equation_set"),
         parameters=parameters,
         name=name,
     )

@@ -58,7 +58,7 @@ def first_order(
         Accepted as in the scripts, and not used.
     """
     graph = WORKPLACE.graph
-    symbols = [Symbol(name, Kind.COORDINATE) for name in function_names(list(variables), "first_order")]
+    symbols = [Symbol(name, Kind.COORDINATE) for name in function_names(variables, "first_order")]
     found, nodes = first_order_system(graph, nodes_from_equations(eqns, graph), symbols)
     return [symbol_to_sympy(symbol) for symbol in found], _written(graph, nodes)
 
@@ -94,7 +94,7 @@ def state_space(
         If the equations are not linear in x and x', or hold higher derivatives.
     """
     graph = WORKPLACE.graph
-    symbols = [Symbol(name, Kind.COORDINATE) for name in function_names(list(x), "state_space")]
+    symbols = [Symbol(name, Kind.COORDINATE) for name in function_names(x, "state_space")]
     left, right, rest = state_matrices(graph, nodes_from_equations(eqns, graph), symbols)
     return _matrix(graph, left), _matrix(graph, right), _column(graph, rest)
 

@@ -6,6 +6,7 @@ everything that was wrong.
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
 from numbers import Real
@@ -87,7 +88,9 @@ class Door:
         """Return the entries of a list; anything that can be iterated but text and mappings counts as one."""
         if isinstance(values, Iterable) and not isinstance(values, str | bytes | Mapping):
             return list(values)
-        self.refuse("model.not_a_list", path, f"{values!r} is not a list", "", "write [.., .., ..]")
+        self.refuse(
+            "model.not_a_list", path, f"{reprlib.repr(values)} is not a list", "", "write [.., .., ..]"
+        )
         return []
 
     def table(self, values: object, path: str, read: Callable[[object, str], T]) -> Table[T]:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, TypeVar, final
 
-from symbody.errors import ModelError, Problem, nearest
+from symbody.errors import ModelError, Problem, counted, nearest
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body, frame_table
@@ -132,7 +132,8 @@ class Model:
         object.__setattr__(self, "notes", (*notes, *remarks))
 
     def __repr__(self) -> str:
-        return f"Model({self.name!r}: {len(self.bodies)} bodies, {len(self.joints)} joints)"
+        sizes = f"{counted(len(self.bodies), 'body')}, {counted(len(self.joints), 'joint')}"
+        return f"Model({self.name!r}: {sizes})"
 
     @property
     def free_joints(self) -> tuple[Joint, ...]:

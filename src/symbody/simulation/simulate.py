@@ -23,6 +23,7 @@ from symbody.simulation.methods.choice import Constraints, Integrator, run_chose
 from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Projection, projector_of
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, Progress, RawRun, integrate
 from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.methods.question import checked_question
 from symbody.simulation.methods.request import Request
 from symbody.simulation.modes.dependent_speeds import pivot_events, pivots_judged
 from symbody.simulation.modes.painleve import judged
@@ -84,6 +85,7 @@ def simulate(
         If names, values, times, tables or events make no sense, initial values do not fit, or a function
         given as input fails. Other failures on the way do not raise: `status` tells.
     """
+    checked_question(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     chosen, laws = checked_events(events, eqs), input_laws(eqs.input_names, inputs or {}, span)
     held = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs

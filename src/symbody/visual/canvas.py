@@ -15,6 +15,9 @@ from symbody.visual.curves import Curve, Path, shared_quantity
 SIZE: Final = (7.0, 4.2)  # inches: a column of text, and a slide
 SIZE_IN_SPACE: Final = (6.0, 5.2)
 RESOLUTION: Final = 150  # dots per inch
+# Entries of a legend that stand below each other in that height, in two sizes of type.
+_ROWS: Final = 16
+_ROWS_SMALL: Final = 23
 
 # The palette of Okabe and Ito, told apart by readers with any colour vision; yellow is too pale for lines.
 COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -85,7 +88,18 @@ def _finish(axes: Axes, title: str | None) -> None:
         if axes.figure.get_layout_engine() is None:  # nothing would make room outside
             axes.legend(lines, labels, loc="best")
         else:
-            axes.legend(lines, labels, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
+            size = "x-small" if len(lines) > _ROWS else "medium"
+            columns = -(-len(lines) // _ROWS_SMALL)
+            corner = (1.0, 1.0)
+            axes.legend(
+                lines,
+                labels,
+                loc="upper left",
+                bbox_to_anchor=corner,
+                frameon=False,
+                fontsize=size,
+                ncols=columns,
+            )
     if title is not None:
         axes.set_title(_plain(title))
 

@@ -46,6 +46,9 @@ def plot(
     UsageError
         An unknown name, an output with several components where one is needed, or too few labels.
     """
+    if not isinstance(run, Trajectory):
+        fix = "give what simulate returns; of a sweep, one case: sweep.trajectory(3)"
+        raise UsageError(Problem("plot.not_a_motion", "run", f"{run!r} is no motion", fix=fix))
     chosen = expressions or run.coordinate_names
     known = {x, *(name for item in chosen for name in ((item,) if isinstance(item, str) else item))}
     motion = run if run.stored.keys() & known else refined(run)

@@ -75,7 +75,7 @@ def find_equilibrium(
     guess: Mapping[str, Value] | None = None,
     parameters: Mapping[str, Value] | None = None,
     inputs: Mapping[str, Value] | None = None,
-    unknowns: Sequence[str] = (),
+    unknowns: str | Sequence[str] = (),
     fixed: Mapping[str, Value] | None = None,
     t: float = 0.0,
 ) -> Equilibrium:
@@ -88,7 +88,7 @@ def find_equilibrium(
         continuum, the one that is reached by the shortest steps is taken, with a note.
     inputs : mapping of name to number or formula
         Constant, by default 0; formulas may read the state.
-    unknowns : sequence of str
+    unknowns : str or sequence of str
         Inputs that take whatever value holds the mechanism; they are in ``inputs`` of the result.
     fixed : mapping of name to number or formula
         Coordinates that keep these values, as a rule with inputs unknown.
@@ -102,6 +102,7 @@ def find_equilibrium(
         with what is left of them at the best configuration, and along which speed.
     """
     first = assemble(eqs, fixed, guess, parameters, {k: v for k, v in (inputs or {}).items()}, t)
+    unknowns = (unknowns,) if isinstance(unknowns, str) else unknowns
     _check(eqs, unknowns, fixed or {})
     task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t)
     search = _Search(balance(task, unknowns), np.array(list(first.q.values())), frozenset(fixed or ()))

@@ -181,15 +181,19 @@ class VelocityRatios:
         u = np.array(list(self.speeds(found, rates).values()))
         return dict(zip(names, self._completed(found.t, q, u, asked, 2).tolist(), strict=True))
 
-    def generalized_forces(self, state: State) -> Floats:
-        """Return ``F_I + tau^T F_D`` (n_I,) at a state: what its forces do along each independent speed."""
-        q, u = (np.array(list(x.values())) for x in (state.q, state.u))
-        inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(state.inputs)
+    def generalized_forces(self, state: State | Mapping[str, Value]) -> Floats:
+        """Return ``F_I + tau^T F_D`` (n_I,) at a state: what its forces do along each independent speed.
+
+        A mapping fixes coordinates and speeds, as in `assemble`; inputs are then 0.
+        """
+        found = self._state(state)
+        q, u = (np.array(list(x.values())) for x in (found.q, found.u))
+        inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(found.inputs)
         sequence = form_sequence(self.eqs, "forcing", self._parameters, (), inputs)
-        forces = CompiledFunction(*sequence)(state.t, q, u)
+        forces = CompiledFunction(*sequence)(found.t, q, u)
         own, others = self._places(self.independent), self._places(self.dependent)
-        found: Floats = forces[own] + self._tau(state.t, q).T @ forces[others]
-        return found
+        along: Floats = forces[own] + self._tau(found.t, q).T @ forces[others]
+        return along
 
     def _part(self, speeds: Sequence[str]) -> SympyMatrix:
         names = self.eqs.multiplier_names

@@ -26,6 +26,29 @@ _ELSEWHERE: Final = MappingProxyType(
 _PYTHON_WORDS: Final = frozenset(
     {"if", "not", "for", "in", "is", "else", "lambda", "import", "async", "await"}
 )
+_UNITS: Final = frozenset(
+    {
+        "mm",
+        "cm",
+        "m",
+        "km",
+        "g",
+        "kg",
+        "t",
+        "N",
+        "kN",
+        "Nm",
+        "J",
+        "W",
+        "Pa",
+        "MPa",
+        "s",
+        "ms",
+        "Hz",
+        "rad",
+        "rpm",
+    }
+)
 
 
 def adjacent_problem(source: Source, previous: Token, token: Token, following: Token) -> Problem:
@@ -47,7 +70,10 @@ def adjacent_problem(source: Source, previous: Token, token: Token, following: T
     if previous.text in FUNCTIONS:
         fix = f"write {previous.text}({shown(token.text)})"
     elif token.text in ("deg", "degree", "degrees"):
-        fix = f'write {previous.text}*pi/180; "30 deg" is only understood as a whole angle'
+        fix = f'write {previous.text}*pi/180; "30 deg" is understood where a whole value is an angle'
+    elif previous.kind == "number" and token.text in _UNITS:
+        fix = f"leave the unit out and give the value in SI units; with a symbol {token.text}, write "
+        fix += f"{shown(previous.text)}*{token.text}"
     else:
         fix = f"write {shown(previous.text)}*{shown(token.text)}"
     return source.problem(

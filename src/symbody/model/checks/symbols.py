@@ -134,12 +134,13 @@ def _misplaced(where: str, use: Use, name: str, symbols: Symbols) -> Problem:
             where,
         )
     cure = nearest(name, [*use.own, *symbols.allowed(use.scope)])
+    defined = f"[parameters] {name} = .." + (f', or inputs = ["{name}"]' if "inputs" in takes else "")
     return use.formula.problem(
         "names.unknown",
         column,
         f"there is no symbol {name!r}",
         takes,
-        cure if is_coordinate else f"{cure} Or define it: [parameters] {name} = ..",
+        cure if is_coordinate else f"{cure} Or define it: {defined}",
         where,
     )
 

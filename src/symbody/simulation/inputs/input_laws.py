@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +23,10 @@ from symbody.simulation.inputs.tables import Table
 Floats = NDArray[np.float64]
 Callback = Callable[[float, Floats, Floats], float]
 Law = Value | Table | tuple[ArrayLike, ArrayLike] | Callback
+
+# Differences of a law are taken over a share of the state, or of this where the state is smaller.
+_SHARE: Final = 1.5e-8  # the root of what numbers are rounded by
+_LEAST: Final = 1e-2
 
 _NATIVE = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 8)
 
@@ -68,6 +73,23 @@ class InputLaws:
         """
         return [_asked(name, law, t, q, u) for name, law in self.asked.items()]
 
+    def slopes(self, t: float, x: Floats, n_u: int) -> Floats:
+        """Return the derivatives of what is asked by x = (u, q), (n, x.size), as differences.
+
+        Raises
+        ------
+        SimulationError
+            If a law fails.
+        """
+        here = np.array(self.at(t, x[n_u:].copy(), x[:n_u].copy()))
+        found = np.empty((here.size, x.size))
+        for k, value in enumerate(x):
+            beside = x.copy()
+            beside[k] += _SHARE * max(abs(value), _LEAST)
+            there = np.array(self.at(t, beside[n_u:], beside[:n_u].copy()))
+            found[:, k] = (there - here) / (beside[k] - value)
+        return found
+
 
 def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float, float]) -> InputLaws:
     """Return the laws of inputs; those without one are 0, and names that are no inputs stay for `compile`.
@@ -93,7 +115,10 @@ def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float
             formulas[name] = table
         else:
             asked[name] = table
-            notes.append(f"input {name} is a Python function, asked at every evaluation: slow")
+            notes.append(
+                f"input {name} is a Python function, asked at every evaluation: slow; implicit methods take "
+                "its slopes from differences"
+            )
     kept = {name: value for name, value in formulas.items() if name not in asked}
     in_order = {name: asked[name] for name in (*names, *asked) if name in asked}
     return InputLaws(kept, in_order, tuple(notes))

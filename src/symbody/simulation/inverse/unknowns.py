@@ -24,6 +24,7 @@ Floats = NDArray[np.float64]
 
 _RANK: Final = 1e-9  # of the largest singular value of Z^T B
 _HELD: Final = 1e-7  # of the largest force: what is left over counts as rounding
+_STILL: Final = 1e-9  # of a unit acceleration, where forces that cancel leave nothing to compare with
 _ROUNDS: Final = 30
 _SAME: Final = 1e-12
 _DIFFERENCE: Final = 1e-6  # of unknowns, for friction
@@ -101,7 +102,11 @@ class Unknowns:
             r += change
             if np.abs(change).max(initial=0.0) <= _SAME * np.abs(r).max(initial=0.0):
                 break
-        self._check(samples, bases, needed, self._forcing(samples, r), slopes)
+        forcing = self._forcing(samples, r)
+        terms = [np.abs(needed), np.abs(forcing), np.abs(slopes * r.T[:, np.newaxis]).sum(axis=-1)]
+        size = np.sum([term.max(axis=1, initial=0.0) for term in terms], axis=0)
+        size += _STILL / _HELD * np.abs(mass * sizes * sizes[:, np.newaxis]).max(axis=(1, 2), initial=0.0)
+        self._check(samples, bases, needed - forcing, size, slopes)
         return Found(r, redundant)
 
     def _forcing(self, samples: Samples, r: Floats) -> Floats:
@@ -137,9 +142,9 @@ class Unknowns:
         return function(samples.t, samples.q.T, samples.u.T, self.arguments(samples, r))
 
     def _check(
-        self, samples: Samples, bases: Sequence[Floats], needed: Floats, forcing: Floats, slopes: Floats
+        self, samples: Samples, bases: Sequence[Floats], missing: Floats, size: Floats, slopes: Floats
     ) -> None:
-        """Refuse a motion that the unknowns cannot make.
+        """Refuse a motion that the unknowns cannot make, given what is missing and its scale.
 
         Raises
         ------
@@ -147,9 +152,8 @@ class Unknowns:
             Naming the time, the coordinates that nothing drives, and unknowns without influence.
         """
         for k, basis in enumerate(bases):
-            left = basis.T @ (needed[k] - forcing[k])
-            size = np.abs(needed[k]).max(initial=0.0) + np.abs(forcing[k]).max(initial=0.0)
-            if np.abs(left).max(initial=0.0) <= _HELD * size:
+            left = basis.T @ missing[k]
+            if np.abs(left).max(initial=0.0) <= _HELD * size[k]:
                 continue
             raise SimulationError(self._powerless(samples, k, basis, left, slopes[k]))
 

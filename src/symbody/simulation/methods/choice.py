@@ -97,7 +97,10 @@ def _continued(request: Request, first: RawRun, constraints: Projection | Baumga
         before=first,
     )
     note = f"from t = {start:.6g} s on the motion is stiff and sb.Stiff() integrates it"
-    return run_stiff(rest, Stiff(), constraints), (note,)
+    try:
+        return run_stiff(rest, Stiff(), constraints), (note,)
+    except KeyboardInterrupt:  # while it compiled: what came before is kept
+        return replace(first, status=Status.INTERRUPTED), ()
 
 
 def _unfit(constraints: str, why: str, fix: str) -> UsageError:

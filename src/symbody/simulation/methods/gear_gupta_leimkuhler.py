@@ -23,7 +23,7 @@ from symbody.expr.graph import Kind, Symbol
 from symbody.expr.rewrite import substitute
 from symbody.expr.sequence import Roots
 from symbody.simulation.methods.request import Called, Request
-from symbody.simulation.methods.state_jacobian import without_idle_rows
+from symbody.simulation.methods.state_jacobian import inputs_of, without_idle_rows
 from symbody.simulation.methods.stepping import march
 from symbody.simulation.methods.stiff import Stiff
 from symbody.simulation.methods.sundials import SundialsStepper, Watch, solver_class
@@ -38,6 +38,7 @@ _INDEPENDENT: Final = 1e-8
 # How fast a quaternion returns to unit norm [1/s].
 _NORMING: Final = 10.0
 _RESIDUAL, _SLOPES, _MASS = "ggl residual", "ggl slopes", "mass_matrix"
+_BY_ASKED: Final = "ggl slopes by what is asked"
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +123,12 @@ def _with_residual(eqs: EquationSet, request: Request) -> EquationSet:
     values += [*(row.value for row in formed.holonomic), *velocity_residual(formed)]
     nodes = with_laws(eqs, [value.index for value in values], request.task.laws.formulas)
     by = (*formed.u, *formed.q, *first.values(), *second.values())
-    outputs = [Roots(_RESIDUAL, (len(nodes),), tuple(nodes)), partial_derivatives(eqs, _SLOPES, nodes, by)]
+    asked = inputs_of(eqs, request.task.laws.asked)
+    outputs = [
+        Roots(_RESIDUAL, (len(nodes),), tuple(nodes)),
+        partial_derivatives(eqs, _SLOPES, nodes, by),
+        partial_derivatives(eqs, _BY_ASKED, nodes, asked),
+    ]
     return with_outputs(eqs, outputs, {**udot, **first, **second})
 
 
@@ -144,7 +150,8 @@ class _System:
         self.m, self.m_positions = len(eqs.formed.rows), len(eqs.formed.holonomic)
         self._n_u, self._n = request.n_u, request.state.size
         self._residual = request.compiled(_RESIDUAL, eqs)
-        self._slopes = request.compiled((_SLOPES, _MASS), eqs)
+        self._slopes = request.compiled((_SLOPES, _MASS, _BY_ASKED), eqs)
+        self._laws = request.task.laws
         self._start = request.compiled((_MASS, "forcing", "jacobian", "gamma", "qdot"), eqs)
 
     def residual(self, t: float, both: Floats) -> Floats:
@@ -159,6 +166,8 @@ class _System:
         found = self._called(self._slopes, t, y, rate)
         result: Floats = found[0].copy()
         n_u, n = self._n_u, self._n
+        if self._laws.asked:
+            result[:, :n] += found[2] @ self._laws.slopes(t, y[:n], n_u)
         result[:n_u, :n_u] += share * found[1]
         result[range(n_u, n), range(n_u, n)] += share
         return result

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Final
 
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
 from symbody.codegen.compile import Value, constant_values
 from symbody.equations.equation_set import EquationSet
+from symbody.expr.graph import Symbol
 from symbody.expr.sequence import Roots
 
 STATE_RATES: Final = "state rates"
 STATE_JACOBIAN: Final = "state jacobian"
+ASKED_JACOBIAN: Final = "asked jacobian"
 
 
 def without_idle_rows(eqs: EquationSet, parameters: Mapping[str, Value]) -> EquationSet:
@@ -24,9 +26,21 @@ def without_idle_rows(eqs: EquationSet, parameters: Mapping[str, Value]) -> Equa
     return EquationSet(eqs.model, formed.with_rows(rows), eqs.notes)
 
 
-def with_state_jacobian(eqs: EquationSet, laws: Mapping[str, Value]) -> EquationSet:
-    """Return the equations with the outputs `STATE_RATES`, x' in the order (u, q), and `STATE_JACOBIAN`."""
+def with_state_jacobian(
+    eqs: EquationSet, laws: Mapping[str, Value], asked: Iterable[str] = ()
+) -> EquationSet:
+    """Return the equations with the outputs `STATE_RATES`, x' in the order (u, q), and `STATE_JACOBIAN`.
+
+    With them is `ASKED_JACOBIAN`, the derivatives of the same by the inputs in `asked`.
+    """
     rates = with_laws(eqs, eqs.roots("xdot").nodes, laws)
     by = (*eqs.formed.u, *eqs.formed.q)
     derivatives = partial_derivatives(eqs, STATE_JACOBIAN, rates, by)
-    return with_outputs(eqs, [Roots(STATE_RATES, (len(rates),), tuple(rates)), derivatives])
+    by_asked = partial_derivatives(eqs, ASKED_JACOBIAN, rates, inputs_of(eqs, asked))
+    return with_outputs(eqs, [Roots(STATE_RATES, (len(rates),), tuple(rates)), derivatives, by_asked])
+
+
+def inputs_of(eqs: EquationSet, names: Iterable[str]) -> list[Symbol]:
+    """Return the symbols of inputs."""
+    known = {symbol.name: symbol for symbol in eqs.formed.inputs}
+    return [known[name] for name in names]

@@ -12,6 +12,7 @@ from symbody.errors import Problem, UsageError
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.request import Closing, Request
 from symbody.simulation.methods.state_jacobian import (
+    ASKED_JACOBIAN,
     STATE_JACOBIAN,
     STATE_RATES,
     with_state_jacobian,
@@ -66,7 +67,7 @@ class Stiff:
 
 
 def run_stiff(request: Request, method: Stiff, constraints: Projection | Baumgarte) -> RawRun:
-    """Integrate ``x' = f(t, x)`` by CVODE, with df/dx from the graph.
+    """Integrate ``x' = f(t, x)`` by CVODE, with df/dx from the graph, and from differences of Python's laws.
 
     With `Projection` the ends of all steps and all samples are brought onto the constraints; a drift far
     beyond its limit starts the solver anew from there.
@@ -80,16 +81,18 @@ def run_stiff(request: Request, method: Stiff, constraints: Projection | Baumgar
     eqs = without_idle_rows(request.eqs, request.task.parameters)
     if closing is not None and eqs.multiplier_names:
         eqs = DRIFT.applied(eqs)
-    wider = with_state_jacobian(eqs, request.task.laws.formulas)
+    laws = request.task.laws
+    wider = with_state_jacobian(eqs, laws.formulas, laws.asked)
     rates = request.compiled(STATE_RATES, wider)
-    slopes = request.compiled(STATE_JACOBIAN, wider)
+    slopes = request.compiled((STATE_JACOBIAN, ASKED_JACOBIAN), wider)
     watch = Watch(rates)
 
     def right_hand_side(t: float, x: Floats, out: Floats) -> None:
         out[:] = watch(t, x)
 
     def state_jacobian(t: float, x: Floats, rate: Floats, out: Floats) -> None:
-        out[:] = slopes(t, x)
+        by_state, by_asked = slopes(t, x)
+        out[:] = by_state + by_asked @ laws.slopes(t, x, request.n_u) if laws.asked else by_state
 
     solver = solver_class("CVODE")(
         right_hand_side, method="BDF", jacfn=state_jacobian, rtol=request.rtol, atol=request.atol,

@@ -157,13 +157,8 @@ def fresh_record(run: NativeRun, times: Floats | None, dense: bool) -> Record:
         More samples than the memory holds.
     """
     _, rows, n = run.memory.F.shape
-    if times is not None and 8 * times.size * (n + 1) > memory_limit():
-        size = 8e-9 * times.size * (n + 1)
-        what = (
-            f"{times.size} samples of {n} states take {size:.3g} GB, more than half of this computer's memory"
-        )
-        fix = f"ask for at most {memory_limit() // (8 * (n + 1))} times, or run in parts"
-        raise SimulationError(Problem("simulation.memory", "times", what, fix=fix))
+    if times is not None:
+        check_memory(times.size, n)
     capacity = FIRST_CAPACITY if times is None else times.size
     pieces = FIRST_CAPACITY if dense else 0
     return Record(
@@ -175,6 +170,22 @@ def fresh_record(run: NativeRun, times: Floats | None, dense: bool) -> Record:
         times is None,
         dense,
     )
+
+
+def check_memory(samples: int, n: int) -> None:
+    """Check that so many samples of n states fit into the memory.
+
+    Raises
+    ------
+    SimulationError
+        They take more than `memory_limit`.
+    """
+    if 8 * samples * (n + 1) <= memory_limit():
+        return
+    size = 8e-9 * samples * (n + 1)
+    what = f"{samples} samples of {n} states take {size:.3g} GB, more than half of this computer's memory"
+    fix = f"ask for at most {memory_limit() // (8 * (n + 1))} times, or run in parts"
+    raise SimulationError(Problem("simulation.memory", "times", what, fix=fix))
 
 
 def memory_limit() -> int:
@@ -240,7 +251,9 @@ def _watched(run: NativeRun, record: Record, watch: Watch, code: int) -> tuple[R
     memory.vectors[places.STATE_OLD] = cut.before if cut.after is None else cut.after
     if cut.after is None:
         return record, code, cut.status
-    begin = partial(native.begin, run.rhs, run.method, run.goal, memory, record, 0.0)
+    # Steps of one length stay so; others begin with a short one, as at the start.
+    first_step = run.goal.max_step if run.method.growth == 1.0 else 0.0
+    begin = partial(native.begin, run.rhs, run.method, run.goal, memory, record, first_step)
     return record, go_on(begin, counts, record, cut), None
 
 

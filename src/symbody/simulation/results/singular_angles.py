@@ -16,6 +16,10 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from symbody.equations.equation_set import EquationSet
+from symbody.model.joint import Joint
+from symbody.model.joints.constant_velocity import ConstantVelocity
+from symbody.model.joints.free import Free
+from symbody.model.joints.spherical import Spherical
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.native.dense_output import DenseOutput
 
@@ -33,6 +37,7 @@ class _Angles:
     joint: str
     second: int
     shift: float
+    cure: str
 
     def measure(self, q: Floats) -> Floats:
         """Return the size of the determinant that relates rates and angular velocity."""
@@ -90,7 +95,15 @@ def _triples(eqs: EquationSet) -> Iterator[_Angles]:
         names = [turn.angle.text for turn in turns]
         if use.turns and len(set(names)) == 3 and names[1] in places:
             is_proper = turns[0].axis == turns[2].axis
-            yield _Angles(use.joint.name, places[names[1]], 0.0 if is_proper else np.pi / 2)
+            yield _Angles(use.joint.name, places[names[1]], 0.0 if is_proper else np.pi / 2, _cure(use.joint))
+
+
+def _cure(joint: Joint) -> str:
+    if isinstance(joint, Spherical | Free):
+        return 'angles = "quaternion" has no such place'
+    if isinstance(joint, ConstantVelocity):
+        return "cut it with tree = false if its shafts come in line"
+    return "another sequence of angles has its places elsewhere"
 
 
 def _told(eqs: EquationSet, angles: _Angles, t: float, size: float) -> str:
@@ -98,5 +111,5 @@ def _told(eqs: EquationSet, angles: _Angles, t: float, size: float) -> str:
     return (
         f"joint {angles.joint}: at t = {t:.6g} s {name} passes {size:.1e} rad from a place where its angles "
         "do not determine the rotation; steps are small there and accuracy suffers; "
-        'angles = "quaternion" has no such place'
+        f"{angles.cure}"
     )

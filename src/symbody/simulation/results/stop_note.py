@@ -34,7 +34,7 @@ def stop_note(task: Task, raw: RawRun) -> str:
         position = _singular_position(task, raw)
         if position is not None:
             return f"{known}; {position.told}"
-    if raw.status is Status.SINGULAR:
+    if raw.status in (Status.SINGULAR, Status.NOT_FINITE):
         told = _massless(task, raw)
         if told:
             return f"{known}; {told}"

@@ -1,0 +1,40 @@
+"""The bar on the screen: which stage of the work is under way, and how far the motion has come."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import Progress
+
+
+class StageBar:
+    """A bar on standard error that names the stage of the work; nothing where that is no screen.
+
+    Nothing may be printed during a stage: it would run through the bar.
+    """
+
+    def __init__(self) -> None:
+        self._console = Console(stderr=True)
+        self._bar: Progress | None = None
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Show a stage whose length nobody knows."""
+        bar = Progress(
+            console=self._console,
+            transient=True,
+            disable=not self._console.is_terminal,
+            redirect_stdout=False,  # what is printed belongs to standard output, also beside a bar
+            redirect_stderr=False,
+        )
+        bar.add_task(name, total=None)
+        self._bar = bar
+        with bar:
+            yield
+
+    def moved(self, share: float) -> None:
+        """Show how far a motion has come: what came before it, as compilation, is over."""
+        if self._bar is not None:
+            self._bar.update(self._bar.task_ids[0], description="integrating", total=1.0, completed=share)
