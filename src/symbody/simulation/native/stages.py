@@ -19,6 +19,7 @@ from symbody.simulation.native.places import (
     STATE_NEW,
     STATE_OLD,
 )
+from symbody.simulation.native.states import WIDTH, everywhere, four, plus, put, times
 
 
 @inlined
@@ -62,10 +63,20 @@ def _sums(
 @inlined
 def _combine(method: Method, row: int, memory: Memory, factor: float, base: int, target: int) -> None:
     """Set vectors[target] to vectors[base] plus `factor` times a row of the tableau times K."""
-    vectors, n = memory.vectors, memory.K.shape[1]
+    vectors, K, n = memory.vectors, memory.K, memory.K.shape[1]
+    if n >= WIDTH:
+        for block in range(0, n, WIDTH):
+            first = min(block, n - WIDTH)  # the last four may have been computed before, to the same values
+            total = everywhere(0.0)
+            for entry in range(method.first[row], method.first[row + 1]):
+                slopes = four(K, method.columns[entry] * n + first)
+                total = plus(total, times(everywhere(method.weights[entry]), slopes))
+            moved = plus(four(vectors, base * n + first), times(everywhere(factor), total))
+            put(vectors, target * n + first, moved)
+        return
     for block in range(0, n, 4):
         i, j, k, m = four_states(block, n)
-        a, b, c, d = _sums(method, row, memory.K, i, j, k, m)
+        a, b, c, d = _sums(method, row, K, i, j, k, m)
         vectors[target, i] = vectors[base, i] + factor * a
         vectors[target, j] = vectors[base, j] + factor * b
         vectors[target, k] = vectors[base, k] + factor * c
