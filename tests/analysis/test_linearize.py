@@ -203,17 +203,17 @@ def pencil(eqs: sb.EquationSet, state: sb.State) -> Array:
     f = sb.compile(eqs, ["forcing", "jacobian", "constraints", "mass_matrix", "qdot"])
     q, u = np.array(list(state.q.values())), np.zeros(len(state.u))
     n, m = len(u), len(state.multipliers)
-    pull = np.array(list(state.multipliers.values()))
+    pull, r = np.array(list(state.multipliers.values())), np.zeros(len(eqs.input_names))
 
     def residual(z: Array) -> Array:
-        found = f(0.0, z[n : 2 * n], z[:n])
+        found = f(0.0, z[n : 2 * n], z[:n], r)
         forces = found.forcing + found.jacobian.T @ z[2 * n :]
         return np.concatenate([forces, found.qdot, found.constraints])
 
     z, h = np.concatenate([u, q, pull]), 1e-5
     rows = np.stack([(residual(z + h * e) - residual(z - h * e)) / (2 * h) for e in np.eye(len(z))], axis=1)
     E = np.zeros_like(rows)
-    E[:n, :n] = f(0.0, q, u).mass_matrix
+    E[:n, :n] = f(0.0, q, u, r).mass_matrix
     E[n : 2 * n, n : 2 * n] = np.eye(n)
     assert m == len(eqs.multiplier_names)
     values = eig(rows, E, right=False, homogeneous_eigvals=True)
@@ -231,6 +231,40 @@ def test_loop_has_the_finite_eigenvalues_of_its_pencil() -> None:
     np.testing.assert_allclose(
         np.sort_complex(state.linearization.eigenvalues), np.sort_complex(slowest), rtol=1e-6
     )
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_six_bars_have_the_finite_eigenvalues_of_their_pencils(seed: int) -> None:
+    """Two loops, a spring and a damper, lengths and masses at random; stable or not."""
+    rng = np.random.default_rng(seed)
+    eqs = sb.form_equations(six_bar(rng))
+    state = sb.find_equilibrium(eqs)
+    assert max(map(abs, state.udot.values())) < 1e-9
+    expected, found = pencil(eqs, state), state.linearization.eigenvalues
+    # Those of the loops are infinite, of order 3; differences and rounding leave them above 1e3 in these units.
+    slowest = expected[np.argsort(np.abs(expected))[: found.size]]
+    scale = np.abs(found).max()
+    for value in found:
+        assert np.abs(slowest - value).min() < 1e-5 * scale, (found, slowest)
+
+
+def six_bar(rng: np.random.Generator) -> sb.Model:
+    """A four-bar, and a coupler point that leads a rocker by another link."""
+    a, b, c, d, e = (float(x) for x in rng.uniform([0.4, 1.4, 1.2, 1.6, 1.0], [0.6, 1.7, 1.5, 1.9, 1.4]))
+
+    def link(name: str, length: float, **frames: sb.Frame) -> sb.Body:
+        ends = {"p": sb.Frame(at=(-length / 2, 0, 0)), "q": sb.Frame(at=(length / 2, 0, 0)), **frames}
+        mass = float(rng.uniform(0.5, 2))
+        return sb.Body(name, mass=mass, inertia=(0, 0, mass * length**2 / 12), frames=ends)
+
+    hinges = [("J1", "ground", "A.p"), ("J2", "A.q", "B.p"), ("J3", "ground.o", "C.p"), ("J4", "B.q", "C.q"),
+              ("J5", "C.m", "D.p"), ("J6", "ground.e", "E.p"), ("J7", "D.q", "E.q")]  # fmt: skip
+    return sb.Model("six-bar", [
+        link("A", a), link("B", b), link("C", c, m=sb.Frame(at=(0, 0.1, 0))), link("D", d), link("E", e),
+        *(sb.Revolute(name, start, end, coordinate=f"q{name[1]}") for name, start, end in hinges),
+        sb.SpringDamper("S", "ground.e", "A.q", stiffness=float(rng.uniform(20, 60)), damping=1.5, free=1.0),
+    ], gravity=(0, -G, 0), ground={"o": sb.Frame(at=(1.5, 0, 0)), "e": sb.Frame(at=(3.0, 0.2, 0))},
+       initial={"q1": 1.2})  # fmt: skip
 
 
 @pytest.mark.parametrize("name", ["q1", "q2", "q3"])
