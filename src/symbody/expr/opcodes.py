@@ -61,7 +61,6 @@ NAMES: Final = (
 
 LEAVES: Final = frozenset({RATIONAL, FLOAT, SYMBOL, PI})
 UNARY_FUNCTIONS: Final = frozenset(range(SIN, FLOOR + 1))
-BINARY_FUNCTIONS: Final = frozenset({ATAN2, MIN, MAX})
 CONDITIONS: Final = frozenset({LT, LE, EQ, AND, OR, NOT})
 MANY: Final = frozenset({SELECT, FMA, CALL, SADDLE})
 

@@ -208,23 +208,34 @@ class BODY(Shown):
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class FORCE(Shown):
-    """A force on a body; each one made is another."""
+class LOAD(Shown):
+    """A force or torque on a body; each one made is another."""
 
-    obj: ClassVar[str] = "FORCE"
-
-    placed: PlacedForce
+    placed: PlacedForce | PlacedTorque
     serial: int
 
     @property
     def vector(self) -> VECTOR:
-        """The force as a vector."""
+        """The force or torque as a vector."""
         return VECTOR(self.placed.vector)
 
     @property
     def comps(self) -> SympyMatrix:
         """The components, then 0."""
         return self.vector.comps
+
+    def lines(self) -> list[str]:
+        """Return components and frame."""
+        return self.vector.lines()
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class FORCE(LOAD):
+    """A force on a body."""
+
+    obj: ClassVar[str] = "FORCE"
+
+    placed: PlacedForce
 
     @property
     def point(self) -> POINT:
@@ -237,27 +248,12 @@ class FORCE(Shown):
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class TORQUE(Shown):
-    """A torque on a body; each one made is another."""
+class TORQUE(LOAD):
+    """A torque on a body."""
 
     obj: ClassVar[str] = "TORQUE"
 
     placed: PlacedTorque
-    serial: int
-
-    @property
-    def vector(self) -> VECTOR:
-        """The torque as a vector."""
-        return VECTOR(self.placed.vector)
-
-    @property
-    def comps(self) -> SympyMatrix:
-        """The components, then 0."""
-        return self.vector.comps
-
-    def lines(self) -> list[str]:
-        """Return components and frame."""
-        return self.vector.lines()
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import keyword
 from collections.abc import Iterator
-from collections.abc import Sequence as Items
 from typing import Final
 
 from symbody.codegen.texts.layout import Arguments, Language, Layout
 from symbody.codegen.texts.lists import filled
+from symbody.codegen.texts.python_words import entry, kernel, number
 from symbody.codegen.texts.saddle_jax import SADDLE_JAX
 from symbody.codegen.texts.statements import Dialect, Statements
 from symbody.expr import opcodes as op
@@ -68,21 +68,8 @@ def _angle(y, x):
 """
 
 
-def _number(value: float) -> str:
-    text = repr(value)  # the shortest that reads back as the same double
-    return f"({text})" if text.startswith("-") else text
-
-
-def _entry(array: str, k: int) -> str:
-    return "t" if array == "t" else f"{array}[{k}]"
-
-
-def _kernel(name: str, n: int, m: int, operands: Items[str]) -> list[str]:
-    return [f"    {name} = _solve_saddle({n}, {m}, [", *filled(operands, "        "), "    ])"]
-
-
 _DIALECT: Final = Dialect(
-    _EXPRESSIONS, "    {name} = {value}", _number, _entry, held="jnp.float64({0})", kernel=_kernel
+    _EXPRESSIONS, "    {name} = {value}", number, entry, held="jnp.float64({0})", kernel=kernel
 )
 
 
@@ -115,7 +102,7 @@ def _call(layout: Layout) -> str:
 
 
 def _head(layout: Layout) -> Iterator[str]:
-    first, *rest = layout.heading(_entry, _call(layout))
+    first, *rest = layout.heading(entry, _call(layout))
     yield f'r"""{first}'
     yield ""
     yield from rest

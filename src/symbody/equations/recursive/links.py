@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from symbody.equations.recursive.pseudo_inertia import PseudoInertia
 from symbody.equations.recursive.turned import Steps
-from symbody.expr.expression import Expr
 from symbody.vectors.matrix import Matrix, Triple
 
 GROUND = -1
@@ -125,8 +124,3 @@ class Tree:
             before = 0 if link.parent == GROUND else found[link.parent]
             found.append(before + len(link.motion.columns))
         return found
-
-
-def zero_of(link: Link) -> Expr:
-    """Return the constant 0 of the graph a link is in."""
-    return link.inertia.mass * 0

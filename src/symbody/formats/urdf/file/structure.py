@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 from symbody.errors import Problem, nearest
 from symbody.formats.urdf.file.robot import Link, UrdfJoint
@@ -46,13 +46,6 @@ def outward(joints: Iterable[UrdfJoint], root: str) -> list[UrdfJoint]:
         found.append(joint)
         waiting.extend(reversed(below.get(joint.child, [])))
     return found
-
-
-def leader_of(joint: UrdfJoint, joints: Mapping[str, UrdfJoint]) -> UrdfJoint:
-    """Return the joint at the end of a chain of followers."""
-    while joint.mimic is not None:
-        joint = joints[joint.mimic.leader]
-    return joint
 
 
 def _duplicates(where: str, kind: str, entries: Sequence[Link | UrdfJoint]) -> list[Problem]:
