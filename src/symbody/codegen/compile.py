@@ -129,7 +129,7 @@ def _made_sequence(
     # What belongs to values of this call alone goes when it is done: equations serve for many calls.
     graph = Graph() if parameters or inputs else eqs.formed.graph
     try:
-        roots = [_replaced(eqs, eqs.roots(name), replacements, graph) for name in names]
+        roots = [_replaced(eqs, eqs.code_roots(name), replacements, graph) for name in names]
     except ExpressionError as error:
         raise _undefined(eqs, names, replacements, signature, error) from error
     signature = replace(signature, r=(*left, *_accelerations_read(eqs, roots, graph)))
@@ -145,12 +145,13 @@ def _accelerations_read(eqs: EquationSet, roots: Items[Roots], graph: Graph) -> 
 
 def _replaced(eqs: EquationSet, roots: Roots, replacements: Mapping[int, int], graph: Graph) -> Roots:
     """Return roots with symbols replaced, in the graph of the equations or in another one."""
-    own = eqs.formed.graph
+    own, all_nodes = eqs.formed.graph, (*roots.nodes, *roots.given)
     if graph is own:
-        nodes = substitute(own, roots.nodes, replacements)
+        nodes = substitute(own, all_nodes, replacements)
     else:
-        nodes = substitute_into(graph, own, roots.nodes, replacements)
-    return Roots(roots.name, roots.shape, tuple(nodes))
+        nodes = substitute_into(graph, own, all_nodes, replacements)
+    count = len(roots.nodes)
+    return Roots(roots.name, roots.shape, tuple(nodes[:count]), tuple(nodes[count:]))
 
 
 def _undefined(

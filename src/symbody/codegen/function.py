@@ -16,6 +16,7 @@ from symbody.codegen.native_call import GROUPS, NativeCall, SinglePoint
 from symbody.codegen.texts.languages import TEXTS
 from symbody.errors import CompileError, Problem, nearest
 from symbody.expr.folding import fold_constants
+from symbody.expr.program import written_out
 from symbody.expr.sequence import Sequence
 
 Floats = NDArray[np.float64]
@@ -274,7 +275,7 @@ def source_text(sequence: Sequence, language: str, signature: Signature | None =
             Problem("compile.unknown_language", "language", f"there is no language {language!r}", "", cure)
         )
     arguments = {group: signature.names(group) for group in "qurp"} if signature is not None else None
-    return TEXTS[word](sequence, "f", arguments)
+    return TEXTS[word](written_out(sequence), "f", arguments)
 
 
 def _broadcast(given: Mapping[str, Floats]) -> tuple[int, ...]:

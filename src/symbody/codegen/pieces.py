@@ -16,14 +16,17 @@ from itertools import accumulate
 from typing import Final
 
 from symbody.codegen.lowering import constant_values, refuse_user_functions
-from symbody.expr.opcodes import LEAVES, PICK, SADDLE
+from symbody.expr.opcodes import LEAVES, MAP, PICK, SADDLE
 from symbody.expr.sequence import Kernel, Sequence
 
 # LLVM takes the same time for 50,000 operations in pieces of 500 to 4,000, three times as long for one.
 PIECE_SIZE: Final = 2000
 
+# About what a program of derivatives takes to compile, in operations one after the other.
+_MAP_WEIGHT: Final = 300
+
 # Read where they are needed, again in every piece: they take no slot.
-_REREAD: Final = LEAVES | {PICK, SADDLE}
+_REREAD: Final = LEAVES | {PICK, SADDLE, MAP}
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,10 +129,13 @@ def _needed(sequence: Sequence) -> list[bool]:
 
 
 def _last_uses(sequence: Sequence, needed: Items[bool]) -> list[int]:
-    """Return the last needed operation that reads each value, itself if none does."""
+    """Return the last needed operation that reads each value, itself if none does.
+
+    What a program reads is put in its place when it is computed, so that reads nothing.
+    """
     last = list(range(len(sequence.operations)))
     for k, operation in enumerate(sequence.operations):
-        if needed[k]:
+        if needed[k] and operation.op != MAP:
             for operand in operation.operands:
                 last[operand] = k
     return last
@@ -164,7 +170,7 @@ def _bounds(sequence: Sequence, last_use: Items[int], size: int) -> list[int]:
 
 
 def _weight(op: int, operands: tuple[int, ...]) -> int:
-    return len(operands) if op == SADDLE else 0 if op in _REREAD else 1
+    return _MAP_WEIGHT if op == MAP else len(operands) if op == SADDLE else 0 if op in _REREAD else 1
 
 
 def _crossing(sequence: Sequence, last_use: Items[int], bounds: Items[int]) -> list[list[int]]:

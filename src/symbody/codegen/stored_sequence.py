@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import json
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from itertools import accumulate, pairwise
-from typing import Final
+from typing import Any, Final
 
 from symbody.codegen.function import Signature
 from symbody.codegen.llvm.machine import environment
@@ -41,40 +41,55 @@ def read_sequence(key: bytes) -> tuple[Sequence, Signature] | None:
     told = json.loads(head)
     columns = array(_CODE)
     columns.frombytes(body)
-    sequence = Sequence(
-        tuple(Input(*entry) for entry in told["inputs"]),
-        tuple(_constant(text) for text in told["constants"]),
-        tuple(Kernel(n, m) for n, m in told["kernels"]),
-        (),
-        tuple(_operations(columns, told["operations"])),
-        tuple(Output(name, tuple(shape), tuple(values)) for name, shape, values in told["outputs"]),
-    )
     q, u, r, p = (tuple(names) for names in told["signature"])
-    return sequence, Signature(q, u, r, p)
+    return _sequence(told, columns), Signature(q, u, r, p)
 
 
 def store_sequence(key: bytes, sequence: Sequence, signature: Signature) -> bool:
     """Store a sequence if that pays, and return whether it did."""
     if not key or len(sequence.operations) < SMALLEST or sequence.functions:
         return False
-    told = {
+    told = _told(sequence) | {"signature": (signature.q, signature.u, signature.r, signature.p)}
+    store(key, json.dumps(told).encode() + b"\n" + _columns(sequence).tobytes())
+    return True
+
+
+def _told(sequence: Sequence) -> dict[str, object]:
+    """Return all of a sequence but its operations; programs are short, so they are told whole."""
+    return {
         "inputs": [(entry.name, entry.group, entry.position) for entry in sequence.inputs],
         "constants": [_constant_text(value) for value in sequence.constants],
         "kernels": [(kernel.n, kernel.m) for kernel in sequence.kernels],
         "operations": len(sequence.operations),
         "outputs": [(output.name, output.shape, output.values) for output in sequence.outputs],
-        "signature": (signature.q, signature.u, signature.r, signature.p),
+        "programs": [(_told(program), _columns(program).tolist()) for program in sequence.programs],
     }
+
+
+def _columns(sequence: Sequence) -> array[int]:
+    """Return codes, data, numbers of operands, and operands one after the other."""
     columns = array(_CODE, (operation.op for operation in sequence.operations))
     columns.extend(operation.datum for operation in sequence.operations)
     columns.extend(len(operation.operands) for operation in sequence.operations)
     columns.extend(k for operation in sequence.operations for k in operation.operands)
-    store(key, json.dumps(told).encode() + b"\n" + columns.tobytes())
-    return True
+    return columns
+
+
+def _sequence(told: Mapping[str, Any], columns: array[int]) -> Sequence:
+    """Return the sequence that `_told` and `_columns` were made of."""
+    return Sequence(
+        tuple(Input(*entry) for entry in told["inputs"]),
+        tuple(_constant(text) for text in told["constants"]),
+        tuple(Kernel(n, m) for n, m in told["kernels"]),
+        (),
+        tuple(_operations(columns, told["operations"])),
+        tuple(Output(name, tuple(shape), tuple(values)) for name, shape, values in told["outputs"]),
+        tuple(_sequence(inside, array(_CODE, numbers)) for inside, numbers in told["programs"]),
+    )
 
 
 def _operations(columns: array[int], count: int) -> Iterator[Operation]:
-    """Return operations from codes, data, numbers of operands, and operands one after the other."""
+    """Return operations from `_columns`."""
     bounds = accumulate(columns[2 * count : 3 * count], initial=3 * count)
     operands = columns.tolist()
     data = columns[count : 2 * count]

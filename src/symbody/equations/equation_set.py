@@ -10,7 +10,8 @@ from symbody.equations.formed import Formed
 from symbody.equations.forming import form
 from symbody.equations.freedoms.mobility import degrees_of_freedom, independent_speeds
 from symbody.equations.known import Deferred
-from symbody.equations.showing.outputs import evaluable_roots
+from symbody.equations.showing.derivative_outputs import asked_derivative
+from symbody.equations.showing.outputs import code_roots, evaluable_roots
 from symbody.equations.showing.textbook import MOST_SPEEDS, Reaction, Textbook
 from symbody.equations.showing.units import Units, output_units
 from symbody.equations.solving.idle import check_idle
@@ -51,6 +52,7 @@ class EquationSet:
     notes: tuple[str, ...] = ()
     # Roots and formulas already made; pure functions of `formed`, so they cannot go stale.
     _roots: dict[str, Roots] = field(default_factory=dict, repr=False)
+    _code_roots: dict[str, Roots] = field(default_factory=dict, repr=False)
     _textbook: list[Textbook] = field(default_factory=list, repr=False)
     _noise_program: list[Sequence] = field(default_factory=list, repr=False)
     _for_values: dict[tuple[float | None, ...], EquationSet] = field(default_factory=dict, repr=False)
@@ -300,6 +302,15 @@ class EquationSet:
         if found is None:
             found = evaluable_roots(self.formed, name)
             self._roots[name] = found
+        return found
+
+    def code_roots(self, name: str) -> Roots:
+        """Return the roots of an output for machine code: derivatives as programs for several columns."""
+        if asked_derivative(name) is None:
+            return self.roots(name)
+        found = self._code_roots.get(name)
+        if found is None:
+            found = self._code_roots[name] = code_roots(self.formed, name)
         return found
 
     def frame_motion(

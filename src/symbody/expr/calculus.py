@@ -15,6 +15,7 @@ from symbody.expr.canonical import ONE, ZERO, add, mul, select, sub
 from symbody.expr.graph import Graph, Kernel, Kind
 from symbody.expr.opcodes import PICK, SADDLE, SYMBOL
 from symbody.expr.partials import partials
+from symbody.expr.program import unrolled
 from symbody.expr.rewrite import substitute, symbols_of
 
 
@@ -27,6 +28,7 @@ def forward(graph: Graph, roots: Sequence[int], tangents: Mapping[int, int]) -> 
         Derivative of each seed; every other symbol counts as constant.
     """
     known = dict(tangents)
+    roots = unrolled(graph, roots)
     for node in graph.reachable(roots):
         if node in known:
             continue
@@ -46,6 +48,7 @@ def derivative(graph: Graph, roots: Sequence[int], by: int) -> list[int]:
 
 def gradient(graph: Graph, root: int, by: Sequence[int]) -> list[int]:
     """Return the partial derivatives of one `root` by many nodes, each with the others held fixed."""
+    (root,) = unrolled(graph, [root])
     reached = graph.reachable([root])
     if any(graph.ops[node] == SADDLE for node in reached):
         return [forward(graph, [root], _one_of(by, node))[0] for node in by]

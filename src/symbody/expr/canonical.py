@@ -29,6 +29,7 @@ from symbody.expr.opcodes import (
     FMA,
     LE,
     LT,
+    MAP,
     MAX,
     MIN,
     MUL,
@@ -118,7 +119,7 @@ def make(g: Graph, op: int, operands: tuple[int, ...], datum: int = 0) -> int:
         return rule(g, *operands)
     if op == PICK:
         return g.node(PICK, operands[0], datum)
-    if op in (CALL, SADDLE):
+    if op in (CALL, SADDLE, MAP):
         return g.many(op, operands, datum)
     return apply(g, op, *operands)
 

@@ -86,6 +86,8 @@ def _value(
         return arguments[0][datum]
     if code == op.SADDLE:
         return _saddle(sequence, datum, arguments, rules)
+    if code == op.MAP:
+        return _mapped(sequence, operation, arguments, rules)
     if code == op.CALL:
         return sequence.functions[datum](*arguments)
     return rules.functions[code](*arguments)
@@ -113,6 +115,18 @@ def _saddle(sequence: Sequence, datum: int, arguments: list[Number], rules: Arit
     force, gamma = arguments[ends[1] : ends[2]], arguments[ends[2] :]
     solution = solve_saddle(mass, jacobian, force, gamma, sqrt=rules.sqrt)
     return [*solution.udot, *solution.multipliers, rules.constant(solution.rank)]
+
+
+def _mapped(
+    sequence: Sequence, operation: Operation, arguments: list[Number], rules: Arithmetic
+) -> list[Number]:
+    program, count = sequence.programs[operation.datum], sequence.item_count(operation)
+    shared = program.group_size("p")
+    items = (
+        evaluate_sequence(program, {"p": arguments[:shared], "q": arguments[shared + k :: count]}, rules)[0]
+        for k in range(count)
+    )
+    return [value for values in zip(*items, strict=True) for value in values]
 
 
 def _fma(a: float, b: float, c: float) -> float:

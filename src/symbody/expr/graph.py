@@ -23,7 +23,7 @@ from typing import Protocol
 from weakref import WeakKeyDictionary
 
 from symbody.errors import ExpressionError, Problem
-from symbody.expr.opcodes import ARITY, CALL, FLOAT, NEG, PI, PICK, RATIONAL, SADDLE, SYMBOL
+from symbody.expr.opcodes import ARITY, CALL, FLOAT, MAP, NEG, PI, PICK, RATIONAL, SADDLE, SYMBOL
 
 # int is used for whole numbers: arithmetic on it is several times faster than on Fraction.
 Exact = int | Fraction
@@ -87,6 +87,14 @@ class UserFunction(Protocol):
         """Return the partial derivative by the argument at `position`."""
 
 
+class Program(Protocol):
+    """Operations that are done alike for several items; see `program`."""
+
+    @property
+    def word(self) -> int:
+        """A number by which other programs differ, the same in every process."""
+
+
 @dataclass(frozen=True, slots=True)
 class Kernel:
     """Sizes of one `solve_saddle`: `n` unknown accelerations, `m` constraint rows."""
@@ -103,7 +111,7 @@ class Graph:
 
     __slots__ = (
         "__weakref__", "_copies", "_index", "_lock", "_symbol_index", "_whole", "constants", "functions",
-        "hashes", "kernels", "left", "operand_tuples", "ops", "right", "symbols",
+        "hashes", "kernels", "left", "operand_tuples", "ops", "programs", "right", "symbols",
     )  # fmt: skip
 
     def __init__(self) -> None:
@@ -116,6 +124,7 @@ class Graph:
         self.operand_tuples: list[tuple[int, ...]] = []
         self.functions: list[UserFunction] = []
         self.kernels: list[Kernel] = []
+        self.programs: list[Program] = []
         self._index: dict[object, int] = {}
         self._symbol_index: dict[Symbol, int] = {}
         self._whole: dict[int, int] = {}  # nodes of whole numbers, the constants most asked for
@@ -152,6 +161,8 @@ class Graph:
             word = _text_hash(self.functions[datum].name)
         elif op == SADDLE:
             word = self.kernels[datum].n
+        elif op == MAP:
+            word = self.programs[datum].word
         fingerprint = hash((op, word, *[self.hashes[k] for k in operands]))
         with self._lock:
             self.operand_tuples.append(operands)
@@ -221,6 +232,13 @@ class Graph:
                 self.kernels.append(kernel)
             return self.kernels.index(kernel)
 
+    def program(self, program: Program) -> int:
+        """Return the place of a program, for `many(MAP, operands, place)`."""
+        with self._lock:
+            if program not in self.programs:
+                self.programs.append(program)
+            return self.programs.index(program)
+
     def operands(self, node: int) -> tuple[int, ...]:
         """Return the nodes that `node` is computed from."""
         arity = ARITY[self.ops[node]]
@@ -263,8 +281,8 @@ class Graph:
         return found
 
     def datum(self, node: int) -> int:
-        """Return what beside the operands defines `node`: entry of a PICK, place of a function or kernel."""
-        return self.right[node] if self.ops[node] in (PICK, CALL, SADDLE) else 0
+        """Return what else defines `node`: entry of a PICK, place of a function, kernel or program."""
+        return self.right[node] if self.ops[node] in (PICK, CALL, SADDLE, MAP) else 0
 
     def copies_of(self, other: Graph) -> dict[int, int]:
         """Return what was copied from another living graph: its nodes to nodes of this one."""
@@ -308,12 +326,18 @@ def copy_node(source: Graph, target: Graph, node: int, memo: Mapping[int, int]) 
         return target.symbol(source.symbols[source.left[node]])
     if op == PI:
         return target.pi()
-    datum = source.right[node]
+    operands = tuple(memo[k] for k in source.operands(node))
+    return target.many(op, operands, copied_datum(source, target, node))
+
+
+def copied_datum(source: Graph, target: Graph, node: int) -> int:
+    """Return what `datum` says of a node, for one of the same kind in another graph."""
+    op, datum = source.ops[node], source.datum(node)
     if op == CALL:
-        datum = target.function(source.functions[datum])
-    elif op == SADDLE:
-        datum = target.kernel(source.kernels[datum])
-    return target.many(op, tuple(memo[k] for k in source.operands(node)), datum)
+        return target.function(source.functions[datum])
+    if op == SADDLE:
+        return target.kernel(source.kernels[datum])
+    return target.program(source.programs[datum]) if op == MAP else datum
 
 
 def _text_hash(text: str) -> int:

@@ -7,12 +7,12 @@ cannot.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from symbody.expr.canonical import ONE, ZERO, make, neg
 from symbody.expr.circle import Pair
 from symbody.expr.fingerprint import fingerprints, unsigned
-from symbody.expr.graph import Graph, copy_nodes
+from symbody.expr.graph import Graph, copied_datum, copy_nodes
 from symbody.expr.opcodes import (
     ACOS,
     ADD,
@@ -22,6 +22,7 @@ from symbody.expr.opcodes import (
     DIV,
     FMA,
     LOG,
+    MAP,
     MUL,
     POW,
     SADDLE,
@@ -31,23 +32,29 @@ from symbody.expr.opcodes import (
 )  # fmt: skip
 from symbody.expr.rewrite import node_cost
 
-_RISKY = frozenset({ACOS, ASIN, CALL, DIV, LOG, SADDLE, SQRT, TAN})
+_RISKY = frozenset({ACOS, ASIN, CALL, DIV, LOG, MAP, SADDLE, SQRT, TAN})
 
 
-def merge_equal(source: Graph, roots: Sequence[int], target: Graph) -> list[int]:
-    """Return the `roots` rebuilt in `target` with equal or opposite values computed once."""
+def merge_equal(source: Graph, roots: Sequence[int], target: Graph, given: Sequence[int] = ()) -> list[int]:
+    """Return the `roots` rebuilt in `target` with equal or opposite values computed once.
+
+    Parameters
+    ----------
+    given : sequence of int
+        Some of the roots: what they take is defined as if they were alone, and used by the others.
+    """
     nodes = source.reachable([ZERO, ONE, *roots])
     keys: dict[int, Pair] = {}
     flipped: dict[int, bool] = {}
     for node, value in fingerprints(source, nodes).items():
         keys[node], flipped[node] = unsigned(value)
     rank = _ranks(source, nodes)
-    chosen: dict[Pair, int] = {}
-    for node, key in keys.items():
-        known = chosen.get(key)
-        if known is None or rank[node] < rank[known]:
-            chosen[key] = node
-    best = {node: chosen[key] for node, key in keys.items()}
+    fixed: dict[Pair, int] = {}
+    if given:
+        below = source.reachable([ZERO, ONE, *given])
+        alone = _cheapest(below, keys, rank, {})
+        fixed = {keys[node]: node for node in _needed(source, given, alone)}
+    best = _cheapest(nodes, keys, rank, fixed)
     kept = _needed(source, roots, best)
     built: dict[int, int] = {}
 
@@ -55,14 +62,28 @@ def merge_equal(source: Graph, roots: Sequence[int], target: Graph) -> list[int]
         other = best[node]
         return built[other] if flipped[node] == flipped[other] else neg(target, built[other])
 
-    # A representative ranks no higher than what it replaces, so this order puts operands first.
-    for node in sorted(kept, key=rank.__getitem__):
+    # A representative ranks no higher than what it replaces, so this order puts operands first; those that
+    # are fixed read only each other.
+    early = {node for node in kept if fixed.get(keys[node]) == node}
+    for node in (*sorted(early, key=rank.__getitem__), *sorted(kept - early, key=rank.__getitem__)):
         built[node] = _rebuilt(source, node, target, [in_target(k) for k in source.operands(node)])
     return [in_target(root) for root in roots]
 
 
-def contract_products(graph: Graph, roots: Sequence[int]) -> list[int]:
-    """Return the `roots` with ``a*b + c`` as one rounding where the product has no other use."""
+def contract_products(graph: Graph, roots: Sequence[int], given: Sequence[int] = ()) -> list[int]:
+    """Return the `roots` with ``a*b + c`` as one rounding where the product has no other use.
+
+    Those that are `given` are as if they were alone.
+    """
+    memo: dict[int, int] = {}
+    if given:
+        _contract(graph, given, memo)
+    _contract(graph, roots, memo)
+    return [memo[root] for root in roots]
+
+
+def _contract(graph: Graph, roots: Sequence[int], memo: dict[int, int]) -> None:
+    """Add to `memo` what is not in it yet."""
     nodes = graph.reachable(roots)
     operands = [graph.operands(node) for node in nodes]
     uses = dict.fromkeys(nodes, 0)
@@ -71,11 +92,11 @@ def contract_products(graph: Graph, roots: Sequence[int]) -> list[int]:
             uses[operand] += 1
     for root in roots:
         uses[root] += 1
-    memo: dict[int, int] = {}
     for node, old in zip(nodes, operands, strict=True):
+        if node in memo:
+            continue
         fused = _fused(graph, node, uses, memo) if graph.ops[node] in (ADD, SUB) else None
         memo[node] = fused if fused is not None else _remade(graph, node, old, memo)
-    return [memo[root] for root in roots]
 
 
 def _fused(graph: Graph, node: int, uses: dict[int, int], memo: dict[int, int]) -> int | None:
@@ -145,6 +166,22 @@ def _ranks(graph: Graph, nodes: Sequence[int]) -> dict[int, tuple[bool, float, i
     return ranks
 
 
+def _cheapest(
+    nodes: Iterable[int],
+    keys: Mapping[int, Pair],
+    rank: Mapping[int, tuple[bool, float, int, int]],
+    fixed: Mapping[Pair, int],
+) -> dict[int, int]:
+    """Return for each node the one that stands for all of its value: a fixed one, or that of lowest rank."""
+    chosen: dict[Pair, int] = {}
+    for node in nodes:
+        known = chosen.get(keys[node])
+        if known is None or rank[node] < rank[known]:
+            chosen[keys[node]] = node
+    chosen |= fixed
+    return {node: chosen[keys[node]] for node in nodes}
+
+
 def _needed(graph: Graph, roots: Sequence[int], best: dict[int, int]) -> set[int]:
     needed = {best[root] for root in roots}
     found = list(needed)
@@ -161,9 +198,4 @@ def _rebuilt(source: Graph, node: int, target: Graph, operands: list[int]) -> in
     op = source.ops[node]
     if not operands:
         return copy_nodes(source, target, [node], {})[0]
-    datum = source.datum(node)
-    if op == CALL:
-        datum = target.function(source.functions[datum])
-    elif op == SADDLE:
-        datum = target.kernel(source.kernels[datum])
-    return make(target, op, tuple(operands), datum)
+    return make(target, op, tuple(operands), copied_datum(source, target, node))

@@ -50,19 +50,20 @@ SELECT: Final = 34  # (condition, then, otherwise)
 FMA: Final = 35  # (a, b, c): a * b + c rounded once
 CALL: Final = 36  # user function: right = index into Graph.functions
 SADDLE: Final = 37  # right = index into Graph.kernels; see saddle.py
-PICK: Final = 38  # left = SADDLE node, right = which entry of its result
+PICK: Final = 38  # left = SADDLE or MAP node, right = which entry of its result
+MAP: Final = 39  # right = index into Graph.programs; see program.py
 
 NAMES: Final = (
     "rational", "float", "neg", "pow", "add", "sub", "mul", "div", "symbol", "pi",
     "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt",
     "abs", "sign", "floor", "atan2", "min", "max", "lt", "le", "eq", "and", "or", "not",
-    "select", "fma", "call", "saddle", "pick",
+    "select", "fma", "call", "saddle", "pick", "map",
 )  # fmt: skip
 
 LEAVES: Final = frozenset({RATIONAL, FLOAT, SYMBOL, PI})
 UNARY_FUNCTIONS: Final = frozenset(range(SIN, FLOOR + 1))
 CONDITIONS: Final = frozenset({LT, LE, EQ, AND, OR, NOT})
-MANY: Final = frozenset({SELECT, FMA, CALL, SADDLE})
+MANY: Final = frozenset({SELECT, FMA, CALL, SADDLE, MAP})
 
 # Operations counted as users count them: negation free, one for each function.
 COST: Final = tuple(

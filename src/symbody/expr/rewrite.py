@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from symbody.expr.canonical import make
-from symbody.expr.graph import Graph, Kind, copy_node, copy_nodes
-from symbody.expr.opcodes import CALL, COST, POW, SADDLE, SYMBOL
+from symbody.expr.graph import Graph, Kind, copied_datum, copy_node, copy_nodes
+from symbody.expr.opcodes import COST, POW, SYMBOL
 
 
 def substitute(graph: Graph, roots: Sequence[int], replacements: Mapping[int, int]) -> list[int]:
@@ -37,11 +37,7 @@ def substitute_into(
         if changed.isdisjoint(old):
             memo[node] = copy_node(source, target, node, memo)
             continue
-        datum = source.datum(node)
-        if source.ops[node] == CALL:
-            datum = target.function(source.functions[datum])
-        elif source.ops[node] == SADDLE:
-            datum = target.kernel(source.kernels[datum])
+        datum = copied_datum(source, target, node)
         memo[node] = make(target, source.ops[node], tuple([memo[k] for k in old]), datum)
         changed.add(node)
     return [memo[root] for root in roots]

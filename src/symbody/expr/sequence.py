@@ -9,24 +9,25 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from collections.abc import Sequence as Items
 from dataclasses import dataclass, replace
+from hashlib import blake2b
 from typing import Final, NamedTuple
 
 from symbody.errors import CompileError, Problem
 from symbody.expr.graph import Constant, Graph, Kernel, UserFunction, copy_nodes
 from symbody.expr.merging import contract_products, merge_equal
-from symbody.expr.opcodes import ADD, CONDITIONS, COST, DIV, FLOAT, LEAVES, POW, RATIONAL, SADDLE, SYMBOL
+from symbody.expr.opcodes import ADD, CONDITIONS, COST, DIV, FLOAT, LEAVES, MAP, POW, RATIONAL, SADDLE, SYMBOL
 from symbody.expr.rewrite import multiplications
 
 __all__ = ["Input", "Kernel", "Operation", "Output", "Roots", "Sequence", "build_sequence"]
 
 # Values that only certain operations can read: they are not handed from one sequence to another.
-_NO_NUMBERS: Final = CONDITIONS | {SADDLE}
+_NO_NUMBERS: Final = CONDITIONS | {SADDLE, MAP}
 
 
 class Operation(NamedTuple):
     """One value: operation code, the numbers of earlier values, and what else defines it.
 
-    `datum` is the place of an input, constant, kernel or function, or the entry of a PICK.
+    `datum` is the place of an input, constant, kernel, program or function, or the entry of a PICK.
     """
 
     op: int
@@ -54,16 +55,35 @@ class Output:
 
 @dataclass(frozen=True, slots=True)
 class Roots:
-    """One result before sequencing: name, shape, and nodes of a graph in row-major order."""
+    """One result before sequencing.
+
+    Attributes
+    ----------
+    name : str
+    shape : tuple of int
+    nodes : tuple of int
+        Of a graph, in row-major order.
+    given : tuple of int
+        What is computed on the way to `nodes`, in the way it is where it is asked for alone.
+    """
 
     name: str
     shape: tuple[int, ...]
     nodes: tuple[int, ...]
+    given: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Sequence:
-    """Straight-line program; value k is defined by ``operations[k]``."""
+    """Straight-line program; value k is defined by ``operations[k]``.
+
+    Attributes
+    ----------
+    programs : tuple of Sequence
+        What is done alike for several items: each has one output, inputs "p" that all items share and inputs
+        "q" of each item. A MAP has as operands all "p", then "q" 0 of all items, "q" 1 of all items, ...; its
+        PICKs count in the same way through the results.
+    """
 
     inputs: tuple[Input, ...]
     constants: tuple[Constant, ...]
@@ -71,6 +91,7 @@ class Sequence:
     functions: tuple[UserFunction, ...]
     operations: tuple[Operation, ...]
     outputs: tuple[Output, ...]
+    programs: tuple[Sequence, ...] = ()
 
     @property
     def operation_count(self) -> int:
@@ -86,11 +107,24 @@ class Sequence:
         """Number of all results together."""
         return sum(len(output.values) for output in self.outputs)
 
+    @property
+    def word(self) -> int:
+        """A number by which other sequences differ, the same in every process."""
+        told = (self.inputs, self.constants, self.kernels, self.operations, self.outputs, self.programs)
+        return int.from_bytes(blake2b(repr(told).encode(), digest_size=7).digest(), "little")
+
+    def item_count(self, operation: Operation) -> int:
+        """Return for how many items a MAP does its program."""
+        program = self.programs[operation.datum]
+        return (len(operation.operands) - program.group_size("p")) // program.group_size("q")
+
     def _cost(self, operation: Operation) -> int:
         if operation.op == POW:
             exponent = self.constant_value(operation.operands[1])
             if isinstance(exponent, int):
                 return multiplications(exponent)
+        if operation.op == MAP:
+            return self.item_count(operation) * self.programs[operation.datum].operation_count
         return COST[operation.op]
 
     def constant_value(self, value: int) -> Constant | None:
@@ -189,12 +223,15 @@ def build_sequence(
     target = Graph()
     finished: list[Roots] = []
     for output in outputs:  # one by one: see merging.py
+        wanted = (*output.nodes, *output.given)
         if merge:
-            nodes = merge_equal(graph, output.nodes, target)
+            nodes = merge_equal(graph, wanted, target, output.given)
         else:
-            nodes = copy_nodes(graph, target, output.nodes, {})
+            nodes = copy_nodes(graph, target, wanted, {})
+        count = len(output.nodes)
         if contract:
-            nodes = contract_products(target, nodes)
+            nodes = contract_products(target, nodes, nodes[count:])
+        nodes = nodes[:count]
         finished.append(Roots(output.name, output.shape, tuple(nodes)))
     places = {graph.symbols[graph.left[node]]: entry for node, entry in inputs.items()}
     return _linearized(target, finished, [places.get(name) for name in target.symbols])
@@ -235,4 +272,5 @@ def _linearized(graph: Graph, outputs: Items[Roots], found: Items[Input | None])
     return Sequence(
         tuple(used), tuple(constants), tuple(graph.kernels), tuple(graph.functions), tuple(operations),
         tuple(Output(o.name, o.shape, tuple([number[node] for node in o.nodes])) for o in outputs),
+        tuple(program for program in graph.programs if isinstance(program, Sequence)),
     )  # fmt: skip

@@ -17,6 +17,9 @@ from symbody.codegen.llvm.saddle import NAME as SADDLE_NAME
 from symbody.codegen.llvm.trig import SINCOS_NAME
 from symbody.codegen.llvm.writing import GROUPS, PARAMETERS, first_status
 
+# Doubles in a line of the cache: registers that reach over the end of one take twice the time.
+ALIGNMENT: Final = 8
+
 _ARGUMENTS: Final = ", ".join(f"ptr %{name}" for name in (*GROUPS, "out", "work"))
 _ARRAYS: Final = (*GROUPS, "out")
 _BATCH: Final = ", ".join(f"ptr %{a}, i64 %{a}.stride" for a in _ARRAYS)
@@ -30,12 +33,19 @@ _OWN: Final = {
 }
 
 
-def entry_function(name: str, pieces: Sequence[str]) -> str:
-    """Return the function that calls `pieces` in order and returns the first status that is not 0."""
-    lines: list[str] = []
+def entry_function(name: str, pieces: Sequence[str], *, whole_lines: bool) -> str:
+    """Return the function that calls `pieces` in order and returns the first status that is not 0.
+
+    Parameters
+    ----------
+    whole_lines : bool
+        Whether the work array is read and written in registers of several numbers; see `ALIGNMENT`.
+    """
+    lines = list(_aligned("%work", "%lines")) if whole_lines else []
+    arguments = _ARGUMENTS.replace("%work", "%lines") if whole_lines else _ARGUMENTS
     status = "0"
     for k, piece in enumerate(pieces):
-        lines.append(f"%r{k} = call i32 @{piece}({_ARGUMENTS})")
+        lines.append(f"%r{k} = call i32 @{piece}({arguments})")
         lines.extend(first_status(status, f"%r{k}", f"%s{k}"))
         status = f"%s{k}"
     body = "\n".join([*lines, f"ret i32 {status}"])
@@ -63,13 +73,12 @@ def lane_batch_function(name: str, function: str, sizes: Mapping[str, int], widt
     sizes : mapping of str to int
         Numbers in each group and in "out"; so many, times `width`, come first in `work`.
     """
-    lines = list(_pointers(width))
-    lines.append("%first = icmp eq i64 %k, 0")
+    lines = [*_pointers(width), *_aligned("%work", "%lines"), "%first = icmp eq i64 %k, 0"]
     arguments = []
     place = 0
     for array in _ARRAYS:
         size = sizes[array]
-        lines.append(f"%{array}.l = getelementptr double, ptr %work, i64 {place}")
+        lines.append(f"%{array}.l = getelementptr double, ptr %lines, i64 {place}")
         arguments.append(f"ptr %{array}.l")
         place += size * width
         if size and array != "out":  # what all points share is spread over the lanes once
@@ -79,10 +88,18 @@ def lane_batch_function(name: str, function: str, sizes: Mapping[str, int], widt
             lines.append(
                 f"call void @{GATHER}(ptr %{array}.k, i64 %{array}.stride, i64 %{array}.size, ptr %{array}.l)"
             )
-    lines.append(f"%rest = getelementptr double, ptr %work, i64 {place}")
+    lines.append(f"%rest = getelementptr double, ptr %lines, i64 {place}")
     lines.append(f"%code = call i32 @{function}({', '.join(arguments)}, ptr %rest)")
     lines.append(f"call void @{SCATTER}(ptr %out.k, i64 %out.stride, i64 {sizes['out']}, ptr %out.l)")
     return _loop(name, lines)
+
+
+def _aligned(given: str, name: str) -> Iterator[str]:
+    """Yield the lines that move a pointer up to where a line of the cache begins."""
+    yield f"{name}.at = ptrtoint ptr {given} to i64"
+    yield f"{name}.end = add i64 {name}.at, {8 * ALIGNMENT - 1}"
+    yield f"{name}.start = and i64 {name}.end, {-8 * ALIGNMENT}"
+    yield f"{name} = inttoptr i64 {name}.start to ptr"
 
 
 def declaration(function: str) -> str:
@@ -90,14 +107,18 @@ def declaration(function: str) -> str:
     return f"declare i32 @{function}({', '.join(['ptr'] * 8)}) nounwind\n"
 
 
-def all_declarations(text: str, width: int) -> str:
+def all_declarations(text: str) -> str:
     """Return declarations of all functions that `text` calls and does not define."""
     known = dict(_OWN)
     for n in lane_counts():
         vector = f"<{n} x double>"
         known[lane_sincos(n)] = f"{{{vector}, {vector}}} @{lane_sincos(n)}({vector})"
     own = [f"declare {known[name]} nounwind\n" for name in known if f"@{name}(" in text]
-    return "".join(own) + declarations(text, width)
+    for n in lane_counts():
+        name = f"llvm.masked.store.v{n}f64.p0"
+        if f"@{name}(" in text:
+            own.append(f"declare void @{name}(<{n} x double>, ptr, i32, <{n} x i1>)\n")
+    return "".join(own) + declarations(text)
 
 
 def _pointers(step: int) -> Iterator[str]:

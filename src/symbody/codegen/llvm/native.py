@@ -12,12 +12,14 @@ from typing import Final
 import llvmlite.binding as binding
 
 from symbody.codegen.llvm.entries import (
+    ALIGNMENT,
     all_declarations,
     batch_function,
     declaration,
     entry_function,
     lane_batch_function,
 )
+from symbody.codegen.llvm.items import ItemPlan, plan_items
 from symbody.codegen.llvm.machine import QUICK, SMALL, THOROUGH, lanes, object_codes, target_machine
 from symbody.codegen.llvm.numbers import words
 from symbody.codegen.llvm.order import ordered
@@ -124,23 +126,29 @@ def _made(sequence: Sequence, piece_size: int, level: int, width: int) -> tuple[
     """Return the code of a sequence, and the text it was compiled from."""
     inner = ordered(sequence)
     plan = plan_pieces(inner, piece_size)
+    items = plan_items(inner, plan.needed, plan.outputs, plan.work_size)
     sizes = {group: sequence.group_size(group) for group in GROUPS} | {"out": sequence.output_size}
-    texts = _module_texts(inner, plan, sizes, width)
+    texts = _module_texts(inner, plan, items, sizes, width)
     outside = sum(sizes.values()) if width > 1 else 0
+    beyond = (items.end + outside) * width
+    if beyond and (width > 1 or items.maps):
+        beyond += 2 * ALIGNMENT  # the entry may move on what the batch has moved
     calls = any("@symbody_s" in text or "@symbody_g" in text for text in texts)
     codes = tuple(object_codes(texts, level))
-    return Module(codes, (plan.work_size + outside) * width, calls), "\n".join(texts)
+    return Module(codes, beyond, calls), "\n".join(texts)
 
 
-def _module_texts(sequence: Sequence, plan: Plan, sizes: dict[str, int], width: int) -> list[str]:
+def _module_texts(
+    sequence: Sequence, plan: Plan, items: ItemPlan, sizes: dict[str, int], width: int
+) -> list[str]:
     """Return the text of each module; the functions call each other across modules."""
     names = [f"{NAME}_{k}" for k in range(len(plan.pieces))]
-    vocabulary = words(width)
+    vocabulary, beside = words(width), words(lanes())
     functions = [
-        piece_function(sequence, plan, piece, name, vocabulary)
+        piece_function(sequence, plan, items, piece, name, vocabulary, beside)
         for piece, name in zip(plan.pieces, names, strict=True)
     ]
-    entry = entry_function(NAME, names)
+    entry = entry_function(NAME, names, whole_lines=width > 1 or bool(items.maps))
     if width == 1:
         entry += batch_function(BATCH_NAME, NAME)
     else:
@@ -149,7 +157,7 @@ def _module_texts(sequence: Sequence, plan: Plan, sizes: dict[str, int], width: 
         bodies = ["".join(functions) + entry]
     else:
         bodies = [*functions, "".join(declaration(name) for name in names) + entry]
-    return [body + all_declarations(body, width) for body in bodies]
+    return [body + all_declarations(body) for body in bodies]
 
 
 def _load(module: Module) -> binding.ResourceTracker:

@@ -63,6 +63,7 @@ LIBRARY: Final = {
     "pow": 2, "atan2": 2, "tan": 1, "asin": 1, "acos": 1, "atan": 1, "sinh": 1, "cosh": 1, "tanh": 1,
     "exp": 1, "log": 1,
 }  # fmt: skip
+_WIDTHS: Final = (1, 2, 4, 8)
 _INTRINSICS: Final = {"llvm.fma": 3, "llvm.sqrt": 1, "llvm.fabs": 1, "llvm.floor": 1}
 
 
@@ -118,19 +119,19 @@ def words(width: int) -> Words:
     )
 
 
-def declarations(text: str, width: int) -> str:
+def declarations(text: str) -> str:
     """Return what `text` calls of the C library and of LLVM, in lanes where it is in lanes."""
-    scalar, chosen = words(1).real, words(width).real
     lines = [
-        f"declare {_signature(chosen, f'{name}.{_suffix(width)}', count)} nounwind\n"
+        f"declare {_signature(words(width).real, f'{name}.{_suffix(width)}', count)} nounwind\n"
         for name, count in _INTRINSICS.items()
-        if f"@{name}." in text
+        for width in _WIDTHS
+        if f"@{name}.{_suffix(width)}(" in text
     ]
     for name, count in LIBRARY.items():
-        if f"@{_prefix(width)}{name}(" in text:
-            lines.append(f"declare {_signature(scalar, name, count)} nounwind\n")
-            if width > 1:
-                lines.append(_lane_by_lane(name, count, width))
+        called = [width for width in _WIDTHS if f"@{_prefix(width)}{name}(" in text]
+        if called:
+            lines.append(f"declare {_signature(words(1).real, name, count)} nounwind\n")
+            lines.extend(_lane_by_lane(name, count, width) for width in called if width > 1)
     return "".join(lines)
 
 

@@ -18,14 +18,14 @@ from dataclasses import replace
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Operation, Output, Sequence
 
-_LATE = op.UNARY_FUNCTIONS | {op.SADDLE, op.PICK, op.ATAN2, op.CALL}
+_LATE = op.UNARY_FUNCTIONS | {op.SADDLE, op.MAP, op.PICK, op.ATAN2, op.CALL}
 
 
 def ordered(sequence: Sequence) -> Sequence:
     """Return the operations that outputs need: circles, then kernels in their order, then the outputs."""
     circles = _early_circles(sequence)
     arguments = [sequence.operations[k].operands[0] for k in circles]
-    kernels = [k for k, operation in enumerate(sequence.operations) if operation.op == op.SADDLE]
+    kernels = [k for k, operation in enumerate(sequence.operations) if operation.op in (op.SADDLE, op.MAP)]
     results = [k for output in sequence.outputs for k in output.values]
     needed = set(_depth_first(sequence, results))
     first = [k for k in (*arguments, *circles, *kernels) if k in needed]

@@ -57,6 +57,7 @@ def key_of(sequence: Sequence, *asked: int) -> bytes:
         sequence.constants,
         [(kernel.n, kernel.m) for kernel in sequence.kernels],
         [output.values for output in sequence.outputs],
+        [program.word for program in sequence.programs],
         asked,
         environment(),
     )

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+from symbody.codegen.llvm.items import ItemPlan, program_lines
 from symbody.codegen.llvm.numbers import Words
 from symbody.codegen.llvm.runtime import LANE_SADDLE, lane_counts, lane_sincos
 from symbody.codegen.llvm.saddle import NAME as SADDLE_NAME
@@ -31,9 +32,11 @@ PARAMETERS: Final = ", ".join(
 BLOCK: Final = 100
 
 
-def piece_function(sequence: Sequence, plan: Plan, piece: Piece, name: str, words: Words) -> str:
-    """Return the function that computes one piece."""
-    writer = _PieceWriter(sequence, plan, piece, words)
+def piece_function(
+    sequence: Sequence, plan: Plan, items: ItemPlan, piece: Piece, name: str, words: Words, beside: Words
+) -> str:
+    """Return the function that computes one piece; `beside` are the words of items side by side."""
+    writer = _PieceWriter(sequence, plan, items, piece, words, beside)
     body = "\n".join(writer.lines())
     return f"define i32 @{name}({PARAMETERS}) nounwind {{\n{body}\n}}\n"
 
@@ -41,9 +44,13 @@ def piece_function(sequence: Sequence, plan: Plan, piece: Piece, name: str, word
 class _PieceWriter:
     """Writes one piece; in lanes, entry k of an array begins at k times the number of lanes."""
 
-    def __init__(self, sequence: Sequence, plan: Plan, piece: Piece, words: Words) -> None:
+    def __init__(
+        self, sequence: Sequence, plan: Plan, items: ItemPlan, piece: Piece, words: Words, beside: Words
+    ) -> None:
         self._sequence = sequence
         self._plan = plan
+        self._items = items
+        self._beside = beside if words.width == 1 else words
         self._piece = piece
         self._words = words
         self._names: dict[int, str] = {}  # how a value is written as an operand
@@ -65,22 +72,43 @@ class _PieceWriter:
                 done += 1
                 if done % BLOCK == 0:
                     self._begin_block()
-            for place in plan.outputs.get(k, ()):
-                self._store("out", place, self._operand(k))
-            if k in piece.stores:
-                self._leave(k, piece.stores[k])
+            self._put_away(k)
         self._lines.append(f"ret i32 {self._status}")
         if self._blocks:
             self._lines.insert(0, "%go = icmp ne ptr %out, null")
             self._lines += ["bail:", "ret i32 0"]
         return self._lines
 
+    def _put_away(self, k: int) -> None:
+        """Store a value wherever it is read from: by the caller, by programs, by later pieces."""
+        if k not in self._items.put:
+            for place in self._plan.outputs.get(k, ()):
+                self._store("out", place, self._operand(k))
+        for place in self._items.read.get(k, ()):
+            self._store("work", place, self._operand(k))
+        if k in self._piece.stores:
+            self._leave(k, self._piece.stores[k])
+
     def _begin_block(self) -> None:
         self._blocks += 1
         self._lines.append(f"br i1 %go, label %b{self._blocks}, label %bail\nb{self._blocks}:")
 
+    def _map(self, k: int) -> None:
+        items = self._items.maps[k]
+        for count, (place, value) in enumerate(items.stores, 1):
+            self._store("work", place, self._operand(value))
+            if count % BLOCK == 0:
+                self._begin_block()
+        self._begin_block()
+        before, after = f"b{self._blocks}", f"b{self._blocks + 1}"
+        self._lines.extend(program_lines(items, f"m{k}", before, after, self._beside, self._words.width))
+        self._blocks += 1
+
     def _operation(self, k: int, operation: Operation) -> None:
         code, operands, datum = operation
+        if code == op.MAP:
+            self._map(k)
+            return
         if code == op.SADDLE:
             self._saddle(k, operands, datum)
         elif code == op.POW and (exponent := whole_exponent(self._sequence, operands[1])) is not None:
@@ -113,7 +141,9 @@ class _PieceWriter:
             source = self._sequence.inputs[datum]
             self._load(name, source.group, source.position)
         elif code == op.PICK:
-            self._load(name, "work", self._plan.results[operands[0]] + datum)
+            known = self._items.picks.get(k)
+            place = self._plan.results[operands[0]] + datum if known is None else known
+            self._load(name, "work", place)
         elif code in op.CONDITIONS:
             self._load(f"{name}.d", "work", self._piece.loads[k])
             zero = self._words.constant(0.0)

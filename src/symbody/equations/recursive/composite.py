@@ -95,6 +95,6 @@ def solved(found: Factors, right: Sequence[Expr]) -> list[Expr]:
             x[i] = x[i] - factor * x[k]
     for k, row in enumerate(found.lower):
         x[k] = x[k] * found.inverse[k]
-        for i, factor in row.items():
-            x[k] = x[k] - factor * x[i]
+        for i in sorted(row):  # what was found last is waited for last
+            x[k] = x[k] - row[i] * x[i]
     return x

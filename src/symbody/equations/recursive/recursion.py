@@ -14,7 +14,12 @@ from symbody.equations.recursive.applied import applied_wrenches
 from symbody.equations.recursive.articulated import Freed, accelerations, freed
 from symbody.equations.recursive.composite import Factors, column_places, factors, mass_rows, solved
 from symbody.equations.recursive.links import Tree
-from symbody.equations.recursive.newton_euler import generalized_forces, link_motions, needed_wrenches
+from symbody.equations.recursive.newton_euler import (
+    Carried,
+    generalized_forces,
+    link_motions,
+    needed_wrenches,
+)
 from symbody.expr.expression import Expr, number
 from symbody.expr.graph import Graph
 from symbody.expr.rewrite import operation_count
@@ -69,7 +74,7 @@ class Recursion:
     def mass_matrix(self) -> tuple[tuple[Expr, ...], ...]:
         """M in the order of the speeds."""
         if not self._rows:
-            self._rows.append(mass_rows(self.light, self._rows_of, self._rotor_entries()))
+            self._rows.append(mass_rows(self.light, self._rows_of, self.rotor_entries()))
         rows, place = self._rows[0], self._rows_of
         order = [place[u] for u in self.kinematics.speeds]
         zero = number(self.graph, 0)
@@ -104,11 +109,23 @@ class Recursion:
 
     def inverse_dynamics(self, udot: Sequence[Expr]) -> list[Expr]:
         """Return ``M u' - F``: what is missing along each speed for the accelerations `udot`."""
-        speeds = self.kinematics.speeds
-        given = dict(zip(speeds, udot, strict=True))
-        needed, zero = self.needed(given), number(self.graph, 0)
+        given = dict(zip(self.kinematics.speeds, udot, strict=True))
+        return self._with_efforts(self.needed(given), given)
+
+    def beside_links(self, udot: Sequence[Expr]) -> list[Expr]:
+        """Return what loads and rotors alone leave of the inverse dynamics."""
+        given = dict(zip(self.kinematics.speeds, udot, strict=True))
+        applied = applied_wrenches(self.topology, self.kinematics, self.light, self.loads)
+        zero = number(self.graph, 0)
+        nothing = Carried((zero, zero, zero), (zero, zero, zero))
+        wrenches = [applied[k].opposite if k in applied else nothing for k in range(len(self.light.links))]
+        return self._with_efforts(generalized_forces(self.light, wrenches), given)
+
+    def _with_efforts(self, needed: Mapping[int, Expr], given: Mapping[int, Expr]) -> list[Expr]:
+        """Return what is missing along each speed, efforts along coordinates and rotors reckoned in."""
+        speeds, zero = self.kinematics.speeds, number(self.graph, 0)
         total = {u: needed.get(u, zero) - effort for u, effort in zip(speeds, self._efforts(), strict=True)}
-        for (one, two), inertia in self._rotor_entries().items():
+        for (one, two), inertia in self.rotor_entries().items():
             total[one] = total[one] + inertia * given[two]
         return [total[u] for u in speeds]
 
@@ -124,7 +141,7 @@ class Recursion:
         if not method:
             links = zip(self.light.depths, self.light.links, strict=True)
             carried = sum(depth * len(link.motion.columns) for depth, link in links)
-            joined = any(one != two for one, two in self._rotor_entries())
+            joined = any(one != two for one, two in self.rotor_entries())
             short = carried < _LONG * len(self.kinematics.speeds)
             method = "composite" if joined or short else "articulated"
         return [self._solve_by(method, column).values for column in columns]
@@ -136,7 +153,7 @@ class Recursion:
 
     def _cheaper(self, forces: Sequence[Expr]) -> str:
         """Return the method with fewer operations."""
-        if any(one != two for one, two in self._rotor_entries()):
+        if any(one != two for one, two in self.rotor_entries()):
             return "composite"  # rotors on several speeds join links that do not carry each other
         depths = [
             d for d, link in zip(self.light.depths, self.light.links, strict=True) if link.motion.columns
@@ -154,7 +171,7 @@ class Recursion:
         speeds = self.kinematics.speeds
         if method == "articulated":
             if not self._freed:
-                own = {one: inertia for (one, _), inertia in self._rotor_entries().items()}
+                own = {one: inertia for (one, _), inertia in self.rotor_entries().items()}
                 self._freed.append(freed(self.light, own))
             motions = self._freed[0]
             found = accelerations(self.light, motions, dict(zip(speeds, forces, strict=True)))
@@ -162,7 +179,7 @@ class Recursion:
             return Solution([found[u] for u in speeds], [pivots[u] for u in speeds])
         if not self._factors:
             if not self._rows:
-                self._rows.append(mass_rows(self.light, self._rows_of, self._rotor_entries()))
+                self._rows.append(mass_rows(self.light, self._rows_of, self.rotor_entries()))
             self._factors.append(factors(self._rows[0]))
         place = self._rows_of
         right = [forces[0]] * len(place) if forces else []
@@ -171,7 +188,7 @@ class Recursion:
         x = solved(self._factors[0], right)
         return Solution([x[place[u]] for u in speeds], [self._factors[0].pivots[place[u]] for u in speeds])
 
-    def _rotor_entries(self) -> dict[tuple[int, int], Expr]:
+    def rotor_entries(self) -> dict[tuple[int, int], Expr]:
         """Return what rotors add to the mass matrix, by pairs of speeds."""
         found: dict[tuple[int, int], Expr] = {}
         for rotor in self.rotors:

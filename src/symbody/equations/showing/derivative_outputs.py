@@ -39,10 +39,17 @@ def asked_derivative(name: str) -> Asked | None:
     return Asked(found["output"], tuple(word.strip() for word in found["list"].split(",")), False)
 
 
-def derivative_roots(formed: Formed, name: str, asked: Asked, values: Roots) -> Roots:
+def derivative_roots(
+    formed: Formed, name: str, asked: Asked, values: Roots, *, side_by_side: bool = False
+) -> Roots:
     """Return the derivatives of `values`, the roots of the output asked for; the last axis is by what.
 
     All other symbols are held fixed; components of a quaternion count as independent.
+
+    Parameters
+    ----------
+    side_by_side : bool
+        Whether programs for several columns may be among the nodes: faster as code, but for nothing else.
 
     Raises
     ------
@@ -50,13 +57,14 @@ def derivative_roots(formed: Formed, name: str, asked: Asked, values: Roots) -> 
         If a word is none of ``q``, ``u``, ``r`` and no symbol of these equations, with the nearest names.
     """
     by = tuple(chain.from_iterable(_symbols(formed, name, word) for word in asked.by))
-    rows = differentiated(formed, asked.output, values.nodes, by)
+    rows = differentiated(formed, asked.output, values.nodes, by, side_by_side=side_by_side)
     shape = values.shape if asked.alone else (*values.shape, len(by))
-    return Roots(name, shape, tuple(entry.index for row in rows for entry in row))
+    given = values.nodes if side_by_side else ()
+    return Roots(name, shape, tuple(entry.index for row in rows for entry in row), given)
 
 
 def differentiated(
-    formed: Formed, output: str, nodes: Sequence[int], by: Sequence[Symbol]
+    formed: Formed, output: str, nodes: Sequence[int], by: Sequence[Symbol], *, side_by_side: bool = False
 ) -> list[list[Expr]]:
     """Return the derivatives of an output, one row an entry; those of u' by way of the inverse dynamics."""
     graph = formed.graph
@@ -65,7 +73,7 @@ def differentiated(
         columns = columns_of_slopes(graph, nodes, places)
         return [[Expr(graph, column[k]) for column in columns] for k in range(len(nodes))]
     first = len(formed.u) if output in ("udot", "xdot") else 0
-    slopes = acceleration_slopes(formed, by) if first else []
+    slopes = acceleration_slopes(formed, by, side_by_side=side_by_side) if first else []
     rest = jacobian(graph, nodes[first:], places)
     return [*slopes, *([Expr(graph, entry) for entry in row] for row in rest)]
 

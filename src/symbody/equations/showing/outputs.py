@@ -92,6 +92,14 @@ def evaluable_roots(formed: Formed, name: str) -> Roots:
     return _roots(name, roots.shape, found)
 
 
+def code_roots(formed: Formed, name: str) -> Roots:
+    """Return the roots of an output to be compiled: derivatives of trees with many columns side by side."""
+    asked = asked_derivative(name)
+    if asked is None:
+        return evaluable_roots(formed, name)
+    return derivative_roots(formed, name, asked, evaluable_roots(formed, asked.output), side_by_side=True)
+
+
 def output_names(formed: Formed) -> tuple[str, ...]:
     """Return the reserved output names of these equations; those of frames are made on demand."""
     links = (*formed.topology.joints, *formed.topology.contacts.values())

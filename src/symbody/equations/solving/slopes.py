@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from symbody.equations.formed import Formed
 from symbody.equations.recursive.recursion import Recursion
+from symbody.equations.solving.columns import columns_side_by_side
 from symbody.equations.solving.solution import solve
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import forward, jacobian
@@ -20,11 +21,18 @@ from symbody.expr.graph import Graph, Symbol
 from symbody.expr.rewrite import substitute
 
 
-def acceleration_slopes(formed: Formed, by: Sequence[Symbol]) -> list[list[Expr]]:
+def acceleration_slopes(
+    formed: Formed, by: Sequence[Symbol], *, side_by_side: bool = False
+) -> list[list[Expr]]:
     """Return the derivatives of u' by symbols, one row a speed, all other symbols held fixed.
 
     Equations of a tree by recursion take the derivatives of their inverse dynamics; others those of the
     solution.
+
+    Parameters
+    ----------
+    side_by_side : bool
+        Whether programs for several columns may be among the nodes: faster as code, but for nothing else.
     """
     graph, nodes = formed.graph, [formed.graph.symbol(symbol) for symbol in by]
     udot, _ = solve(formed)
@@ -32,6 +40,10 @@ def acceleration_slopes(formed: Formed, by: Sequence[Symbol]) -> list[list[Expr]
     if not isinstance(recursion, Recursion) or formed.rows or formed.friction:
         rows = jacobian(graph, [rate.index for rate in udot], nodes)
         return [[Expr(graph, entry) for entry in row] for row in rows]
+    if side_by_side:
+        found = columns_side_by_side(formed, recursion, by, udot)
+        if found is not None:
+            return found
     symbols = formed.expressions([u.derivative for u in formed.u])
     missing = recursion.inverse_dynamics(symbols)
     roots = [x.index for x in missing]

@@ -1,0 +1,305 @@
+"""Programs for several items in LLVM: where their numbers lie, and the loop that computes some items at once.
+
+Row by row of the numbers that items have, the items stand side by side in the work array, so that a register
+takes several of them. What one program leaves is read by the next where it lies. Where a function computes
+several points at once, its lanes are points, and items come one after the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from collections.abc import Sequence as Numbers
+from dataclasses import dataclass
+from typing import Final
+
+from symbody.codegen.llvm.numbers import Words
+from symbody.codegen.llvm.order import ordered
+from symbody.codegen.lowering import constant_values, power_products, whole_exponent
+from symbody.expr import opcodes as op
+from symbody.expr.sequence import Sequence
+
+# The widest registers; so many numbers may be read past the end of a row.
+_ROOM: Final = 8
+# What is read where it lies.
+_GIVEN: Final = op.LEAVES | {op.PICK}
+
+
+@dataclass(frozen=True, slots=True)
+class Items:
+    """One MAP and its places in the work array.
+
+    Attributes
+    ----------
+    shared, own : sequence of int
+        Place of each number that all items share, and of the first item's of each row.
+    results : int
+        Where the first row of results begins.
+    room : int
+        From one row of results to the next.
+    stores : sequence of (place, value)
+        What has to be put in place before, but for computed values, which are put there at once.
+    outputs : mapping of row to place
+        Rows of results that are wanted nowhere but, as they are, from such a place on in the output.
+    """
+
+    program: Sequence
+    count: int
+    shared: Numbers[int]
+    own: Numbers[int]
+    results: int
+    room: int
+    stores: Numbers[tuple[int, int]]
+    outputs: Mapping[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class ItemPlan:
+    """All programs of a sequence.
+
+    Attributes
+    ----------
+    maps : mapping of value to Items
+        Each MAP.
+    picks : mapping of value to int
+        The place of each of their PICKs in the work array.
+    read : mapping of value to places
+        Where computed values go because programs read them there.
+    put : frozenset of int
+        Those PICKs that programs put into the output themselves.
+    end : int
+        Of the work array.
+    """
+
+    maps: Mapping[int, Items]
+    picks: Mapping[int, int]
+    read: Mapping[int, Numbers[int]]
+    put: frozenset[int]
+    end: int
+
+
+def plan_items(
+    sequence: Sequence, needed: Numbers[bool], outputs: Mapping[int, Numbers[int]], start: int
+) -> ItemPlan:
+    """Return places from `start` on for what the programs of a sequence read and leave.
+
+    Parameters
+    ----------
+    outputs : mapping of value to places in the output
+    """
+    planner = _Planner(sequence, start, *_put_out(sequence, needed, outputs))
+    for k, operation in enumerate(sequence.operations):
+        if needed[k] and operation.op == op.MAP:
+            planner.place(k)
+        elif needed[k] and operation.op == op.PICK and operation.operands[0] in planner.maps:
+            items = planner.maps[operation.operands[0]]
+            row, item = divmod(operation.datum, items.count)
+            planner.picks[k] = items.results + row * items.room + item
+    end = planner.end + (_ROOM if planner.maps else 0)
+    return ItemPlan(planner.maps, planner.picks, planner.read, planner.put, end)
+
+
+def _put_out(
+    sequence: Sequence, needed: Numbers[bool], outputs: Mapping[int, Numbers[int]]
+) -> tuple[dict[int, dict[int, int]], frozenset[int]]:
+    """Return for each MAP its rows that go to the output as they are, with their places, and their PICKs."""
+    operations = sequence.operations
+    read = {j for k, operation in enumerate(operations) if needed[k] for j in operation.operands}
+    rows: dict[tuple[int, int], dict[int, tuple[int, int]]] = {}
+    for k, (code, operands, datum) in enumerate(operations):
+        places = outputs.get(k, ())
+        if code == op.PICK and operations[operands[0]].op == op.MAP and len(places) == 1 and k not in read:
+            row, item = divmod(datum, sequence.item_count(operations[operands[0]]))
+            rows.setdefault((operands[0], row), {})[item] = (places[0], k)
+    found: dict[int, dict[int, int]] = {}
+    put: set[int] = set()
+    for (node, row), items in rows.items():
+        count = sequence.item_count(operations[node])
+        starts = {place - item for item, (place, _) in items.items()}
+        if len(items) == count and len(starts) == 1:
+            found.setdefault(node, {})[row] = starts.pop()
+            put.update(k for _, k in items.values())
+    return found, frozenset(put)
+
+
+class _Planner:
+    """Gives each number one place, whoever reads it."""
+
+    def __init__(
+        self, sequence: Sequence, start: int, rows: Mapping[int, Mapping[int, int]], put: frozenset[int]
+    ) -> None:
+        self._outputs = rows
+        self.put = put
+        self._sequence = sequence
+        self._rows: dict[tuple[int, ...], int] = {}
+        self._programs: dict[int, Sequence] = {}
+        self.maps: dict[int, Items] = {}
+        self.read: dict[int, list[int]] = {}
+        self.picks: dict[int, int] = {}
+        self.end = -(-start // _ROOM) * _ROOM
+
+    def place(self, k: int) -> None:
+        operation = self._sequence.operations[k]
+        program, count = self._sequence.programs[operation.datum], self._sequence.item_count(operation)
+        if operation.datum not in self._programs:
+            self._programs[operation.datum] = ordered(program)
+        start = program.group_size("p")
+        operands = operation.operands
+        stores: list[tuple[int, int]] = []
+        shared = [self._row((value,), 1, stores) for value in operands[:start]]
+        room = -(-count // _ROOM) * _ROOM
+        own = [
+            self._row(operands[first : first + count], room, stores)
+            for first in range(start, len(operands), count)
+        ]
+        self._align()
+        results = self._taken(program.output_size * room)
+        self.maps[k] = Items(
+            self._programs[operation.datum],
+            count,
+            shared,
+            own,
+            results,
+            room,
+            stores,
+            self._outputs.get(k, {}),
+        )
+
+    def _row(self, values: tuple[int, ...], room: int, stores: list[tuple[int, int]]) -> int:
+        """Return where numbers lie side by side; what has to be put there is added to `stores`."""
+        places = [self.picks.get(value) for value in values]
+        first = places[0]
+        if first is not None and places == list(range(first, first + len(values))):
+            return first
+        if values not in self._rows:
+            if room > 1:
+                self._align()
+            self._rows[values] = start = self._taken(room)
+            for place, value in enumerate(values, start):
+                if self._sequence.operations[value].op in _GIVEN:
+                    stores.append((place, value))
+                else:
+                    self.read.setdefault(value, []).append(place)
+        return self._rows[values]
+
+    def _align(self) -> None:
+        self.end = -(-self.end // _ROOM) * _ROOM
+
+    def _taken(self, size: int) -> int:
+        start = self.end
+        self.end += size
+        return start
+
+
+def program_lines(
+    items: Items, name: str, before: str, after: str, words: Words, points: int
+) -> Iterator[str]:
+    """Yield the loop over the items, from block `before` to block `after`.
+
+    Parameters
+    ----------
+    name : str
+        What its values are named after.
+    words : Words
+        Of so many items at once, or of the lanes of a function for several `points`.
+    """
+    size = items.count * points if points > 1 else -(-items.count // words.width) * words.width
+    yield f"br label %{name}.loop\n{name}.loop:"
+    yield f"%{name}.i = phi i64 [0, %{before}], [%{name}.next, %{name}.loop]"
+    yield from _Body(items, name, words, points).lines()
+    yield f"%{name}.next = add i64 %{name}.i, {words.width}"
+    yield f"%{name}.more = icmp slt i64 %{name}.next, {size}"
+    yield f"br i1 %{name}.more, label %{name}.loop, label %{after}\n{after}:"
+
+
+class _Body:
+    """Writes the operations of a program once."""
+
+    def __init__(self, items: Items, name: str, words: Words, points: int) -> None:
+        self._items = items
+        self._name = name
+        self._words = words
+        self._points = points
+        # The last register may reach over the end of a row of the output.
+        self._has_rest = points == 1 and items.count % words.width > 0
+        self._constants = constant_values(items.program)
+        self._names: list[str] = []
+
+    def lines(self) -> Iterator[str]:
+        if self._has_rest:
+            yield from self._mask()
+        program = self._items.program
+        left: dict[int, list[int]] = {}
+        for row, value in enumerate(program.outputs[0].values):
+            left.setdefault(value, []).append(row)
+        for k in range(len(program.operations)):
+            yield from self._operation(k)
+            for row in left.get(k, ()):
+                yield from self._leave(row, self._names[k])
+
+    def _operation(self, k: int) -> Iterator[str]:
+        program, words = self._items.program, self._words
+        code, operands, datum = program.operations[k]
+        name = f"%{self._name}.{k}"
+        self._names.append(name)
+        if k in self._constants:
+            self._names[k] = words.constant(self._constants[k])
+        elif code == op.SYMBOL:
+            entry = program.inputs[datum]
+            yield from self._load(name, entry.group, entry.position)
+        elif code == op.POW and (exponent := whole_exponent(program, operands[1])) is not None:
+            powers = [self._names[operands[0]]]
+            for first, second in power_products(exponent):
+                powers.append(f"{name}.{len(powers)}")
+                yield f"{powers[-1]} = fmul {words.real} {powers[first]}, {powers[second]}"
+            self._names[k] = powers[-1]
+        elif code in words.instructions:
+            yield f"{name} = {words.instructions[code].format(*[self._names[j] for j in operands])}"
+        else:
+            names = [self._names[j] for j in operands]
+            yield from (line.format(*names, k=name) for line in words.composed[code])
+
+    def _leave(self, row: int, name: str) -> Iterator[str]:
+        address, kind, width = f"%{self._name}.r{row}", self._words.real, self._words.width
+        place = self._items.outputs.get(row)
+        if place is None:
+            yield from self._address(address, self._items.results + row * self._items.room, moving=True)
+        else:
+            yield from self._address(address, place, moving=True, array="out")
+        if place is None or not self._has_rest:
+            yield f"store {kind} {name}, ptr {address}, align 8"
+        else:
+            arguments = f"{kind} {name}, ptr {address}, i32 8, <{width} x i1> %{self._name}.here"
+            yield f"call void @llvm.masked.store.v{width}f64.p0({arguments})"
+
+    def _mask(self) -> Iterator[str]:
+        """Yield the lines that tell which items of a register there are."""
+        name, width = self._name, self._words.width
+        kind, numbers = f"<{width} x i64>", ", ".join(f"i64 {k}" for k in range(width))
+        yield f"%{name}.put = insertelement {kind} poison, i64 %{name}.i, i64 0"
+        mask = f"<{width} x i32> zeroinitializer"
+        yield f"%{name}.all = shufflevector {kind} %{name}.put, {kind} poison, {mask}"
+        yield f"%{name}.numbers = add {kind} %{name}.all, <{numbers}>"
+        yield f"%{name}.here = icmp slt {kind} %{name}.numbers, splat (i64 {self._items.count})"
+
+    def _load(self, name: str, group: str, position: int) -> Iterator[str]:
+        kind, address = self._words.real, f"{name}.at"
+        if group == "q":
+            yield from self._address(address, self._items.own[position], moving=True)
+            yield f"{name} = load {kind}, ptr {address}, align 8"
+            return
+        yield from self._address(address, self._items.shared[position], moving=False)
+        if self._points > 1 or self._words.width == 1:
+            yield f"{name} = load {kind}, ptr {address}, align 8"
+            return
+        yield f"{name}.one = load double, ptr {address}, align 8"
+        yield f"{name}.put = insertelement {kind} poison, double {name}.one, i64 0"
+        mask = f"<{self._words.width} x i32> zeroinitializer"
+        yield f"{name} = shufflevector {kind} {name}.put, {kind} poison, {mask}"
+
+    def _address(self, name: str, place: int, *, moving: bool, array: str = "work") -> Iterator[str]:
+        offset = place * self._points
+        if not moving:
+            yield f"{name} = getelementptr double, ptr %{array}, i64 {offset}"
+            return
+        yield f"{name}.row = getelementptr double, ptr %{array}, i64 {offset}"
+        yield f"{name} = getelementptr double, ptr {name}.row, i64 %{self._name}.i"

@@ -1,0 +1,176 @@
+"""The tree as chains of single joints on a frame: what derivatives in closed form are made for.
+
+The frame is ground, or one free body, in whose axes nothing depends on its own position but gravity. Every
+other link turns about, or slides along, one direction that is fixed in it, by one coordinate whose rate is
+its speed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence, Set
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+from symbody.equations.recursive.links import GROUND, Link, Tree
+from symbody.equations.recursive.turned import AxisTurn
+from symbody.expr.canonical import ZERO
+from symbody.expr.graph import Graph, Kind
+from symbody.expr.rewrite import substitute, symbols_of
+
+# Links of small branches go together until they fill a register; what some do not carry is 0 then.
+TOGETHER: Final = 8
+
+
+class Segment(NamedTuple):
+    """Links from ground outward, and the place of the chain that carries them; -1 is the frame.
+
+    They are a chain, or small branches with all that these carry.
+    """
+
+    links: tuple[int, ...]
+    parent: int
+
+
+@dataclass(frozen=True, slots=True)
+class Chains:
+    """A tree of single joints.
+
+    Attributes
+    ----------
+    base : bool
+        Whether link 0 is the free body that is the frame; else the frame is ground.
+    segments : tuple of Segment
+        Parents before children.
+    coordinates : mapping of node to node
+        The coordinate of each speed, but for those of the base.
+    """
+
+    tree: Tree
+    base: bool
+    segments: tuple[Segment, ...]
+    coordinates: Mapping[int, int]
+
+    @property
+    def links(self) -> list[int]:
+        """All links but the base, segment by segment."""
+        return [k for segment in self.segments for k in segment.links]
+
+    def carriers(self, link: int) -> frozenset[int]:
+        """Return a link and those that carry it."""
+        found = set()
+        while link != GROUND:
+            found.add(link)
+            link = self.tree.links[link].parent
+        return frozenset(found)
+
+    def inward(self, segment: int) -> list[int]:
+        """Return the segments that carry a segment, itself first."""
+        found = []
+        while segment >= 0:
+            found.append(segment)
+            segment = self.segments[segment].parent
+        return found
+
+
+def chains(graph: Graph, tree: Tree, rates: Mapping[int, int]) -> Chains | None:
+    """Return the chains of a tree, or None where some link has more than one joint, or is driven by time.
+
+    Parameters
+    ----------
+    rates : mapping of node to node
+        q' of each q.
+    """
+    base = bool(tree.links) and len(tree.links[0].motion.columns) > 1
+    speeds = {column.speed for link in tree.links for column in link.motion.columns}
+    coordinates = {rate: q for q, rate in rates.items() if rate in speeds}
+    if base and not _is_free(graph, tree.links[0]):
+        return None
+    for link in tree.links[base:]:
+        if (base and link.parent == GROUND) or not _is_single(graph, link, coordinates):
+            return None
+    return Chains(tree, base, tuple(_segments(tree, base)), coordinates)
+
+
+def _segments(tree: Tree, base: bool) -> list[Segment]:
+    children = tree.children
+    size = [1] * len(tree.links)
+    for k in reversed(range(len(tree.links))):
+        size[k] += sum(size[child] for child in children[k])
+    roots = children[0] if base else [k for k, link in enumerate(tree.links) if link.parent == GROUND]
+    found: list[Segment] = []
+    waiting = [(part, -1) for part in reversed(_parts(roots, size))]
+    while waiting:
+        part, parent = waiting.pop()
+        links = list(part)
+        if sum(size[k] for k in part) <= TOGETHER:
+            for k in links:  # it grows meanwhile
+                links += children[k]
+            found.append(Segment(tuple(sorted(links)), parent))
+            continue
+        while len(children[links[-1]]) == 1:
+            links.append(children[links[-1]][0])
+        found.append(Segment(tuple(links), parent))
+        waiting += [(some, len(found) - 1) for some in reversed(_parts(children[links[-1]], size))]
+    return found
+
+
+def _parts(links: Sequence[int], size: Sequence[int]) -> list[list[int]]:
+    """Return links whose all that they carry goes together, and the others one by one."""
+    found: list[list[int]] = []
+    room = 0
+    for k in sorted(links, key=size.__getitem__, reverse=True):
+        if size[k] <= room:
+            found[-1].append(k)
+            room -= size[k]
+        else:
+            found.append([k])
+            room = TOGETHER - size[k]
+    return found
+
+
+def _is_single(graph: Graph, link: Link, coordinates: Mapping[int, int]) -> bool:
+    """Return whether a link has one column, fixed in it, and moves by its own coordinate alone."""
+    columns = link.motion.columns
+    if len(columns) != 1 or columns[0].speed not in coordinates or not _is_steady(graph, link):
+        return False
+    return _depends_on(graph, _placing(link), {coordinates[columns[0].speed]})
+
+
+def _is_free(graph: Graph, link: Link) -> bool:
+    """Return whether a link has six columns of numbers, three of which slide along its axes."""
+    columns = link.motion.columns
+    entries = [(*column.turn, *column.slide) for column in columns]
+    if len(columns) != 6 or link.parent != GROUND or not _is_steady(graph, link):
+        return False
+    if any(x.number is None for row in entries for x in row):
+        return False
+    slides = [tuple(x.number for x in row[3:]) for row in entries if all(x.is_zero for x in row[:3])]
+    return sorted(slides) == [(0, 0, 1), (0, 1, 0), (1, 0, 0)]
+
+
+def _is_steady(graph: Graph, link: Link) -> bool:
+    """Return whether velocities are ``sum of columns times speeds`` with columns fixed in the link."""
+    motion = link.motion
+    if not _depends_on(graph, [x.index for c in motion.columns for x in (*c.turn, *c.slide)], set()):
+        return False
+    still = {column.speed: ZERO for column in motion.columns}
+    return not any(substitute(graph, [x.index for x in (*motion.w, *motion.v)], still))
+
+
+def _depends_on(graph: Graph, nodes: Iterable[int], allowed: Set[int]) -> bool:
+    """Return whether expressions hold no symbols but parameters and those allowed."""
+    return all(
+        node in allowed or graph.symbols[graph.left[node]].kind == Kind.PARAMETER
+        for node in symbols_of(graph, nodes)
+    )
+
+
+def _placing(link: Link) -> list[int]:
+    """Return the nodes of how a link stands on its parent."""
+    found = [x.index for x in link.arm]
+    for step in link.steps:
+        if isinstance(step, AxisTurn):
+            found += [step.c.index, step.s.index]
+        else:
+            found += [x.index for row in step for x in row]
+    return found

@@ -1,0 +1,198 @@
+"""Derivatives of accelerations of chains of joints: columns of one chain are solved for side by side.
+
+``du'/dx = -M^-1 dD/dx`` as in `slopes`, with dD/dx in closed form. A column of a joint has entries only in
+the rows of what carries it and what it carries, so that columns of one chain take the same operations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from symbody.equations.formed import Formed
+from symbody.equations.recursive.chains import TOGETHER, Chains, chains
+from symbody.equations.recursive.closed_slopes import ClosedSlopes, closed_slopes
+from symbody.equations.recursive.composite import Factors, factors, solved
+from symbody.equations.recursive.recursion import Recursion
+from symbody.equations.recursive.turned import to_child
+from symbody.expr.calculus import forward
+from symbody.expr.canonical import ONE, ZERO
+from symbody.expr.expression import Expr, number
+from symbody.expr.graph import Symbol
+from symbody.expr.program import mapped
+from symbody.expr.rewrite import substitute
+
+# Below so many speeds, and where less is asked for, operations one after the other are fewer and as fast.
+FEWEST_SPEEDS: Final = 8
+
+# A column of the right-hand sides: entries by rows.
+Right = dict[int, Expr]
+
+
+def columns_side_by_side(
+    formed: Formed, recursion: Recursion, by: Sequence[Symbol], udot: Sequence[Expr]
+) -> list[list[Expr]] | None:
+    """Return du'/dx, one row a speed, or None where that is not of this form or does not pay."""
+    graph, n = formed.graph, len(formed.u)
+    if n < FEWEST_SPEEDS or len(by) < n or not set(by) <= {*formed.q, *formed.u, *formed.inputs}:
+        return None
+    rates = {q.index: formed.variables.rates[q.index] for q in formed.expressions(formed.q)}
+    tree = chains(graph, recursion.light, rates)
+    if tree is None or len(recursion.light.depths) == 0:
+        return None
+    speeds = [u.index for u in formed.expressions(formed.u)]
+    known = dict(zip(speeds, udot, strict=True))
+    closed = closed_slopes(graph, tree, recursion.gravity, known)
+    if set(closed.speeds) != set(speeds):
+        return None  # some speed moves no link
+    found = _Columns(formed, recursion, tree, closed, udot).found([graph.symbol(symbol) for symbol in by])
+    place = {speed: row for row, speed in enumerate(closed.speeds)}
+    return [[column[place[speed]] for column in found] for speed in speeds]
+
+
+class _Columns:
+    """Right-hand sides by chain, and their solutions."""
+
+    def __init__(
+        self,
+        formed: Formed,
+        recursion: Recursion,
+        tree: Chains,
+        closed: ClosedSlopes,
+        udot: Sequence[Expr],
+    ) -> None:
+        self._graph, self._formed, self._recursion = formed.graph, formed, recursion
+        self._tree, self._closed, self._udot = tree, closed, udot
+        self._zero = number(formed.graph, 0)
+        self._count = len(closed.speeds)
+        rows = [
+            {j: closed.mass[i, j] for j in range(i + 1) if (i, j) in closed.mass} for i in range(self._count)
+        ]
+        place = {speed: row for row, speed in enumerate(closed.speeds)}
+        for (one, two), inertia in recursion.rotor_entries().items():
+            i, j = place[one], place[two]
+            if j <= i:
+                rows[i][j] = rows[i].get(j, self._zero) + inertia
+        self._factors = factors(rows)
+
+    def found(self, by: Sequence[int]) -> list[list[Expr]]:
+        """Return the columns of du'/dx, rows in the order of the closed form."""
+        right = self._right_hand_sides(by)
+        found = {x: [self._zero] * self._count for x in by}
+        for rows, members in self._groups(right):
+            solution = self._solved(rows, [right[x] for x in members])
+            found |= {x: [row[k] for row in solution] for k, x in enumerate(members)}
+        for x, fall in self._falls(by).items():
+            found[x] = [entry + fall.get(row, self._zero) for row, entry in enumerate(found[x])]
+        return [found[x] for x in by]
+
+    def _right_hand_sides(self, by: Sequence[int]) -> dict[int, Right]:
+        """Return dD/dx by x, without what the position of the base changes by gravity; no zeros."""
+        right: dict[int, Right] = {x: {} for x in by}
+        place = {speed: column for column, speed in enumerate(self._closed.speeds)}
+        moved = {q: place[u] for u, q in self._tree.coordinates.items() if u in place}
+        for columns, entries in ((place, self._closed.by_rate), (moved, self._closed.by_position)):
+            owner = {column: x for x, column in columns.items()}
+            for (row, column), entry in entries.items():
+                x = owner.get(column)
+                if x in right and not entry.is_zero:
+                    right[x][row] = entry
+        for x, added in zip(by, self._beside_links(by), strict=True):
+            for row, entry in added.items():
+                right[x][row] = right[x].get(row, self._zero) + entry
+        return right
+
+    def _beside_links(self, by: Sequence[int]) -> list[Right]:
+        """Return what loads and rotors add to the columns."""
+        graph, formed = self._graph, self._formed
+        symbols = formed.expressions([u.derivative for u in formed.u])
+        roots = [x.index for x in self._recursion.beside_links(symbols)]
+        known = {symbol.index: value.index for symbol, value in zip(symbols, self._udot, strict=True)}
+        place = {speed: row for row, speed in enumerate(self._closed.speeds)}
+        rows = [place[u.index] for u in formed.expressions(formed.u)]
+        still = dict.fromkeys(by, ZERO)
+        columns = (substitute(graph, forward(graph, roots, {**still, x: ONE}), known) for x in by)
+        return [
+            {row: Expr(graph, entry) for row, entry in zip(rows, column, strict=True) if entry != ZERO}
+            for column in columns
+        ]
+
+    def _groups(self, right: Mapping[int, Right]) -> list[tuple[tuple[int, ...], list[int]]]:
+        """Return columns with the rows they have entries in: those of one chain and kind together."""
+        homes, reached = self._homes()
+        every = frozenset(range(self._count))
+        kinds = {u: (homes.get(row, -1), 0) for row, u in enumerate(self._closed.speeds)}
+        kinds |= {self._tree.coordinates[u]: (home, 1) for u, (home, _) in kinds.items() if home >= 0}
+        order = {x: k for k, x in enumerate((*self._closed.speeds, *self._tree.coordinates.values()))}
+        members: dict[tuple[int, int, frozenset[int]], list[int]] = {}
+        for x in sorted(right, key=lambda x: order.get(x, -1)):
+            if right[x]:
+                home, kind = kinds.get(x, (homes.get(max(right[x]), -1), 2))
+                rows = reached.get(home, every)
+                rows = rows if right[x].keys() <= rows else every
+                members.setdefault((home, kind, rows), []).append(x)
+        groups: list[tuple[int, int, frozenset[int], list[int]]] = []
+        for (home, kind, rows), some in sorted(members.items(), key=lambda item: item[0][:2]):
+            for k, (other, same, before, those) in enumerate(groups):
+                if len(those) + len(some) <= TOGETHER and (other == home or kind == same == 2):
+                    groups[k] = (home, min(kind, same), before | rows, those + some)
+                    break
+            else:
+                groups.append((home, kind, rows, some))
+        return [(tuple(sorted(rows)), some) for _, _, rows, some in groups]
+
+    def _homes(self) -> tuple[dict[int, int], dict[int, frozenset[int]]]:
+        """Return the segment of each row but those of the base, and the rows that a column of one reaches."""
+        segments = self._tree.segments
+        links = self._tree.links
+        first = self._count - len(links)
+        place = {k: first + row for row, k in enumerate(links)}
+        homes = {place[k]: home for home, segment in enumerate(segments) for k in segment.links}
+        reached = {home: set(range(first)) for home in range(len(segments))}
+        for home in reached:
+            for inward in self._tree.inward(home):
+                reached[home] |= {place[k] for k in segments[inward].links}
+                reached[inward] |= {place[k] for k in segments[home].links}
+        return homes, {home: frozenset(rows) for home, rows in reached.items()}
+
+    def _solved(self, rows: Sequence[int], columns: Sequence[Right]) -> list[list[Expr]]:
+        """Return the solutions, one row a speed, one column a right-hand side."""
+        lower, inverse, _ = self._factors
+        pattern = [tuple(row) for row in lower]
+        shared = [entry for row in lower for entry in row.values()] + [-x for x in inverse]
+
+        def compute(given: list[Expr], own: list[Expr]) -> list[Expr]:
+            left = iter(given)
+            known = Factors([{i: next(left) for i in row} for row in pattern], list(left), [])
+            x = [number(own[0].graph, 0)] * len(pattern)
+            for row, entry in zip(rows, own, strict=True):
+                x[row] = entry
+            return solved(known, x)
+
+        return mapped(
+            self._graph,
+            shared,
+            [[column.get(row, self._zero) for column in columns] for row in rows],
+            compute,
+        )
+
+    def _falls(self, by: Sequence[int]) -> dict[int, Right]:
+        """Return what turning the base changes: what falls with it accelerates along other axes of it."""
+        if not self._tree.base:
+            return {}
+        free, graph = self._recursion.light.links[0], self._graph
+        gravity = [x.index for x in to_child(free.steps, self._recursion.gravity)]
+        own = set(self._tree.coordinates.values())
+        places = {
+            [x.number for x in column.slide].index(1): row
+            for row, column in enumerate(free.motion.columns)
+            if all(x.is_zero for x in column.turn)
+        }
+        falls = {}
+        for x in by:
+            if x not in own:
+                slopes = forward(graph, gravity, {x: ONE})
+                falls[x] = {
+                    places[axis]: Expr(graph, slope) for axis, slope in enumerate(slopes) if slope != ZERO
+                }
+        return {x: fall for x, fall in falls.items() if fall}
