@@ -151,3 +151,10 @@ def test_lanes_are_used_where_there_are_many_cases(monkeypatch: pytest.MonkeyPat
     for count in (CASES_THAT_PAY - 1, CASES_THAT_PAY):
         sb.sweep(eqs, 1.0, {"k": np.linspace(0.0, 1.0, count)}, {"x": 1.0}, times=[1.0], threads=1)
         assert bool(asked) == (count == CASES_THAT_PAY)
+
+
+@pytest.mark.parametrize("lanes", [8, 1, 0, "yes", 1.0])
+def test_lanes_are_wanted_or_not(lanes: bool) -> None:
+    with pytest.raises(sb.UsageError, match="sweep.lanes") as fault:
+        duffing(lanes=lanes)
+    assert "neither True, False nor None" in str(fault.value)

@@ -13,7 +13,7 @@ from symbody.analysis.state import State
 from symbody.codegen.compile import Value, form_sequence, form_values
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import Problem, SimulationError
+from symbody.errors import Problem, SimulationError, UsageError
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.choice import DEFAULT, Constraints, Integrator
 from symbody.simulation.methods.constraints import PROJECTED, ROUNDED_PER_COORDINATE, Baumgarte, Projection
@@ -71,7 +71,7 @@ class Wish:
         Raises
         ------
         UsageError
-            If times or tolerances make no sense.
+            If times, tolerances or lanes make no sense.
         """
         usual = np.linspace(*span, USUAL_SAMPLES) if span[0] != span[1] else np.array(span[:1])
         wanted = checked_times(usual if times is None else times, *span)
@@ -84,8 +84,27 @@ class Wish:
             checked_rtol(rtol),
             float(checked_atol(atol, 1)[0]),
             int(max_steps),
-            lanes,
+            _checked_lanes(lanes),
         )
+
+
+def _checked_lanes(lanes: bool | None) -> bool | None:
+    """Return whether lanes were asked for.
+
+    Raises
+    ------
+    UsageError
+        Anything but True, False and None: a number of lanes would be taken for a wish to have them.
+    """
+    if lanes is None:
+        return None
+    if isinstance(lanes, bool | np.bool_):
+        return bool(lanes)
+    raise UsageError(
+        Problem("sweep.lanes", "lanes", f"lanes = {lanes!r} is neither True, False nor None",
+                "how many lanes there are is up to the processor",
+                "give lanes=True or lanes=False, or leave it out")
+    )  # fmt: skip
 
 
 def check_memory(cases: int, samples: int, states: int) -> None:
