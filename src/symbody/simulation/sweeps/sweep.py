@@ -38,7 +38,16 @@ from symbody.simulation.sweeps.plan import Wish, cases_apart, check_memory, plan
 from symbody.simulation.sweeps.result import Sweep
 from symbody.simulation.sweeps.single import OTHERS, compute_single, why_single
 from symbody.simulation.sweeps.store import Store, digest
-from symbody.simulation.sweeps.workers import Crew, Listener, Tally, compute_here, compute_there, crew, parts
+from symbody.simulation.sweeps.workers import (
+    PATIENCE,
+    Crew,
+    Listener,
+    Tally,
+    compute_here,
+    compute_there,
+    crew,
+    parts,
+)
 from symbody.simulation.task import Task
 
 # Lanes run empty at the end of a part: the more cases it has, the less that matters.
@@ -54,6 +63,7 @@ def sweep(
     seed: int = 0, executor: Executor | None = None, threads: int | None = None, part: int | None = None,
     lanes: bool | None = None, store: str | os.PathLike[str] | None = None, rtol: float = 1e-8,
     atol: float = 1e-10, max_steps: int = 1_000_000, progress: Progress | bool = False,
+    patience: float = PATIENCE,
 ) -> Sweep:  # fmt: skip
     """Return the motions of a mechanism for many parameters and initial values.
 
@@ -82,19 +92,22 @@ def sweep(
         A folder that keeps finished parts; the same call goes on where the last one ended.
     progress : bool or callable
         True shows a bar; a callable is told the share that is done, and ends the sweep by returning False.
+    patience : float
+        How long to wait until a worker of the executor begins anything [s]; ``math.inf`` for ever.
 
     Raises
     ------
     CompileError, AssemblyError, UsageError
         Names, values, times or an executor that make no sense, all of them listed.
     SimulationError, EnvironmentFault
-        More samples than the memory holds; no worker that can compute, or a store that cannot be used.
+        More samples than the memory holds; no worker that begins or can compute, or a store that cannot be
+        used.
     """
     span = checked_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
     laws = input_laws(eqs.input_names, inputs or {}, span)
     table = case_table(parameters or {}, initial or {}, combine, samples, seed)
     wish = Wish.checked(span, times, integrator, constraints, (rtol, atol), max_steps, lanes)
-    who = crew(executor, threads, part)
+    who = crew(executor, threads, part, patience)
     check_memory(table.count, wish.times.size, len(eqs.state_names))
     order = _Order(eqs, table, dict(guess or {}), laws, dict(inputs or {}), wish, checked_events(events, eqs))
     with _told(progress) as told:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import pickle
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
@@ -45,6 +47,8 @@ _BROKEN_POOLS: Final = 16
 # Many cases: lanes are full, and what is lost or repeated is little. Few: all workers work.
 _LARGEST_PART: Final = 1024
 _PARTS: Final = 16
+# How long a worker is waited for: processes on slow disks take a minute to load what they need [s].
+PATIENCE: Final = 300.0
 
 
 class Crew(NamedTuple):
@@ -58,11 +62,14 @@ class Crew(NamedTuple):
         Threads of this process, or of each worker.
     part : int or None
         How many cases make a part.
+    patience : float
+        How long an executor may take until one of its workers begins anything [s].
     """
 
     executor: Executor | None
     threads: int
     part: int | None
+    patience: float = PATIENCE
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,13 +95,13 @@ class Tally(NamedTuple):
     lost: dict[int, str]
 
 
-def crew(executor: Executor | None, threads: int | None, part: int | None) -> Crew:
+def crew(executor: Executor | None, threads: int | None, part: int | None, patience: float) -> Crew:
     """Return who computes.
 
     Raises
     ------
     UsageError
-        If there are no such threads, or the executor is none.
+        If there are no such threads, the executor is none, or patience no time.
     """
     problems = []
     for name, value in (("threads", threads), ("part", part)):
@@ -108,10 +115,15 @@ def crew(executor: Executor | None, threads: int | None, part: int | None) -> Cr
             Problem("sweep.executor", "executor", f"{type(executor).__name__} is no Executor", "",
                     "give a concurrent.futures.Executor, such as Client(...).get_executor() of Dask")
         )  # fmt: skip
+    if isinstance(patience, bool) or not isinstance(patience, int | float) or not patience > 0.0:
+        problems.append(
+            Problem("sweep.patience", "patience", f"patience = {patience!r} is no length of time", "",
+                    "give seconds, or math.inf to wait for workers without end")
+        )  # fmt: skip
     if problems:
         raise UsageError(*problems)
     usual = 1 if executor is not None else os.cpu_count() or 1
-    return Crew(executor, usual if threads is None else threads, part)
+    return Crew(executor, usual if threads is None else threads, part, float(patience))
 
 
 def parts(part: Part, missing: Sequence[tuple[int, int]], size: int | None, least: int = 1) -> list[Part]:
@@ -162,7 +174,7 @@ def compute_there(job: Job, pieces: Sequence[Part], records: Records, who: Crew,
     Raises
     ------
     EnvironmentFault
-        If no worker could compute anything.
+        If no worker began or could compute anything.
     """
     round = _Round(job, pieces, records, who, told)
     try:
@@ -173,6 +185,47 @@ def compute_there(job: Job, pieces: Sequence[Part], records: Records, who: Crew,
         round.cancel()
         round.close()
     return Tally(False, round.lost)
+
+
+class _Probe:
+    """Asks an executor whether it has a worker at all, by something that takes no time.
+
+    A part that has not come back may be a long one, and executors do not all tell whether one has begun.
+    """
+
+    def __init__(self, executor: Executor | None, patience: float) -> None:
+        self._task: Future[int] | None = None
+        self._patience = patience
+        self._sent = time.monotonic()
+        try:
+            if executor is not None and patience < math.inf:
+                self._task = executor.submit(os.getpid)
+        except Exception:  # what is wrong with an executor shows when it is given parts
+            self._task = None
+
+    def check(self) -> None:
+        """Look whether a worker has begun.
+
+        Raises
+        ------
+        EnvironmentFault
+            If none has for too long.
+        """
+        if self._task is None or self._task.done() or time.monotonic() - self._sent < self._patience:
+            return
+        raise EnvironmentFault(
+            Problem("sweep.no_worker_began", "executor",
+                    f"no worker of the executor has begun anything for {self._patience:g} s",
+                    "it has no workers, or all of them are busy with something else",
+                    "see whether its workers run and reach it, wait longer with patience=... in seconds or "
+                    "math.inf, or leave executor out")
+        )  # fmt: skip
+
+    def forget(self) -> None:
+        """Ask no more."""
+        if self._task is not None:
+            self._task.cancel()
+            self._task = None
 
 
 class _Round:
@@ -192,19 +245,29 @@ class _Round:
         self._waiting: dict[Future[Records | str], Part] = {}
         self._total = max(1, sum(piece.count for piece in pieces))
         self._done = 0
+        self._probe = _Probe(who.executor if pieces else None, who.patience)
 
     def run(self) -> None:
-        """Give out parts until all are back."""
+        """Give out parts until all are back.
+
+        Raises
+        ------
+        EnvironmentFault
+            If no worker begins or can compute anything.
+        """
         while self._left or self._waiting:
             self._give_out()
             for task in wait(self._waiting, _TICK, FIRST_COMPLETED).done:
+                self._probe.forget()
                 self._take_back(task, self._waiting.pop(task))
+            self._probe.check()
             progress = self._told.progress
             if progress is not None and progress(self._done / self._total) is False:
                 raise KeyboardInterrupt
 
     def cancel(self) -> None:
         """Ask for no more."""
+        self._probe.forget()
         for task in self._waiting:
             task.cancel()
 
