@@ -24,6 +24,21 @@ def real(value: float) -> ir.Constant:
     return ir.Constant(REAL, value)
 
 
+def number(kind: ir.Type, value: float) -> ir.Constant:
+    """Return a constant double, in every lane where `kind` is a vector."""
+    return ir.Constant(kind, [value] * kind.count if isinstance(kind, ir.VectorType) else value)
+
+
+def spread(builder: ir.IRBuilder, kind: ir.Type, value: ir.Value) -> ir.Value:
+    """Return a double in every lane where `kind` is a vector, as it is elsewhere."""
+    if not isinstance(kind, ir.VectorType):
+        return value
+    place = ir.IntType(32)
+    first = builder.insert_element(ir.Constant(kind, ir.Undefined), value, place(0))
+    zeros = ir.Constant(ir.VectorType(place, kind.count), [0] * kind.count)
+    return builder.shuffle_vector(first, first, zeros)
+
+
 def integer(value: int) -> ir.Constant:
     """Return a constant 64-bit integer."""
     return ir.Constant(INTEGER, value)
@@ -31,7 +46,7 @@ def integer(value: int) -> ir.Constant:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Array:
-    """Elements of one type behind a pointer."""
+    """Elements of one type behind a pointer, which is a multiple of 8."""
 
     builder: ir.IRBuilder
     pointer: ir.Value
@@ -39,15 +54,15 @@ class Array:
 
     def load(self, index: ir.Value) -> ir.Value:
         """Return the element at `index`."""
-        return self.builder.load(self._address(index), typ=self.element)
+        return self.builder.load(self._address(index), align=8, typ=self.element)
 
     def store(self, index: ir.Value, value: ir.Value) -> None:
         """Set the element at `index`."""
-        self.builder.store(value, self._address(index))
+        self.builder.store(value, self._address(index), align=8)
 
-    def after(self, count: ir.Value, element: ir.Type = REAL) -> Array:
-        """Return the array that begins `count` elements further on."""
-        return Array(self.builder, self._address(count), element)
+    def after(self, count: ir.Value, element: ir.Type | None = None) -> Array:
+        """Return the array that begins `count` elements further on, of the same elements or others."""
+        return Array(self.builder, self._address(count), self.element if element is None else element)
 
     def _address(self, index: ir.Value) -> ir.Value:
         return self.builder.gep(self.pointer, [index], source_etype=self.element)
@@ -55,7 +70,7 @@ class Array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Matrix:
-    """Doubles, row after row."""
+    """Doubles or vectors of them, row after row."""
 
     entries: Array
     columns: ir.Value
@@ -153,13 +168,20 @@ def count_down(builder: ir.IRBuilder, start: ir.Value, stop: ir.Value) -> Iterat
 
 
 def absolute(builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
-    """Return the absolute value of a double."""
-    return builder.call(builder.module.declare_intrinsic("llvm.fabs", [REAL]), [x])
+    """Return the absolute value of a double, or of each in a vector."""
+    return builder.call(_intrinsic(builder.module, "llvm.fabs", x.type), [x])
 
 
 def square_root(builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
-    """Return the correctly rounded square root of a double."""
-    return builder.call(builder.module.declare_intrinsic("llvm.sqrt", [REAL]), [x])
+    """Return the correctly rounded square root of a double, or of each in a vector."""
+    return builder.call(_intrinsic(builder.module, "llvm.sqrt", x.type), [x])
+
+
+def _intrinsic(module: ir.Module, name: str, kind: ir.Type) -> ir.Function:
+    if not isinstance(kind, ir.VectorType):
+        return module.declare_intrinsic(name, [kind])
+    full = f"{name}.v{kind.count}f64"
+    return module.globals.get(full) or ir.Function(module, ir.FunctionType(kind, [kind]), name=full)
 
 
 def add_product(builder: ir.IRBuilder, total: ir.Value, x: ir.Value, y: ir.Value) -> ir.Value:

@@ -1,7 +1,8 @@
 """Several entries or sums side by side, for hand-written LLVM functions.
 
 A sum is a chain in which every addition waits for the one before. Four chains at once take the time of one;
-each still adds its own terms in their order, so that it has the bits of a plain loop.
+each still adds its own terms in their order, so that it has the bits of a plain loop. Where entries are
+vectors of several systems, these are the chains, and rows go one by one.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from symbody.codegen.llvm.loops import (
     count,
     integer,
     loop,
-    real,
+    number,
     subtract_product,
 )
 
@@ -28,9 +29,16 @@ _PLACE: Final = ir.IntType(32)
 
 
 def by_groups(
-    b: ir.IRBuilder, start: ir.Value, stop: ir.Value, write: Callable[[list[ir.Value]], None]
+    b: ir.IRBuilder, kind: ir.Type, start: ir.Value, stop: ir.Value, write: Callable[[list[ir.Value]], None]
 ) -> None:
-    """Write a loop from `start` to `stop`, four indices at a time, and one over those that are left."""
+    """Write a loop from `start` to `stop`, four indices at a time, and one over those that are left.
+
+    Vectors, the `kind` of the entries, go one at a time.
+    """
+    if isinstance(kind, ir.VectorType):
+        with count(b, start, stop) as index:
+            write([index])
+        return
     width = integer(_WIDTH)
     groups = b.lshr(b.sub(stop, start), integer(_SHIFT))
     with count(b, integer(0), groups) as group:
@@ -50,11 +58,11 @@ def side_by_side(b: ir.IRBuilder, values: Sequence[ir.Value]) -> ir.Value:
     return vector
 
 
-def apart(b: ir.IRBuilder, vector: ir.Value) -> list[ir.Value]:
-    """Return what `side_by_side` was made of."""
-    if not isinstance(vector.type, ir.VectorType):
+def apart(b: ir.IRBuilder, vector: ir.Value, parts: int) -> list[ir.Value]:
+    """Return the so many parts that `side_by_side` was made of."""
+    if parts == 1:
         return [vector]
-    return [b.extract_element(vector, ir.Constant(_PLACE, place)) for place in range(vector.type.count)]
+    return [b.extract_element(vector, ir.Constant(_PLACE, place)) for place in range(parts)]
 
 
 def row_sums(
@@ -62,11 +70,11 @@ def row_sums(
 ) -> list[ir.Value]:
     """Return for each row the sum of its entries times `factors`, from `start` to `stop`."""
     width = len(rows)
-    with loop(b, start, stop, side_by_side(b, [real(0.0)] * width)) as column:
+    with loop(b, start, stop, side_by_side(b, [number(rows[0].element, 0.0)] * width)) as column:
         entries = side_by_side(b, [row.load(column.index) for row in rows])
         factor = side_by_side(b, [factors.load(column.index)] * width)
         column.carry(add_product(b, column.value, entries, factor))
-    return apart(b, column.value)
+    return apart(b, column.value, width)
 
 
 def subtract_multiple(
@@ -79,7 +87,7 @@ def subtract_multiple(
         entries, others = (_together(b, array, places) for array in (target, source))
         _store(b, target, places, subtract_product(b, entries, wide, others))
 
-    by_groups(b, start, stop, write)
+    by_groups(b, target.element, start, stop, write)
 
 
 def subtract_outer(
@@ -98,12 +106,12 @@ def subtract_outer(
         change = add_product(b, b.fmul(wide[0], first), wide[1], second)
         _store(b, target, places, b.fsub(entries, change))
 
-    by_groups(b, start, stop, write)
+    by_groups(b, target.element, start, stop, write)
 
 
 def _together(b: ir.IRBuilder, array: Array, places: Sequence[ir.Value]) -> ir.Value:
     """Return adjacent entries as one vector, one as it is."""
-    kind = REAL if len(places) == 1 else ir.VectorType(REAL, len(places))
+    kind = array.element if len(places) == 1 else ir.VectorType(REAL, len(places))
     return b.load(array.after(places[0]).pointer, align=8, typ=kind)
 
 

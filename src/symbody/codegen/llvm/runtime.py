@@ -14,7 +14,7 @@ from llvmlite import ir
 from symbody.codegen.llvm.loops import INTEGER, POINTER, Array, count, integer
 from symbody.codegen.llvm.machine import SMALL, THOROUGH, environment, lanes, object_codes, target_machine
 from symbody.codegen.llvm.saddle import NAME as SADDLE_NAME
-from symbody.codegen.llvm.saddle import STATUS, define_solve_saddle
+from symbody.codegen.llvm.saddle import STATUS, define_solve_saddle, define_solve_saddles
 from symbody.codegen.llvm.stored_module import Module, read_module, store_module, written_by
 from symbody.codegen.llvm.trig import SINCOS_NAME, define_lane_sincos, define_sincos
 
@@ -106,9 +106,9 @@ def _define_scatter(module: ir.Module) -> None:
 def _define_lane_saddle(module: ir.Module) -> None:
     """``int lanes(int n, int m, const double *arguments, double *results, double *work)``.
 
-    The scalar kernel, lane after lane: its pivots differ from point to point. `arguments` are M, J, F and
-    gamma in lanes. It returns 0, or 1 if any lane has no solution. `work` holds, for one lane, the
-    arguments, the results and the scratch of the kernel.
+    All lanes at once if their pivots are the same; if not, the scalar kernel, lane after lane. `arguments`
+    are M, J, F and gamma in lanes. It returns 0, or 1 if any lane has no solution. `work` holds the scratch
+    of the kernel in lanes, or, for one lane, the arguments, the results and the scratch of the kernel.
     """
     signature = ir.FunctionType(STATUS, [STATUS, STATUS, POINTER, POINTER, POINTER])
     function = ir.Function(module, signature, name=LANE_SADDLE)
@@ -124,6 +124,13 @@ def _define_lane_saddle(module: ir.Module) -> None:
     scratch = solution.after(solved)
     total = b.add(b.add(sizes[0], sizes[1]), b.add(n, m))
     width, failed = integer(lanes()), b.alloca(STATUS)
+    together = [given]
+    for size in sizes[:-1]:
+        together.append(together[-1].after(b.mul(size, width)))
+    pointers = [array.pointer for array in (*together, results, work)]
+    different = b.call(define_solve_saddles(module, lanes()), [*function.args[:2], *pointers])
+    with b.if_then(b.icmp_unsigned("==", different, STATUS(0))):
+        b.ret(STATUS(0))
     b.store(STATUS(0), failed)
     with count(b, integer(0), width) as lane:
         with count(b, integer(0), total) as k:

@@ -22,7 +22,7 @@ from symbody.codegen.llvm.loops import (
     count_down,
     integer,
     loop,
-    real,
+    spread,
     subtract_product,
 )
 from symbody.codegen.llvm.row_groups import (
@@ -33,19 +33,16 @@ from symbody.codegen.llvm.row_groups import (
 )
 from symbody.codegen.llvm.saddle_factors import (
     FIRST,
+    FLAG,
     ONE,
-    ZERO,
     Kernel,
+    cut,
     factor_mass,
     factor_rows,
     rotate_mass,
     scale_matrices,
     scales,
     tail_product,
-)
-from symbody.expr.saddle_factors import (
-    CUT_FACTOR,
-    EPSILON,
 )
 
 NAME: Final = "symbody_solve_saddle"
@@ -59,37 +56,48 @@ def define_solve_saddle(module: ir.Module) -> ir.Function:
     the system cannot be solved; `result` takes n + m + 1 doubles, `work` as many as
     `saddle_work_size` says.
     """
-    general = define_solve_saddle_cut(module)
-    function = ir.Function(module, ir.FunctionType(STATUS, [STATUS, STATUS, *[POINTER] * 6]), name=NAME)
-    function.linkage = "internal"
-    b = ir.IRBuilder(function.append_basic_block("entry"))
-    n, m, M, J, F, gamma, result, work = function.args
-    rank_cut = b.fmul(b.fmul(real(CUT_FACTOR), b.sitofp(m, REAL)), real(EPSILON))
-    b.ret(b.call(general, [n, m, M, J, F, gamma, rank_cut, result, work]))
-    return function
+    return _define(module, NAME, REAL, is_cut_given=False)
+
+
+def define_solve_saddles(module: ir.Module, width: int) -> ir.Function:
+    """Add the kernel for `width` systems in lanes to a module and return it.
+
+    As `define_solve_saddle`; entry k of an array begins at k times the width. It also returns 1 where the
+    systems have different pivots or ranks, or one of them cannot be solved.
+    """
+    return _define(module, f"{NAME}_{width}", ir.VectorType(REAL, width), is_cut_given=False)
 
 
 def define_solve_saddle_cut(module: ir.Module) -> ir.Function:
     """Add the kernel whose rank cut, a double before `result`, is an argument."""
-    signature = ir.FunctionType(STATUS, [STATUS, STATUS, *[POINTER] * 4, REAL, POINTER, POINTER])
-    function = ir.Function(module, signature, name=f"{NAME}_cut")
+    return _define(module, f"{NAME}_cut", REAL, is_cut_given=True)
+
+
+def _define(module: ir.Module, name: str, kind: ir.Type, *, is_cut_given: bool) -> ir.Function:
+    """Add the kernel for entries of a kind."""
+    given = [STATUS, STATUS, *[POINTER] * 4, *[REAL] * is_cut_given, POINTER, POINTER]
+    function = ir.Function(module, ir.FunctionType(STATUS, given), name=name)
     function.linkage = "internal"
     b = ir.IRBuilder(function.append_basic_block("entry"))
-    n, m, M, J, F, gamma, rank_cut, result, work = function.args
-    k = _layout(b, b.sext(n, INTEGER), b.sext(m, INTEGER), Array(b, M), Array(b, J), Array(b, work))
-    udot = Array(b, result)
+    n, m, M, J, F, gamma, *rank_cut, result, work = function.args
+    M, J, F, gamma, udot, work = (Array(b, place, kind) for place in (M, J, F, gamma, result, work))
+    k = _layout(b, b.sext(n, INTEGER), b.sext(m, INTEGER), M, J, work)
     multipliers = udot.after(k.n)
     scales(k)
     scale_matrices(k)
-    finite, rank = factor_rows(k, rank_cut)
+    finite, rank = factor_rows(k, rank_cut[0] if is_cut_given else cut(k, k.m))
+    if isinstance(kind, ir.VectorType):
+        with b.if_then(b.load(k.mixed, typ=FLAG)):
+            b.ret(STATUS(1))
     rotate_mass(k, rank)
     definite = factor_mass(k, rank)
     ok = b.and_(finite, b.icmp_signed("==", definite, k.n))
+    ok = b.and_(ok, b.not_(b.load(k.mixed, typ=FLAG)))
     with count(b, FIRST, b.add(k.n, k.m)) as i:
-        udot.store(i, b.select(ok, ZERO, real(math.nan)))
-    multipliers.store(k.m, b.sitofp(rank, REAL))
+        udot.store(i, b.select(ok, k.number(0.0), k.number(math.nan)))
+    multipliers.store(k.m, spread(b, kind, b.sitofp(rank, REAL)))
     with count(b, FIRST, b.select(ok, integer(2), FIRST)):  # the solution, then its refinement
-        _scaled_residual(k, rank, Array(b, F), Array(b, gamma), udot, multipliers)
+        _scaled_residual(k, rank, F, gamma, udot, multipliers)
         _add_solution(k, rank, udot, multipliers)
     b.ret(b.select(ok, STATUS(0), STATUS(1)))
     return function
@@ -97,9 +105,11 @@ def define_solve_saddle_cut(module: ir.Module) -> ir.Function:
 
 def _layout(b: ir.IRBuilder, n: ir.Value, m: ir.Value, M: Array, J: Array, work: Array) -> Kernel:
     """Divide the scratch as `symbody_saddle_layout` of the C text does."""
+    kind, mixed = work.element, b.alloca(FLAG)
+    b.store(FLAG(0), mixed)
     d = work
     order = d.after(n, INTEGER)
-    diagonal = order.after(n)
+    diagonal = order.after(n, kind)
     beta = diagonal.after(n)
     f = beta.after(n)
     y = f.after(n)
@@ -109,8 +119,9 @@ def _layout(b: ir.IRBuilder, n: ir.Value, m: ir.Value, M: Array, J: Array, work:
     g = share.after(m)
     A = Matrix(g.after(m), n)
     B = Matrix(A.row(m), n)
+    masses, slopes = Matrix(M, n), Matrix(J, n)
     return Kernel(
-        b, n, m, Matrix(M, n), Matrix(J, n), d, order, diagonal, beta, f, y, r, size, share, g, A, B
+        kind, mixed, b, n, m, masses, slopes, d, order, diagonal, beta, f, y, r, size, share, g, A, B
     )
 
 
@@ -130,10 +141,10 @@ def _scaled_residual(
             columns.carry(
                 subtract_product(b, columns.value, masses, side_by_side(b, [udot.load(i)] * len(rows)))
             )
-        for j, total in zip(rows, apart(b, columns.value), strict=True):
+        for j, total in zip(rows, apart(b, columns.value, len(rows)), strict=True):
             k.f.store(j, b.fmul(total, k.d.load(j)))
 
-    by_groups(b, FIRST, k.n, write)
+    by_groups(b, k.kind, FIRST, k.n, write)
     with count(b, FIRST, rank) as step:
         i = k.order.load(step)
         with loop(b, FIRST, k.n, gamma.load(i)) as columns:

@@ -1,0 +1,103 @@
+"""Several systems at once: the bits of one alone where all go the same way, and a word where they do not."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import pairwise
+
+import llvmlite.binding as llvm
+import numpy as np
+import pytest
+from llvmlite import ir
+
+from symbody.codegen.llvm.saddle import define_solve_saddles
+from symbody.codegen.pieces import saddle_work_size
+from tests.codegen.test_saddle_kernels import Arguments, bits, compiled_module, edge_cases, reference
+from tests.saddle_systems import System, systems
+
+WIDTH = 4
+GUARD = 8  # doubles behind the scratch that have to stay as they are
+
+Kernel = Callable[[list[Arguments]], tuple[int, list[list[float]]]]
+
+
+@pytest.fixture(scope="module")
+def kernel() -> Iterator[Kernel]:
+    module = ir.Module()
+    module.triple = llvm.get_default_triple()
+    inner = define_solve_saddles(module, WIDTH)
+    outer = ir.Function(module, inner.function_type, name="kernel")
+    builder = ir.IRBuilder(outer.append_basic_block())
+    builder.ret(builder.call(inner, outer.args))
+    engine = compiled_module(module)
+    pointer = ctypes.POINTER(ctypes.c_double)
+    kinds = (ctypes.c_int, ctypes.c_int, *[pointer] * 6)
+    call = ctypes.CFUNCTYPE(ctypes.c_int, *kinds)(engine.get_function_address("kernel"))
+
+    def solved(lanes: list[Arguments]) -> tuple[int, list[list[float]]]:
+        n, m = len(lanes[0][2]), len(lanes[0][3])
+        given = [np.array([lane[k] for lane in lanes], dtype=float).T.ravel() for k in range(4)]
+        arrays = [np.append(array, 0.0) for array in given]
+        result = np.zeros((n + m + 1) * WIDTH)
+        work = np.full(saddle_work_size(n, m) * WIDTH + GUARD, 7.0)
+        pointers = [array.ctypes.data_as(pointer) for array in (*arrays, result, work)]
+        status = call(n, m, *pointers)
+        assert (work[-GUARD:] == 7.0).all()
+        return status, result.reshape(-1, WIDTH).T.tolist()
+
+    yield solved
+    engine.close()
+
+
+def near(system: System, lane: int) -> Arguments:
+    """The system with other last digits, which no pivot depends on."""
+    factor = 1.0 + 1e-9 * lane
+    return replace(system, F=system.F * factor, M=system.M * factor, gamma=system.gamma / factor).arguments
+
+
+def check(kernel: Kernel, lanes: list[Arguments]) -> bool:
+    """Compare with one after the other; return whether all went the same way."""
+    status, found = kernel(lanes)
+    expected = [reference(arguments) for arguments in lanes]
+    if status == 0:
+        assert all(alone == 0 for alone, _ in expected)
+        assert [bits(result) for result in found] == [bits(result) for _, result in expected]
+    return status == 0
+
+
+def test_systems_that_go_the_same_way_have_the_bits_of_each_alone(kernel: Kernel) -> None:
+    # Dependent rows, and masses that rounding alone tells apart, may still send lanes different ways.
+    same = [check(kernel, [near(system, lane) for lane in range(WIDTH)]) for system in systems(5, 100)]
+    assert sum(same) > 80
+
+
+def test_systems_that_differ_are_handed_back(kernel: Kernel) -> None:
+    by_size: dict[tuple[int, int], list[Arguments]] = {}
+    for system in systems(6, 300):
+        by_size.setdefault(system.J.shape, []).append(system.arguments)
+    groups = [group[:WIDTH] for group in by_size.values() if len(group) >= WIDTH]
+    assert groups
+    for group in groups:
+        check(kernel, group)
+
+
+def test_ranks_that_differ_are_handed_back(kernel: Kernel) -> None:
+    unit = [1.0, 0.0, 0.0, 1.0]
+    full, half, none = [1.0, 0.0, 0.0, 1.0], [1.0, 0.0, 2.0, 0.0], [0.0] * 4
+    rows = {"full": full, "half": half, "none": none}
+    for name, J in rows.items():
+        alike: Arguments = (unit, J, [1.0, 2.0], [0.0, 0.0])
+        assert check(kernel, [alike] * WIDTH)
+        for other in rows.keys() - {name}:
+            assert not check(kernel, [alike] * (WIDTH - 1) + [(unit, rows[other], [1.0, 2.0], [0.0, 0.0])])
+
+
+def test_edge_cases_in_all_lanes_and_in_one(kernel: Kernel) -> None:
+    cases = edge_cases()
+    for case in cases:
+        assert check(kernel, [case] * WIDTH) == (reference(case)[0] == 0)
+    for case, other in pairwise(cases):
+        if [len(part) for part in case] == [len(part) for part in other]:
+            check(kernel, [case] * (WIDTH - 1) + [other])
