@@ -1,4 +1,4 @@
-"""Many motions: tops of different masses, by one thread and by two, with and without lanes.
+"""Many motions: tops and slider-cranks of different masses, by one thread and by two, with and without lanes.
 
 Throughput is stated for each core, beside the same motions one by one in the loop for a single motion, and by
 SciPy's DOP853 with the same compiled function.
@@ -27,12 +27,16 @@ END: Final = 10.0
 THREADS: Final = (1, 2)
 # Of so many times the throughput of one thread.
 GOAL: Final = 0.8
+CRANKS: Final = 512
+# Of so many times the throughput of a loop without lanes.
+CLOSED_GOAL: Final = 1.3
 _ALONE: Final = 20
 
 
 def tables(settings: Settings) -> Iterator[Table]:
-    """Yield the table of this benchmark."""
+    """Yield the tables of this benchmark."""
     yield tops(settings)
+    yield cranks(settings)
 
 
 def tops(settings: Settings, cases: int = CASES) -> Table:
@@ -74,6 +78,33 @@ def tops(settings: Settings, cases: int = CASES) -> Table:
         "what else runs on the machine slows what is in seconds down, hardly what is in seconds of processor",
     )
     return Table("many motions", columns, tuple(rows), notes)
+
+
+def cranks(settings: Settings, cases: int = CRANKS) -> Table:
+    """Return what lanes bring for closed loops that are held by projection, without and with first states."""
+    eqs = sb.form_equations(sb.load_model(EXAMPLES / "slider_crank" / "slider_crank.toml"))
+    masses = np.linspace(0.7, 0.9, cases)
+
+    def work(end: float, lanes: bool) -> float:
+        options = {"times": [end], "threads": 1, "lanes": lanes, "constraints": sb.Projection()}
+        sb.sweep(eqs, end, {"m3": masses[:16]}, **options)  # compiles
+        swept = partial(sb.sweep, eqs, end, {"m3": masses}, **options)
+        return min(processor_seconds(swept) for _ in range(min(settings.rounds, 3))) / cases
+
+    starts = work(0.0, False)
+    whole = {lanes: work(END, lanes) for lanes in (False, True)}
+    rows = []
+    for name, less in (("integration", starts), ("whole sweep", 0.0)):
+        spent = [whole[lanes] - less for lanes in (False, True)]
+        ratio = spent[0] / spent[1]
+        met = " met" if name == "integration" and ratio >= CLOSED_GOAL else ""
+        rows.append((name, *map(seconds_text, spent), f"{ratio:.2f}{met}"))
+    columns = ("of one slider-crank", "no lanes", "lanes", "ratio")
+    notes = (
+        f"{cases} closed by projection for {END:g} s, in seconds of processor; goal: {CLOSED_GOAL:g} times",
+        f"first states, {seconds_text(starts)} each, are found case by case: the same with and without lanes",
+    )
+    return Table("many closed loops", columns, tuple(rows), notes)
 
 
 def _alternating(

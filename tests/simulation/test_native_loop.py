@@ -76,6 +76,6 @@ def test_the_cache_is_renewed_with_every_file_compiled_into_the_loop() -> None:
     assert hashlib.sha256(texts.encode()).hexdigest()[:16] == native_loop.SOURCES
     texts += (folder / "loop.py").read_text(encoding="utf-8")
     assert hashlib.sha256(texts.encode()).hexdigest()[:16] == native_cases.SOURCES
-    more = ("cases.py", "lanes/arithmetic.py", "lanes/steps.py")
+    more = ("cases.py", "lanes/arithmetic.py", "lanes/steps.py", "lanes/projection.py")
     texts += "".join((folder / name).read_text(encoding="utf-8") for name in more)
     assert hashlib.sha256(texts.encode()).hexdigest()[:16] == lane_cases.SOURCES

@@ -24,7 +24,7 @@ from symbody.simulation.native.loop import advance, begin
 from symbody.simulation.native.places import RUNNING, STATE_OLD, TIME
 
 # A test says what it has to be.
-SOURCES: Final = "6a1a0463ba1d372e"
+SOURCES: Final = "72a8fa4807a0c127"
 # Steps between two looks at whether the run is to stop.
 _SLICE: Final = 1000
 
@@ -88,6 +88,16 @@ def fill(row: Floats, rows: Floats, k: int) -> None:
 
 
 @inlined
+def fill_projector(projector: Projector, cases: Cases, k: int) -> None:
+    """Set what projects to the numbers of case k, if anything is projected."""
+    if projector.address != 0:
+        fill(projector.parameters, cases.projector_parameters, k)
+        fill(projector.constants, cases.projector_constants, k)
+        fill(projector.scales, cases.scales, k)
+        fill(projector.sizes, cases.sizes, k)
+
+
+@inlined
 def prepare(rhs: RightHandSide, memory: Memory, cases: Cases, k: int, start: float) -> None:
     """Set the loop to the beginning of case k."""
     fill(rhs.parameters, cases.parameters, k)
@@ -133,11 +143,7 @@ def run_cases(
         if outcome.codes[k] != -1:
             continue
         prepare(rhs, memory, cases, k, start)
-        if projector.address != 0:
-            fill(projector.parameters, cases.projector_parameters, k)
-            fill(projector.constants, cases.projector_constants, k)
-            fill(projector.scales, cases.scales, k)
-            fill(projector.sizes, cases.sizes, k)
+        fill_projector(projector, cases, k)
         own = Record(record.wanted, record.t, outcome.x[k], record.breaks, record.pieces, False, False)
         code = begin(rhs, method, goal, memory, own, first_step)
         while code == RUNNING and outcome.stop[0] == 0:

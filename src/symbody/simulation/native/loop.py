@@ -209,20 +209,29 @@ def failure(method: Method, goal: Goal, memory: Memory) -> int:
 
 
 @inlined
-def _close(
-    rhs: RightHandSide, projector: Projector, method: Method, goal: Goal, memory: Memory, t_new: float
-) -> bool:
-    """Project the new state and renew its derivative; return whether it needed no large move.
+def project_new_state(projector: Projector, goal: Goal, memory: Memory, t_new: float) -> float:
+    """Project the new state; return how far it moved, negative if that was too far.
 
     What the state before the step would ask for if rounded otherwise is no fault of the step, and a shorter
     one mends nothing.
     """
-    moved = project(projector, goal.rtol, goal.atol, t_new, memory.vectors, STATE_NEW)
+    moved: float = project(projector, goal.rtol, goal.atol, t_new, memory.vectors, STATE_NEW)
     if not moved <= projector.limit:
         t = memory.real[TIME]
         asked = asked_move(projector, goal.rtol, goal.atol, t, memory.vectors, STATE_OLD, ERROR_2)
         if not moved <= projector.limit * asked:
-            return False
+            return -1.0
+    return moved
+
+
+@inlined
+def _close(
+    rhs: RightHandSide, projector: Projector, method: Method, goal: Goal, memory: Memory, t_new: float
+) -> bool:
+    """Project the new state and renew its derivative; return whether it needed no large move."""
+    moved = project_new_state(projector, goal, memory, t_new)
+    if moved < 0.0:
+        return False
     if moved > 0.0:
         evaluate(rhs, memory, t_new, STATE_NEW, method.stages)
     return memory.counts[KERNEL] == 0 and row_is_finite(memory.K, method.stages)

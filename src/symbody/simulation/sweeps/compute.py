@@ -110,6 +110,7 @@ def _bundle(memory: Memory) -> Bundle:
         _aligned(memory.K.shape[0], n),
         _aligned(memory.F.shape[1], n),
         _aligned(1, n),
+        _aligned(1, n),
         minus_zero,
         trial,
         np.zeros((WIDTH, memory.real.size)),

@@ -178,7 +178,7 @@ def planned(
         wish.atol,
         wish.max_steps,
         wish.integrator is None,
-        False,
+        job.lanes,
         ROUNDED_PER_COORDINATE * len(eqs.coordinate_names) * EPSILON / tolerance,
         np.inf if isinstance(method, FixedStep) else projection.limit,
     )

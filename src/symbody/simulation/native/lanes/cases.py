@@ -1,9 +1,9 @@
 """Many motions of one mechanism, one in each lane: what `native.cases` computes, bit for bit.
 
 Each lane has its own step and error, and goes on with the next case when one has ended. Stages, errors and
-dense outputs are computed for all lanes at once, what is left lane by lane. Where the function fails, each
-lane tries its step in the loop for a single motion, whose arrays are filled from the lane's. Nothing is
-projected.
+dense outputs are computed for all lanes at once, what is left lane by lane, projections among it. Where the
+function fails, each lane tries its step in the loop for a single motion, whose arrays are filled from the
+lane's.
 `SOURCES` stands for the files compiled into `run_cases_in_lanes`, see `native.cases`.
 """
 
@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from symbody.simulation.native.cases import Cases, Outcome, conclude, fill, prepare
+from symbody.simulation.native.cases import Cases, Outcome, conclude, fill, fill_projector, prepare
 from symbody.simulation.native.interface import (
     Goal,
     Memory,
@@ -26,6 +26,7 @@ from symbody.simulation.native.interface import (
     uncounted,
 )
 from symbody.simulation.native.lanes.arithmetic import WIDTH
+from symbody.simulation.native.lanes.projection import project_new_states
 from symbody.simulation.native.lanes.steps import (
     CALLS,
     ERROR_NORM,
@@ -65,9 +66,10 @@ from symbody.simulation.native.places import (
     TIME,
     TOO_MANY,
 )
+from symbody.simulation.native.projection import project
 
 # A test says what it has to be.
-SOURCES: Final = "e5d30e6ad02f7d7f"
+SOURCES: Final = "c83ccc2d913e7aa9"
 
 
 class Single(NamedTuple):
@@ -182,6 +184,7 @@ def _try_alone(single: Single, bundle: Bundle, cases: Cases, outcome: Outcome, l
     _load(single, bundle, lane)
     fill(single.rhs.parameters, cases.parameters, k)
     fill(single.rhs.constants, cases.constants, k)
+    fill_projector(single.projector, cases, k)
     own = _own_record(single, outcome, k)
     bundle.codes[lane] = advance(
         single.rhs, single.projector, single.method, single.goal, single.memory, own, 1
@@ -210,10 +213,11 @@ def _mark_samples(single: Single, bundle: Bundle) -> bool:
 
 
 @inlined
-def _store_samples(single: Single, bundle: Bundle, outcome: Outcome, lane: int) -> None:
+def _store_samples(single: Single, bundle: Bundle, cases: Cases, outcome: Outcome, lane: int) -> None:
     """Store the samples of the step of a lane."""
     F, x, goal, record = single.memory.F, outcome.x[bundle.cases[lane]], single.goal, single.record
-    n = x.shape[1]
+    projector, n = single.projector, x.shape[1]
+    fill_projector(projector, cases, bundle.cases[lane])
     for i in range(n):
         for row in range(F.shape[1]):
             F[0, row, i] = bundle.F[row, i * WIDTH + lane]
@@ -228,6 +232,8 @@ def _store_samples(single: Single, bundle: Bundle, outcome: Outcome, lane: int) 
                 x[sample, i] = bundle.vectors[STATE_NEW, i * WIDTH + lane]
         else:
             interpolate(F, 0, (time - t) / (t_new - t), x, sample)
+            if projector.address != 0:
+                project(projector, goal.rtol, goal.atol, time, x, sample)
         sample += 1
     bundle.counts[lane, SAMPLES] = sample
 
@@ -248,7 +254,9 @@ def _judge(single: Single, bundle: Bundle, lane: int) -> None:
 
 
 @inlined
-def _conclude_lane(single: Single, bundle: Bundle, outcome: Outcome, lane: int, extra: int) -> None:
+def _conclude_lane(
+    single: Single, bundle: Bundle, cases: Cases, outcome: Outcome, lane: int, extra: int
+) -> None:
     """Accept or reject the step of a lane, and mark the lane if it is accepted.
 
     `extra` evaluations were needed for dense output, where a sample lies inside.
@@ -266,7 +274,7 @@ def _conclude_lane(single: Single, bundle: Bundle, outcome: Outcome, lane: int, 
         reject(method, bundle.real[lane], counts, h, error)
         return
     if _next_sample(single.goal, single.record, counts[SAMPLES], t_new) <= 0.0:
-        _store_samples(single, bundle, outcome, lane)
+        _store_samples(single, bundle, cases, outcome, lane)
     _judge(single, bundle, lane)
     accept(method, single.goal, bundle.real[lane], counts, t_new, h, error)
     trial[MASK, lane] = 1.0
@@ -280,13 +288,17 @@ def _conclude_all(
     trial, method = bundle.trial, single.method
     extra = bundle.K.shape[0] - method.stages - 1
     is_dense = True
+    if is_tried and single.projector.address != 0:
+        is_tried = project_new_states(
+            wide, single.projector, method, single.goal, single.memory, bundle, cases
+        )
     if is_tried and _mark_samples(single, bundle):
         is_dense = form_dense_outputs(wide, method, bundle)
     for lane in range(WIDTH):
         if bundle.cases[lane] < 0:
             trial[MASK, lane] = 0.0
         elif is_tried and (is_dense or trial[MASK, lane] == 0.0):
-            _conclude_lane(single, bundle, outcome, lane, extra)
+            _conclude_lane(single, bundle, cases, outcome, lane, extra)
         else:
             trial[MASK, lane] = 0.0
             _try_alone(single, bundle, cases, outcome, lane)

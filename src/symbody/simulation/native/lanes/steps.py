@@ -56,8 +56,9 @@ class Bundle(NamedTuple):
         The derivatives of the stages.
     F : (4 + d, n W) array
         The dense output of the last step.
-    scratch, minus_zero : (1, n W) arrays
-        A derivative or state that may not be wanted in all lanes; and what changes nothing when added.
+    scratch, derivative, minus_zero : (1, n W) arrays
+        A derivative or state that may not be wanted in all lanes, a derivative there; and what changes
+        nothing when added.
     trial : (TRIALS, W) array
         Beginning, length, end and error of the steps just tried, the evaluations they took, numbers on the
         way, which lanes are meant, and ones.
@@ -75,6 +76,7 @@ class Bundle(NamedTuple):
     K: Floats
     F: Floats
     scratch: Floats
+    derivative: Floats
     minus_zero: Floats
     trial: Floats
     real: Floats
