@@ -80,8 +80,8 @@ def test_stored_arrays_are_drawn_at_the_samples() -> None:
     motion = swing()
     kept = swing(stored={"F": 3.0 * motion.t})
     np.testing.assert_array_equal(data(plot(kept, "F")), [kept.t, 3.0 * kept.t])
-    ax = plot(kept, "x", "F")
-    np.testing.assert_array_equal(data(ax, 0)[0], data(ax, 1)[0])
+    state, stored = plot(kept, "x", "F").figure.axes
+    np.testing.assert_array_equal(data(state)[0], data(stored)[0])
 
 
 def test_no_expression_means_all_coordinates() -> None:
@@ -89,10 +89,10 @@ def test_no_expression_means_all_coordinates() -> None:
 
 
 def test_several_curves_have_a_legend_and_different_colours() -> None:
-    ax = plot(swing(), "x", "v", "v_dot")
-    assert legend(ax) == ["x [m]", "v [m/s]", "v_dot"]
-    assert ax.get_ylabel() == ""
-    assert len({line.get_color() for line in ax.lines}) == 3
+    ax = plot(swing(), "x", "frame r")
+    assert legend(ax) == ["x [m]", "r x [m]", "r y [m]", "r z [m]"]
+    assert ax.get_ylabel() == "length [m]"
+    assert len({line.get_color() for line in ax.lines}) == 4
 
 
 def test_a_vector_makes_three_curves_with_one_axis() -> None:
@@ -102,14 +102,59 @@ def test_a_vector_makes_three_curves_with_one_axis() -> None:
     assert plot(swing(), "pair").get_ylabel() == ""
 
 
+def test_each_unit_has_a_panel_in_the_order_of_first_appearance() -> None:
+    ax = plot(swing(), "x", "v", "frame r", "v_dot", title="A swing")
+    lengths, rates, unknown = panels = ax.figure.axes
+    assert lengths is ax
+    assert [panel.get_ylabel() for panel in panels] == ["x, r x, r y, r z [m]", "v [m/s]", "v_dot"]
+    assert legend(lengths) == ["x [m]", "r x [m]", "r y [m]", "r z [m]"]
+    assert legend(rates) == legend(unknown) == []
+    assert [panel.get_xlabel() for panel in panels] == ["", "", "time [s]"]
+    assert [panel.get_title() for panel in panels] == ["A swing", "", ""]
+    lengths.set_xlim(1.0, 2.0)  # who zooms into one sees the same time in all
+    assert {panel.get_xlim() for panel in panels} == {(1.0, 2.0)}
+    # the values are where their unit is
+    np.testing.assert_array_equal(data(rates), data(plot(swing(), "v")))
+
+
+def test_one_unit_makes_the_same_picture_as_ever() -> None:
+    (only,) = plot(swing(), "x", "frame r").figure.axes
+    assert only.figure.get_size_inches().tolist() == [7.0, 4.2]
+
+
+def test_figures_grow_with_their_panels_up_to_a_bound() -> None:
+    units = {f"y{k}": f"u{k}" for k in range(12)}
+    motion = swing(stored={name: swing().t for name in units}, units=units)
+    heights = [plot(motion, *[*units][:count]).figure.get_figheight() for count in (1, 2, 3, 8, 12)]
+    assert heights == pytest.approx([4.2, 6.0, 7.8, 13.0, 13.0])
+
+
+def test_panels_over_another_output_mark_the_start() -> None:
+    ax = plot(swing(), "v", "v_dot", x="x")
+    assert [panel.get_xlabel() for panel in ax.figure.axes] == ["", "x [m]"]
+    assert [len(panel.lines) for panel in ax.figure.axes] == [2, 2]
+
+
+def test_long_names_break_into_lines_beside_their_panel() -> None:
+    units = {"x": "m", "the kinetic energy of all that turns about the first axis of the arm": "J"}
+    motion = swing(stored={name: swing().t for name in units}, units=units)
+    label = plot(motion, *units).figure.axes[1].get_ylabel()
+    assert label.count("\n") >= 1 and label.replace("\n", " ").endswith("of the arm [J]")
+    words = ["way of the left foot of the walker", "way of the right foot of the walker"]
+    ax = plot(swing(), "x", "frame r x", "v", labels=[*words, "v"])
+    assert ax.get_ylabel() == "length [m]" and len(legend(ax)) == 2
+
+
 def test_more_curves_than_colours_differ_in_their_dashes() -> None:
-    ax = plot(swing(), *["x", "v", "v_dot", "frame r", "pair", "t"])
+    ax = plot(swing(), *["x", "frame r"] * 2, "x")
     assert len({(line.get_color(), line.get_linestyle()) for line in ax.lines}) == len(ax.lines) == 9
 
 
 def test_labels_replace_names_and_must_fit() -> None:
-    ax = plot(swing(), "x", "v", labels=["place", "price in $ or $"])
-    assert legend(ax) == ["place [m]", r"price in \$ or \$ [m/s]"]
+    ax = plot(swing(), "x", "frame r x", labels=["place", "price in $ or $"])
+    assert legend(ax) == ["place [m]", r"price in \$ or \$ [m]"]
+    both = plot(swing(), "x", "v", labels=["place", "way [m]"])  # the unit that is read decides
+    assert len(both.figure.axes) == 1
     for labels in (["one"], "xv"):
         with pytest.raises(UsageError, match="2 curves need 2 labels, not .*\n.*labels for x, v"):
             plot(swing(), "x", "v", labels=labels)
@@ -122,6 +167,22 @@ def test_a_second_plot_joins_the_first() -> None:
     assert ax.get_ylabel() == "length [m]"
     plot(swing(), "v", ax=ax)
     assert ax.get_ylabel() == ""
+
+
+def test_a_second_plot_joins_the_panels_of_the_first() -> None:
+    ax = plot(swing(), "x", "v", labels=["first", "second"])
+    assert plot(swing(), "v", "x", "v_dot", ax=ax) is ax
+    upper, lower = ax.figure.axes
+    assert legend(lower) == ["second [m/s]", "v [m/s]"] and lower.get_ylabel() == "second, v [m/s]"
+    assert legend(upper) == ["first [m]", "x [m]", "v_dot"]  # what has no panel goes where it was sent
+    assert upper.get_ylabel() == ""
+
+
+def test_axes_of_the_caller_take_all_units() -> None:
+    figure, given = pyplot.subplots(2, 1)
+    plot(swing(), "x", "v", ax=given[1])
+    assert (len(given[0].lines), legend(given[1])) == (0, ["x [m]", "v [m/s]"])
+    pyplot.close(figure)
 
 
 def test_a_path_marks_its_start_and_keeps_its_shape() -> None:
@@ -205,8 +266,10 @@ def test_units_follow_from_the_words_of_an_output(name: str, unit: str) -> None:
 
 def test_a_reaction_has_six_named_components() -> None:
     wrench = np.arange(6.0)[:, np.newaxis] * np.ones(swing().t.size)
-    ax = plot(swing(stored={"reaction B": wrench}), "reaction B")
-    assert [text.split(" ")[2] for text in legend(ax)] == ["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
+    forces, moments = plot(swing(stored={"reaction B": wrench}), "reaction B").figure.axes
+    assert [text.split(" ")[2] for text in legend(forces)] == ["Fx", "Fy", "Fz"]
+    assert [text.split(" ")[2] for text in legend(moments)] == ["Mx", "My", "Mz"]
+    assert (forces.get_ylabel(), moments.get_ylabel()) == ("force [N]", "torque [N m]")
 
 
 def test_a_label_with_a_unit_keeps_it() -> None:
@@ -251,8 +314,13 @@ def test_pictures_are_written(suffix: str, tmp_path: Path) -> None:
 
 def test_nothing_is_cut_off(tmp_path: Path) -> None:
     figure, given = pyplot.subplots()
-    own = plot(swing(), "x", "frame r", "pair", title="The title of a plot")
-    for name, ax in (("own", own), ("given", plot(swing(), "x", "v", "pair", ax=given, title="The title"))):
+    own = plot(swing(), "x", "frame r", title="The title of a plot")
+    panels = plot(swing(), "x", "frame r", "pair", "v", title="The title of a plot")
+    for name, ax in (
+        ("own", own),
+        ("panels", panels),
+        ("given", plot(swing(), "x", "v", "pair", ax=given, title="The title")),
+    ):
         path = tmp_path / f"{name}.png"
         save_plot(ax, path)
         picture = imread(path)
@@ -265,7 +333,7 @@ def test_nothing_is_cut_off(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("count", [16, 23, 40])
 def test_long_legends_stay_in_the_picture(tmp_path: Path, count: int) -> None:
-    save_plot(plot(swing(), *["x"] * count, title="Many curves"), tmp_path / "many.png")
+    save_plot(plot(swing(), "v", *["x"] * count, title="Many curves"), tmp_path / "many.png")
     picture = imread(tmp_path / "many.png")
     edges = [picture[:2], picture[-2:], picture[:, :2], picture[:, -2:]]
     assert all((edge == 1.0).all() for edge in edges)

@@ -1,7 +1,8 @@
-"""How curves and paths are drawn: figures, lines, labels and legends of matplotlib."""
+"""How curves and paths are drawn: figures, panels, lines, labels and legends of matplotlib."""
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import Final
 
@@ -10,14 +11,18 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from symbody.visual.curves import Curve, Path, shared_quantity
+from symbody.visual.curves import Curve, Path, shared_label, shared_quantity
 
 SIZE: Final = (7.0, 4.2)  # inches: a column of text, and a slide
 SIZE_IN_SPACE: Final = (6.0, 5.2)
+PANEL: Final = 1.8  # inches that each further panel adds
+TALLEST: Final = 13.0  # inches; more panels share them
 RESOLUTION: Final = 150  # dots per inch
-# Entries of a legend that stand below each other in that height, in two sizes of type.
-_ROWS: Final = 16
-_ROWS_SMALL: Final = 23
+# Entries of a legend that stand below each other in an inch, in two sizes of type.
+_ROWS: Final = 16 / SIZE[1]
+_ROWS_SMALL: Final = 23 / SIZE[1]
+_LETTERS: Final = 10.5  # of a label, in an inch
+_PANELS: Final = "symbody panels"  # the label, which is not drawn, of a figure whose axes are named by units
 
 # The palette of Okabe and Ito, told apart by readers with any colour vision; yellow is too pale for lines.
 COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -26,18 +31,47 @@ DASHES: Final = ("-", "--", ":", "-.")
 
 def new_axes(in_space: bool = False) -> Axes:
     """Return axes in a figure of their own, which belongs to no window and no global state."""
-    figure = Figure(figsize=SIZE_IN_SPACE if in_space else SIZE, dpi=RESOLUTION, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = _new_figure(SIZE_IN_SPACE if in_space else SIZE)
     axes: Axes = figure.add_subplot(projection="3d" if in_space else None)
     axes.set_prop_cycle(cycler(linestyle=DASHES) * cycler(color=COLOURS))
     if in_space:
         axes.locator_params(nbins=5)  # more run into each other
         axes.tick_params(labelsize=8)
     else:
-        axes.grid(True, color="0.88", linewidth=0.8)
-        axes.set_axisbelow(True)
-        axes.spines[["top", "right"]].set_visible(False)
+        _style(axes)
     return axes
+
+
+def new_panels(units: Sequence[str]) -> dict[str, Axes]:
+    """Return an axes for each unit, below each other over one horizontal axis."""
+    if len(units) == 1:
+        return {units[0]: new_axes()}
+    figure = _new_figure((SIZE[0], min(SIZE[1] + PANEL * (len(units) - 1), TALLEST)))
+    figure.set_label(_PANELS)
+    column = figure.subplots(len(units), 1, sharex=True)
+    for axes, unit in zip(column, units, strict=True):
+        axes.set_label(unit)
+        axes.set_prop_cycle(cycler(linestyle=DASHES) * cycler(color=COLOURS))
+        _style(axes)
+    return dict(zip(units, column, strict=True))
+
+
+def panels_beside(axes: Axes) -> dict[str, Axes]:
+    """Return the panels of the figure that holds axes, by their units; none if it has no panels of ours."""
+    figure = axes.figure
+    return {str(panel.get_label()): panel for panel in figure.axes} if figure.get_label() == _PANELS else {}
+
+
+def _new_figure(size: tuple[float, float]) -> Figure:
+    figure = Figure(figsize=size, dpi=RESOLUTION, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _style(axes: Axes) -> None:
+    axes.grid(True, color="0.88", linewidth=0.8)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
 
 
 def is_in_space(axes: Axes) -> bool:
@@ -58,9 +92,20 @@ def draw(axes: Axes, curves: Sequence[Curve], label: str, marks_start: bool) -> 
 def label_curves(axes: Axes, across: Curve, title: str | None) -> None:
     """Label what the axes now hold, curves of earlier calls included."""
     axes.set_xlabel(_plain(across.text))
-    lines, labels = axes.get_legend_handles_labels()
-    axes.set_ylabel(labels[0] if len(lines) == 1 else _plain(shared_quantity(labels)))
+    _, labels = axes.get_legend_handles_labels()
+    axes.set_ylabel(labels[0] if len(labels) == 1 else _plain(shared_quantity(labels)))
     _finish(axes, title)
+
+
+def label_panels(panels: Sequence[Axes], across: Curve, title: str | None) -> None:
+    """Label panels: what runs across at the lowest, the title over the highest, legends where needed."""
+    letters = int(_LETTERS * _height(panels[0]))
+    for axes in panels:
+        _, labels = axes.get_legend_handles_labels()
+        axes.set_ylabel("\n".join(textwrap.wrap(shared_label(labels, letters), letters)))
+        _finish(axes, title if axes is panels[0] else None)
+    panels[-1].set_xlabel(_plain(across.text))
+    panels[0].figure.align_ylabels(panels)
 
 
 def label_paths(axes: Axes, paths: Sequence[Path], title: str | None) -> None:
@@ -88,8 +133,9 @@ def _finish(axes: Axes, title: str | None) -> None:
         if axes.figure.get_layout_engine() is None:  # nothing would make room outside
             axes.legend(lines, labels, loc="best")
         else:
-            size = "x-small" if len(lines) > _ROWS else "medium"
-            columns = -(-len(lines) // _ROWS_SMALL)
+            height = _height(axes)
+            size = "x-small" if len(lines) > int(_ROWS * height) else "medium"
+            columns = -(-len(lines) // max(1, int(_ROWS_SMALL * height)))
             corner = (1.0, 1.0)
             axes.legend(
                 lines,
@@ -102,6 +148,13 @@ def _finish(axes: Axes, title: str | None) -> None:
             )
     if title is not None:
         axes.set_title(_plain(title))
+
+
+def _height(axes: Axes) -> float:
+    """Return the inches that a row of the figure has for axes and what stands beside it."""
+    place = axes.get_subplotspec()
+    rows = 1 if place is None else place.get_gridspec().nrows
+    return float(axes.figure.bbox.height) / axes.figure.dpi / rows
 
 
 def _plain(text: str) -> str:

@@ -53,6 +53,12 @@ class Curve:
         """The name with the unit."""
         return with_unit(self.name, self.unit)
 
+    @property
+    def shown_unit(self) -> str:
+        """The unit at the end of the text, which a label may have brought along."""
+        found = UNIT.search(self.name)
+        return found[1] if found else self.unit
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Path:
@@ -153,6 +159,14 @@ def shared_quantity(labels: Sequence[str]) -> str:
     units = {found[1] if (found := UNIT.search(label)) else "" for label in labels}
     unit = units.pop() if len(units) == 1 else ""
     return with_unit(QUANTITIES.get(unit, ""), unit)
+
+
+def shared_label(labels: Sequence[str], letters: int) -> str:
+    """Return the names with their unit, ``"theta, phi [rad]"``; too many letters: what they measure."""
+    names = [UNIT.sub("", label).rstrip() for label in dict.fromkeys(labels)]
+    ends = {label[len(name) :] for label, name in zip(dict.fromkeys(labels), names, strict=True)}
+    text = ", ".join(names) + (next(iter(ends)) if len(ends) == 1 else "")
+    return text if len(ends) == 1 and (len(names) == 1 or len(text) <= letters) else shared_quantity(labels)
 
 
 def with_unit(name: str, unit: str) -> str:

@@ -10,7 +10,16 @@ from matplotlib.axes import Axes
 
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.results.trajectory import Trajectory
-from symbody.visual.canvas import draw, is_in_space, label_curves, label_paths, new_axes
+from symbody.visual.canvas import (
+    draw,
+    is_in_space,
+    label_curves,
+    label_panels,
+    label_paths,
+    new_axes,
+    new_panels,
+    panels_beside,
+)
 from symbody.visual.curves import Path, curves_of, named, path_of, refined, single_curve
 
 
@@ -23,7 +32,11 @@ def plot(
     labels: Sequence[str] | None = None,
     equal: bool | None = None,
 ) -> Axes:
-    """Draw outputs of a motion into one pair of axes and return it; nothing is shown.
+    """Draw outputs of a motion and return the axes, of several the uppermost; nothing is shown.
+
+    Outputs of one unit share a pair of axes. Of several units each has a panel, in the order in which
+    they come, below each other over one horizontal axis: ``ax.figure.axes`` are all of them. Outputs whose
+    unit nobody knows share a panel too.
 
     Parameters
     ----------
@@ -33,7 +46,8 @@ def plot(
         ``("frame r P",)`` for the way of a frame. Curves and paths do not mix.
     ax : Axes, optional
         Where to draw, for instance from ``matplotlib.pyplot.subplots()`` to see a window. By default a new
-        figure that belongs to no window: ``ax.figure``, or `save_plot`.
+        figure that belongs to no window: ``ax.figure``, or `save_plot`. What is given takes all curves,
+        whatever their units; panels of an earlier plot take those of their own units.
     x : str
         The output along the horizontal axis; with another than time the start is marked by a dot.
     labels : sequence of str, optional
@@ -73,15 +87,23 @@ def _curves(
 ) -> Axes:
     curves = named([curve for name in names for curve in curves_of(run, name)], labels)
     across = single_curve(run, x)
-    axes = new_axes() if ax is None else ax
+    units = list(dict.fromkeys(curve.shown_unit for curve in curves))
+    panels = new_panels(units) if ax is None else panels_beside(ax)
+    first = next(iter(panels.values())) if ax is None else ax
     for curve in curves:
+        axes = panels.get(curve.shown_unit, first)
         draw(axes, (across, curve), curve.text, marks_start=x != "t")
-    label_curves(axes, across, title)
-    if equal:
-        axes.set_aspect("equal", adjustable="datalim")
-    elif x == "t":
-        axes.margins(x=0.0)
-    return axes
+    every = list(panels.values()) or [first]
+    if len(every) > 1:
+        label_panels(every, across, title)
+    else:
+        label_curves(first, across, title)
+    for axes in every:
+        if equal:
+            axes.set_aspect("equal", adjustable="datalim")
+        elif x == "t":
+            axes.margins(x=0.0)
+    return first
 
 
 def _paths(paths: Sequence[Path], ax: Axes | None, title: str | None, equal: bool | None) -> Axes:
