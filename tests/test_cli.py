@@ -6,7 +6,9 @@ import json
 import re
 import subprocess
 import sys
+import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +20,7 @@ from symbody.cli.written import equation_lines
 from symbody.equations.form import form_equations
 from symbody.formats.native import load_model
 from symbody.simulation.native import run as native_run
+from symbody.simulation.progress import COMPILING
 from tests.simulation.interruption import ctrl_c
 
 SHAFT = """name = "shaft"
@@ -363,6 +366,24 @@ def test_a_bar_names_the_stages_and_stays_out_of_the_output(
     assert places == sorted(places) and "%" in shown.err[places[2] : places[3]]
     untimed = [re.sub(r"[\d.]+ ms", "", text) for text in (plain.out, shown.out)]
     assert untimed[0] == untimed[1]
+
+
+def test_the_bar_says_what_a_motion_waits_for(
+    model: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    usual = symbody.simulate
+
+    def simulate(*arguments: Any, **words: Any) -> Any:
+        words["progress"].wait_for(COMPILING)
+        time.sleep(0.3)  # the bar is drawn ten times a second
+        return usual(*arguments, **words)
+
+    monkeypatch.setattr(symbody, "simulate", simulate)
+    assert run(["simulate", str(model)]) == 0
+    assert capsys.readouterr().err == ""
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert run(["simulate", str(model), "--end", "400"]) == 0
+    assert COMPILING in capsys.readouterr().err
 
 
 def test_ctrl_c_saves_what_was_computed(

@@ -240,7 +240,7 @@ def _motion(
         inputs=given.inputs,
         initial=given.initial,
         times=None if samples is None else np.linspace(0.0, end, samples),
-        progress=bar.moved,
+        progress=bar,
         rtol=rtol,
         atol=atol,
     )

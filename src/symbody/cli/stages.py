@@ -8,8 +8,10 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import Progress
 
+from symbody.simulation.progress import StagedProgress
 
-class StageBar:
+
+class StageBar(StagedProgress):
     """A bar on standard error that names the stage of the work; nothing where that is no screen.
 
     Nothing may be printed during a stage: it would run through the bar.
@@ -18,6 +20,7 @@ class StageBar:
     def __init__(self) -> None:
         self._console = Console(stderr=True)
         self._bar: Progress | None = None
+        self._name = ""
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
@@ -30,11 +33,16 @@ class StageBar:
             redirect_stderr=False,
         )
         bar.add_task(name, total=None)
-        self._bar = bar
+        self._bar, self._name = bar, name
         with bar:
             yield
 
-    def moved(self, share: float) -> None:
+    def __call__(self, share: float) -> None:
         """Show how far a motion has come: what came before it, as compilation, is over."""
         if self._bar is not None:
             self._bar.update(self._bar.task_ids[0], description="integrating", total=1.0, completed=share)
+
+    def wait_for(self, stage: str) -> None:
+        """Show what the motion waits for in place of the stage."""
+        if self._bar is not None:
+            self._bar.update(self._bar.task_ids[0], description=stage or self._name)

@@ -30,6 +30,7 @@ from symbody.simulation.modes.painleve import judged
 from symbody.simulation.modes.switching import run_switching, switches
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.interface import Projector
+from symbody.simulation.progress import told
 from symbody.simulation.results.singular_angles import singular_passages
 from symbody.simulation.results.stop_note import stop_note
 from symbody.simulation.results.trajectory import Trajectory
@@ -38,22 +39,13 @@ from symbody.simulation.task import Evaluator, EventFunctions, Task
 
 
 def simulate(
-    eqs: EquationSet,
-    t_end: float | tuple[float, float],
-    initial: Mapping[str, Value] | None = None,
-    guess: Mapping[str, Value] | None = None,
-    parameters: Mapping[str, Value] | None = None,
-    inputs: Mapping[str, Law] | None = None,
-    times: ArrayLike | None = None,
-    integrator: Integrator | None = None,
-    constraints: Constraints | None = None,
-    events: Event | Sequence[Event] = (),
-    *,
-    rtol: float = 1e-8,
-    atol: float = 1e-10,
-    max_steps: int = 1_000_000,
-    progress: Progress | None = None,
-) -> Trajectory:
+    eqs: EquationSet, t_end: float | tuple[float, float], initial: Mapping[str, Value] | None = None,
+    guess: Mapping[str, Value] | None = None, parameters: Mapping[str, Value] | None = None,
+    inputs: Mapping[str, Law] | None = None, times: ArrayLike | None = None,
+    integrator: Integrator | None = None, constraints: Constraints | None = None,
+    events: Event | Sequence[Event] = (), *, rtol: float = 1e-8, atol: float = 1e-10,
+    max_steps: int = 1_000_000, progress: Progress | bool | None = None,
+) -> Trajectory:  # fmt: skip
     """Return the motion of a mechanism from its initial values.
 
     Parameters
@@ -78,6 +70,9 @@ def simulate(
         What to watch. Where one changes the state, both states are samples, of `times` only the one after.
     rtol, atol : float
         Relative and absolute tolerance of the local error.
+    progress : bool or callable, optional
+        True shows a bar, also of the loop's compilation, once on a computer; a callable is told the share
+        that is done, and ends the motion by returning False.
 
     Raises
     ------
@@ -91,12 +86,12 @@ def simulate(
     held = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
     task = Task(held, dict(parameters or {}), laws)
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0])
-    wanted = partial(Request, times=times, rtol=rtol, atol=atol, max_steps=max_steps, progress=progress)
     notes = _notes(eqs, inputs or {}, laws)
     move = partial(_moved, integrator=integrator, constraints=constraints, notes=notes)
-    if switches(eqs.formed):
-        return run_switching(task, first, span, wanted, chosen, move)
-    return move(task, first, span, wanted, chosen)
+    go = partial(run_switching, move=move) if switches(eqs.formed) else move
+    with told(progress, "motion") as tell:
+        wanted = partial(Request, times=times, rtol=rtol, atol=atol, max_steps=max_steps, progress=tell)
+        return go(task, first, span, wanted, chosen)
 
 
 def _moved(

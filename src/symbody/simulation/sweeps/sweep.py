@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
-from rich.console import Console
-from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-from rich.progress import Progress as Bar
 
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
@@ -27,6 +23,7 @@ from symbody.simulation.methods.explicit import checked_span
 from symbody.simulation.native import places
 from symbody.simulation.native.lanes.arithmetic import WIDTH
 from symbody.simulation.native.run import VERDICTS, Progress
+from symbody.simulation.progress import told
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulate import simulate
 from symbody.simulation.status import Status
@@ -110,8 +107,8 @@ def sweep(
     who = crew(executor, threads, part, patience)
     check_memory(table.count, wish.times.size, len(eqs.state_names))
     order = _Order(eqs, table, dict(guess or {}), laws, dict(inputs or {}), wish, checked_events(events, eqs))
-    with _told(progress) as told:
-        return order.carried_out(who, store, told)
+    with told(progress, "sweep") as listener:
+        return order.carried_out(who, store, listener)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -333,24 +330,3 @@ def _stop_notes(records: Records, names: Sequence[str]) -> dict[int, str]:
             note += f"; there {names[records.counts[case, places.STATE]]} {verb}"
         notes[case] = note
     return notes
-
-
-@contextmanager
-def _told(progress: Progress | bool) -> Iterator[Progress | None]:
-    """Yield whom to tell the share that is done, if anybody."""
-    if not isinstance(progress, bool):
-        yield progress
-    elif not progress:
-        yield None
-    else:
-        columns = (
-            TextColumn("sweep"),
-            BarColumn(),
-            TaskProgressColumn(),
-            TimeElapsedColumn(),
-            TimeRemainingColumn(),
-        )
-        with Bar(*columns, console=Console(stderr=True)) as bar:
-            task = bar.add_task("sweep", total=1.0)
-            yield lambda share: bar.update(task, completed=share)
-            bar.update(task, completed=1.0)

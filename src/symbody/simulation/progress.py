@@ -1,0 +1,119 @@
+"""Who is told how far the work has come: a bar on the screen, or what the caller gives."""
+
+from __future__ import annotations
+
+import threading
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Final
+
+from numba.core import event
+from rich.console import Console
+from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import Progress as Bar
+
+from symbody.errors import Problem, UsageError
+from symbody.simulation.native.run import Progress
+
+COMPILING: Final = "compiling the integration loop (once)"
+# What numba tells of each function that it does not find on the disk, around its compilation.
+_EVENT: Final = "numba:compile"
+_LOOPS: Final = "symbody.simulation.native."
+
+
+class StagedProgress(ABC):
+    """A progress that is also told when the work waits for something else."""
+
+    @abstractmethod
+    def __call__(self, share: float) -> bool | None:
+        """Take note of the share that is done; False ends the work."""
+
+    @abstractmethod
+    def wait_for(self, stage: str) -> None:
+        """Name what is waited for, from any thread; an empty text: it is done."""
+
+
+class ProgressBar(StagedProgress):
+    """A bar on standard error under the name of the work."""
+
+    def __init__(self, bar: Bar, name: str) -> None:
+        self._bar, self._name = bar, name
+        self._task = bar.add_task(name, total=1.0)
+
+    def __call__(self, share: float) -> None:
+        """Show the share that is done."""
+        self._bar.update(self._task, completed=share)
+
+    def wait_for(self, stage: str) -> None:
+        """Show the stage in place of the name."""
+        self._bar.update(self._task, description=stage or self._name)
+
+
+@contextmanager
+def told(progress: Progress | bool | None, name: str) -> Iterator[Progress | None]:
+    """Yield whom to tell the share that is done, if anybody; True shows a bar under a name.
+
+    Who can be told stages hears when the integration loop is compiled, which happens once on a computer.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be told anything.
+    """
+    if not (progress is None or isinstance(progress, bool) or callable(progress)):
+        what = f"progress = {progress!r} can be told nothing"
+        fix = "give True for a bar, or a function of the share that is done, from 0 to 1"
+        raise UsageError(Problem("simulation.progress", "progress", what, fix=fix))
+    if progress is None or progress is False:
+        yield None
+    elif progress is not True:
+        with _loops_watched(progress):
+            yield progress
+    else:
+        columns = (
+            TextColumn("{task.description}", markup=False),
+            BarColumn(),
+            TaskProgressColumn(),
+            TimeElapsedColumn(),
+            TimeRemainingColumn(),
+        )
+        with Bar(*columns, console=Console(stderr=True)) as bar:
+            shown = ProgressBar(bar, name)
+            with _loops_watched(shown):
+                yield shown
+            shown(1.0)
+
+
+@contextmanager
+def _loops_watched(progress: Progress) -> Iterator[None]:
+    if not isinstance(progress, StagedProgress):
+        yield
+        return
+    with event.install_listener(_EVENT, _Listener(progress)):
+        yield
+
+
+class _Listener(event.Listener):
+    """Names the stage from the outermost function of ours that numba compiles to its end."""
+
+    def __init__(self, progress: StagedProgress) -> None:
+        self._progress = progress
+        self._depth = 0
+        self._lock = threading.Lock()
+
+    def on_start(self, event: event.Event) -> None:
+        """Begin a function, perhaps inside another."""
+        self._go(event, 1)
+
+    def on_end(self, event: event.Event) -> None:
+        """End a function, compiled or given up."""
+        self._go(event, -1)
+
+    def _go(self, event: event.Event, way: int) -> None:
+        if not event.data["dispatcher"].py_func.__module__.startswith(_LOOPS):
+            return
+        with self._lock:
+            before, self._depth = self._depth, self._depth + way
+        if 0 in (before, self._depth):
+            self._progress.wait_for(COMPILING if self._depth else "")
