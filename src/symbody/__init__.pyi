@@ -15,6 +15,7 @@ from .errors import ModelError as ModelError
 from .errors import Problem as Problem
 from .errors import SimulationError as SimulationError
 from .errors import SymbodyError as SymbodyError
+from .errors import TimeLimitError as TimeLimitError
 from .errors import TopologyError as TopologyError
 from .errors import UsageError as UsageError
 

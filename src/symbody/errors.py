@@ -110,6 +110,34 @@ class SimulationError(SymbodyError):
     exit_code = 4
 
 
+class TimeLimitError(SymbodyError):
+    """Work that takes longer than it was allowed to.
+
+    Attributes
+    ----------
+    stage : str
+        What was under way.
+    finished : tuple of (str, float)
+        The stages done before, with their seconds.
+    notes : tuple of str
+        Choices made until then, as `EquationSet.notes`: trees, cut joints, formulation.
+    """
+
+    exit_code = 4
+
+    def __init__(
+        self,
+        *problems: Problem,
+        stage: str = "",
+        finished: tuple[tuple[str, float], ...] = (),
+        notes: tuple[str, ...] = (),
+    ) -> None:
+        self.stage = stage
+        self.finished = finished
+        self.notes = notes
+        SymbodyError.__init__(self, *problems)
+
+
 class EnvironmentFault(SymbodyError):
     """Something this computer lacks: a package, a permission, a file."""
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import gc
+import itertools
 import math
 import subprocess
 import sys
 import time
 from fractions import Fraction
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,20 +20,24 @@ import sympy as sp
 from symbody.analysis.linear.linearize import linearize
 from symbody.codegen.compile import compile
 from symbody.equations.form import form_equations
+from symbody.equations.formulations.virtual_work import VirtualWork
+from symbody.errors import TimeLimitError, UsageError
+from symbody.expr import deadline
 from symbody.expr.calculus import derivative
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Graph, Symbol
 from symbody.expr.language.formula import Formula, build
-from symbody.expr.opcodes import FLOAT
+from symbody.expr.opcodes import COS, FLOAT, SIN
 from symbody.expr.rewrite import substitute
 from symbody.expr.sequence import Roots, build_sequence
 from symbody.expr.sympy_bridge import from_sympy
+from symbody.formats import load_model
 from symbody.model import Body, Drive, Frame, Free, Model, Prismatic, Revolute, Spherical, SpringDamper
 from symbody.simulation.methods.gear_gupta_leimkuhler import GGL
 from symbody.simulation.methods.stiff import Stiff
 from symbody.simulation.simulate import simulate
 from tests.faults.refusals import refused
-from tests.simulation.loops import example
+from tests.simulation.loops import EXAMPLES, example
 
 EPS = float(np.finfo(float).eps)
 
@@ -84,6 +93,142 @@ def test_row_62_an_interrupt_leaves_nothing_half_made() -> None:
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120)
     assert (done.returncode, done.stdout.strip()) == (0, "(2,)"), done.stderr
+
+
+def ticking(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let every look at the clock of time limits take a second: a limit of n ends at the n-th check."""
+    looks = itertools.count()
+    clock = SimpleNamespace(perf_counter=lambda: float(next(looks)))
+    monkeypatch.setattr(deadline, "time", clock)
+
+
+def graphs() -> int:
+    gc.collect()
+    return sum(isinstance(found, Graph) for found in gc.get_objects())
+
+
+def test_row_62_forming_ends_in_time_and_names_the_stage() -> None:
+    before, start = graphs(), time.perf_counter()
+    with pytest.raises(TimeLimitError) as caught:
+        form_equations(chain(60), VirtualWork(), time_limit=0.1)  # it takes seconds
+    assert time.perf_counter() - start < 30.0  # on a busy machine; it ends some milliseconds late
+    error = caught.value
+    assert error.stage and [name for name, _ in error.finished][:2] == ["trees", "coordinates"]
+    assert all(spent >= 0.0 for _, spent in error.finished)
+    (problem,) = error.problems
+    assert problem.where == f"stage {error.stage}" and "time_limit = 0.1 s" in problem.what
+    assert "trees (" in problem.why and "give more time" in problem.fix
+    assert error.exit_code == 4 and error.__cause__ is None and error.__context__ is None
+    assert graphs() == before  # though the error is kept
+
+
+def test_row_62_every_stage_can_be_the_last(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = load_model(EXAMPLES / "slider_crank" / "slider_crank.toml")
+    ticking(monkeypatch)
+    stages: dict[str, TimeLimitError] = {}
+    for limit in range(1, 100):
+        try:
+            form_equations(model, time_limit=limit)
+        except TimeLimitError as error:
+            stages[error.stage] = error
+        else:
+            break
+    formed = [
+        "trees",
+        "coordinates",
+        "kinematics",
+        "constraints",
+        "loads",
+        "mass matrix and forcing",
+        "energy",
+    ]
+    assert list(stages) == formed
+    assert stages["trees"].notes == () and "first stage" in stages["trees"].problems[0].why
+    # What was chosen stands in what is told.
+    assert set(stages["energy"].notes) <= set(form_equations(model).notes)
+    assert any("joint B" in note for note in stages["kinematics"].notes)
+
+
+def test_row_62_equations_serve_on_after_compiling_ran_out_of_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    outputs, state = ["udot", "mass_matrix", "reaction J1"], ([0.1, 0.2, 0.3], [0.4, 0.5, 0.6])
+    expected = compile(form_equations(chain(3)), outputs)
+    eqs = form_equations(chain(3))
+    stages = set()
+    with monkeypatch.context() as patch:
+        patch.setenv("SYMBODY_CACHE", "off")
+        ticking(patch)
+        for limit in (1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 16):
+            with pytest.raises(TimeLimitError, match="compiling takes longer") as caught:
+                compile(eqs, outputs, time_limit=limit)
+            stages.add(caught.value.stage)
+    assert {"equations", "output udot", "output reaction J1", "computational sequence"} <= stages
+    found = compile(eqs, outputs, time_limit=math.inf)
+    assert found.operations == expected.operations
+    for one, other in zip(found(0.0, *state), expected(0.0, *state), strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("limit", [0, -1.0, math.nan, True, "10 s"])
+def test_row_62_a_limit_is_a_time(limit: Any) -> None:
+    eqs = form_equations(chain(1))
+    for attempt in (
+        lambda: form_equations(chain(1), time_limit=limit),
+        lambda: compile(eqs, "udot", time_limit=limit),
+    ):
+        assert refused(attempt, UsageError, "give seconds") == [("time.limit", "time_limit")]
+
+
+def test_row_62_the_limit_of_one_call_does_not_bind_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
+    ticking(monkeypatch)
+    with pytest.raises(TimeLimitError):
+        form_equations(chain(2), time_limit=2)
+    assert form_equations(chain(2)).coordinate_names == ("q0", "q1")
+    deadline.check()
+    outer = deadline.in_time(math.inf, "all", "", lambda: form_equations(chain(2), time_limit=1e6))
+    assert outer.coordinate_names == ("q0", "q1")
+    with pytest.raises(TimeLimitError, match="all takes longer"):  # the earlier end holds
+        deadline.in_time(3.0, "all", "give more", lambda: form_equations(chain(2), time_limit=1e6))
+
+
+def test_row_62_equations_known_from_the_disk_are_formed_in_time_too(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("SYMBODY_CACHE", str(tmp_path))
+    compile(form_equations(chain(6)), "udot")
+    ticking(monkeypatch)
+    eqs = form_equations(chain(6), time_limit=3)  # nothing is formed
+    assert compile(eqs, "udot").operations > 500
+    with pytest.raises(TimeLimitError, match="forming the equations takes longer"):
+        assert eqs.coordinate_names
+    limit: Any = "3 s"
+    with pytest.raises(UsageError, match="is no time"):
+        form_equations(chain(6), time_limit=limit)
+
+
+def test_row_62_ctrl_c_between_two_lines_leaves_a_graph_whole() -> None:
+    class Pressed(list[int]):
+        """A list that Ctrl-C comes before."""
+
+        def append(self, value: int) -> None:
+            raise KeyboardInterrupt
+
+    for half in ("hashes", "left", "right", "ops"):
+        graph = Graph()
+        x = graph.symbol(Symbol("x"))
+        whole = list(getattr(graph, half))
+        setattr(graph, half, Pressed(whole))
+        with pytest.raises(KeyboardInterrupt):
+            graph.node(SIN, x)
+        setattr(graph, half, whole)
+        made = graph.node(COS, x)
+        assert made == x + 1 and graph.operands(made) == (x,) and graph.ops[made] == COS
+        assert len({len(graph.ops), len(graph.hashes), len(graph.left), len(graph.right)}) == 1
+        assert graph.hashes[made] == hash_of_a_cosine()
+
+
+def hash_of_a_cosine() -> int:
+    graph = Graph()
+    return graph.hashes[graph.node(COS, graph.symbol(Symbol("x")))]
 
 
 def test_row_63_singular_angles_are_noted() -> None:

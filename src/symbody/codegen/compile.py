@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterable, Mapping
 from collections.abc import Sequence as Items
 from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from symbody.codegen.stored_sequence import read_sequence, sequence_key, store_s
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.known import store_notes
 from symbody.errors import CompileError, ExpressionError, Problem, nearest
+from symbody.expr.deadline import begin, in_time
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME, Graph
 from symbody.expr.language.formula import Formula
@@ -26,6 +28,7 @@ from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
 from symbody.model.content import content_of
 from symbody.model.door import plain
 
+_LESS: Final = "ask for fewer outputs at a time, or for code in less time by quick=True"
 Value = int | float | str | Formula
 
 
@@ -37,6 +40,7 @@ def compile(
     *,
     quick: bool = False,
     lanes: bool | None = None,
+    time_limit: float | None = None,
 ) -> CompiledFunction:
     """Return a native function ``f(t, q, u, r=(), p=(), *, out=None, threads=1)`` of the `outputs`.
 
@@ -57,13 +61,22 @@ def compile(
     lanes : bool, optional
         Whether batches are computed several points at once. True compiles that at the first batch, None when
         300,000 points have been asked for, False never.
+    time_limit : float, optional
+        Seconds after which this ends with an error that names the stage; outputs whose formulas were found
+        stay with `eqs`, so that the next call goes on from there. By default it takes its time.
 
     Raises
     ------
     CompileError
         If parameters have no value, listing all of them, or names are unknown.
+    TimeLimitError
+        When time is up.
     """
-    return CompiledFunction(*form_sequence(eqs, outputs, parameters, free), quick=quick, lanes=lanes)
+
+    def made() -> CompiledFunction:
+        return CompiledFunction(*form_sequence(eqs, outputs, parameters, free), quick=quick, lanes=lanes)
+
+    return in_time(time_limit, "compiling", _LESS, made)
 
 
 def generate_code(
@@ -121,6 +134,7 @@ def _made_sequence(
     kept: tuple[str, ...],
     inputs: Mapping[str, Value],
 ) -> tuple[Sequence, Signature]:
+    begin("equations")
     replacements = _parameter_nodes(eqs, parameters, kept)
     eqs = eqs.for_values(_known_values(eqs, replacements)) if eqs.multiplier_names else eqs
     replacements |= _input_nodes(eqs, inputs, replacements)
@@ -129,10 +143,14 @@ def _made_sequence(
     # What belongs to values of this call alone goes when it is done: equations serve for many calls.
     graph = Graph() if parameters or inputs else eqs.formed.graph
     try:
-        roots = [_replaced(eqs, eqs.code_roots(name), replacements, graph) for name in names]
+        roots = []
+        for name in names:
+            begin(f"output {name}")
+            roots.append(_replaced(eqs, eqs.code_roots(name), replacements, graph))
     except ExpressionError as error:
         raise _undefined(eqs, names, replacements, signature, error) from error
     signature = replace(signature, r=(*left, *_accelerations_read(eqs, roots, graph)))
+    begin("computational sequence")
     return build_sequence(graph, roots, _places(eqs, signature, graph)), signature
 
 

@@ -15,6 +15,7 @@ from symbody.codegen.llvm.native import NativeFunction
 from symbody.codegen.native_call import GROUPS, NativeCall, SinglePoint
 from symbody.codegen.texts.languages import TEXTS
 from symbody.errors import CompileError, Problem, nearest
+from symbody.expr.deadline import begin
 from symbody.expr.folding import fold_constants
 from symbody.expr.program import written_out
 from symbody.expr.sequence import Sequence
@@ -63,6 +64,7 @@ class CompiledFunction:
         self.sequence = sequence
         self.signature = signature
         self._choices = (quick, lanes)
+        begin("constants")
         head, tail = fold_constants(sequence).split("p")
         self._head = NativeCall(head, quick=True) if head.output_size else None
         self._tail = NativeCall(tail, quick=quick, lanes=lanes)

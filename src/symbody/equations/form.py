@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
+from typing import Final
 
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.formed import Formed
@@ -12,10 +14,16 @@ from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.freedoms.chosen_speeds import chosen_speeds
 from symbody.equations.known import Deferred, identity, known_notes
 from symbody.errors import Problem, UsageError
+from symbody.expr.deadline import begin, check_limit, in_time
 from symbody.expr.graph import Graph
 from symbody.graph.topology import Topology, choose_topology
 from symbody.graph.trees import TreeChoice
 from symbody.model.model import Model
+
+_LESS: Final = (
+    "form less: welded bodies as one, Recursive() where one tree of joints gives all "
+    'coordinates, tree="absolute" where many loops are closed'
+)
 
 
 def form_equations(
@@ -24,6 +32,7 @@ def form_equations(
     *,
     tree: TreeChoice = None,
     dependent_speeds: Sequence[str] | None = None,
+    time_limit: float | None = None,
 ) -> EquationSet:
     """Return the equations of motion of a model; all parameters stay symbols.
 
@@ -44,11 +53,16 @@ def form_equations(
         The equations are then in the other speeds alone; the multipliers of these constraints, reactions and
         dependent speeds stay outputs. "auto" takes those farthest from where they do not follow from the
         others, by the model's values of the parameters. By default no speed is eliminated.
+    time_limit : float, optional
+        Seconds after which forming ends with an error that names the stage; by default it takes its time.
+        `compile` has a limit of its own.
 
     Raises
     ------
     UsageError
-        If `model` is none.
+        If `model` is none, or the limit no time.
+    TimeLimitError
+        When time is up.
     TopologyError
         If the trees are no trees.
     FormulationError
@@ -61,10 +75,15 @@ def form_equations(
         raise UsageError(_no_model(model))
     equations = identity(model, formulation, tree, dependent_speeds)
     notes = known_notes(equations)
+
+    def formed() -> tuple[Formed, tuple[str, ...]]:
+        make = partial(_formed, model, formulation, tree, dependent_speeds)
+        return in_time(time_limit, "forming the equations", _LESS, make)
+
     if notes is not None:  # nothing was wrong with them, so they can wait
-        later = Deferred(lambda: _formed(model, formulation, tree, dependent_speeds)[0])
-        return EquationSet(model, later, notes, identity=equations)
-    return EquationSet(model, *_formed(model, formulation, tree, dependent_speeds), identity=equations)
+        check_limit(time_limit)
+        return EquationSet(model, Deferred(lambda: formed()[0]), notes, identity=equations)
+    return EquationSet(model, *formed(), identity=equations)
 
 
 def _no_model(given: object) -> Problem:
@@ -79,12 +98,15 @@ def _formed(
     dependent_speeds: Sequence[str] | None,
 ) -> tuple[Formed, tuple[str, ...]]:
     """Return the equations and all notes."""
+    begin("trees")
     topology = choose_topology(model, tree)
     how = chosen_formulation(topology, formulation, dependent_speeds is not None)
     if dependent_speeds == "auto":
+        begin("equations to choose dependent speeds by", model.notes + topology.notes)
         dependent, told = _chosen(topology, how)
     else:
         dependent, told = _named(dependent_speeds), ()
+    begin("coordinates", told if told else model.notes + topology.notes)
     formed = form(topology, Graph(), how, dependent=dependent)
     return formed, model.notes + topology.notes + told + formed.notes
 

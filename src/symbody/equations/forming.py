@@ -33,6 +33,7 @@ from symbody.equations.loads.friction import form_friction
 from symbody.equations.loads.loads import form_loads
 from symbody.equations.recursive.formulating import form_recursion
 from symbody.equations.recursive.recursion import Recursion
+from symbody.expr.deadline import begin
 from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.expr.printing.text import to_text
 from symbody.graph.topology import Topology
@@ -71,6 +72,7 @@ def form(
     variables = form_variables(names, uses, own)
     names = names.with_values(rates_by_name(graph, variables))
     speeds = [graph.symbol(u) for u in variables.u]
+    begin("kinematics")
     kinematics = form_kinematics(
         graph,
         turnings(topology, names, uses),
@@ -87,6 +89,7 @@ def form(
     for use in uses:
         if is_read(use, read):
             names = names.with_values(measured_coordinates(names, kinematics, use))
+    begin("constraints")
     rows, notes = form_rows(topology, names, kinematics, uses)
     if differentiates(formulation):
         rows = differentiated_rows(kinematics, rows)
@@ -98,6 +101,7 @@ def form(
 def _without_dependent(formed: Formed, dependent: Sequence[str], notes: tuple[str, ...]) -> Formed:
     """Return equations in independent speeds; everything but the projection is formed anew in these."""
     assert isinstance(formed.projection, Projection)  # with dependent speeds nothing is done by recursion
+    begin("elimination of dependent speeds")
     found = eliminated(formed.readable_names, formed.u, formed.rows, formed.projection, dependent)
     holding = {law.holding: (formed.kinematics.slopes(law.rate), law.rate * 0) for law in formed.friction}
     found = replace(found, given={**found.given, **holding})
@@ -126,6 +130,7 @@ def _formed(
     notes: tuple[str, ...],
     elimination: Elimination | None = None,
 ) -> Formed:
+    begin("loads", notes)
     model = topology.model
     bodies = tuple(form_inertia(names, body) for body in model.bodies)
     friction = form_friction(names, uses)
@@ -140,6 +145,7 @@ def _formed(
         for use in uses
         for coordinate, rotor in use.joint.armature.items()
     }
+    begin("mass matrix and forcing")
     projection: Projection | Recursion
     if isinstance(formulation, Recursive):
         projection, kinetic, loads = form_recursion(
@@ -149,6 +155,7 @@ def _formed(
         projection = projected(formulation, topology, names, kinematics, uses, bodies, loads, armatures)
     else:
         projection = elimination.projection()
+    begin("energy")
     if not isinstance(formulation, Recursive):
         kinetic = kinetic_energy(kinematics, bodies, armatures)
     return Formed(

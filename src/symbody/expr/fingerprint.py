@@ -14,6 +14,7 @@ from fractions import Fraction
 from typing import Final
 
 from symbody.expr.circle import Circle, Pair
+from symbody.expr.deadline import TICK, check
 from symbody.expr.graph import Graph
 from symbody.expr.opcodes import (
     ABS,
@@ -56,6 +57,8 @@ class _Fingerprinter:
         self._circle = Circle(graph, nodes, PRIME, self.values)
         values, ops, left, right, p = self.values, graph.ops, graph.left, graph.right, PRIME
         for node in nodes:  # nearly all are sums and products
+            if not node & TICK:
+                check()
             op = ops[node]
             if op == MUL:
                 (a1, a2), (b1, b2) = values[left[node]], values[right[node]]

@@ -23,6 +23,7 @@ from typing import Protocol
 from weakref import WeakKeyDictionary
 
 from symbody.errors import ExpressionError, Problem
+from symbody.expr.deadline import TICK, check
 from symbody.expr.opcodes import ARITY, CALL, FLOAT, MAP, NEG, PI, PICK, RATIONAL, SADDLE, SYMBOL
 
 # int is used for whole numbers: arithmetic on it is several times faster than on Fraction.
@@ -295,6 +296,11 @@ class Graph:
             if found is not None:
                 return found
             node = len(self.ops)
+            if not node & TICK:
+                check()
+            if len(self.hashes) != node:  # Ctrl-C came between two of the lines below
+                for half in (self.hashes, self.left, self.right):
+                    del half[node:]
             self.hashes.append(fingerprint)
             self.left.append(a)
             self.right.append(b)

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from symbody.expr.canonical import ONE, ZERO, make, neg
 from symbody.expr.circle import Pair
+from symbody.expr.deadline import check
 from symbody.expr.fingerprint import fingerprints, unsigned
 from symbody.expr.graph import Graph, copied_datum, copy_nodes
 from symbody.expr.opcodes import (
@@ -48,7 +49,9 @@ def merge_equal(source: Graph, roots: Sequence[int], target: Graph, given: Seque
     flipped: dict[int, bool] = {}
     for node, value in fingerprints(source, nodes).items():
         keys[node], flipped[node] = unsigned(value)
+    check()
     rank = _ranks(source, nodes)
+    check()
     fixed: dict[Pair, int] = {}
     if given:
         below = source.reachable([ZERO, ONE, *given])
@@ -56,6 +59,7 @@ def merge_equal(source: Graph, roots: Sequence[int], target: Graph, given: Seque
         fixed = {keys[node]: node for node in _needed(source, given, alone)}
     best = _cheapest(nodes, keys, rank, fixed)
     kept = _needed(source, roots, best)
+    check()
     built: dict[int, int] = {}
 
     def in_target(node: int) -> int:

@@ -13,6 +13,7 @@ from hashlib import blake2b
 from typing import Final, NamedTuple
 
 from symbody.errors import CompileError, Problem
+from symbody.expr.deadline import check
 from symbody.expr.graph import Constant, Graph, Kernel, UserFunction, copy_nodes
 from symbody.expr.merging import contract_products, merge_equal
 from symbody.expr.opcodes import ADD, CONDITIONS, COST, DIV, FLOAT, LEAVES, MAP, POW, RATIONAL, SADDLE, SYMBOL
@@ -232,7 +233,9 @@ def build_sequence(
         if contract:
             nodes = contract_products(target, nodes, nodes[count:])
         nodes = nodes[:count]
+        check()
         finished.append(Roots(output.name, output.shape, tuple(nodes)))
+    check()
     places = {graph.symbols[graph.left[node]]: entry for node, entry in inputs.items()}
     return _linearized(target, finished, [places.get(name) for name in target.symbols])
 

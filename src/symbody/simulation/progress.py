@@ -62,9 +62,10 @@ def told(progress: Progress | bool | None, name: str) -> Iterator[Progress | Non
         If it cannot be told anything.
     """
     if not (progress is None or isinstance(progress, bool) or callable(progress)):
-        what = f"progress = {progress!r} can be told nothing"
-        fix = "give True for a bar, or a function of the share that is done, from 0 to 1"
-        raise UsageError(Problem("simulation.progress", "progress", what, fix=fix))
+        raise UsageError(
+            Problem("simulation.progress", "progress", f"progress = {progress!r} can be told nothing", "",
+                    "give True for a bar, or a function of the share that is done, from 0 to 1")
+        )  # fmt: skip
     if progress is None or progress is False:
         yield None
     elif progress is not True:

@@ -6,13 +6,15 @@ import ctypes
 import os
 import sys
 from collections.abc import Sequence as Items
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import cache
 from typing import Final
 
 import llvmlite
 import llvmlite.binding as binding
 from llvmlite.binding import ffi
+
+from symbody.expr.deadline import check
 
 # The small code model reaches constants relative to the instruction, where the one for code anywhere in
 # memory loads a 64-bit address before each. It wants code and constants within 2 GB of each other, which
@@ -37,7 +39,18 @@ def object_codes(texts: Items[str], level: int) -> list[bytes]:
     if len(texts) < 2:
         return [_object_code(text, level) for text in texts]
     with ThreadPoolExecutor(min(len(texts), os.cpu_count() or 1)) as pool:
-        return list(pool.map(lambda text: _object_code_unlocked(text, level), texts))
+        waiting = [pool.submit(_object_code_unlocked, text, level) for text in texts]
+        try:
+            return [_in_time(piece) for piece in waiting]
+        finally:  # leaving the pool waits for those that have begun
+            for piece in waiting:
+                piece.cancel()
+
+
+def _in_time(piece: Future[bytes]) -> bytes:
+    code = piece.result()
+    check()
+    return code
 
 
 def target_machine(level: int = THOROUGH) -> binding.TargetMachine:

@@ -28,6 +28,7 @@ from symbody.codegen.llvm.stored_module import Module, key_of, read_module, stor
 from symbody.codegen.llvm.writing import GROUPS, piece_function
 from symbody.codegen.lowering import constant_values, refuse_user_functions
 from symbody.codegen.pieces import Plan, plan_pieces
+from symbody.expr.deadline import begin, check
 from symbody.expr.sequence import Sequence
 
 NAME: Final = "symbody_f"
@@ -124,9 +125,12 @@ def compile_sequence(
 
 def _made(sequence: Sequence, piece_size: int, level: int, width: int) -> tuple[Module, str]:
     """Return the code of a sequence, and the text it was compiled from."""
+    begin("order of operations")
     inner = ordered(sequence)
+    check()
     plan = plan_pieces(inner, piece_size)
     items = plan_items(inner, plan.needed, plan.outputs, plan.work_size)
+    begin("writing LLVM's text")
     sizes = {group: sequence.group_size(group) for group in GROUPS} | {"out": sequence.output_size}
     texts = _module_texts(inner, plan, items, sizes, width)
     outside = sum(sizes.values()) if width > 1 else 0
@@ -134,6 +138,7 @@ def _made(sequence: Sequence, piece_size: int, level: int, width: int) -> tuple[
     if beyond and (width > 1 or items.maps):
         beyond += 2 * ALIGNMENT  # the entry may move on what the batch has moved
     calls = any("@symbody_s" in text or "@symbody_g" in text for text in texts)
+    begin("object code")
     codes = tuple(object_codes(texts, level))
     return Module(codes, beyond, calls), "\n".join(texts)
 
