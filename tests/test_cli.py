@@ -368,6 +368,18 @@ def test_a_bar_names_the_stages_and_stays_out_of_the_output(
     assert untimed[0] == untimed[1]
 
 
+@pytest.mark.parametrize("command", [[], ["simulate"], ["equations"], ["examples"], ["code"]])
+def test_flags_have_no_word_for_a_value_in_the_help(
+    command: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "120")
+    assert run([*command, "--help"]) == 0
+    told = capsys.readouterr().out
+    lines = [line for line in told.splitlines() if re.search("--(help|version|json|force|latex) ", line)]
+    assert lines and not any(re.search("bool", line, re.IGNORECASE) for line in lines), told
+    assert re.search("--help +Show this message and exit", told)
+
+
 def test_the_bar_says_what_a_motion_waits_for(
     model: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

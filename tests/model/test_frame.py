@@ -128,6 +128,22 @@ def test_every_fault_is_told() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("at", "what"),
+    [
+        (9.81, "three entries are needed, not one: 9.81"),
+        ("xyz", "three entries are needed, not one: 'xyz'"),
+        ((1, 2), "three entries are needed, not 2"),
+    ],
+)
+def test_what_is_no_triple_is_told_once(at: object, what: str) -> None:
+    with pytest.raises(ModelError) as caught:
+        Frame(at=at)
+    (problem,) = caught.value.problems
+    assert (problem.code, problem.what) == ("model.not_three", what)
+    assert problem.fix == "give the components along x, y and z"
+
+
 @pytest.mark.parametrize("at", [(1, 2), (1, 2, 3, 4), "xyz", 5, {"x": 1}, (1, 2, 3j), (1, None, 2)])
 def test_origin_must_be_three_real_components(at: object) -> None:
     with pytest.raises(ModelError):

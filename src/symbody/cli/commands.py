@@ -9,6 +9,7 @@ import json
 import shutil
 from collections.abc import Iterable
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -16,6 +17,7 @@ import numpy as np
 import typer
 
 import symbody
+from symbody.cli.flags import FlagCommand, FlagGroup
 from symbody.cli.model_files import example_names, example_text, load_model
 from symbody.cli.settings import Settled, assigned
 from symbody.cli.small_motions import linear_json, linear_lines, rest_json, rest_lines
@@ -36,11 +38,13 @@ _SCREEN: Final = 48  # lines of equations that are read before a motion
 
 app = typer.Typer(
     name="symbody",
+    cls=FlagGroup,
     help="From the description of a mechanism to equations of motion, code and motion.",
     no_args_is_help=True,
     add_completion=True,
     pretty_exceptions_enable=False,
 )
+command = partial(app.command, cls=FlagCommand)
 
 
 class TreeWord(StrEnum):
@@ -88,7 +92,7 @@ def about(
     """Stand before all commands."""
 
 
-@app.command()
+@command()
 def equations(
     model: ModelFile,
     latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX instead of text.")] = False,
@@ -98,18 +102,19 @@ def equations(
     _print(equation_lines(_formed(load_model(model), tree), latex))
 
 
-@app.command()
+@command()
 def check(model: ModelFile, tree: Tree = None) -> None:
     """Read a model and say what it is: bodies, joints, trees, degrees of freedom, notes."""
     loaded = load_model(model)
     _print(summary(loaded, _formed(loaded, tree)))
 
 
-@app.command()
+@command()
 def code(
     model: ModelFile,
     output: Annotated[
-        list[str] | None, typer.Option("--output", "-o", help="What to compute; repeatable. Default: xdot.")
+        list[str] | None,
+        typer.Option("--output", "-o", metavar="OUTPUT", help="What to compute; repeatable. Default: xdot."),
     ] = None,
     language: Annotated[
         str,
@@ -129,7 +134,7 @@ def code(
         out.write_text(text, encoding="utf-8", newline="\n")
 
 
-@app.command()
+@command()
 def simulate(
     model: ModelFile,
     end: Annotated[float, _option("--end", "-t", text="End time in s.")] = 10.0,
@@ -137,7 +142,7 @@ def simulate(
     inputs: Inputs = None,
     initial: Initials = None,
     curves: Annotated[
-        Pairs, _option("--show", "-s", text="What to plot; repeatable; all coordinates.")
+        Pairs, _option("--show", "-s", metavar="OUTPUT", text="What to plot; repeatable; all coordinates.")
     ] = None,
     out: Annotated[Path | None, _option("--out", text="Plot file; by default beside the model.")] = None,
     csv: Annotated[Path | None, _option("--csv", text="Also write states and curves as CSV.")] = None,
@@ -179,16 +184,20 @@ def simulate(
         raise typer.Exit(130 if motion.status is Status.INTERRUPTED else 4)
 
 
-@app.command()
+@command()
 def linearize(
     model: ModelFile,
     at: Annotated[Pairs, _option("--at", metavar="NAME=VALUE", text="x or x_dot there; repeatable.")] = None,
     parameters: Settings = None,
     inputs: Inputs = None,
-    outputs: Annotated[Pairs, _option("--output", "-o", text="A row of C and D; repeatable.")] = None,
-    independent: Annotated[Pairs, _option("--independent", text="A state to keep; repeatable.")] = None,
+    outputs: Annotated[
+        Pairs, _option("--output", "-o", metavar="OUTPUT", text="A row of C and D; repeatable.")
+    ] = None,
+    independent: Annotated[
+        Pairs, _option("--independent", metavar="STATE", text="A state to keep; repeatable.")
+    ] = None,
     cyclic: Annotated[
-        Pairs, _option("--cyclic", text="A coordinate that nothing depends on; repeatable.")
+        Pairs, _option("--cyclic", metavar="NAME", text="A coordinate that nothing depends on; repeatable.")
     ] = None,
     tree: Tree = None,
     as_json: Annotated[bool, _option("--json", text="Print the result as JSON.")] = False,
@@ -202,13 +211,15 @@ def linearize(
     _print([linear_json(found)] if as_json else linear_lines(found))
 
 
-@app.command()
+@command()
 def equilibrium(
     model: ModelFile,
     near: Annotated[Pairs, _option("--near", metavar="NAME=VALUE", text="A guess; repeatable.")] = None,
     parameters: Settings = None,
     inputs: Inputs = None,
-    unknowns: Annotated[Pairs, _option("--unknown", text="An input that holds; repeatable.")] = None,
+    unknowns: Annotated[
+        Pairs, _option("--unknown", metavar="INPUT", text="An input that holds; repeatable.")
+    ] = None,
     fixed: Annotated[Pairs, _option("--fix", metavar="NAME=VALUE", text="x to keep; repeatable.")] = None,
     tree: Tree = None,
     as_json: Annotated[bool, _option("--json", text="Print the result as JSON.")] = False,
@@ -292,7 +303,7 @@ def _print(lines: Iterable[str]) -> None:
         typer.echo(line)
 
 
-@app.command()
+@command()
 def examples(
     name: Annotated[str | None, typer.Argument(help="An example; without it all are listed.")] = None,
     copy: Annotated[

@@ -10,7 +10,7 @@ import reprlib
 from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
 from numbers import Real
-from typing import Final, SupportsFloat, TypeVar, cast
+from typing import Final, SupportsFloat, TypeGuard, TypeVar, cast
 
 from symbody.errors import ExpressionError, ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula, FormulaLike
@@ -71,12 +71,13 @@ class Door:
 
     def triple(self, values: object, path: str) -> Triple:
         """Return three formulas."""
-        items = self.items(values, path)
-        if len(items) != 3:
+        items = list(values) if _is_many(values) else None
+        if items is None or len(items) != 3:
+            found = f"one: {reprlib.repr(values)}" if items is None else str(len(items))
             self.refuse(
                 "model.not_three",
                 path,
-                f"{len(items)} entries instead of three",
+                f"three entries are needed, not {found}",
                 "",
                 "give the components along x, y and z",
             )
@@ -86,7 +87,7 @@ class Door:
 
     def items(self, values: object, path: str) -> list[object]:
         """Return the entries of a list; anything that can be iterated but text and mappings counts as one."""
-        if isinstance(values, Iterable) and not isinstance(values, str | bytes | Mapping):
+        if _is_many(values):
             return list(values)
         self.refuse(
             "model.not_a_list", path, f"{reprlib.repr(values)} is not a list", "", "write [.., .., ..]"
@@ -155,3 +156,8 @@ def plain(value: object) -> FormulaLike:
         except (TypeError, ValueError):  # an array of several entries, a symbol
             pass
     return cast(FormulaLike, value)
+
+
+def _is_many(values: object) -> TypeGuard[Iterable[object]]:
+    """Return whether something counts as a list: it can be iterated, and is no text or mapping."""
+    return isinstance(values, Iterable) and not isinstance(values, str | bytes | Mapping)
