@@ -54,7 +54,7 @@ from benchmarks.timing import Settings, rotated
 LOOPS: Final = ("Pinocchio C++", "CasADi's C", "MuJoCo")
 PYTHON: Final = ("Pinocchio", "MuJoCo")
 # Longer functions are not compiled for several points at once here.
-_LONGEST_IN_LANES: Final = 30_000
+_LONGEST_IN_LANES: Final = 300_000
 # Points of a batch: many, but no more than so many results, which the processor's caches hold.
 _BATCH: Final = 8000
 _RESULTS: Final = 200_000

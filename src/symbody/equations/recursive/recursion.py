@@ -137,14 +137,19 @@ class Recursion:
 
     def solve_columns(self, columns: Sequence[Sequence[Expr]]) -> list[list[Expr]]:
         """Return u' with ``M u' = column`` for many columns; by other operations than `solve`."""
-        method = self.method
-        if not method:
-            links = zip(self.light.depths, self.light.links, strict=True)
-            carried = sum(depth * len(link.motion.columns) for depth, link in links)
-            joined = any(one != two for one, two in self.rotor_entries())
-            short = carried < _LONG * len(self.kinematics.speeds)
-            method = "composite" if joined or short else "articulated"
+        method = self.method_for_columns
         return [self._solve_by(method, column).values for column in columns]
+
+    @property
+    def method_for_columns(self) -> str:
+        """The method that many columns are solved by: factors of M, unless chains are long."""
+        if self.method:
+            return self.method
+        links = zip(self.light.depths, self.light.links, strict=True)
+        carried = sum(depth * len(link.motion.columns) for depth, link in links)
+        joined = any(one != two for one, two in self.rotor_entries())
+        short = carried < _LONG * len(self.kinematics.speeds)
+        return "composite" if joined or short else "articulated"
 
     @property
     def chosen(self) -> str:

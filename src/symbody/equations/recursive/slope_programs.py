@@ -2,15 +2,17 @@
 
 All vectors are in the axes of one frame, about its origin: motions ``(w, v)`` of the points that pass there,
 forces ``(moment, force)``. With ``S`` the column of a joint, ``S'`` its rate, ``S"`` what it gives to
-accelerations at other positions, and the composite of all that a joint carries [Echeandia & Wensing 2021,
-Numerical methods to compute the Coriolis matrix; Singh, Russell & Wensing 2022, Efficient analytical
-derivatives of rigid-body dynamics, equations 30 to 33], for a joint j at or outward of i::
+accelerations elsewhere, and mass, matrix B and force of all that a joint carries, for a joint j at or
+outward of i::
 
     dD_i/dq_j = S_i . (2 B S'_j + I S"_j + S_j x f)      dD_j/dq_i = 2 B^T S_j . S'_i + I S_j . S"_i
     dD_i/du_j = S_i . (2 B S_j + 2 I S'_j)               dD_j/du_i = 2 B^T S_j . S_i + 2 I S_j . S'_i
 
-The matrix B that the velocities of points give is ``sum of P^T P' dm``, with P from motions to velocities of
-points: ``B (w, v) = ((tr G) w - G w, w x p)`` with ``G = sum of V r^T dm`` and the momentum p.
+The matrix B of Coriolis forces is ``sum of P^T P' dm``, with P from motions to velocities of points:
+``B (w, v) = ((tr G) w - G w, w x p)`` with ``G = sum of V r^T dm`` and the momentum p.
+
+Singh, Russell & Wensing, IEEE Robotics Autom. Lett. 7 (2022) 1776; Echeandia & Wensing, J. Comput. Nonlinear
+Dyn. 16 (2021) 091004. Derived in docs/derivations/recursive.md.
 """
 
 from __future__ import annotations

@@ -36,9 +36,11 @@ def columns_side_by_side(
     graph, n = formed.graph, len(formed.u)
     if n < FEWEST_SPEEDS or len(by) < n or not set(by) <= {*formed.q, *formed.u, *formed.inputs}:
         return None
+    if recursion.method_for_columns != "composite":
+        return None
     rates = {q.index: formed.variables.rates[q.index] for q in formed.expressions(formed.q)}
     tree = chains(graph, recursion.light, rates)
-    if tree is None or len(recursion.light.depths) == 0:
+    if tree is None:
         return None
     speeds = [u.index for u in formed.expressions(formed.u)]
     known = dict(zip(speeds, udot, strict=True))
