@@ -14,7 +14,6 @@ import symbody as sb
 
 Floats = NDArray[np.float64]
 EXAMPLES = Path(__file__).parents[2] / "examples"
-DURATION = 10.0
 MODULUS = 0.5  # sine of half the amplitude
 
 
@@ -42,13 +41,13 @@ def at_lowest_point(eqs: sb.EquationSet) -> list[float]:
     return [values.get(name, 0.0) for name in eqs.state_names]
 
 
-def errors(order: int, steps: int) -> tuple[float, float, float]:
+def errors(order: int, duration: float, steps: int) -> tuple[float, float, float]:
     """Largest errors of the angle at the ends of steps and anywhere, and of the times of its zeros."""
-    step = DURATION / steps
+    step = duration / steps
     eqs = free_pendulum()
     run = sb.simulate(
         eqs,
-        DURATION,
+        duration,
         initial=dict(zip(eqs.state_names, at_lowest_point(eqs), strict=True)),
         integrator=sb.Explicit(order, max_step=step, first_step=step),
         events=sb.Event("sin(theta)"),
@@ -56,8 +55,9 @@ def errors(order: int, steps: int) -> tuple[float, float, float]:
         atol=1e6,
     )
     assert run.statistics.accepted == steps
-    anywhere = np.linspace(0.0, DURATION, 5003)
-    zeros = 2 * ellipk(MODULUS**2) * np.arange(1, 3)
+    anywhere = np.linspace(0.0, duration, 5003)
+    half = 2 * ellipk(MODULUS**2)
+    zeros = half * np.arange(1, duration // half + 1)
     found = np.array([t for _, t, _ in run.events])
     return (
         float(np.abs(run["theta"] - angle(run.t)).max()),
@@ -66,13 +66,14 @@ def errors(order: int, steps: int) -> tuple[float, float, float]:
     )
 
 
-@pytest.mark.parametrize(("order", "counts"), [(5, (320, 400, 500, 640)), (8, (56, 64, 72, 80, 88))])
-def test_projection_and_events_keep_the_order(order: int, counts: tuple[int, ...]) -> None:
-    measured = np.array([errors(order, steps) for steps in counts])
+# The error constants of order 8 are small, so that over longer times terms of the next orders are seen as well.
+@pytest.mark.parametrize(
+    ("order", "duration", "counts"), [(5, 10.0, (320, 400, 500, 640)), (8, 4.0, (20, 22, 26, 29, 32, 35))]
+)
+def test_projection_and_events_keep_the_order(order: int, duration: float, counts: tuple[int, ...]) -> None:
+    measured = np.array([errors(order, duration, steps) for steps in counts])
     slopes = np.polyfit(-np.log(counts), np.log(measured[:, :2]), 1)[0]
-    # At the ends of steps errors of order 8 nearly cancel here, and fall faster; between them they do not.
-    np.testing.assert_allclose(slopes[1], order, atol=0.15)
-    assert slopes[0] > order - 0.15
+    np.testing.assert_allclose(slopes, order, atol=0.15)  # at the ends of steps, and between them
     # Times of events are the state's error over its slope, which is nearly 1 there; how the steps lie about
     # an event changes from count to count, so only the bound has the order.
     assert (measured[:, 2] <= 1.5 * measured[:, 1]).all()
