@@ -80,7 +80,7 @@ def test_stored_arrays_are_drawn_at_the_samples() -> None:
     motion = swing()
     kept = swing(stored={"F": 3.0 * motion.t})
     np.testing.assert_array_equal(data(plot(kept, "F")), [kept.t, 3.0 * kept.t])
-    state, stored = plot(kept, "x", "F").figure.axes
+    state, stored = plot(kept, "x", "F", panels=True).figure.axes
     np.testing.assert_array_equal(data(state)[0], data(stored)[0])
 
 
@@ -102,8 +102,15 @@ def test_a_vector_makes_three_curves_with_one_axis() -> None:
     assert plot(swing(), "pair").get_ylabel() == ""
 
 
+def test_curves_of_several_units_share_the_axes_unless_panels_are_asked_for() -> None:
+    ax = plot(swing(), "x", "v", "v_dot")
+    assert ax.figure.axes == [ax]
+    assert legend(ax) == ["x [m]", "v [m/s]", "v_dot"]
+    assert ax.get_ylabel() == ""
+
+
 def test_each_unit_has_a_panel_in_the_order_of_first_appearance() -> None:
-    ax = plot(swing(), "x", "v", "frame r", "v_dot", title="A swing")
+    ax = plot(swing(), "x", "v", "frame r", "v_dot", title="A swing", panels=True)
     lengths, rates, unknown = panels = ax.figure.axes
     assert lengths is ax
     assert [panel.get_ylabel() for panel in panels] == ["x, r x, r y, r z [m]", "v [m/s]", "v_dot"]
@@ -125,12 +132,14 @@ def test_one_unit_makes_the_same_picture_as_ever() -> None:
 def test_figures_grow_with_their_panels_up_to_a_bound() -> None:
     units = {f"y{k}": f"u{k}" for k in range(12)}
     motion = swing(stored={name: swing().t for name in units}, units=units)
-    heights = [plot(motion, *[*units][:count]).figure.get_figheight() for count in (1, 2, 3, 8, 12)]
+    heights = [
+        plot(motion, *[*units][:count], panels=True).figure.get_figheight() for count in (1, 2, 3, 8, 12)
+    ]
     assert heights == pytest.approx([4.2, 6.0, 7.8, 13.0, 13.0])
 
 
 def test_panels_over_another_output_mark_the_start() -> None:
-    ax = plot(swing(), "v", "v_dot", x="x")
+    ax = plot(swing(), "v", "v_dot", x="x", panels=True)
     assert [panel.get_xlabel() for panel in ax.figure.axes] == ["", "x [m]"]
     assert [len(panel.lines) for panel in ax.figure.axes] == [2, 2]
 
@@ -138,10 +147,10 @@ def test_panels_over_another_output_mark_the_start() -> None:
 def test_long_names_break_into_lines_beside_their_panel() -> None:
     units = {"x": "m", "the kinetic energy of all that turns about the first axis of the arm": "J"}
     motion = swing(stored={name: swing().t for name in units}, units=units)
-    label = plot(motion, *units).figure.axes[1].get_ylabel()
+    label = plot(motion, *units, panels=True).figure.axes[1].get_ylabel()
     assert label.count("\n") >= 1 and label.replace("\n", " ").endswith("of the arm [J]")
     words = ["way of the left foot of the walker", "way of the right foot of the walker"]
-    ax = plot(swing(), "x", "frame r x", "v", labels=[*words, "v"])
+    ax = plot(swing(), "x", "frame r x", "v", labels=[*words, "v"], panels=True)
     assert ax.get_ylabel() == "length [m]" and len(legend(ax)) == 2
 
 
@@ -153,7 +162,7 @@ def test_more_curves_than_colours_differ_in_their_dashes() -> None:
 def test_labels_replace_names_and_must_fit() -> None:
     ax = plot(swing(), "x", "frame r x", labels=["place", "price in $ or $"])
     assert legend(ax) == ["place [m]", r"price in \$ or \$ [m]"]
-    both = plot(swing(), "x", "v", labels=["place", "way [m]"])  # the unit that is read decides
+    both = plot(swing(), "x", "v", labels=["place", "way [m]"], panels=True)  # the unit that is read decides
     assert len(both.figure.axes) == 1
     for labels in (["one"], "xv"):
         with pytest.raises(UsageError, match="2 curves need 2 labels, not .*\n.*labels for x, v"):
@@ -170,7 +179,7 @@ def test_a_second_plot_joins_the_first() -> None:
 
 
 def test_a_second_plot_joins_the_panels_of_the_first() -> None:
-    ax = plot(swing(), "x", "v", labels=["first", "second"])
+    ax = plot(swing(), "x", "v", labels=["first", "second"], panels=True)
     assert plot(swing(), "v", "x", "v_dot", ax=ax) is ax
     upper, lower = ax.figure.axes
     assert legend(lower) == ["second [m/s]", "v [m/s]"] and lower.get_ylabel() == "second, v [m/s]"
@@ -266,7 +275,7 @@ def test_units_follow_from_the_words_of_an_output(name: str, unit: str) -> None:
 
 def test_a_reaction_has_six_named_components() -> None:
     wrench = np.arange(6.0)[:, np.newaxis] * np.ones(swing().t.size)
-    forces, moments = plot(swing(stored={"reaction B": wrench}), "reaction B").figure.axes
+    forces, moments = plot(swing(stored={"reaction B": wrench}), "reaction B", panels=True).figure.axes
     assert [text.split(" ")[2] for text in legend(forces)] == ["Fx", "Fy", "Fz"]
     assert [text.split(" ")[2] for text in legend(moments)] == ["Mx", "My", "Mz"]
     assert (forces.get_ylabel(), moments.get_ylabel()) == ("force [N]", "torque [N m]")
@@ -315,7 +324,7 @@ def test_pictures_are_written(suffix: str, tmp_path: Path) -> None:
 def test_nothing_is_cut_off(tmp_path: Path) -> None:
     figure, given = pyplot.subplots()
     own = plot(swing(), "x", "frame r", title="The title of a plot")
-    panels = plot(swing(), "x", "frame r", "pair", "v", title="The title of a plot")
+    panels = plot(swing(), "x", "frame r", "pair", "v", title="The title of a plot", panels=True)
     for name, ax in (
         ("own", own),
         ("panels", panels),

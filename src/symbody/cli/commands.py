@@ -175,7 +175,7 @@ def simulate(
     # Without --out the picture is ours: it bears the model's name and is made anew each time.
     picture = model.with_suffix(".png") if out is None else out
     with bar.stage("drawing"):
-        ax = symbody.plot(motion, *(curves or eqs.coordinate_names), title=eqs.model.name)
+        ax = symbody.plot(motion, *(curves or eqs.coordinate_names), title=eqs.model.name, panels=True)
         symbody.save_plot(ax, picture)
         if csv is not None:
             motion.to_csv(csv, *eqs.coordinate_names, *eqs.speed_names, *(curves or ()))

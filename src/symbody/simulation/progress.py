@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-import threading
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final
 
-from numba.core import event
 from rich.console import Console
 from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
 from symbody.errors import Problem, UsageError
+from symbody.simulation.native.compiling import loops_watched
 from symbody.simulation.native.run import Progress
 
 COMPILING: Final = "compiling the integration loop (once)"
-# What numba tells of each function that it does not find on the disk, around its compilation.
-_EVENT: Final = "numba:compile"
-_LOOPS: Final = "symbody.simulation.native."
 
 
 class StagedProgress(ABC):
@@ -69,7 +65,7 @@ def told(progress: Progress | bool | None, name: str) -> Iterator[Progress | Non
     if progress is None or progress is False:
         yield None
     elif progress is not True:
-        with _loops_watched(progress):
+        with _watched(progress):
             yield progress
     else:
         columns = (
@@ -81,40 +77,15 @@ def told(progress: Progress | bool | None, name: str) -> Iterator[Progress | Non
         )
         with Bar(*columns, console=Console(stderr=True)) as bar:
             shown = ProgressBar(bar, name)
-            with _loops_watched(shown):
+            with _watched(shown):
                 yield shown
             shown(1.0)
 
 
 @contextmanager
-def _loops_watched(progress: Progress) -> Iterator[None]:
+def _watched(progress: Progress) -> Iterator[None]:
     if not isinstance(progress, StagedProgress):
         yield
         return
-    with event.install_listener(_EVENT, _Listener(progress)):
+    with loops_watched(lambda begins: progress.wait_for(COMPILING if begins else "")):
         yield
-
-
-class _Listener(event.Listener):
-    """Names the stage from the outermost function of ours that numba compiles to its end."""
-
-    def __init__(self, progress: StagedProgress) -> None:
-        self._progress = progress
-        self._depth = 0
-        self._lock = threading.Lock()
-
-    def on_start(self, event: event.Event) -> None:
-        """Begin a function, perhaps inside another."""
-        self._go(event, 1)
-
-    def on_end(self, event: event.Event) -> None:
-        """End a function, compiled or given up."""
-        self._go(event, -1)
-
-    def _go(self, event: event.Event, way: int) -> None:
-        if not event.data["dispatcher"].py_func.__module__.startswith(_LOOPS):
-            return
-        with self._lock:
-            before, self._depth = self._depth, self._depth + way
-        if 0 in (before, self._depth):
-            self._progress.wait_for(COMPILING if self._depth else "")

@@ -31,12 +31,9 @@ def plot(
     title: str | None = None,
     labels: Sequence[str] | None = None,
     equal: bool | None = None,
+    panels: bool = False,
 ) -> Axes:
-    """Draw outputs of a motion and return the axes, of several the uppermost; nothing is shown.
-
-    Outputs of one unit share a pair of axes. Of several units each has a panel, in the order in which
-    they come, below each other over one horizontal axis: ``ax.figure.axes`` are all of them. Outputs whose
-    unit nobody knows share a panel too.
+    """Draw outputs of a motion and return the axes; nothing is shown.
 
     Parameters
     ----------
@@ -54,6 +51,10 @@ def plot(
         One for each curve or path, in place of the names; a unit in brackets at the end is understood.
     equal : bool, optional
         Whether a unit is equally long on all axes; by default it is for paths of lengths.
+    panels : bool
+        Whether each unit has a panel of its own, in the order in which they come, below each other over one
+        horizontal axis; outputs whose unit nobody knows share one too. The uppermost axes are returned,
+        ``ax.figure.axes`` are all. By default all curves share a pair of axes.
 
     Raises
     ------
@@ -68,7 +69,7 @@ def plot(
     motion = run if run.stored.keys() & known else refined(run)
     curves = [item for item in chosen if isinstance(item, str)]
     if len(curves) == len(chosen):
-        return _curves(motion, curves, ax, x, title, labels, bool(equal))
+        return _curves(motion, curves, ax, x, title, labels, bool(equal), panels)
     if curves or x != "t":
         what, fix = "curves over an output and paths do not share axes", "draw them by two calls of plot"
         raise UsageError(Problem("plot.mixed", repr(curves[0] if curves else x), what, fix=fix))
@@ -84,11 +85,12 @@ def _curves(
     title: str | None,
     labels: Sequence[str] | None,
     equal: bool,
+    apart: bool,
 ) -> Axes:
     curves = named([curve for name in names for curve in curves_of(run, name)], labels)
     across = single_curve(run, x)
     units = list(dict.fromkeys(curve.shown_unit for curve in curves))
-    panels = new_panels(units) if ax is None else panels_beside(ax)
+    panels = new_panels(units if apart else [""]) if ax is None else panels_beside(ax)
     first = next(iter(panels.values())) if ax is None else ax
     for curve in curves:
         axes = panels.get(curve.shown_unit, first)

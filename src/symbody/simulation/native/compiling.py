@@ -1,0 +1,46 @@
+"""Who wants to know when numba compiles the loops, which it does once on a computer."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Final
+
+from numba.core import event
+
+# What numba tells of each function that it does not find on the disk, around its compilation.
+_EVENT: Final = "numba:compile"
+_LOOPS: Final = f"{__package__}."
+
+
+@contextmanager
+def loops_watched(told: Callable[[bool], None]) -> Iterator[None]:
+    """Tell that compiling begins, with True, and that it ends, with False; from any thread."""
+    with event.install_listener(_EVENT, _Listener(told)):
+        yield
+
+
+class _Listener(event.Listener):
+    """Hears of the outermost function of ours that numba compiles, and of its end."""
+
+    def __init__(self, told: Callable[[bool], None]) -> None:
+        self._told = told
+        self._depth = 0
+        self._lock = threading.Lock()
+
+    def on_start(self, event: event.Event) -> None:
+        """Begin a function, perhaps inside another."""
+        self._go(event, 1)
+
+    def on_end(self, event: event.Event) -> None:
+        """End a function, compiled or given up."""
+        self._go(event, -1)
+
+    def _go(self, event: event.Event, way: int) -> None:
+        if not event.data["dispatcher"].py_func.__module__.startswith(_LOOPS):
+            return
+        with self._lock:
+            before, self._depth = self._depth, self._depth + way
+        if 0 in (before, self._depth):
+            self._told(self._depth > 0)
