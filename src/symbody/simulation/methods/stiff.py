@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from symbody.errors import Problem, UsageError
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.request import Closing, Request
+from symbody.simulation.methods.solved_steps import SolvedSteps
 from symbody.simulation.methods.state_jacobian import (
     ASKED_JACOBIAN,
     STATE_JACOBIAN,
@@ -70,7 +71,7 @@ def run_stiff(request: Request, method: Stiff, constraints: Projection | Baumgar
     """Integrate ``x' = f(t, x)`` by CVODE, with df/dx from the graph, and from differences of Python's laws.
 
     With `Projection` the ends of all steps and all samples are brought onto the constraints; a drift far
-    beyond its limit starts the solver anew from there.
+    beyond its limit starts the solver anew from there. So does a step whose end does not solve the equations.
 
     Raises
     ------
@@ -90,16 +91,21 @@ def run_stiff(request: Request, method: Stiff, constraints: Projection | Baumgar
     def right_hand_side(t: float, x: Floats, out: Floats) -> None:
         out[:] = watch(t, x)
 
-    def state_jacobian(t: float, x: Floats, rate: Floats, out: Floats) -> None:
+    def jacobian(t: float, x: Floats) -> Floats:
         by_state, by_asked = slopes(t, x)
-        out[:] = by_state + by_asked @ laws.slopes(t, x, request.n_u) if laws.asked else by_state
+        found: Floats = by_state + by_asked @ laws.slopes(t, x, request.n_u) if laws.asked else by_state
+        return found
 
+    def state_jacobian(t: float, x: Floats, rate: Floats, out: Floats) -> None:
+        out[:] = jacobian(t, x)
+
+    solved = SolvedSteps(watch, jacobian, request.rtol, request.atol)
     solver = solver_class("CVODE")(
         right_hand_side, method="BDF", jacfn=state_jacobian, rtol=request.rtol, atol=request.atol,
         **method.options(),
     )  # fmt: skip
     stepper = SundialsStepper(
-        solver, solver.init_step, _Settling(closing, constraints), watch, request.state, request.span
+        solver, solver.init_step, _Settling(closing, constraints), watch, request.state, request.span, solved
     )
     return march(stepper, request.course(closing))
 

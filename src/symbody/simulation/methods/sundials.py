@@ -38,6 +38,9 @@ VERDICTS: Final[Mapping[int, Status]] = {
     -7: Status.SINGULAR,
 }
 
+# A solver that has to start anew after every step, so many times, does not get on.
+PATIENT: Final = 50
+
 # Faults of one evaluation that a shorter step may avoid; others, as of a law that fails, end the run.
 MENDABLE: Final[Mapping[str, Status]] = {
     "numerics.singular_mass": Status.SINGULAR,
@@ -122,6 +125,9 @@ class SundialsStepper:
         From the end of a step to the state to keep there, and whether the solver has to start anew from it.
     watch : Watch
         What the solver calls.
+    solved : callable
+        From the end of a step, its length and the states at `SHARES` of it to whether its end solves the
+        equations. Where it does not, the solver starts anew from the step's start, with new derivatives.
     """
 
     def __init__(
@@ -132,8 +138,10 @@ class SundialsStepper:
         watch: Watch,
         x0: Floats,
         span: tuple[float, float],
+        solved: Callable[[float, float, Floats], bool] = lambda t, length, nodes: True,
     ) -> None:
         self._solver, self._begin, self._settled, self._watch = solver, begin, settled, watch
+        self._solved, self._in_vain = solved, 0
         self._x, (self._t, self._end) = x0, span
         self._is_fresh = True
 
@@ -149,6 +157,30 @@ class SundialsStepper:
 
     def advance(self) -> Step | Failure:
         """Take one step; the state inside it is the solver's own polynomial."""
+        was_fresh = self._is_fresh
+        found = self._tried()
+        if isinstance(found, Step) and not was_fresh:
+            found = self._checked(found)
+        if isinstance(found, Failure):
+            return found
+        nodes = found.nodes
+        nodes[-1], self._is_fresh = self._settled(found.t, nodes[-1])
+        self._x, self._t = nodes[-1], found.t
+        self._watch.accept()
+        return Step(found.t, nodes)
+
+    def _checked(self, found: Step) -> Step | Failure:
+        """Return a step that solves its equations, or the first one of a new start in its place."""
+        if self._solved(found.t, found.t - self._t, found.nodes):
+            self._in_vain = 0
+            return found
+        if self._in_vain == PATIENT:
+            return self._watch.failure(COLLAPSED)
+        self._in_vain, self._is_fresh = self._in_vain + 1, True
+        return self._tried()
+
+    def _tried(self) -> Step | Failure:
+        """Take one step and return it as the solver found it."""
         if self._is_fresh:
             guarded(partial(self._begin, self._t, self._x))
             self._is_fresh = False
@@ -163,10 +195,7 @@ class SundialsStepper:
         for k in range(1, NODES - 1):
             nodes[k] = self._called(self._t + SHARES[k] * length, "normal", None).y[:n]
         # asking for the end last lets the next step start: the solver returns to it otherwise
-        last = self._called(result.t, "normal", None).y[:n]
-        nodes[-1], self._is_fresh = self._settled(result.t, last)
-        self._x, self._t = nodes[-1], result.t
-        self._watch.accept()
+        nodes[-1] = self._called(result.t, "normal", None).y[:n]
         return Step(result.t, nodes)
 
     def restart(self, t: float, x: Floats) -> None:
