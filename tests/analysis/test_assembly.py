@@ -44,6 +44,20 @@ def test_positions_and_velocities_follow_from_one_angle() -> None:
     assert state["s"] == s and state["2*s"] == 2 * s
 
 
+@pytest.mark.parametrize("unit", [1e-6, 1e3, 1e6])
+@pytest.mark.parametrize("theta", [0.3, 0.7, 1.1, 2.0])
+def test_velocities_in_any_unit_of_length(unit: float, theta: float) -> None:
+    eqs = sb.form_equations(slider_crank(L1=unit, L2=3 * unit))
+    state = sb.assemble(eqs, {"theta": theta, "theta_dot": 30.0}, {"s": 4.0 * unit})
+    root = math.sqrt(9 - math.sin(theta) ** 2)
+    s_dot = -30.0 * math.sin(theta) * (1.0 + math.cos(theta) / root) * unit
+    # The loop is closed to some eps, and speeds are a few sums of what follows from it.
+    assert state.u["theta_dot"] == pytest.approx(30.0, rel=10 * EPS)
+    assert state.u["s_dot"] == pytest.approx(s_dot, rel=50 * EPS)
+    with pytest.raises(sb.AssemblyError, match="theta_dot = 30, s_dot ="):
+        sb.assemble(eqs, {"theta": theta, "theta_dot": 30.0, "s_dot": s_dot * 1.001}, {"s": 4.0 * unit})
+
+
 def test_other_assemblies_are_listed() -> None:
     state = sb.assemble(sb.form_equations(slider_crank()), {"theta": 0.7}, {"s": 4.0})
     (other,) = state.branches

@@ -33,6 +33,8 @@ class Closure:
     ----------
     sizes : (n_q,) array
         What counts as a large change of each coordinate: 1 rad, or the size of the mechanism [m].
+    speed_sizes : (n_u,) array
+        The same of each speed: 1 rad/s, or the size of the mechanism in a second.
     scales : (n_h,) array
         What the constraints are measured by: the size of the mechanism for lengths, 1 for angles.
     angles : frozenset of str
@@ -46,6 +48,7 @@ class Closure:
     inputs: Mapping[str, Value]
     t: float
     sizes: Floats
+    speed_sizes: Floats
     scales: Floats
     constraints: Callable[..., Any]
     angles: frozenset[str] = frozenset()
@@ -274,11 +277,12 @@ def closure(
     length, units = mechanism_size(eqs, parameters), eqs.units
     angles = frozenset(name for name, unit in units.items() if unit == "rad")
     sizes = np.array([length if units.get(name) == "m" else 1.0 for name in eqs.coordinate_names])
+    speed_sizes = np.array([length if units.get(name) == "m/s" else 1.0 for name in eqs.speed_names])
     scales = constraint_scales(eqs, parameters)[: len(eqs.formed.holonomic)]
     given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
     names = ("constraints", "position_jacobian", "jacobian", "velocity_constraints", "alignment")
     function = CompiledFunction(*form_sequence(eqs, names, parameters, (), given), quick=True)
-    return Closure(eqs, parameters, inputs, t, sizes, scales, function, angles)
+    return Closure(eqs, parameters, inputs, t, sizes, speed_sizes, scales, function, angles)
 
 
 def _check_accelerations(u: Floats, udot: Floats, jacobian: Floats, gamma: Floats) -> None:

@@ -13,6 +13,7 @@ from symbody.errors import AssemblyError, Problem
 
 Floats = NDArray[np.float64]
 
+# Of the terms of a row, and of the fastest rate that is given, or 1/s: what closeness of positions explains.
 _CONSISTENT = 1e-9
 _INDEPENDENT = 1e-6  # smaller singular values mean that a speed is given already, up to closeness
 
@@ -32,37 +33,52 @@ def consistent_speeds(
         each other, naming the smallest set that does.
     """
     check_pivots(task, q)
-    rows, right = task.velocity_rows(q, fixed)
-    u, error = _solved(rows, right)
-    if error > _CONSISTENT * (1.0 + float(np.abs(right).max(initial=0.0))):
+    rows, right = _conditions(task, q, fixed)
+    if not _fulfils(_solved(rows, right), rows, right):
         raise AssemblyError(_conflict(task, q, fixed))
     basis = _basis(rows)
     for name in dict.fromkeys([*task.parted(guess)[1], *task.all_speeds]):
         own, value = task.speed_row(q, name, guess.get(name, 0.0))
-        left = _outside(basis, own / max(float(np.linalg.norm(own)), 1e-300))
+        row, wanted = _measured(task, own[np.newaxis, :], np.array([value]))
+        left = _outside(basis, row[0])
         distance = float(np.linalg.norm(left))
         if distance > _INDEPENDENT:
-            rows = np.vstack([rows, own])
-            right = np.append(right, value)
+            rows = np.vstack([rows, row])
+            right = np.concatenate([right, wanted])
             basis = np.vstack([basis, _outside(basis, left / distance)])
-    return _solved(rows, right)[0]
+    return _solved(rows, right) * task.speed_sizes
 
 
-def _solved(rows: Floats, right: Floats) -> tuple[Floats, float]:
-    """Return the least solution and the largest residual."""
+def _conditions(task: Closure, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, Floats]:
+    """Return A and b of all conditions ``A v = b``, v the speeds over their sizes."""
+    return _measured(task, *task.velocity_rows(q, fixed))
+
+
+def _measured(task: Closure, rows: Floats, right: Floats) -> tuple[Floats, Floats]:
+    """Return conditions on speeds over their sizes, with rows of length 1: they have no unit of length."""
+    sized = rows * task.speed_sizes
+    lengths = np.linalg.norm(sized, axis=1)
+    lengths[lengths == 0.0] = 1.0
+    return sized / lengths[:, np.newaxis], right / lengths
+
+
+def _solved(rows: Floats, right: Floats) -> Floats:
+    """Return the least solution, with one correction: rows hold to rounding of their own terms."""
     if rows.shape[0] == 0:
-        return np.zeros(rows.shape[1]), 0.0
-    scale = np.linalg.norm(rows, axis=1)
-    scale[scale == 0.0] = 1.0
-    u = np.linalg.lstsq(rows / scale[:, np.newaxis], right / scale, rcond=1e-10)[0]
-    return u, float(np.abs(rows @ u - right).max(initial=0.0))
+        return np.zeros(rows.shape[1])
+    found = np.linalg.lstsq(rows, right, rcond=1e-10)[0]
+    return np.asarray(found + np.linalg.lstsq(rows, right - rows @ found, rcond=1e-10)[0])
+
+
+def _fulfils(found: Floats, rows: Floats, right: Floats) -> bool:
+    """Return whether all rows hold."""
+    sizes = 1.0 + np.abs(right).max(initial=0.0) + np.abs(rows) @ np.abs(found)
+    return bool((np.abs(rows @ found - right) <= _CONSISTENT * sizes).all())
 
 
 def _basis(rows: Floats) -> Floats:
-    """Return orthonormal rows that span the rows given, each of which counts whatever its unit."""
-    lengths = np.linalg.norm(rows, axis=1)
-    lengths[lengths == 0.0] = 1.0
-    sizes, right = np.linalg.svd(rows / lengths[:, np.newaxis], full_matrices=False)[1:]
+    """Return orthonormal rows that span the rows given."""
+    sizes, right = np.linalg.svd(rows, full_matrices=False)[1:]
     return np.asarray(right[sizes > _INDEPENDENT * sizes.max(initial=1e-300)])
 
 
@@ -75,8 +91,8 @@ def _conflict(task: Closure, q: Floats, fixed: Mapping[str, float]) -> Problem:
     conflict = dict(fixed)
     for name in fixed:
         rest = {key: value for key, value in conflict.items() if key != name}
-        rows, right = task.velocity_rows(q, rest)
-        if _solved(rows, right)[1] > _CONSISTENT * (1.0 + float(np.abs(right).max(initial=0.0))):
+        rows, right = _conditions(task, q, rest)
+        if not _fulfils(_solved(rows, right), rows, right):
             conflict = rest
     listed = ", ".join(f"{name} = {value:g}" for name, value in conflict.items()) or "the motions in time"
     return Problem(

@@ -145,7 +145,9 @@ class _Assembler:
         self._table = table
         self._inputs = inputs
         self._t = t
-        self._angles = frozenset(name for name, unit in eqs.units.items() if unit == "rad")
+        units = eqs.units
+        self._angles = frozenset(name for name, unit in units.items() if unit == "rad")
+        self._slides = np.array([units.get(name) == "m/s" for name in eqs.speed_names])
         given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
         sequence = form_sequence(eqs, _CLOSING, table.fixed_parameters, table.parameter_names, given)
         self._function = CompiledFunction(*sequence, quick=True)
@@ -162,6 +164,7 @@ class _Assembler:
                 self._inputs,
                 self._t,
                 coordinates[k],
+                np.where(self._slides, sizes[k], 1.0),
                 scales[k],
                 self._function.bind(table.parameters[k]),
                 self._angles,
