@@ -7,10 +7,11 @@ not called this way. Elsewhere than on CPython of 64 bits with that lock there i
 from __future__ import annotations
 
 import ctypes
+import math
 import sys
 import sysconfig
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from typing import Any, Final
 
 import numpy as np
@@ -18,8 +19,10 @@ import numpy as np
 from symbody.codegen.llvm.direct import ARGUMENTS, NAME, SETTINGS, direct
 from symbody.codegen.native_call import NativeCall
 
-# About 50 us.
-_LONGEST: Final = 200_000
+# About 100 us.
+_LONGEST: Final = 400_000
+# Numbers up to which copying an array is the fastest way to a new one.
+_COPIED: Final = 1000
 _FASTCALL: Final = 0x80
 # Bytes before the fields of an object: how often it is used, and its type.
 _HEAD: Final = 16
@@ -60,7 +63,8 @@ class DirectCall:
 
     def __init__(self, native: NativeCall, sizes: dict[str, int], shape: tuple[int, ...]) -> None:
         self.call: Callable[..., Any] | None = None
-        work, make_result = np.empty(native.native.work_size), np.empty(shape).copy
+        work = np.empty(native.native.work_size)
+        make_result = np.empty(shape).copy if math.prod(shape) <= _COPIED else partial(np.empty, shape)
         self._kept = (native, work, make_result)
         if not available() or native.sequence.operation_count > _LONGEST:
             return

@@ -16,8 +16,10 @@ from symbody.codegen.llvm.numbers import Words
 from symbody.codegen.llvm.order import ordered
 from symbody.codegen.lowering import constant_values, power_products, whole_exponent
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Sequence
+from symbody.expr.sequence import Operation, Sequence
 
+# Operations in one block: what all items share is read again in each, which spares registers.
+BLOCK: Final = 60
 # The widest registers; so many numbers may be read past the end of a row.
 _ROOM: Final = 8
 # What is read where it lies.
@@ -203,9 +205,11 @@ def program_lines(
         Of so many items at once, or of the lanes of a function for several `points`.
     """
     size = items.count * points if points > 1 else -(-items.count // words.width) * words.width
+    body = _Body(items, name, words, points)
+    lines = list(body.lines())
     yield f"br label %{name}.loop\n{name}.loop:"
-    yield f"%{name}.i = phi i64 [0, %{before}], [%{name}.next, %{name}.loop]"
-    yield from _Body(items, name, words, points).lines()
+    yield f"%{name}.i = phi i64 [0, %{before}], [%{name}.next, %{body.block}]"
+    yield from lines
     yield f"%{name}.next = add i64 %{name}.i, {words.width}"
     yield f"%{name}.more = icmp slt i64 %{name}.next, {size}"
     yield f"br i1 %{name}.more, label %{name}.loop, label %{after}\n{after}:"
@@ -222,7 +226,8 @@ class _Body:
         # The last register may reach over the end of a row of the output.
         self._has_rest = points == 1 and items.count % words.width > 0
         self._constants = constant_values(items.program)
-        self._names: list[str] = []
+        self._names: dict[int, str] = {}
+        self.block = f"{name}.loop"  # the one being written
 
     def lines(self) -> Iterator[str]:
         if self._has_rest:
@@ -231,32 +236,63 @@ class _Body:
         left: dict[int, list[int]] = {}
         for row, value in enumerate(program.outputs[0].values):
             left.setdefault(value, []).append(row)
-        for k in range(len(program.operations)):
-            yield from self._operation(k)
+        done = 0
+        for k, operation in enumerate(program.operations):
+            if not self._is_cheap(k):
+                yield from self._operation(k, operation)
+                done += 1
+                if done % BLOCK == 0:
+                    yield from self._begin_block(done)
             for row in left.get(k, ()):
+                yield from self._named(k)
                 yield from self._leave(row, self._names[k])
 
-    def _operation(self, k: int) -> Iterator[str]:
-        program, words = self._items.program, self._words
-        code, operands, datum = program.operations[k]
-        name = f"%{self._name}.{k}"
-        self._names.append(name)
+    def _is_cheap(self, k: int) -> bool:
+        """Return whether a value is what all items share, or its opposite: read again rather than kept."""
+        code, operands, datum = self._items.program.operations[k]
+        if code == op.SYMBOL:
+            return self._items.program.inputs[datum].group == "p"
+        return k in self._constants or (code == op.NEG and self._is_cheap(operands[0]))
+
+    def _begin_block(self, done: int) -> Iterator[str]:
+        self.block = f"{self._name}.b{done}"
+        yield f"br i1 %go, label %{self.block}, label %bail\n{self.block}:"
+        self._names = {k: name for k, name in self._names.items() if not self._is_cheap(k)}
+
+    def _named(self, k: int) -> Iterator[str]:
+        """Yield the lines that make a value known in this block, if it is not."""
+        if k in self._names:
+            return
+        code, operands, datum = self._items.program.operations[k]
+        name = f"%{self.block}.{k}"
         if k in self._constants:
-            self._names[k] = words.constant(self._constants[k])
-        elif code == op.SYMBOL:
-            entry = program.inputs[datum]
-            yield from self._load(name, entry.group, entry.position)
+            name = self._words.constant(self._constants[k])
+        elif code == op.NEG:
+            yield from self._named(operands[0])
+            yield f"{name} = {self._words.instructions[code].format(self._names[operands[0]])}"
+        else:
+            yield from self._load(name, "p", self._items.program.inputs[datum].position)
+        self._names[k] = name
+
+    def _operation(self, k: int, operation: Operation) -> Iterator[str]:
+        program, words = self._items.program, self._words
+        code, operands, datum = operation
+        for j in operands:
+            yield from self._named(j)
+        name = self._names[k] = f"%{self._name}.{k}"
+        given = [self._names[j] for j in operands]
+        if code == op.SYMBOL:
+            yield from self._load(name, "q", program.inputs[datum].position)
         elif code == op.POW and (exponent := whole_exponent(program, operands[1])) is not None:
-            powers = [self._names[operands[0]]]
+            powers = given[:1]
             for first, second in power_products(exponent):
                 powers.append(f"{name}.{len(powers)}")
                 yield f"{powers[-1]} = fmul {words.real} {powers[first]}, {powers[second]}"
             self._names[k] = powers[-1]
         elif code in words.instructions:
-            yield f"{name} = {words.instructions[code].format(*[self._names[j] for j in operands])}"
+            yield f"{name} = {words.instructions[code].format(*given)}"
         else:
-            names = [self._names[j] for j in operands]
-            yield from (line.format(*names, k=name) for line in words.composed[code])
+            yield from (line.format(*given, k=name) for line in words.composed[code])
 
     def _leave(self, row: int, name: str) -> Iterator[str]:
         address, kind, width = f"%{self._name}.r{row}", self._words.real, self._words.width
