@@ -97,6 +97,29 @@ def damped_slider() -> sb.EquationSet:
 
 
 @cache
+def overstretched() -> sb.EquationSet:
+    """Crank and rod of 0.1 mm are straight at 0.5 s, and their slider is drawn on; beside them hangs a pendulum.
+
+    In metres the constraints of the pendulum change 1e4 times as much with x and y as others with angles.
+    """
+    bodies = [
+        sb.Body("Crank", mass=1, inertia=(0, 0, 1e-8), frames={"B": sb.Frame(at=(1e-4, 0, 0))}),
+        sb.Body("Rod", mass=1, inertia=(0, 0, 1e-8), frames={"C": sb.Frame(at=(1e-4, 0, 0))}),
+        sb.Body("Slider", mass=1),
+        sb.Body("Bob", mass=1, inertia=(0, 0, 1e-8), frames={"pivot": sb.Frame(at=(0, 1e-4, 0))}),
+    ]
+    joints = [
+        sb.Revolute("A", "ground", "Crank", coordinate="theta"),
+        sb.Revolute("B", "Crank.B", "Rod", coordinate="beta"),
+        sb.Prismatic("D", "ground", "Slider", coordinate="s", motion="1e-4*(1.5 + t)"),
+        sb.Revolute("C", "Rod.C", "Slider", tree=False),
+        sb.Planar("flight", "ground", "Bob", coordinates=["x", "y", "phi"]),
+        sb.Revolute("pin", "ground", "Bob.pivot", tree=False),
+    ]
+    return sb.form_equations(sb.Model("overstretched", [*bodies, *joints]))
+
+
+@cache
 def example(name: str) -> sb.EquationSet:
     """The equations of an example."""
     return sb.form_equations(sb.load_model(EXAMPLES / name / f"{name}.toml"))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from tests.simulation.loops import damped_slider, example, held_pendulum, turning_pendulum
+from tests.simulation.loops import damped_slider, example, held_pendulum, overstretched, turning_pendulum
 
 
 def test_constraints_hold_to_rounding_at_every_step() -> None:
@@ -68,6 +68,16 @@ def test_events() -> None:
     )
     assert run.status is sb.Status.STOPPED
     assert abs(run.t[-1] - reference.t[-1]) < 1e-7
+
+
+def test_nothing_moves_beyond_a_lock_up() -> None:
+    """There a constraint follows from others, to rounding; it still has to hold."""
+    guess = {"theta": 0.7, "beta": -1.4, "y": -1e-4}
+    run = sb.simulate(overstretched(), 1.0, guess=guess, constraints=sb.Partition(), max_steps=300)
+    assert run.status is sb.Status.STEP_COLLAPSE and any("locks" in note for note in run.notes)
+    # Rates grow as the root of the time that is left, so that it is rounding that ends the motion.
+    assert abs(run.t[-1] - 0.5) < 1e-8
+    assert run["constraint_violation"].max() < 1e-14
 
 
 def test_limits() -> None:

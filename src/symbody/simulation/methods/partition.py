@@ -84,12 +84,16 @@ class _Choice:
     pivot: float
 
 
-def _choice(matrix: Floats) -> _Choice:
-    """Return the dependent columns by pivoting, after the independent rows."""
+def _choice(matrix: Floats, least: int = 0) -> _Choice:
+    """Return the dependent columns by pivoting, after the independent rows; `least` of these count anyway.
+
+    At a lock-up, as at a change point, rows become dependent that are not so elsewhere on the motion. Without
+    them it would go on, but as that of another mechanism.
+    """
     columns = np.arange(matrix.shape[1])
     triangle, order = qr(matrix.T, mode="r", pivoting=True)
     sizes = np.abs(np.diagonal(triangle))
-    rank = int((sizes > _INDEPENDENT * sizes.max(initial=0.0)).sum())
+    rank = max(least, int((sizes > _INDEPENDENT * sizes.max(initial=0.0)).sum()))
     rows = np.sort(order[:rank])
     order = qr(matrix[rows], mode="r", pivoting=True)[1]
     dependent = np.sort(order[:rank])
@@ -128,9 +132,9 @@ class _Mechanism:
             slopes.append(row)
         return np.concatenate(values), np.vstack(slopes)
 
-    def choose(self, t: float, q: Floats) -> tuple[_Choice, _Choice]:
-        """Return the best choice of positions and of speeds."""
-        return _choice(self.residual(t, q)[1]), _choice(self.jacobian(t, q)[0])
+    def choose(self, t: float, q: Floats, least: tuple[int, int] = (0, 0)) -> tuple[_Choice, _Choice]:
+        """Return the best choice of positions and of speeds, with so many rows of each at least."""
+        return _choice(self.residual(t, q)[1], least[0]), _choice(self.jacobian(t, q)[0], least[1])
 
     def jacobian(self, t: float, q: Floats) -> tuple[Floats, Floats]:
         """Return J and b of the conditions on speeds ``J u + b = 0``, scaled."""
@@ -264,13 +268,17 @@ class _PartitionStepper:
         matrices = self._mechanism.residual(self._t, q)[1], self._mechanism.jacobian(self._t, q)[0]
         for matrix, choice in zip(matrices, (self._positions, self._speeds), strict=True):
             pivot = _pivot(matrix, choice.rows, choice.dependent)
-            if pivot < self._worst * choice.pivot and pivot < self._worst * _choice(matrix).pivot:
-                return True
+            if pivot < self._worst * choice.pivot:
+                best = _choice(matrix, choice.rows.size)
+                if pivot < self._worst * best.pivot:
+                    return True
         return False
 
     def _choose(self, first_step: float | None) -> None:
         """Choose the independent coordinates of the present state and begin with them."""
-        self._positions, self._speeds = self._mechanism.choose(self._t, self._x[self._mechanism.n_u :])
+        least = self._positions.rows.size, self._speeds.rows.size
+        found = self._mechanism.choose(self._t, self._x[self._mechanism.n_u :], least)
+        self._positions, self._speeds = found
         self.changes += 1
         self._begin(first_step)
 
