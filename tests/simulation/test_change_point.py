@@ -52,3 +52,14 @@ def test_explicit_choices_stand() -> None:
         assert not any("sb.Partition() integrates" in note for note in run.notes)
     run = sb.simulate(parallelogram(), 0.5, start, guess, integrator=sb.Explicit(order=5))
     assert any("sb.Partition() integrates" in note for note in run.notes)
+
+
+def test_a_flat_start_stays_closed() -> None:
+    """There `Partition` lacks a constraint, without which crank and rocker would part."""
+    start, guess = {"a": 0.0, "a_dot": 8.0, "d_dot": 8.0}, {"b": 0.0, "d": 0.0}
+    run = sb.simulate(parallelogram(), 0.2, start, guess)
+    assert run.success
+    # Equal angles all the way, to the tolerance of the constraints: no step came near another change point.
+    assert np.abs(run["a"] - run["d"]).max() < 1e-8 and np.ptp(run["energy"] - run["work"]) < 1e-5
+    alone = sb.simulate(parallelogram(), 0.2, start, guess, constraints=sb.Partition())
+    assert alone.status is sb.Status.SINGULAR and any("change point" in note for note in alone.notes)

@@ -17,6 +17,7 @@ from scipy.integrate import DOP853
 from scipy.linalg import qr
 
 from symbody.analysis.closure import constraint_scales
+from symbody.analysis.redundancy import redundancy
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.simulation.methods.constraints import Projection
@@ -33,6 +34,10 @@ Floats = NDArray[np.float64]
 Places = NDArray[np.intp]
 
 NOTE: Final = "independent coordinates are integrated by SciPy's DOP853 in Python: slower than Projection"
+_OPEN: Final = (
+    "the start is a change point, where constraints become dependent: sb.Partition() cannot tell which "
+    "follow from others; use sb.Projection(), or start a little beside it"
+)
 # Rows whose part independent of the others is smaller than this share are redundant.
 _INDEPENDENT: Final = 1e-8
 _ROUNDS: Final = 12
@@ -71,7 +76,7 @@ def run_partition(request: Request, method: Partition, explicit: Explicit) -> tu
     raw = march(stepper, request.course(request.projection(Projection())))
     changes = stepper.changes
     more = (f"other independent coordinates were chosen {changes} times",) if changes else ()
-    return raw, (NOTE, *more)
+    return raw, (NOTE, *more, *((_OPEN,) if stepper.is_open else ()))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,6 +140,14 @@ class _Mechanism:
     def choose(self, t: float, q: Floats, least: tuple[int, int] = (0, 0)) -> tuple[_Choice, _Choice]:
         """Return the best choice of positions and of speeds, with so many rows of each at least."""
         return _choice(self.residual(t, q)[1], least[0]), _choice(self.jacobian(t, q)[0], least[1])
+
+    def lacks_rows(self, q: Floats, speeds: _Choice) -> bool:
+        """Return whether a start is a change point: rows follow from others there, and nowhere else."""
+        if speeds.rows.size == len(self._eqs.formed.rows):
+            return False
+        here = dict(zip(self._eqs.coordinate_names, q.tolist(), strict=True))
+        kept = redundancy(self._eqs, self._request.task.parameters, here).kept
+        return speeds.rows.size < len(kept)
 
     def jacobian(self, t: float, q: Floats) -> tuple[Floats, Floats]:
         """Return J and b of the conditions on speeds ``J u + b = 0``, scaled."""
@@ -209,6 +222,7 @@ class _PartitionStepper:
         self._watch = Watch(self._derivative)
         self.changes, self.rejected = 0, 0
         self._positions, self._speeds = self._mechanism.choose(self._t, self._x[request.n_u :])
+        self.is_open = self._mechanism.lacks_rows(self._x[request.n_u :], self._speeds)
         self._begin(None if explicit.first_step is None else float(explicit.first_step))
 
     @property
@@ -218,6 +232,8 @@ class _PartitionStepper:
 
     def advance(self) -> Step | Failure:
         """Take one step; the dependent coordinates inside it are solved for."""
+        if self.is_open:
+            return Failure(Status.SINGULAR)
         for _ in range(_TRIALS):
             solver, before = self._solver, self._watch.evaluations
             if not np.isfinite(solver.f).all():
