@@ -106,6 +106,11 @@ def test_rounding_of_fast_motions_stops_nothing() -> None:
     check_alone(found, 168)
 
 
+def test_what_constraints_hold_still_is_no_singular_position() -> None:
+    # Loads on a mechanism that cannot move: its speeds and accelerations are nothing but rounding.
+    check((1754,))
+
+
 def test_without_ground_momenta_are_kept() -> None:
     check_momenta((3,))
 

@@ -20,6 +20,11 @@ Floats = NDArray[np.float64]
 
 # Rounding of solve_saddle on badly scaled mechanisms is far below; a broken row is of order one.
 _CONSISTENT: Final = 1e-3
+_SINGULAR: Final = Problem(
+    "assembly.singular", "configuration", "the accelerations do not exist here",
+    "it is a singular position, such as a flat parallelogram's, with velocities that no motion through it "
+    "has", "start beside this position, or give other velocities",
+)  # fmt: skip
 # Rates closer to their guess are that up to the rounding of a least squares solution.
 _CHANGED: Final = 1e-9
 _STEP: Final = 1e-6  # of central differences for coordinates that are measured
@@ -188,7 +193,8 @@ class Closure:
         """Return the state with its accelerations and multipliers; `guess` has the rates guessed."""
         eqs = self.eqs
         solved = self._accelerations(q, u)
-        _check_accelerations(u, solved.udot, solved.jacobian, solved.gamma)
+        if not (_exist(u, solved, 0.0) or _exist(u, solved, self._free_acceleration(q, u))):
+            raise AssemblyError(_SINGULAR)
         phi = self.constraints(self.t, q, u).constraints
         moved = {
             name: float(d) for name, d in zip(eqs.coordinate_names, q - start, strict=True) if abs(d) > 1e-12
@@ -227,6 +233,12 @@ class Closure:
             raise SimulationError(
                 massless_problem("numerics.singular_mass", names, eqs.coordinate_names)
             ) from error
+
+    def _free_acceleration(self, q: Floats, u: Floats) -> float:
+        """Return the largest acceleration that the forces would give without constraints."""
+        found = self.function(("mass_matrix", "forcing"))(self.t, q, u)
+        free = np.linalg.lstsq(found.mass_matrix, found.forcing, rcond=None)[0]
+        return float(np.abs(free).max(initial=0.0))
 
     def _changed_rates(self, q: Floats, u: Floats, guess: Mapping[str, float]) -> dict[str, float]:
         """Return by how much speeds, and rates of coordinates, differ from what was guessed for them."""
@@ -285,26 +297,23 @@ def closure(
     return Closure(eqs, parameters, inputs, t, sizes, speed_sizes, scales, function, angles)
 
 
-def _check_accelerations(u: Floats, udot: Floats, jacobian: Floats, gamma: Floats) -> None:
-    """Refuse accelerations that break constraints, as rows do that depend on others at a singular position.
+def _exist(u: Floats, solved: Any, held: float) -> bool:
+    """Return whether accelerations fulfil ``J u' = gamma``, which has no solution at some singular positions.
 
-    Raises
-    ------
-    AssemblyError
-        If ``J u' = gamma`` has no solution.
+    Parameters
+    ----------
+    held : float
+        Accelerations that constraints keep from happening: what is left of them is rounding.
     """
+    udot, jacobian, gamma = solved.udot, solved.jacobian, solved.gamma
     # gamma is quadratic in u; where all its terms cancel, that is what they are small against.
     largest = float(np.abs(jacobian).max(initial=0.0)) * float(np.abs(u).max(initial=0.0)) ** 2
     wanted = np.abs(jacobian) @ np.abs(udot) + np.abs(gamma) + largest
     # A row whose accelerations vanish holds nothing but the rounding of the others.
-    rounding = udot.size * np.finfo(float).eps * float(np.abs(udot).max(initial=0.0))
+    rounding = udot.size * np.finfo(float).eps * max(held, float(np.abs(udot).max(initial=0.0)))
     noise = rounding * np.abs(jacobian).max(axis=1, initial=0.0)
-    if (np.abs(jacobian @ udot - gamma) > _CONSISTENT * wanted + noise + 1e-300).any():
-        raise AssemblyError(
-            Problem("assembly.singular", "configuration", "the accelerations do not exist here",
-                    "it is a singular position, such as a flat parallelogram's, with velocities that no "
-                    "motion through it has", "start beside this position, or give other velocities")
-        )  # fmt: skip
+    apart: Floats = np.abs(jacobian @ udot - gamma)
+    return not (apart > _CONSISTENT * wanted + noise + 1e-300).any()
 
 
 def constraint_scales(eqs: EquationSet, parameters: Mapping[str, Value]) -> Floats:
