@@ -32,7 +32,7 @@ class Gone:
             raise ImportError({library!r} + " is broken\\nsecond line")
 sys.meta_path.insert(0, Gone())
 from symbody.cli import main
-sys.argv = ["symbody", "simulate", {model!r}, "--end", "0.1", "--output", {output!r}]
+sys.argv = ["symbody", "simulate", {model!r}, "--end", "0.1", "--out", {output!r}]
 sys.exit(main())
 """
 COMPILED = """
@@ -55,7 +55,7 @@ def started(program: str, cwd: Path, **environment: str) -> subprocess.Popen[str
 @pytest.mark.parametrize("library", ["llvmlite", "numba"])
 def test_row_70_a_missing_compiler_is_told_with_the_line_that_mends_it(library: str, tmp_path: Path) -> None:
     model = ROOT / "examples" / "spring_mass_damper" / "spring_mass_damper.toml"
-    program = MISSING.format(library=library, model=str(model), output=str(tmp_path))
+    program = MISSING.format(library=library, model=str(model), output=str(tmp_path / "x.png"))
     process = started(program, tmp_path)
     _, told = process.communicate(timeout=120)
     assert process.returncode == 5

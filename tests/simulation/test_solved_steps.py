@@ -9,25 +9,11 @@ import symbody as sb
 from symbody.formats import model_from_toml
 from symbody.simulation.methods.solved_steps import SHARE_OF_STEP, WRONG, SolvedSteps
 from symbody.simulation.methods.stepping import SHARES
+from tests.simulation.loops import pushed_mass
 
 # Both are driven along speeds of cos t by a brake whose coefficient falls from 1e14 at t = 0 to 1 at 1 s.
 BRAKE = "({} - {})/(t^2 + 1e-14)"
-SLIDER = f"""
-name = "braked"
-gravity = ["0", "0", "0"]
-[[body]]
-name = "Mass"
-mass = 1.0
-[[joint]]
-name = "slider"
-type = "prismatic"
-between = ["ground", "Mass"]
-axis = "x"
-coordinate = "x"
-force = {{ applied = "{BRAKE.format("cos(t)", "x_dot")} - sin(t)" }}
-[initial]
-x_dot = 1.0
-"""
+PUSH = f"{BRAKE.format('cos(t)', 'x_dot')} - sin(t)"
 # The same about a pin that is cut: 2.5 kg m^2 is the moment of inertia about it.
 BOB = f"""
 name = "braked"
@@ -61,7 +47,7 @@ theta_dot = 1.0
 
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8])
 def test_a_slider_follows_its_brake_when_that_lets_go(rtol: float) -> None:
-    eqs = sb.form_equations(model_from_toml(SLIDER))
+    eqs = pushed_mass(PUSH, 0.0, 1.0)
     run = sb.simulate(eqs, 1.0, integrator=sb.Stiff(), rtol=rtol, atol=rtol)
     assert run.success
     # Every step adds an error of rtol and atol at most, in speeds; those in x are their integrals over 1 s.
@@ -96,5 +82,5 @@ def test_the_correction_is_that_of_newton() -> None:
 
 def test_a_solver_that_does_not_get_on_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(SolvedSteps, "__call__", lambda *_: False)
-    run = sb.simulate(sb.form_equations(model_from_toml(SLIDER)), 1.0, integrator=sb.Stiff())
+    run = sb.simulate(pushed_mass(PUSH, 0.0, 1.0), 1.0, integrator=sb.Stiff())
     assert run.status is sb.Status.STEP_COLLAPSE and "known up to" in run.notes[-1]

@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.formats import model_from_toml
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.methods import choice
 from symbody.simulation.methods.explicit import integrate
 from symbody.simulation.methods.state_jacobian import STATE_JACOBIAN, with_state_jacobian
 from symbody.simulation.task import Task
-from tests.simulation.loops import damped_slider, example, held_pendulum, turning_pendulum
+from tests.simulation.loops import damped_slider, example, held_pendulum, pushed_mass, turning_pendulum
 
 # Global errors of backward differentiation over some hundred steps: 1e-8 each, of one sign.
 GLOBAL = 1e-5
@@ -149,32 +148,13 @@ def test_limits_and_interruptions() -> None:
     assert run.status is sb.Status.INTERRUPTED and len(seen) == 1 and 0.0 < seen[0] < 1.0
 
 
-BLOW_UP = """
-name = "{name}"
-gravity = ["0", "0", "0"]
-[[body]]
-name = "Mass"
-mass = 1.0
-[[joint]]
-name = "slider"
-type = "prismatic"
-between = ["ground", "Mass"]
-axis = "x"
-coordinate = "x"
-force = {{ applied = "{law}" }}
-[initial]
-x = 1.0
-x_dot = {speed}
-"""
-
-
 def test_motions_that_end_on_the_way_say_so(capfd: pytest.CaptureFixture[str]) -> None:
     """x'' = 6 x^2 with x = 1, x' = 2 is x = 1/(1 - t)^2; x'' = sqrt(x) - 9 is real until x < 0."""
-    pole = sb.form_equations(model_from_toml(BLOW_UP.format(name="pole", law="6*x^2", speed=2.0)))
+    pole = pushed_mass("6*x^2", 1.0, 2.0)
     run = sb.simulate(pole, 2.0, integrator=sb.Stiff())
     assert run.status in (sb.Status.STEP_COLLAPSE, sb.Status.NOT_FINITE)
     assert 0.99 < run.t[-1] < 1.01 and any("known up to" in note for note in run.notes)
-    root = sb.form_equations(model_from_toml(BLOW_UP.format(name="root", law="sqrt(x) - 9", speed=0.0)))
+    root = pushed_mass("sqrt(x) - 9", 1.0, 0.0)
     run = sb.simulate(root, 2.0, integrator=sb.Stiff())
     assert run.status is sb.Status.NOT_FINITE
     assert capfd.readouterr() == ("", "")

@@ -42,7 +42,8 @@ def merge_equal(source: Graph, roots: Sequence[int], target: Graph, given: Seque
     Parameters
     ----------
     given : sequence of int
-        Some of the roots: what they take is defined as if they were alone, and used by the others.
+        Some of the roots: what they take is defined as if they were alone, and used by the others, also where
+        it can fail and something equal could not: then the given ones fail anyway.
     """
     nodes = source.reachable([ZERO, ONE, *roots])
     keys: dict[int, Pair] = {}

@@ -22,7 +22,7 @@ _LATE = op.UNARY_FUNCTIONS | {op.SADDLE, op.MAP, op.PICK, op.ATAN2, op.CALL}
 
 
 def ordered(sequence: Sequence) -> Sequence:
-    """Return the operations that outputs need: circles, then kernels in their order, then the outputs."""
+    """Return the operations that outputs need: circles, kernels and programs in their order, the outputs."""
     circles = _early_circles(sequence)
     arguments = [sequence.operations[k].operands[0] for k in circles]
     kernels = [k for k, operation in enumerate(sequence.operations) if operation.op in (op.SADDLE, op.MAP)]
