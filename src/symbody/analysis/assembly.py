@@ -179,20 +179,14 @@ def _near_measured(
     return attempt.q if attempt.is_closed else start
 
 
-def assembled_configurations(
-    task: Closure, guess: Mapping[str, Value], parameters: Mapping[str, Value] | None, count: int
-) -> list[Floats]:
-    """Return up to `count` different configurations that close the loops, the nearest to the guess first."""
+def assembled_configuration(
+    task: Closure, guess: Mapping[str, Value], parameters: Mapping[str, Value] | None
+) -> Floats | None:
+    """Return the configuration nearest to a guess that closes the loops, or None."""
     eqs = task.eqs
     known = named_values(eqs, _guessed(eqs, guess), parameters, strict=set(guess))
-    found: list[Floats] = []
-    for start in _starts(task, task.start(known), {}):
-        attempt = _newton(task, start, {})
-        if attempt.is_closed and all(task.differs(attempt.q, other) for other in found):
-            found.append(attempt.q)
-        if len(found) == count:
-            break
-    return found
+    found = _closed(task, _near_measured(task, task.start(known), {}, known), {})
+    return None if found is None else found.q
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,6 +15,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, SimulationError
+from symbody.manifold import ConstraintManifold
 
 Floats = NDArray[np.float64]
 
@@ -66,6 +67,17 @@ class Closure:
     def is_tree(self) -> bool:
         """Whether there is nothing to close."""
         return not self.eqs.multiplier_names
+
+    @property
+    def manifold(self) -> ConstraintManifold:
+        """The constraints on positions."""
+        still = np.zeros(len(self.eqs.speed_names))
+
+        def evaluate(q: Floats) -> tuple[Floats, Floats]:
+            found = self.constraints(self.t, q, still)
+            return found.constraints, found.position_jacobian
+
+        return ConstraintManifold(evaluate, self.sizes, self.scales, self.quaternions(), self.is_aligned)
 
     def function(self, outputs: str | Sequence[str]) -> CompiledFunction:
         """Return a compiled function of t, q and u."""

@@ -1,30 +1,28 @@
-"""`redundancy`: which constraints say what others say already, on all configurations that close the loops.
+"""`redundancy`: which constraints say what others say already, on the branch of configurations they leave.
 
-Rows of J are compared at several assembled configurations off singular positions, each row over its largest
-entry; a row is redundant if it lies in the span of rows kept before it at every one of them. Lengths are kept
-before angles and earlier rows before later ones, so that of equal supports the first bears the load.
+The loops are closed near a guess, and the branch through this configuration is explored; see
+`symbody.manifold`. At a regular configuration on it a row of J is redundant if it lies in the span of rows
+kept before it. Lengths are kept before angles and earlier rows before later ones, so that of equal supports
+the first bears the load.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assembled_configurations
-from symbody.analysis.closure import Closure, closure
+from symbody.analysis.assembly import assembled_configuration
+from symbody.analysis.closure import closure, constraint_scales
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.freedoms.mobility import count_freedoms, generic_point
 from symbody.errors import AssemblyError, Problem
+from symbody.manifold import explore_branch, independent_rows
 
 Floats = NDArray[np.float64]
-
-_CONFIGURATIONS: Final = 4
-# Assembly leaves 1e-9 of the mechanism's size; a row that differs by an angle of a thousandth counts.
-_DEPENDENT: Final = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,14 +32,21 @@ class Redundancy:
     Attributes
     ----------
     degrees_of_freedom : int
-        Speeds less independent constraints.
+        Dimension of the branch of configurations near the guess, less independent constraints on velocities
+        alone.
     kept, dropped : tuple of str
         Names of multipliers of independent rows, and of rows that follow from these.
+    instantaneous : int or None
+        Independent speeds at the guess itself, where these are not as many.
+    notes : tuple of str
+        Where the two counts differ, where branches of several dimensions meet, and what stays undecided.
     """
 
     degrees_of_freedom: int
     kept: tuple[str, ...]
     dropped: tuple[str, ...]
+    instantaneous: int | None = None
+    notes: tuple[str, ...] = ()
 
 
 def redundancy(
@@ -64,38 +69,27 @@ def redundancy(
     task = closure(eqs, dict(parameters or {}), {}, 0.0)
     if task.is_tree:
         return Redundancy(len(eqs.speed_names), (), ())
-    places = assembled_configurations(task, guess or {}, parameters, _CONFIGURATIONS)
-    if not places:
+    q = assembled_configuration(task, guess or {}, parameters)
+    if q is None:
         raise AssemblyError(
             Problem("redundancy.open", eqs.model.name, "no configuration closes the loops", "",
                     "see assemble() for the joint that stays open, or give guess=")
         )  # fmt: skip
-    ranks = [_independent(task, q) for q in places]
-    generic = max(map(len, ranks))
-    kept = next(rows for rows in ranks if len(rows) == generic)
+    scales = constraint_scales(eqs, parameters or {})[:, np.newaxis]
+
+    def velocity_rows(q: Floats) -> Floats:
+        return np.asarray(task.velocity_rows(q, {})[0] / scales * task.speed_sizes)
+
+    branch = explore_branch(task.manifold, q)
+    count = count_freedoms(branch, velocity_rows, len(eqs.formed.holonomic))
+    rows = eqs.formed.rows
+    order = sorted(range(len(rows)), key=lambda k: (rows[k].force.is_zero, k))
+    kept = independent_rows(velocity_rows(generic_point(branch, velocity_rows)), order)
     names = eqs.multiplier_names
     return Redundancy(
-        len(eqs.speed_names) - generic,
+        count.degrees_of_freedom,
         tuple(names[k] for k in sorted(kept)),
         tuple(name for k, name in enumerate(names) if k not in kept),
+        None if count.instantaneous == count.degrees_of_freedom else count.instantaneous,
+        count.notes,
     )
-
-
-def _independent(task: Closure, q: Floats) -> list[int]:
-    """Return rows that span all others at a configuration, the preferred ones first."""
-    rows = task.velocity_rows(q, {})[0]
-    sizes = np.abs(rows).max(axis=1)
-    order = sorted(range(len(rows)), key=lambda k: (task.eqs.formed.rows[k].force.is_zero, k))
-    basis = np.zeros((0, rows.shape[1]))
-    kept = []
-    for k in order:
-        if sizes[k] == 0.0:
-            continue
-        row = rows[k] / np.linalg.norm(rows[k])
-        for _ in range(2):  # twice is enough (Golub & Van Loan 2013, section 5.2.9)
-            row = row - basis.T @ (basis @ row)
-        rest = float(np.linalg.norm(row))
-        if rest > _DEPENDENT:
-            basis = np.vstack([basis, row / rest])
-            kept.append(k)
-    return kept

@@ -8,7 +8,7 @@ from typing import Final
 
 from symbody.equations.formed import Formed
 from symbody.equations.forming import form
-from symbody.equations.freedoms.mobility import degrees_of_freedom, independent_speeds
+from symbody.equations.freedoms.mobility import Mobility, mobility
 from symbody.equations.known import Deferred
 from symbody.equations.showing.derivative_outputs import asked_derivative
 from symbody.equations.showing.outputs import code_roots, evaluable_roots
@@ -229,12 +229,15 @@ class EquationSet:
 
     @property
     def independent_speeds(self) -> tuple[SympyExpr, ...]:
-        """Speeds that determine all others at a generic configuration, the earliest possible."""
-        return self._symbols(tuple(self.formed.u[k] for k in independent_speeds(self.formed)))
+        """Speeds that determine all others on the branch of the initial values, the earliest possible."""
+        return self._symbols(tuple(self.formed.u[k] for k in mobility(self.formed).independent_speeds))
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Independent speeds at a generic configuration, with the model's values of the parameters.
+        """Dimension of the branch of the initial values, with the model's values of the parameters.
+
+        Where the initial values do not close the loops, the branch is that of the nearest configuration that
+        does. `mobility` has the instantaneous count beside it, which differs at change points.
 
         Raises
         ------
@@ -243,7 +246,12 @@ class EquationSet:
         ModelError
             If a parameter that a loop needs has no value.
         """
-        return degrees_of_freedom(self.formed)
+        return mobility(self.formed).degrees_of_freedom
+
+    @property
+    def mobility(self) -> Mobility:
+        """Degrees of freedom, those at the initial values for an instant, and notes on both."""
+        return mobility(self.formed)
 
     def for_values(self, parameters: Mapping[str, float]) -> EquationSet:
         """Return these equations with the constraints that some values of the parameters fulfil set to 0 = 0.

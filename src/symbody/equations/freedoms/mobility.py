@@ -1,38 +1,68 @@
-"""Degrees of freedom: speeds less independent constraints, counted where the mechanism is assembled.
+"""Degrees of freedom: the dimension of the branch of configurations on which the initial values lie.
 
 The rank of J is not that of its formulas: a loop that only just fits moves although a count of its rows
-says otherwise (Bennett, Bricard). So it is taken at configurations on which all constraints hold, found by
-Newton steps of least length from several starts; that at most of them is the generic one.
+says otherwise (Bennett, Bricard), and at a change point it drops for an instant. So the constraints are
+closed near the initial values, and the branch that leads on from there is explored; see `symbody.manifold`.
+Constraints on velocities alone take away as many freedoms as they have independent rows on this branch.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from random import Random
-from typing import Final
+from typing import Any, Final
 
 from symbody.equations.formed import Formed
 from symbody.equations.showing.outputs import output_roots
+from symbody.equations.showing.units import output_units
 from symbody.equations.solving.idle import check_idle
 from symbody.equations.solving.noise import without_noise
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.saddle import solve_saddle
-from symbody.expr.sequence import Input, build_sequence
+from symbody.expr.sequence import Input, Roots, build_sequence
 from symbody.expr.sequence import Sequence as Program
+from symbody.manifold import (
+    Branch,
+    ConstraintManifold,
+    constraint_manifold,
+    explore_branch,
+    independent_columns,
+    rank,
+)
 from symbody.model.model import resolve_parameters
 
-_STARTS: Final = 8
-_STEPS: Final = 60
-_CLOSED: Final = 1e-10  # of the size of the mechanism
-# Between the rounding left by assembly (1e-10) and what a pose one twentieth of a radian off leaves.
-_RANK_CUT: Final = 1e-6
-_SPREAD: Final = 0.3  # of starts about the initial values, in rad and in the mechanism's own length
+_NEAR: Final = 0.3  # spread of starts about the initial values, in rad and in the mechanism's own length
+_STARTS: Final = (0.0,) + (_NEAR,) * 7
+_FAR_STARTS: Final = (math.pi,) * 8
 
 
-def degrees_of_freedom(formed: Formed) -> int:
-    """Return the number of independent speeds at a generic assembled configuration.
+@dataclass(frozen=True, slots=True)
+class Mobility:
+    """How a mechanism can move from its initial values.
+
+    Attributes
+    ----------
+    degrees_of_freedom : int
+        Dimension of the branch, less independent constraints on velocities alone.
+    instantaneous : int
+        Independent speeds at the assembled initial values themselves; more than these at a change point.
+    independent_speeds : tuple of int
+        Speeds that determine all others on the branch, the earliest possible.
+    notes : tuple of str
+        Where the two counts differ, where branches of several dimensions meet, and what stays undecided.
+    """
+
+    degrees_of_freedom: int
+    instantaneous: int
+    independent_speeds: tuple[int, ...]
+    notes: tuple[str, ...] = ()
+
+
+def mobility(formed: Formed) -> Mobility:
+    """Return how a mechanism can move, with the model's values of the parameters.
 
     Raises
     ------
@@ -41,57 +71,56 @@ def degrees_of_freedom(formed: Formed) -> int:
     ModelError
         If a parameter has no value.
     """
-    return len(formed.u) - (_generic(formed)[0] if formed.rows else 0)
-
-
-def independent_speeds(formed: Formed) -> tuple[int, ...]:
-    """Return which speeds determine all others at a generic configuration, the earliest possible."""
     n = len(formed.u)
     if not formed.rows:
-        return tuple(range(n))
-    _, slopes = _generic(formed)
-    basis: list[list[float]] = []
-    dependent = set()
-    for k in reversed(range(n)):
-        column = slopes[k::n]
-        size = math.sqrt(sum(x * x for x in column))
-        for _ in range(2):
-            for unit in basis:
-                share = sum(x * y for x, y in zip(unit, column, strict=True))
-                column = [x - share * y for x, y in zip(column, unit, strict=True)]
-        rest = math.sqrt(sum(x * x for x in column))
-        if rest > _RANK_CUT * size:
-            basis.append([x / rest for x in column])
-            dependent.add(k)
-    return tuple(k for k in range(n) if k not in dependent)
-
-
-def _generic(formed: Formed) -> tuple[int, list[float]]:
-    """Return the rank that J has at most assembled configurations, and J at one of them.
-
-    Raises
-    ------
-    AssemblyError
-        If the loops close from no start.
-    """
-    resolved = {name: float(value) for name, value in resolve_parameters(formed.topology.model).items()}
+        return Mobility(n, n, tuple(range(n)))
+    resolved = _resolved(formed)
     check_idle(formed, resolved)
-    formed = without_noise(formed, resolved)
-    program = _program(formed)
-    values = [resolved[symbol.name] for symbol in formed.parameters]
-    start, random = _start(formed), Random(1)
-    found: list[tuple[int, list[float]]] = []
-    for k in range(_STARTS):
-        guess = [x + (random.uniform(-_SPREAD, _SPREAD) if k else 0.0) for x in start]
-        q = _assembled(formed, program, values, guess)
-        if q is not None:
-            slopes = _values(formed, program, values, q)[2]
-            found.append((_rank(formed, slopes), slopes))
-    if found:
-        ranks = [rank for rank, _ in found]
-        generic = max(sorted(set(ranks)), key=ranks.count)
-        return next(pair for pair in found if pair[0] == generic)
-    raise _open(formed)
+    loops = _Loops(without_noise(formed, resolved), resolved)
+    q = next(loops.closed_configurations(_STARTS), None)
+    if q is None:
+        raise _open(formed)
+    return count_freedoms(explore_branch(loops.manifold, q), loops.velocity_rows, len(formed.holonomic))
+
+
+def count_freedoms(branch: Branch, velocity_rows: Callable[[Any], Any], holonomic: int) -> Mobility:
+    """Return the freedoms on a branch of configurations.
+
+    Parameters
+    ----------
+    velocity_rows : callable
+        From a configuration to J, scaled.
+    holonomic : int
+        How many of its rows, the first ones, belong to constraints on positions.
+    """
+    rows, here = velocity_rows(generic_point(branch, velocity_rows)), velocity_rows(branch.q)
+    taken = rank(rows) - rank(rows[:holonomic])
+    instantaneous = len(rows[0]) - rank(here)
+    notes = tuple(_notes(branch, taken, instantaneous))
+    return Mobility(branch.dimension - taken, instantaneous, tuple(independent_columns(rows)), notes)
+
+
+def generic_point(branch: Branch, velocity_rows: Callable[[Any], Any]) -> Any:
+    """Return a configuration on a branch at which J has its largest rank."""
+    return max(branch.points, key=lambda q: rank(velocity_rows(q)))
+
+
+def _notes(branch: Branch, taken: int, instantaneous: int) -> Iterator[str]:
+    freedoms = branch.dimension - taken
+    if instantaneous != freedoms:
+        yield (
+            f"at the initial values themselves {instantaneous} speeds are independent, "
+            f"beside them {freedoms}: "
+            + ("branches of the motion meet there" if freedoms else "small displacements lead nowhere")
+        )
+    if len(branch.dimensions) > 1:
+        listed = ", ".join(str(dimension - taken) for dimension in branch.dimensions)
+        yield f"branches with {listed} degrees of freedom meet at the initial values; the largest is counted"
+    if not branch.is_decided:
+        yield (
+            f"there may be more than {freedoms} degrees of freedom: not all displacements from the initial "
+            "values could be followed. Give initial values beside this configuration"
+        )
 
 
 def assembled_values(formed: Formed, outputs: Sequence[str]) -> list[list[list[float]]]:
@@ -102,90 +131,110 @@ def assembled_values(formed: Formed, outputs: Sequence[str]) -> list[list[list[f
     AssemblyError
         If the loops close from no start.
     """
-    resolved = {name: float(value) for name, value in resolve_parameters(formed.topology.model).items()}
-    formed = without_noise(formed, resolved)
-    closing, program = _program(formed), _program(formed, outputs)
-    values = [resolved[symbol.name] for symbol in formed.parameters]
-    start, random = _start(formed), Random(1)
-    found = []
-    for k in range(2 * _STARTS):
-        spread = 0.0 if k == 0 else _SPREAD if k < _STARTS else math.pi
-        q = _assembled(formed, closing, values, [x + random.uniform(-spread, spread) for x in start])
-        if q is not None:
-            found.append(_values(formed, program, values, q))
+    resolved = _resolved(formed)
+    loops = _Loops(without_noise(formed, resolved), resolved)
+    program = _program(loops.formed, outputs)
+    found = [loops.values(program, q) for q in loops.closed_configurations(_STARTS + _FAR_STARTS)]
     if not found:
         raise _open(formed)
     return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Loops:
+    """The constraints of a mechanism with values of its parameters; q is a list of numbers or an array."""
+
+    formed: Formed
+    resolved: Mapping[str, float]
+
+    @cached_property
+    def manifold(self) -> ConstraintManifold:
+        """The constraints on positions."""
+        formed, length = self.formed, self._length()
+        program = _program(formed, ("constraints", "position_jacobian"))
+        alignment = _program(formed, ("alignment",))
+        units = output_units(formed)
+        place = {formed.graph.symbol(symbol): k for k, symbol in enumerate(formed.q)}
+        return constraint_manifold(
+            lambda q: self.values(program, q),
+            [length if units.get(q.label) == "m" else 1.0 for q in formed.q],
+            [1.0 if row.force.is_zero else length for row in formed.holonomic],
+            [[place[node] for node in quaternion] for quaternion in formed.variables.quaternions],
+            lambda q: min(self.values(alignment, q)[0], default=1.0) > 0.0,
+        )
+
+    def closed_configurations(self, spreads: Sequence[float]) -> Iterator[Any]:
+        """Yield configurations on which the constraints hold, from starts spread about the initial values."""
+        start, random = _start(self.formed), Random(1)
+        for spread in spreads:
+            end = self.manifold.project([x + random.uniform(-spread, spread) for x in start])
+            if end.is_closed:
+                yield end.q
+
+    def velocity_rows(self, q: Any) -> list[list[float]]:
+        """Return J at a configuration, one list a row."""
+        n = len(self.formed.u)
+        (flat,) = self.values(self._jacobian, q)
+        return [flat[k : k + n] for k in range(0, len(flat), n)]
+
+    def values(self, program: Program, q: Any) -> list[list[float]]:
+        """Return the outputs of a program at a configuration."""
+        formed = self.formed
+        inputs = {
+            "q": [float(x) for x in q], "p": [self.resolved[p.name] for p in formed.parameters],
+            "r": [0.0] * len(formed.inputs), "t": [0.0],
+        }  # fmt: skip
+        return [[float(x) for x in values] for values in evaluate_sequence(program, inputs)]
+
+    @cached_property
+    def _jacobian(self) -> Program:
+        return _program(self.formed, ("jacobian",))
+
+    def _length(self) -> float:
+        """Return the largest offset of a frame [m]; 1 if all frames stand in centres of mass."""
+        model, names = self.formed.topology.model, self.formed.names
+        frames = [*model.ground.values(), *(f for body in model.bodies for f in body.frames.values())]
+        nodes = [names.expression(x, "frames").index for frame in frames for x in frame.at]
+        places = _places(self.formed)
+        program = build_sequence(self.formed.graph, [Roots("offsets", (len(nodes),), tuple(nodes))], places)
+        (offsets,) = self.values(program, [0.0] * len(self.formed.q))
+        return max(map(abs, offsets), default=0.0) or 1.0
+
+
+def _resolved(formed: Formed) -> dict[str, float]:
+    return {name: float(value) for name, value in resolve_parameters(formed.topology.model).items()}
 
 
 def _open(formed: Formed) -> AssemblyError:
     return AssemblyError(
         Problem("equations.not_assembled", formed.topology.model.name,
                 "the degrees of freedom cannot be counted, because the loops close from none of the starts",
-                f"{_STARTS} starts about the initial values were tried",
+                f"{len(_STARTS)} starts about the initial values were tried",
                 "check lengths, or give [initial] values near a configuration that closes")
     )  # fmt: skip
 
 
-def _program(
-    formed: Formed, names: Sequence[str] = ("constraints", "position_jacobian", "jacobian")
-) -> Program:
+def _program(formed: Formed, names: Sequence[str]) -> Program:
+    roots = [output_roots(formed, name) for name in names]
+    return build_sequence(formed.graph, roots, _places(formed))
+
+
+def _places(formed: Formed) -> dict[int, Input]:
     graph = formed.graph
     places = {graph.symbol(q): Input(q.label, "q", k) for k, q in enumerate(formed.q)}
     places |= {graph.symbol(p): Input(p.name, "p", k) for k, p in enumerate(formed.parameters)}
     places |= {graph.symbol(r): Input(r.name, "r", k) for k, r in enumerate(formed.inputs)}
     places[formed.names.value("t").index] = Input("t", "t", 0)
-    return build_sequence(graph, [output_roots(formed, name) for name in names], places)
+    return places
 
 
 def _start(formed: Formed) -> list[float]:
-    """Return the initial values of the model, as far as they are numbers, and small numbers otherwise."""
-    initial = formed.topology.model.initial
-    given = {name: formula.constant() for name, formula in initial.items()}
-    random = Random(0)
-    start = [
-        random.uniform(0.1, 0.4) if given.get(q.name) is None else float(given[q.name] or 0) for q in formed.q
-    ]
+    """Return the initial values of the model as far as they are numbers, 0 otherwise, as `assemble` does."""
+    given = {name: formula.constant() for name, formula in formed.topology.model.initial.items()}
+    start = [float(given.get(q.name) or 0) for q in formed.q]
     place = {formed.graph.symbol(q): k for k, q in enumerate(formed.q)}
     for quaternion in formed.variables.quaternions:
-        start[place[quaternion[0]]] += 1.0
+        places = [place[node] for node in quaternion]
+        if not any(start[k] for k in places):
+            start[places[0]] = 1.0
     return start
-
-
-def _values(
-    formed: Formed, program: Program, parameters: Sequence[float], q: Sequence[float]
-) -> list[list[float]]:
-    inputs = {"q": list(q), "p": list(parameters), "r": [0.0] * len(formed.inputs), "t": [0.0]}
-    return [[float(x) for x in values] for values in evaluate_sequence(program, inputs)]
-
-
-def _assembled(
-    formed: Formed, program: Program, parameters: Sequence[float], guess: Sequence[float]
-) -> list[float] | None:
-    """Return coordinates near a guess on which all constraints hold, or None."""
-    n = len(guess)
-    unit = [float(i == j) for i in range(n) for j in range(n)]
-    q = list(guess)
-    place = {formed.graph.symbol(symbol): k for k, symbol in enumerate(formed.q)}
-    norms = [[place[node] for node in quaternion] for quaternion in formed.variables.quaternions]
-    for _ in range(_STEPS):
-        phi, slopes, _ = _values(formed, program, parameters, q)
-        for places in norms:
-            phi.append((sum(q[k] ** 2 for k in places) - 1) / 2)
-            slopes += [q[k] if k in places else 0.0 for k in range(n)]
-        if not all(map(math.isfinite, (*phi, *slopes))):
-            return None
-        size = 1 + max(map(abs, q), default=0.0)
-        if max(map(abs, phi), default=0.0) < _CLOSED * size:
-            return q
-        step = solve_saddle(unit, slopes, [0.0] * n, [-x for x in phi], rank_cut=_RANK_CUT).udot
-        longest = max(map(abs, step), default=0.0)
-        shortened = min(1.0, size / longest) if longest else 1.0
-        q = [x + shortened * dx for x, dx in zip(q, step, strict=True)]
-    return None
-
-
-def _rank(formed: Formed, slopes: Sequence[float]) -> int:
-    n, m = len(formed.u), len(formed.rows)
-    unit = [float(i == j) for i in range(n) for j in range(n)]
-    return solve_saddle(unit, slopes, [0.0] * n, [0.0] * m, rank_cut=_RANK_CUT).rank

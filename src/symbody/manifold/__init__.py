@@ -1,0 +1,5 @@
+"""The configurations that constraints admit, as numbers: closing, tangents, ranks, branches."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

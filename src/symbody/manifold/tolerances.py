@@ -1,0 +1,15 @@
+"""The tolerances of the numeric core, each in units of the mechanism (lengths) or of a radian (angles)."""
+
+from __future__ import annotations
+
+from typing import Final
+
+# Constraints are closed to this: Newton's method on doubles ends some digits below.
+CLOSED: Final = 1e-10
+# Newton's method goes on to this while it still gains.
+EXACT: Final = 1e-14
+# Singular values of unit rows below this share of the largest count as 0: between the rounding that closing
+# leaves and what a configuration a twentieth of a radian beside a singular one has, to third order.
+RANK: Final = 1e-6
+# Rows of a Jacobian shorter than this share of the longest, or of 1, are zeros up to rounding.
+VANISHING: Final = 1e-10
