@@ -119,7 +119,7 @@ def _freedom_lines(eqs: EquationSet) -> list[str]:
             f"{u - rows} freedoms, less {len(found.kept)} independent ones it is {found.degrees_of_freedom}; "
             "how the joints share the loads of these directions is not determined",
         ]
-    return lines
+    return [*lines, *(f"  {note}" for note in found.notes)]
 
 
 def _freedoms(eqs: EquationSet) -> str:
