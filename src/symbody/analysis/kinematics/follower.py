@@ -62,6 +62,8 @@ class Follower:
         What counts as large: 1 for angles, the size of the mechanism for lengths.
     scales : (n_c,) array
         What constraints are measured by.
+    time : float
+        The time of the mechanism [s], see `Scales`.
     angles : (n_q,) array
         Which coordinates are angles.
     wrapped : tuple of int
@@ -75,6 +77,7 @@ class Follower:
     sizes: Floats
     speed_sizes: Floats
     scales: Floats
+    time: float
     angles: NDArray[np.bool_]
     wrapped: tuple[int, ...]
     positions: CompiledFunction
@@ -275,6 +278,7 @@ def follower(
         known.coordinates(eqs),
         known.displacements(eqs),
         scales,
+        known.time,
         np.array([units.get(name) == "rad" for name in eqs.coordinate_names], dtype=np.bool_),
         tuple(first + k for k, name in enumerate((*formulas, *laws)) if name in eqs.measured_angles),
         compiled("constraints", "position_jacobian"),

@@ -312,26 +312,26 @@ class _PartitionStepper:
         """Start DOP853 from the present state."""
         longest = np.inf if self._explicit.max_step is None else float(self._explicit.max_step)
         rest = abs(self._end - self._t)
-        self._solver = DOP853(
+        self._solver = solver = DOP853(
             self._watch, self._t, self._x.copy(), self._end, max_step=longest, rtol=self._request.rtol,
-            atol=self._request.tolerances, first_step=min(self._first_step(), rest) if first_step is None
-            else min(first_step, rest),
+            atol=self._request.tolerances, first_step=rest or None,
         )  # fmt: skip
+        if rest > 0.0:
+            step = self._first_step(solver.f, rest) if first_step is None else first_step
+            solver.h_abs = min(step, rest)
 
-    def _first_step(self) -> float:
-        """Guess a step as `native.loop` does: SciPy's own guess is right near a second only."""
-        rest, weights = abs(self._end - self._t), self._request.tolerances
-        weights = weights + self._request.rtol * np.abs(self._x)
-        sign = 1.0 if self._end >= self._t else -1.0
-        rates = self._watch(self._t, self._x)
+    def _first_step(self, rates: Floats, rest: float) -> float:
+        """Guess a step as `native.loop` does: SciPy's own guess is made for times of about a second."""
+        weights = self._request.tolerances + self._request.rtol * np.abs(self._x)
         size, slope = _mean(self._x / weights), _mean(rates / weights) * rest
-        h = min(_TIMID if size < _SMALL or slope < _SMALL else 0.01 * size / slope, 1.0)
-        changed = self._watch(self._t + sign * h * rest, self._x + sign * h * rest * rates)
-        steepest = max(slope, _mean((changed - rates) / weights) * rest / h)
+        share = min(_TIMID if size < _SMALL or slope < _SMALL else 0.01 * size / slope, 1.0)
+        h = share * rest * (1.0 if self._end >= self._t else -1.0)
+        changed = self._watch(self._t + h, self._x + h * rates)
+        steepest = max(slope, _mean((changed - rates) / weights) * rest / share)
         if not np.isfinite(steepest):
-            return h * rest
-        longer = max(_TIMID, 1e-3 * h) if steepest <= _LEVEL else (0.01 / steepest) ** (1.0 / 8.0)
-        return min(100.0 * h, longer, 1.0) * rest
+            return share * rest
+        longer = max(_TIMID, 1e-3 * share) if steepest <= _LEVEL else (0.01 / steepest) ** (1.0 / 8.0)
+        return float(min(100.0 * share, longer, 1.0) * rest)
 
     def _derivative(self, t: float, y: Floats) -> Floats:
         x = self._mechanism.state(t, y, self._positions, self._speeds)
