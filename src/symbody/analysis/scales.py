@@ -8,7 +8,7 @@ powers of two change no digit of them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Final
@@ -21,15 +21,9 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.language.formula import Formula
-from symbody.model.constraint import Condition
 from symbody.model.constraints.couplings import Constraint
 from symbody.model.constraints.points import PointOnSurface
-from symbody.model.element import Element
-from symbody.model.joint import Joint
-from symbody.model.loads.curve import Curve, Law
-from symbody.model.loads.forces import SpringDamper
-from symbody.model.loads.springs import Bushing
-from symbody.model.model import Model
+from symbody.model.lengths import model_lengths
 
 Floats = NDArray[np.float64]
 
@@ -40,8 +34,6 @@ USUAL_SHARE: Final = 1e-10
 RESOLVED: Final = 1e-4
 # Where equations without a unit are looked at: this share of the mechanism's size from zero.
 _SPREAD: Final = 0.5
-# Formulas of a constraint that are lengths, if its multiplier is a force.
-_LENGTHS: Final = ("value", "radius", "radii", "offset")
 _UNITS: Final = {"length": "m", "time": "s", "mass": "kg"}
 
 
@@ -219,7 +211,7 @@ def checked_scales(given: Mapping[str, float] | None) -> dict[str, float]:
 
 def geometry(eqs: EquationSet) -> dict[str, Value]:
     """Return the formulas of all lengths of the model [m], by number."""
-    return numbered(_lengths(eqs.model))
+    return numbered(model_lengths(eqs.model))
 
 
 def are_lengths(eqs: EquationSet) -> list[bool]:
@@ -245,36 +237,6 @@ def values_at_start(
 def largest(values: Iterable[float]) -> float:
     """Return the largest absolute value, 0 if there is none."""
     return max(map(abs, values), default=0.0)
-
-
-def _lengths(model: Model) -> Iterator[Formula]:
-    """Yield the formulas of all lengths [m] that can be computed from parameters, at t = 0."""
-    known = {*model.parameters, "t", "pi"}
-    frames = [*model.ground.values(), *(frame for body in model.bodies for frame in body.frames.values())]
-    yield from (x for frame in frames for x in frame.at)
-    for element in model.elements:
-        yield from (formula for formula in _own_lengths(element) if known.issuperset(formula.names))
-
-
-def _own_lengths(element: Element) -> Iterator[Formula]:
-    """Yield the formulas of an element that are lengths."""
-    if isinstance(element, Condition) and element.multiplier_unit == "N":
-        yield from (use.formula for use in element.uses() if use.path.partition("[")[0] in _LENGTHS)
-    elif isinstance(element, Joint):
-        yield from element.constants.values()
-        for drive in element.force.values():
-            yield from _law_lengths(drive.free, drive.law)
-    elif isinstance(element, SpringDamper):
-        yield from _law_lengths(element.free, element.law)
-    elif isinstance(element, Bushing):
-        yield from element.free[:3]
-
-
-def _law_lengths(free: Formula, law: Law) -> Iterator[Formula]:
-    """Yield the lengths of the law of a spring."""
-    yield free
-    if isinstance(law, Curve):
-        yield from law.x
 
 
 def _mass(eqs: EquationSet, parameters: Mapping[str, Value], length: float) -> float:
