@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.analysis.closure import mechanism_size
+from symbody.analysis.scales import mechanism_scales
 from tests.laws.consistent_states import consistent_state
 from tests.laws.evaluation import EPS, condition, equations, evaluator
 from tests.laws.mechanisms import random_mechanism
@@ -84,7 +84,7 @@ def compare(lin: sb.Linearization, seed: int, tally: Tally) -> None:
     r = [float(at.inputs[name]) for name in eqs.input_names]  # type: ignore[arg-type]
     bound = EPS * condition(f(t, list(q), list(u), r)).number
     # The deviations themselves are rounded, off what the constraints admit.
-    length = mechanism_size(eqs, at.parameters)
+    length = mechanism_scales(eqs, at.parameters, near=at.q).length
     sizes = np.array([length if eqs.units.get(name) == "m" else 1.0 for name in eqs.coordinate_names])
     full = np.abs(sb.compile(eqs, "A")(t, q, u, np.array(r)))
     with mpmath.workdps(40):

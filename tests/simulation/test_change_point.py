@@ -7,6 +7,7 @@ import pytest
 
 import symbody as sb
 from symbody.analysis.assembly import assemble
+from symbody.analysis.scales import mechanism_scales
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.methods.change_point import is_overconstrained
 from symbody.simulation.task import Task
@@ -16,7 +17,7 @@ from tests.problems.test_bennett import GUESS, linkage
 
 
 def overconstrained(eqs: sb.EquationSet, fixed: dict[str, float], guess: dict[str, float]) -> bool:
-    task = Task(eqs, {}, input_laws(eqs.input_names, {}, (0.0, 1.0)))
+    task = Task(eqs, {}, input_laws(eqs.input_names, {}, (0.0, 1.0)), mechanism_scales(eqs, {}))
     return is_overconstrained(task, assemble(eqs, fixed, guess), 0.0)
 
 

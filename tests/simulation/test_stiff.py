@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
+from symbody.analysis.scales import Scales
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.methods import choice
 from symbody.simulation.methods.explicit import integrate
@@ -77,7 +78,7 @@ def test_the_jacobian_is_that_of_differences() -> None:
     eqs = example("slider_crank")
     inputs = {"F": "-20*s_dot"}
     wider = with_state_jacobian(eqs, inputs)
-    task = Task(wider, {}, input_laws(("F",), inputs, (0.0, 1.0)))
+    task = Task(wider, {}, input_laws(("F",), inputs, (0.0, 1.0)), Scales())
     rates, slopes = task.compiled("xdot"), task.compiled(STATE_JACOBIAN)
     start = sb.assemble(eqs, inputs=inputs)
     x = np.array([*start.u.values(), *start.q.values()])

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
+from symbody.analysis.scales import mechanism_scales
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.native.run import RawRun, Statistics
 from symbody.simulation.results.stop_note import stop_note
@@ -31,7 +32,7 @@ def slider_crank(crank_mass: float, rod: float = 3.0) -> sb.EquationSet:
 
 def stopped(eqs: sb.EquationSet, q: list[float], status: sb.Status) -> str:
     """Return the note of a run of two samples that ended at q."""
-    task = Task(eqs, {}, input_laws((), {}, (0.0, 1.0)))
+    task = Task(eqs, {}, input_laws((), {}, (0.0, 1.0)), mechanism_scales(eqs, {}))
     n_u = len(eqs.speed_names)
     start = np.array([*np.zeros(n_u), 0.3, -0.4, 3.9, 0.0])
     end = np.array([*np.zeros(n_u), *q, 0.0])

@@ -28,6 +28,7 @@ from symbody.analysis.ranges import (
     starts_in_ranges,
 )
 from symbody.analysis.ropes import assembled_with_ropes
+from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.analysis.velocities import consistent_speeds
 from symbody.codegen.compile import Value
@@ -39,6 +40,7 @@ Floats = NDArray[np.float64]
 
 NO_RANGES: Final[Ranges] = MappingProxyType({})
 CLOSED: Final = 1e-9  # of the size of the mechanism: closer than any loop is built
+_FAR: Final = 1e-6  # the rounding of a coordinate so many sizes away is a fifth of what counts as closed
 _STARTS: Final = 24
 _STEPS: Final = 80
 # A step is halved until it gains a share of what it promises; one so short that this never happens ends where
@@ -58,6 +60,8 @@ def assemble(
     inputs: Mapping[str, Value] | None = None,
     t: float = 0.0,
     ranges: Mapping[str, tuple[Value, Value]] | None = None,
+    *,
+    scales: Mapping[str, float] | None = None,
 ) -> State:
     """Return a state in which all constraints hold.
 
@@ -77,6 +81,9 @@ def assemble(
     ranges : mapping of name to (lower, upper), numbers or formulas in parameters
         Positions that must lie between these; angles are turned by whole turns into their ranges. Starts
         are spread over the ranges too.
+    scales : mapping of "length", "time", "mass" to float, optional
+        What counts as large [m, s, kg]; by default it follows from the model. Constraints are closed to 1e-9
+        of the length, or rad.
 
     Ropes are closed where the guess would have them longer than they are, and where their ends would move
     apart although they are taut, unless fixed speeds ask for that; those that are shorter are left alone.
@@ -91,15 +98,16 @@ def assemble(
     checked_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
     checked_pairs(ranges or {})
     if not ropes(eqs.formed):
-        return _assembled(eqs, fixed, guess, parameters, inputs, t, ranges)
+        return _assembled(eqs, fixed, guess, parameters, inputs, t, ranges, scales)
 
     def attempt(equations: EquationSet, values: Mapping[str, float]) -> State:
-        return _assembled(equations, values, guess, parameters, inputs, t, ranges)
+        return _assembled(equations, values, guess, parameters, inputs, t, ranges, scales)
 
     known = named_values(eqs, _guessed(eqs, guess), parameters, strict=set(guess or ()))
     wanted = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     values = dict(parameters or {}), dict(inputs or {})
-    return assembled_with_ropes(eqs, wanted, known, attempt, lambda held: closure(held, *values, t))
+    own = mechanism_scales(eqs, values[0], scales, {**known, **wanted})
+    return assembled_with_ropes(eqs, wanted, known, attempt, lambda held: closure(held, *values, t, own))
 
 
 def _assembled(
@@ -110,11 +118,13 @@ def _assembled(
     inputs: Mapping[str, Value] | None,
     t: float,
     ranges: Mapping[str, tuple[Value, Value]] | None,
+    scales: Mapping[str, float] | None,
 ) -> State:
     """Return a state in which all constraints of some equations hold."""
-    task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t)
     known = named_values(eqs, _guessed(eqs, guess), parameters, strict=set(guess or ()))
     wanted = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
+    own = mechanism_scales(eqs, dict(parameters or {}), scales, {**known, **wanted})
+    task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, own)
     positions, rates = task.parted(wanted)
     positions, known = unit_quaternions(eqs.quaternions, positions, known)
     lower, upper = (
@@ -262,7 +272,9 @@ def _newton(task: Closure, q: Floats, fixed: Mapping[str, float]) -> _Attempt:
             break
         q, values, slopes, norm = tried, new_values, new_slopes, new_norm
     residual = float(np.abs(values).max(initial=0.0))
-    return _Attempt(q, residual, residual <= CLOSED * task.size and task.is_aligned(q))
+    # Residuals are known to the rounding of the largest coordinate, which may exceed the mechanism by far.
+    closed = CLOSED * max(1.0, _FAR * float(np.abs(q / task.sizes).max(initial=0.0)))
+    return _Attempt(q, residual, residual <= closed * task.size and task.is_aligned(q))
 
 
 def _others(
@@ -326,7 +338,7 @@ def _open_joints(task: Closure, attempts: Sequence[_Attempt], fixed: Mapping[str
         trials = [(best.q, np.inf), *(least_open(task, task.normalized(q), fixed) for q in finite)]
         q, _ = min(trials, key=lambda trial: trial[1])
         (joint, gap), *others = task.gaps(q).items() or [("", (0.0, 0.0))]
-        size = float(task.scales.max(initial=0.0))
+        size = task.mechanism.length
         what = f"joint {joint} stays open by {_width(gap, size)}"
         wide = [(name, gap) for name, gap in others if gap[0] > _TOLD * size or gap[1] > _TOLD]
         if wide:

@@ -9,8 +9,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.scales import Scales, mechanism_scales
 from symbody.analysis.state import State
-from symbody.codegen.compile import Value, constant_values, form_sequence
+from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.equations.equation_set import EquationSet
@@ -28,6 +29,7 @@ _SINGULAR: Final = Problem(
 )  # fmt: skip
 # Rates closer to their guess are that up to the rounding of a least squares solution.
 _CHANGED: Final = 1e-9
+_STAYED: Final = 1e-12  # of the size of a coordinate
 _STEP: Final = 1e-6  # of central differences for coordinates that are measured
 
 
@@ -40,11 +42,13 @@ class Closure:
     sizes : (n_q,) array
         What counts as a large change of each coordinate: 1 rad, or the size of the mechanism [m].
     speed_sizes : (n_u,) array
-        The same of each speed: 1 rad/s, or the size of the mechanism in a second.
+        What counts as a large displacement along each speed: 1 rad, or the size of the mechanism.
     scales : (n_h,) array
         What the constraints are measured by: the size of the mechanism for lengths, 1 for angles.
     angles : frozenset of str
         Names of angles.
+    mechanism : Scales
+        Length, time and mass of the mechanism, from which the sizes above follow.
     size : float
         1, the residual of a mechanism that is as far open as it is large.
     """
@@ -58,6 +62,7 @@ class Closure:
     scales: Floats
     constraints: Callable[..., Any]
     angles: frozenset[str] = frozenset()
+    mechanism: Scales = Scales()
     size: float = 1.0
     # Functions already compiled; they follow from the fields above.
     _functions: dict[str | tuple[str, ...], CompiledFunction] = field(default_factory=dict, repr=False)
@@ -126,9 +131,11 @@ class Closure:
         for name, value in fixed.items():
             if name not in self.eqs.coordinate_names:
                 measured, row = self._measured(name, q)
-                values.append(np.array([np.arctan2(np.sin(measured - value), np.cos(measured - value))
-                                        if self._is_angle(name) else measured - value]))  # fmt: skip
-                slopes.append(row[np.newaxis, :])
+                apart, size = measured - value, self._measured_size(name)
+                if self._is_angle(name):
+                    apart = float(np.arctan2(np.sin(apart), np.cos(apart)))
+                values.append(np.array([apart / size]))
+                slopes.append(row[np.newaxis, :] / size)
         return np.concatenate(values), np.vstack(slopes)
 
     def velocity_rows(self, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, Floats]:
@@ -178,7 +185,7 @@ class Closure:
 
     def is_isolated(self, q: Floats, fixed: Mapping[str, float]) -> bool:
         """Return whether the conditions leave no free motion at a configuration."""
-        columns = self.residuals(q, fixed)[1][:, self.free(fixed)]
+        columns = (self.residuals(q, fixed)[1] * self.sizes)[:, self.free(fixed)]
         return bool(np.linalg.matrix_rank(columns, tol=1e-8) == columns.shape[1])
 
     def gaps(self, q: Floats) -> dict[str, tuple[float, float]]:
@@ -189,7 +196,7 @@ class Closure:
             gap = gaps.setdefault(row.element, [0.0, 0.0])
             place = 1 if row.force.is_zero else 0
             gap[place] = float(np.hypot(gap[place], value))
-        scale = float(self.scales.max(initial=1.0))
+        scale = self.mechanism.length
         # Of joints that share a gap equally, up to what is told, the first of the model is named first.
         ordered = sorted(gaps, key=lambda name: -round(gaps[name][0] / scale + gaps[name][1], 6))
         return {name: (gaps[name][0], float(np.arcsin(min(gaps[name][1], 1.0)))) for name in ordered}
@@ -205,12 +212,13 @@ class Closure:
         """Return the state with its accelerations and multipliers; `guess` has the rates guessed."""
         eqs = self.eqs
         solved = self._accelerations(q, u)
-        if not (_exist(u, solved, 0.0) or _exist(u, solved, self._free_acceleration(q, u))):
+        sizes = self.speed_sizes
+        if not (_exist(u, solved, sizes, 0.0) or _exist(u, solved, sizes, self._free_acceleration(q, u))):
             raise AssemblyError(_SINGULAR)
         phi = self.constraints(self.t, q, u).constraints
-        moved = {
-            name: float(d) for name, d in zip(eqs.coordinate_names, q - start, strict=True) if abs(d) > 1e-12
-        } | self._changed_rates(q, u, guess)
+        places = zip(eqs.coordinate_names, q - start, self.sizes, strict=True)
+        moved = {name: float(d) for name, d, size in places if abs(d) > _STAYED * size}
+        moved |= self._changed_rates(q, u, guess)
         return State(
             eqs,
             dict(zip(eqs.coordinate_names, q.tolist(), strict=True)),
@@ -247,9 +255,10 @@ class Closure:
             ) from error
 
     def _free_acceleration(self, q: Floats, u: Floats) -> float:
-        """Return the largest acceleration that the forces would give without constraints."""
-        found = self.function(("mass_matrix", "forcing"))(self.t, q, u)
-        free = np.linalg.lstsq(found.mass_matrix, found.forcing, rcond=None)[0]
+        """Return the largest acceleration that the forces would give without constraints, over its size."""
+        found, sizes = self.function(("mass_matrix", "forcing"))(self.t, q, u), self.speed_sizes
+        mass = found.mass_matrix * np.outer(sizes, sizes)
+        free = np.linalg.lstsq(mass, found.forcing * sizes, rcond=None)[0]
         return float(np.abs(free).max(initial=0.0))
 
     def _changed_rates(self, q: Floats, u: Floats, guess: Mapping[str, float]) -> dict[str, float]:
@@ -277,6 +286,10 @@ class Closure:
     def _is_angle(self, name: str) -> bool:
         return name in self.angles
 
+    def _measured_size(self, name: str) -> float:
+        """Return what counts as a large change of a coordinate of a cut joint."""
+        return self.mechanism.length if self.eqs.units.get(name) == "m" else 1.0
+
     def measured(self, name: str, q: Floats) -> float:
         """Return a coordinate of a cut joint."""
         return float(self.function(name)(self.t, q, np.zeros(len(self.eqs.speed_names))))
@@ -295,65 +308,49 @@ class Closure:
 
 
 def closure(
-    eqs: EquationSet, parameters: Mapping[str, Value], inputs: Mapping[str, Value], t: float
+    eqs: EquationSet,
+    parameters: Mapping[str, Value],
+    inputs: Mapping[str, Value],
+    t: float,
+    scales: Scales | None = None,
 ) -> Closure:
-    """Return the constraints of equations as numbers."""
-    length, units = mechanism_size(eqs, parameters), eqs.units
-    angles = frozenset(name for name, unit in units.items() if unit == "rad")
-    sizes = np.array([length if units.get(name) == "m" else 1.0 for name in eqs.coordinate_names])
-    speed_sizes = np.array([length if units.get(name) == "m/s" else 1.0 for name in eqs.speed_names])
-    scales = constraint_scales(eqs, parameters)[: len(eqs.formed.holonomic)]
+    """Return the constraints of equations as numbers, by default with the scales of the model."""
+    known = mechanism_scales(eqs, parameters) if scales is None else scales
+    angles = frozenset(name for name, unit in eqs.units.items() if unit == "rad")
     given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
     names = ("constraints", "position_jacobian", "jacobian", "velocity_constraints", "alignment")
     function = CompiledFunction(*form_sequence(eqs, names, parameters, (), given), quick=True)
-    return Closure(eqs, parameters, inputs, t, sizes, speed_sizes, scales, function, angles)
+    return Closure(
+        eqs,
+        parameters,
+        inputs,
+        t,
+        known.coordinates(eqs),
+        known.displacements(eqs),
+        known.constraints(eqs)[: len(eqs.formed.holonomic)],
+        function,
+        angles,
+        known,
+    )
 
 
-def _exist(u: Floats, solved: Any, held: float) -> bool:
+def _exist(u: Floats, solved: Any, sizes: Floats, held: float) -> bool:
     """Return whether accelerations fulfil ``J u' = gamma``, which has no solution at some singular positions.
 
     Parameters
     ----------
+    sizes : (n_u,) array
+        What counts as a large displacement along each speed.
     held : float
-        Accelerations that constraints keep from happening: what is left of them is rounding.
+        Accelerations, over their sizes, that constraints keep from happening: what is left of them is
+        rounding.
     """
-    udot, jacobian, gamma = solved.udot, solved.jacobian, solved.gamma
+    udot, jacobian, gamma = solved.udot / sizes, solved.jacobian * sizes, solved.gamma
+    slopes = np.abs(jacobian).max(axis=1, initial=0.0)
     # gamma is quadratic in u; where all its terms cancel, that is what they are small against.
-    largest = float(np.abs(jacobian).max(initial=0.0)) * float(np.abs(u).max(initial=0.0)) ** 2
+    largest = slopes * float(np.abs(u / sizes).max(initial=0.0)) ** 2
     wanted = np.abs(jacobian) @ np.abs(udot) + np.abs(gamma) + largest
     # A row whose accelerations vanish holds nothing but the rounding of the others.
     rounding = udot.size * np.finfo(float).eps * max(held, float(np.abs(udot).max(initial=0.0)))
-    noise = rounding * np.abs(jacobian).max(axis=1, initial=0.0)
     apart: Floats = np.abs(jacobian @ udot - gamma)
-    return not (apart > _CONSISTENT * wanted + noise + 1e-300).any()
-
-
-def constraint_scales(eqs: EquationSet, parameters: Mapping[str, Value]) -> Floats:
-    """Return what each constraint is measured by: the size of the mechanism for lengths [m], 1 for angles.
-
-    Those on positions come first, as in ``eqs.formed.holonomic``.
-    """
-    return np.where(are_lengths(eqs), mechanism_size(eqs, parameters), 1.0)
-
-
-def are_lengths(eqs: EquationSet) -> list[bool]:
-    """Return which constraints are measured in lengths; the others are angles."""
-    units = eqs.units
-    return [
-        not row.force.is_zero or units.get(row.coordinate) == "m" or units.get(row.name) == "N"
-        for row in eqs.formed.rows
-    ]
-
-
-def mechanism_size(eqs: EquationSet, parameters: Mapping[str, Value]) -> float:
-    """Return the largest offset of a frame [m]; 1 if all frames stand in centres of mass."""
-    values = constant_values(eqs, offsets(eqs), parameters)
-    largest = max(map(abs, values.values()), default=0.0)
-    return largest if largest > 0.0 else 1.0
-
-
-def offsets(eqs: EquationSet) -> dict[str, Value]:
-    """Return all components of places of frames [m], by number."""
-    model = eqs.model
-    places = [*model.ground.values(), *(frame for body in model.bodies for frame in body.frames.values())]
-    return {f"{k}": x for k, x in enumerate(x for frame in places for x in frame.at)}
+    return not (apart > _CONSISTENT * wanted + slopes * rounding + 1e-300).any()

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assembled_configuration
-from symbody.analysis.closure import closure, constraint_scales
+from symbody.analysis.closure import closure
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.freedoms.mobility import count_freedoms, generic_point
@@ -75,7 +75,7 @@ def redundancy(
             Problem("redundancy.open", eqs.model.name, "no configuration closes the loops", "",
                     "see assemble() for the joint that stays open, or give guess=")
         )  # fmt: skip
-    scales = constraint_scales(eqs, parameters or {})[:, np.newaxis]
+    scales = task.mechanism.constraints(eqs)[:, np.newaxis]
 
     def velocity_rows(q: Floats) -> Floats:
         return np.asarray(task.velocity_rows(q, {})[0] / scales * task.speed_sizes)

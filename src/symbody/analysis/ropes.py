@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 Attempt = Callable[[EquationSet, Mapping[str, float]], State]
 
 AT_LENGTH: Final = 2e-9  # of its length: a rope that is closer to it is taut
-_STEADY: Final = 1e-9  # of speeds: ends that move apart more slowly do not
+_STEADY: Final = 1e-9  # of speeds: ends that move apart more slowly do not part
 
 
 def assembled_with_ropes(
@@ -105,7 +105,7 @@ class _Speeds:
         """Return the state with speeds and accelerations; the ropes that pull are its constraints."""
         near = [name for name in ropes(self.eqs.formed) if not _is_slack(state, name)]
         u, apart = self._speeds(near)
-        taut = [name for name in near if abs(apart[name]) <= _STEADY * self._scale(u)]
+        taut = [name for name in near if abs(apart[name]) <= _STEADY]
         while True:
             task = self.closed(_held(self.eqs, taut))
             result = task.state(self.q, u, self.q, self._guessed(task))
@@ -122,8 +122,7 @@ class _Speeds:
         u = self._consistent(taut)
         while True:
             apart = self._apart(near, u)
-            limit = _STEADY * self._scale(u)
-            longer = [n for n in near if apart[n] > limit and n not in taut and n not in refused]
+            longer = [n for n in near if apart[n] > _STEADY and n not in taut and n not in refused]
             if not longer:
                 return u, apart
             try:
@@ -141,12 +140,12 @@ class _Speeds:
         return {name: x for name, x in task.parted(self.guess)[1].items() if name not in self.rates}
 
     def _apart(self, names: list[str], u: Floats) -> dict[str, float]:
+        """Return the rates at which ends move apart, over the largest speed or the mechanism's own."""
         task = self.closed(_held(self.eqs, ()))
-        return {name: -float(task.function(f"rope_slack_dot {name}")(task.t, self.q, u)) for name in names}
-
-    @staticmethod
-    def _scale(u: Floats) -> float:
-        return max(1.0, float(np.abs(u).max(initial=0.0)))
+        known, rates = task.mechanism, np.abs(u / task.speed_sizes)
+        fast = known.length * float(rates.max(initial=1.0 / known.time))
+        rates_of = {name: float(task.function(f"rope_slack_dot {name}")(task.t, self.q, u)) for name in names}
+        return {name: -rate / fast for name, rate in rates_of.items()}
 
 
 def _is_slack(state: State, name: str) -> bool:

@@ -13,7 +13,8 @@ from symbody.errors import AssemblyError, Problem
 
 Floats = NDArray[np.float64]
 
-# Of the terms of a row, and of the fastest rate that is given, or 1/s: what closeness of positions explains.
+# Of the terms of a row, and of the fastest rate that is given or of the mechanism's own: what closeness of
+# positions explains.
 _CONSISTENT = 1e-9
 _INDEPENDENT = 1e-6  # smaller singular values mean that a speed is given already, up to closeness
 
@@ -34,7 +35,7 @@ def consistent_speeds(
     """
     check_pivots(task, q)
     rows, right = _conditions(task, q, fixed)
-    if not _fulfils(_solved(rows, right), rows, right):
+    if not _fulfils(task, _solved(rows, right), rows, right):
         raise AssemblyError(_conflict(task, q, fixed))
     basis = _basis(rows)
     for name in dict.fromkeys([*task.parted(guess)[1], *task.all_speeds]):
@@ -70,9 +71,9 @@ def _solved(rows: Floats, right: Floats) -> Floats:
     return np.asarray(found + np.linalg.lstsq(rows, right - rows @ found, rcond=1e-10)[0])
 
 
-def _fulfils(found: Floats, rows: Floats, right: Floats) -> bool:
+def _fulfils(task: Closure, found: Floats, rows: Floats, right: Floats) -> bool:
     """Return whether all rows hold."""
-    sizes = 1.0 + np.abs(right).max(initial=0.0) + np.abs(rows) @ np.abs(found)
+    sizes = 1.0 / task.mechanism.time + np.abs(right).max(initial=0.0) + np.abs(rows) @ np.abs(found)
     return bool((np.abs(rows @ found - right) <= _CONSISTENT * sizes).all())
 
 
@@ -92,7 +93,7 @@ def _conflict(task: Closure, q: Floats, fixed: Mapping[str, float]) -> Problem:
     for name in fixed:
         rest = {key: value for key, value in conflict.items() if key != name}
         rows, right = _conditions(task, q, rest)
-        if not _fulfils(_solved(rows, right), rows, right):
+        if not _fulfils(task, _solved(rows, right), rows, right):
             conflict = rest
     listed = ", ".join(f"{name} = {value:g}" for name, value in conflict.items()) or "the motions in time"
     return Problem(

@@ -153,7 +153,9 @@ def simulate(
     as_json: Annotated[bool, _option("--json", text="Print the result as JSON.")] = False,
     force: Force = False,
     rtol: Annotated[float, _option("--rtol", text="Relative tolerance.")] = 1e-8,
-    atol: Annotated[float, _option("--atol", text="Absolute tolerance.")] = 1e-10,
+    atol: Annotated[
+        float | None, _option("--atol", text="Absolute tolerance; default: from the mechanism's scales.")
+    ] = None,
 ) -> None:
     """Form the equations, print them, compute the motion and plot it."""
     for path in (out, csv):
@@ -240,7 +242,13 @@ def _formed(model: Model, tree: TreeWord | None) -> EquationSet:
 
 
 def _motion(
-    eqs: EquationSet, end: float, given: Settled, samples: int | None, rtol: float, atol: float, bar: StageBar
+    eqs: EquationSet,
+    end: float,
+    given: Settled,
+    samples: int | None,
+    rtol: float,
+    atol: float | None,
+    bar: StageBar,
 ) -> Trajectory:
     if samples is not None:
         check_memory(samples, len(eqs.state_names) + 1)

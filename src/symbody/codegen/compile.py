@@ -309,9 +309,8 @@ def constant_values(
     """
     graph, names = eqs.formed.graph, eqs.formed.names
     replacements = _parameter_nodes(eqs, parameters or {}, ())
-    values = {}
-    for name, value in formulas.items():
-        node = names.expression(Formula.of(value, where=name), name).index
-        roots = Roots(name, (), tuple(substitute(graph, [node], replacements)))
-        values[name] = float(evaluate_sequence(build_sequence(graph, [roots], {}), {})[0][0])
-    return values
+    nodes = [names.expression(Formula.of(value, where=name), name).index for name, value in formulas.items()]
+    made = substitute(graph, nodes, replacements)
+    roots = [Roots(name, (), (node,)) for name, node in zip(formulas, made, strict=True)]
+    values = evaluate_sequence(build_sequence(graph, roots, {}), {})
+    return {name: float(value[0]) for name, value in zip(formulas, values, strict=True)}

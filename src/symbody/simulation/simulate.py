@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symbody.analysis.assembly import assemble
+from symbody.analysis.scales import USUAL_SHARE, mechanism_scales
 from symbody.analysis.state import State
 from symbody.codegen.compile import Value
 from symbody.codegen.function import CompiledFunction
@@ -43,8 +44,9 @@ def simulate(
     guess: Mapping[str, Value] | None = None, parameters: Mapping[str, Value] | None = None,
     inputs: Mapping[str, Law] | None = None, times: ArrayLike | None = None,
     integrator: Integrator | None = None, constraints: Constraints | None = None,
-    events: Event | Sequence[Event] = (), *, rtol: float = 1e-8, atol: float = 1e-10,
-    max_steps: int = 1_000_000, progress: Progress | bool | None = None,
+    events: Event | Sequence[Event] = (), *, rtol: float = 1e-8,
+    atol: float | None = None, scales: Mapping[str, float] | None = None, max_steps: int = 1_000_000,
+    progress: Progress | bool | None = None,
 ) -> Trajectory:  # fmt: skip
     """Return the motion of a mechanism from its initial values.
 
@@ -68,8 +70,13 @@ def simulate(
         closed loops.
     events : Event or sequence of Event
         What to watch. Where one changes the state, both states are samples, of `times` only the one after.
-    rtol, atol : float
-        Relative and absolute tolerance of the local error.
+    rtol : float
+        Tolerance of the local error, relative to each coordinate and speed.
+    atol : float, optional
+        Absolute tolerance of each [m, rad, m/s, rad/s]; by default 1e-10 of what counts as large in the
+        mechanism: its largest length or 1 rad, and that over the span of the motion.
+    scales : mapping of "length", "time", "mass" to float, optional
+        What counts as large [m, s, kg] where it shall not follow from the model.
     progress : bool or callable, optional
         True shows a bar, also of the loop's compilation, once on a computer; a callable is told the share
         that is done, and ends the motion by returning False.
@@ -84,9 +91,10 @@ def simulate(
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     chosen, laws = checked_events(events, eqs), input_laws(eqs.input_names, inputs or {}, span)
     held = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
-    task = Task(held, dict(parameters or {}), laws)
-    first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0])
-    notes = _notes(eqs, inputs or {}, laws)
+    first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
+    known = mechanism_scales(eqs, dict(parameters or {}), scales, first.q).over(*span)
+    task = Task(held, dict(parameters or {}), laws, known)
+    notes = (*_notes(eqs, inputs or {}, laws), *(known.notes(eqs) if atol is None else ()))
     move = partial(_moved, integrator=integrator, constraints=constraints, notes=notes)
     go = partial(run_switching, move=move) if switches(eqs.formed) else move
     with told(progress, "motion") as tell:
@@ -132,7 +140,7 @@ def _run(
     watch = _watch(task, events, projector if closing else None, abs(span[1] - span[0]))
     request = replace(request, watch=watch)
     run = partial(integrate, t_span=span, times=request.times, projector=projector, watch=watch)
-    atol = [*x[:-1] * 0.0 + request.atol, _work_tolerance(task, first, span[0], request)]
+    atol = [*request.tolerances, _work_tolerance(task, first, span[0], request)]
     run = partial(run, rtol=request.rtol, atol=atol, max_steps=request.max_steps)
 
     def explicit(method: Explicit | FixedStep, stop: bool) -> RawRun:
@@ -152,7 +160,8 @@ def _work_tolerance(task: Task, first: State, t: float, request: Request) -> flo
     mechanism in fast motion would ask for steps without end.
     """
     kinetic = task.interpreted("kinetic_energy", t, first.q.values(), first.u.values())
-    return max(request.atol, request.rtol * kinetic)
+    own = USUAL_SHARE * task.scales.energy if request.atol is None else request.atol
+    return max(own, request.rtol * kinetic)
 
 
 def _watch(
@@ -174,7 +183,7 @@ def _notes(eqs: EquationSet, inputs: Mapping[str, Law], laws: InputLaws) -> tupl
 
 
 def _projector(
-    task: Task, constraints: Constraints, atol: float
+    task: Task, constraints: Constraints, atol: float | None
 ) -> tuple[Projector, CompiledFunction | None]:
     """Return what projects, and the function it calls by address."""
     if isinstance(constraints, Baumgarte) or not task.is_closed:
@@ -182,7 +191,7 @@ def _projector(
     # Other ways to hold constraints project only after events.
     method = constraints if isinstance(constraints, Projection) else Projection()
     closing = task.compiled(PROJECTED)
-    return projector_of(closing, task.eqs, task.parameters, method, atol), closing
+    return projector_of(closing, task.eqs, task.scales, method, atol), closing
 
 
 def _integrated(task: Task, run: Callable[..., RawRun], first: State) -> RawRun:

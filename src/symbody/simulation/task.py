@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import constraint_scales
+from symbody.analysis.scales import Scales
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
@@ -28,11 +28,12 @@ _MOST_ROUNDS = 8
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """Equations with the values of parameters and the laws of all inputs."""
+    """Equations with the values of parameters, the laws of all inputs, and what counts as large."""
 
     eqs: EquationSet
     parameters: Mapping[str, Value]
     laws: InputLaws
+    scales: Scales
     # Functions already compiled; they follow from the fields above.
     _functions: dict[tuple[EquationSet, tuple[str, ...], bool, bool], CompiledFunction] = field(
         default_factory=dict, repr=False, compare=False
@@ -79,7 +80,8 @@ class Evaluator:
         if name == "constraint_violation":
             return self._violation("constraints", t, q, u)
         if name == "velocity_violation":
-            fastest = np.abs(u).max(axis=0, initial=0.0)
+            sizes = self.task.scales.displacements(self.task.eqs)[:, np.newaxis]
+            fastest = np.abs(u / sizes).max(axis=0, initial=0.0)
             violation = self._violation("velocity_constraints", t, q, u)
             moving = fastest > 0.0
             return np.where(moving, violation / np.where(moving, fastest, 1.0), violation)
@@ -95,7 +97,7 @@ class Evaluator:
         if not task.eqs.multiplier_names:
             return np.zeros_like(t)
         values = task.evaluated(task.compiled(name, quick=True), t, q, u)
-        scales = constraint_scales(task.eqs, task.parameters)[: values.shape[-1]]
+        scales = task.scales.constraints(task.eqs)[: values.shape[-1]]
         largest: Floats = np.abs(values / scales).max(axis=-1, initial=0.0)
         return largest
 

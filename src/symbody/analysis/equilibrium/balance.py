@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import Closure, mechanism_size
+from symbody.analysis.closure import Closure
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
@@ -140,11 +140,9 @@ def balance(task: Closure, unknowns: Sequence[str]) -> Balance:
     wider = with_outputs(eqs, roots, pulls)
     words = (_FORCES, _SLOPES, _SHARES, "jacobian")
     function = CompiledFunction(*form_sequence(wider, words, task.parameters, (), given))
-    length, units = mechanism_size(eqs, task.parameters), eqs.units
-    sizes = np.array([length if units.get(name) == "m/s" else 1.0 for name in eqs.speed_names])
     graph = eqs.formed.graph
     timed = graph.symbol(TIME) in symbols_of(graph, [*forces, *eqs.roots("constraints").nodes])
-    return Balance(task, function, len(own), sizes, timed)
+    return Balance(task, function, len(own), task.speed_sizes, timed)
 
 
 def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], dict[str, Symbol]]:

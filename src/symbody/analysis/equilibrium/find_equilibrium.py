@@ -18,6 +18,7 @@ from symbody.analysis.closure import Closure, closure
 from symbody.analysis.equilibrium.balance import Balance, Rest, balance
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.linearize import linearize
+from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
@@ -78,6 +79,8 @@ def find_equilibrium(
     unknowns: str | Sequence[str] = (),
     fixed: Mapping[str, Value] | None = None,
     t: float = 0.0,
+    *,
+    scales: Mapping[str, float] | None = None,
 ) -> Equilibrium:
     """Return the equilibrium nearest to a guess, with others found as its ``branches``.
 
@@ -94,6 +97,8 @@ def find_equilibrium(
         Coordinates that keep these values, as a rule with inputs unknown.
     t : float
         Time at which motions and forces that depend on it are frozen [s].
+    scales : mapping of "length", "time", "mass" to float, optional
+        What counts as large [m, s, kg]; by default it follows from the model, see `assemble`.
 
     Raises
     ------
@@ -101,10 +106,11 @@ def find_equilibrium(
         If the loops do not close, a motion in time leaves no rest, or forces balance nowhere near the guess:
         with what is left of them at the best configuration, and along which speed.
     """
-    first = assemble(eqs, fixed, guess, parameters, {k: v for k, v in (inputs or {}).items()}, t)
+    first = assemble(eqs, fixed, guess, parameters, dict(inputs or {}), t, scales=scales)
     unknowns = (unknowns,) if isinstance(unknowns, str) else unknowns
     _check(eqs, unknowns, fixed or {})
-    task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t)
+    known = mechanism_scales(eqs, dict(parameters or {}), scales, first.q)
+    task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, known)
     search = _Search(balance(task, unknowns), np.array(list(first.q.values())), frozenset(fixed or ()))
     search.check_at_rest()
     found = search.equilibria()
@@ -149,8 +155,9 @@ class _Search:
             Naming the rows.
         """
         task = self.task
-        drift = -task.velocity_rows(self.start, {})[1]
-        moving = [name for name, b in zip(task.eqs.multiplier_names, drift, strict=True) if abs(b) > _MOVING]
+        drift = task.velocity_rows(self.start, {})[1] / task.mechanism.constraints(task.eqs)
+        fast = _MOVING / task.mechanism.time
+        moving = [name for name, b in zip(task.eqs.multiplier_names, drift, strict=True) if abs(b) > fast]
         if moving:
             raise AssemblyError(
                 Problem("equilibrium.moving", ", ".join(moving), "these constraints demand motion",
@@ -284,7 +291,7 @@ def _state(search: _Search, rest: Rest, unknowns: Sequence[str]) -> Equilibrium:
     order = [name for name in eqs.input_names if name in unknowns]
     held = dict(zip(order, rest.inputs.tolist(), strict=True))
     if held:
-        task = closure(eqs, task.parameters, {**task.inputs, **held}, task.t)
+        task = closure(eqs, task.parameters, {**task.inputs, **held}, task.t, task.mechanism)
     state = task.state(rest.q, np.zeros(len(eqs.speed_names)), search.start, {})
     notes = []
     loose = search.free_directions(rest)

@@ -14,8 +14,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import constraint_scales, mechanism_size
 from symbody.analysis.kinematics.held import HELD, held_equations, joint_of
+from symbody.analysis.scales import mechanism_scales
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
@@ -62,6 +62,8 @@ class Follower:
         What counts as large: 1 for angles, the size of the mechanism for lengths.
     scales : (n_c,) array
         What constraints are measured by.
+    time : float
+        The time of the mechanism [s], see `Scales`.
     angles : (n_q,) array
         Which coordinates are angles.
     wrapped : tuple of int
@@ -75,6 +77,7 @@ class Follower:
     sizes: Floats
     speed_sizes: Floats
     scales: Floats
+    time: float
     angles: NDArray[np.bool_]
     wrapped: tuple[int, ...]
     positions: CompiledFunction
@@ -254,11 +257,11 @@ def follower(
         If what is driven is no free coordinate, or its law no function of time.
     """
     held = held_equations(eqs, {**formulas, **dict.fromkeys(laws)})
-    length, units = mechanism_size(eqs, parameters), eqs.units
-    scales = constraint_scales(held, parameters)
+    known, units = mechanism_scales(eqs, parameters), eqs.units
+    scales = known.constraints(held)
     for k, row in enumerate(held.formed.rows):
         if row.name.startswith(HELD):
-            scales[k] = length if units.get(row.name.removeprefix(HELD)) == "m" else 1.0
+            scales[k] = known.length if units.get(row.name.removeprefix(HELD)) == "m" else 1.0
 
     first = len(held.formed.holonomic) - len(formulas) - len(laws)
 
@@ -272,9 +275,10 @@ def follower(
         (*formulas, *laws),
         laws,
         clock,
-        np.array([length if units.get(name) == "m" else 1.0 for name in eqs.coordinate_names]),
-        np.array([length if units.get(name) == "m/s" else 1.0 for name in eqs.speed_names]),
+        known.coordinates(eqs),
+        known.displacements(eqs),
         scales,
+        known.time,
         np.array([units.get(name) == "rad" for name in eqs.coordinate_names], dtype=np.bool_),
         tuple(first + k for k, name in enumerate((*formulas, *laws)) if name in eqs.measured_angles),
         compiled("constraints", "position_jacobian"),

@@ -184,8 +184,9 @@ class _Search:
             raise failed[0]
 
     def _inside(self, q: Floats) -> bool:
-        value = q[self.ratios.eqs.coordinate_names.index(self.along)]
-        return bool(self.ends[0] - _EDGE <= value <= self.ends[1] + _EDGE)
+        k = self.ratios.eqs.coordinate_names.index(self.along)
+        edge = _EDGE * self.mechanism.sizes[k]
+        return bool(self.ends[0] - edge <= q[k] <= self.ends[1] + edge)
 
     def _blocks(self, q: Floats) -> tuple[Floats, Floats]:
         """Return scaled independent rows of J, and of these the columns of dependent speeds."""
@@ -249,8 +250,9 @@ class _Search:
         eqs = self.ratios.eqs
         if point is None:
             return
-        value = point.q[eqs.coordinate_names.index(self.along)]
-        if not self.ends[0] - _SAME <= value <= self.ends[1] + _SAME:
+        k = eqs.coordinate_names.index(self.along)
+        value, near = point.q[k], _SAME * self.mechanism.sizes[k]
+        if not self.ends[0] - near <= value <= self.ends[1] + near:
             return
         kept, block = self._blocks(point.q)
         ranks = [

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import mechanism_size
 from symbody.analysis.linear.slopes import Slopes
 from symbody.analysis.linear.variations import (
     Choice,
@@ -20,6 +19,7 @@ from symbody.analysis.linear.variations import (
     solved,
     unit_rows,
 )
+from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, nearest
@@ -72,10 +72,8 @@ def basis(
         If names are unknown, too few or too many, or do not determine the others.
     """
     turned = rotations(eqs, np.array(list(state.q.values())))
-    length = mechanism_size(eqs, state.parameters)
-    units = eqs.units
-    q_sizes = turned.sizes(np.array([length if units.get(q) == "m" else 1.0 for q in eqs.coordinate_names]))
-    u_sizes = np.array([length if units.get(u) == "m/s" else 1.0 for u in eqs.speed_names])
+    known = mechanism_scales(eqs, state.parameters, near=state.q)
+    q_sizes, u_sizes = turned.sizes(known.coordinates(eqs)), known.displacements(eqs)
     coordinates, speeds = _parted(eqs, turned, asked)
     positions = found.position_jacobian @ turned.out
     q = _chosen("coordinates", positions * q_sizes, turned.names, coordinates, cyclic, ())

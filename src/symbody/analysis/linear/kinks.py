@@ -14,7 +14,7 @@ from symbody.expr.opcodes import ABS, EQ, LE, LT, MAX, MIN, NAMES, SIGN
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import symbols_of
 
-_ZERO: Final = 1e-9  # of coordinates of order 1: equilibria are known to that
+_ZERO: Final = 1e-9  # of what they change by across the mechanism: equilibria are known to that
 
 Switch = tuple[str, int]
 
@@ -41,10 +41,18 @@ def _switches(eqs: EquationSet, nodes: Sequence[int]) -> Iterator[Switch]:
 
 
 def kink_notes(
-    eqs: EquationSet, found: Sequence[Switch], values: NDArray[np.float64]
-) -> tuple[str, ...]:  # fmt: skip
-    """Return what should be known of derivatives at a state at which switches have these values."""
-    here = [switch for switch, value in zip(found, values, strict=True) if abs(value) <= _ZERO]
+    eqs: EquationSet,
+    found: Sequence[Switch],
+    values: NDArray[np.float64],
+    beside: NDArray[np.float64],
+) -> tuple[str, ...]:
+    """Return what should be known of derivatives at a state, where switches have `values`.
+
+    `beside` are their values at a state as far away as the mechanism is large.
+    """
+    changes = np.abs(np.asarray(beside) - values)
+    is_zero = np.abs(values) <= _ZERO * np.where(np.isfinite(changes), changes, 1.0)
+    here = [switch for switch, yes in zip(found, is_zero, strict=True) if yes]
     return tuple(
         f"{what} changes over at this state, where {to_text(eqs.formed.graph, node)} = 0: the matrices hold "
         "on one side of it at most; a smooth law, such as friction with v0, holds on both"

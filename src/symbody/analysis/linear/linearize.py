@@ -21,6 +21,7 @@ from symbody.analysis.linear.independence import Basis, basis
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.slopes import Slopes, slopes
 from symbody.analysis.linear.variations import rotations
+from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
@@ -31,6 +32,7 @@ Floats = NDArray[np.float64]
 _ROUNDING: Final = 100.0 * float(np.finfo(float).eps)  # of the terms of a row
 # Assembly closes to 1e-12 of the size as a rule, and equilibria are given with some digits.
 _AT_REST: Final = 1e-8
+_STILL: Final = 1e-12  # of accelerations and rates of the mechanism's own size
 _INDEPENDENT_OF: Final = 1e-9  # of the largest terms of a column that should vanish
 
 
@@ -169,7 +171,9 @@ class _Point:
         reach = np.concatenate([np.abs(values), sizes[speeds:]])
         bounds = _AT_REST * (np.abs(A) @ reach)
         bounds[speeds:] = np.maximum(bounds[speeds:], _AT_REST * rate * sizes[speeds:])
-        return [k for k in range(len(affine)) if abs(affine[k]) > bounds[k] + 1e-12 * sizes[k]]
+        time = mechanism_scales(self.eqs, self.state.parameters, near=self.state.q).time
+        least = _STILL * sizes / np.where(np.arange(sizes.size) < speeds, time**2, time)
+        return [k for k in range(len(affine)) if abs(affine[k]) > bounds[k] + least[k]]
 
     def _notes(self, moving: list[int], names: tuple[str, ...], affine: Floats) -> tuple[str, ...]:
         notes = [*self.space.notes, *self.slopes.kinks]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
 from symbody.analysis.linear.kinks import kink_notes, switches
+from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.codegen.compile import Value, constant_values, form_sequence
 from symbody.codegen.function import CompiledFunction
@@ -86,14 +87,25 @@ def slopes(eqs: EquationSet, state: State, outputs: Sequence[str]) -> Slopes:
     words = ("xdot", _BY_STATE, _BY_INPUT, "jacobian", "position_jacobian", "mass_matrix", _KINKS)
     given = dict.fromkeys(eqs.input_names, 0) | dict(state.inputs)
     function = CompiledFunction(*form_sequence(wider, words, parameters, (), given))
-    found = function(state.t, list(state.q.values()), list(state.u.values()))
+    q, u = np.array(list(state.q.values())), np.array(list(state.u.values()))
+    found = function(state.t, q, u)
     graph = eqs.formed.graph
     timed = graph.symbol(TIME) in symbols_of(graph, [*nodes, *eqs.roots("constraints").nodes])
     rates, states, loads, rows, positions, mass, near = found
     names = tuple(symbol.name for symbol in inputs)
     _check_finite(eqs, rates, states, loads, names)
-    told = kink_notes(eqs, between, near)
+    told = (
+        kink_notes(eqs, between, near, function(state.t, *_beside(eqs, state, q, u))[-1]) if between else ()
+    )
     return Slopes(rates, states, loads, _scalars(shown), names, rows, positions, mass, timed, told)
+
+
+def _beside(eqs: EquationSet, state: State, q: Floats, u: Floats) -> tuple[Floats, Floats]:
+    """Return coordinates and speeds that differ by what counts as large, without symmetry."""
+    scales = mechanism_scales(eqs, state.parameters, near=state.q)
+    shares = np.cos(np.arange(1.0, 1.0 + q.size + u.size))
+    fast = scales.displacements(eqs) / scales.time
+    return q + shares[: q.size] * scales.coordinates(eqs), u + shares[q.size :] * fast
 
 
 def _check_finite(

@@ -32,6 +32,7 @@ from symbody.manifold import (
     independent_columns,
     rank,
 )
+from symbody.model.lengths import model_lengths
 from symbody.model.model import resolve_parameters
 
 _NEAR: Final = 0.3  # spread of starts about the initial values, in rad and in the mechanism's own length
@@ -165,17 +166,21 @@ class _Loops:
 
     def closed_configurations(self, spreads: Sequence[float]) -> Iterator[Any]:
         """Yield configurations on which the constraints hold, from starts spread about the initial values."""
-        start, random = _start(self.formed), Random(1)
+        start, random = list(zip(_start(self.formed), self.manifold.sizes.tolist(), strict=True)), Random(1)
         for spread in spreads:
-            end = self.manifold.project([x + random.uniform(-spread, spread) for x in start])
+            end = self.manifold.project([x + size * random.uniform(-spread, spread) for x, size in start])
             if end.is_closed:
                 yield end.q
 
     def velocity_rows(self, q: Any) -> list[list[float]]:
-        """Return J at a configuration, one list a row."""
-        n = len(self.formed.u)
+        """Return J at a configuration, one list a row, with lengths in units of the mechanism's."""
+        n, (sizes, scales) = len(self.formed.u), self._sizes
         (flat,) = self.values(self._jacobian, q)
-        return [flat[k : k + n] for k in range(0, len(flat), n)]
+        rows = [flat[k : k + n] for k in range(0, len(flat), n)]
+        return [
+            [x * size / scale for x, size in zip(row, sizes, strict=True)]
+            for row, scale in zip(rows, scales, strict=True)
+        ]
 
     def values(self, program: Program, q: Any) -> list[list[float]]:
         """Return the outputs of a program at a configuration."""
@@ -190,15 +195,25 @@ class _Loops:
     def _jacobian(self) -> Program:
         return _program(self.formed, ("jacobian",))
 
+    @cached_property
+    def _sizes(self) -> tuple[list[float], list[float]]:
+        """What counts as large along each speed, and for each row of J."""
+        formed, units, length = self.formed, output_units(self.formed), self._length()
+        speeds = [length if units.get(u.label) == "m/s" else 1.0 for u in formed.u]
+        return speeds, [1.0 if row.force.is_zero else length for row in formed.rows]
+
     def _length(self) -> float:
-        """Return the largest offset of a frame [m]; 1 if all frames stand in centres of mass."""
-        model, names = self.formed.topology.model, self.formed.names
-        frames = [*model.ground.values(), *(f for body in model.bodies for f in body.frames.values())]
-        nodes = [names.expression(x, "frames").index for frame in frames for x in frame.at]
-        places = _places(self.formed)
-        program = build_sequence(self.formed.graph, [Roots("offsets", (len(nodes),), tuple(nodes))], places)
-        (offsets,) = self.values(program, [0.0] * len(self.formed.q))
-        return max(map(abs, offsets), default=0.0) or 1.0
+        """Return the largest length of the model [m], else the largest initial displacement, else 1."""
+        formed, model = self.formed, self.formed.topology.model
+        nodes = [formed.names.expression(x, "length").index for x in model_lengths(model)]
+        program = build_sequence(
+            formed.graph, [Roots("lengths", (len(nodes),), tuple(nodes))], _places(formed)
+        )
+        (lengths,) = self.values(program, [0.0] * len(formed.q))
+        units = output_units(formed)
+        initial = [formula.constant() for name, formula in model.initial.items() if units.get(name) == "m"]
+        moved = [abs(float(value)) for value in initial if value is not None]
+        return max(map(abs, lengths), default=0.0) or max(moved, default=0.0) or 1.0
 
 
 def _resolved(formed: Formed) -> dict[str, float]:

@@ -21,6 +21,7 @@ Watched = Callable[[Floats], Floats]  # times (N,) to values (n, N)
 _DEGREE: Final = 8
 _DEEPEST: Final = 12  # halvings of a step
 _RESOLVED: Final = 1e-3
+_EXACT: Final = 1e-15  # of a time, and of the interval a zero lies in
 TOUCHING: Final = 1e-10  # of the largest value so far: an extremum this close to zero touches it
 _NODES: Final = (1.0 - np.cos(np.pi * np.arange(_DEGREE + 1) / _DEGREE)) / 2.0
 # Values at the nodes to Chebyshev coefficients.
@@ -120,7 +121,8 @@ def _root(watched: Watched, place: int, a: float, b: float) -> float:
     ends = watched(np.array([a, b]))[place]
     if ends[0] * ends[1] >= 0.0:  # a sample that was zero up to rounding
         return a if abs(ends[0]) <= abs(ends[1]) else b
-    return float(brentq(lambda t: watched(np.array([t]))[place, 0], a, b, xtol=1e-15, rtol=1e-15))
+    shortest = _EXACT * abs(b - a)
+    return float(brentq(lambda t: watched(np.array([t]))[place, 0], a, b, xtol=shortest, rtol=_EXACT))
 
 
 def _touches(watched: Watched, place: int, t: Floats, sign: float, scale: float) -> Iterator[Crossing]:

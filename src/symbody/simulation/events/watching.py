@@ -24,6 +24,7 @@ _RECORDING_STEPS: Final = 1024
 _MOST_ACTING: Final = 10
 _MOST_RECORDED: Final = 100
 _INSTANT: Final = 1e-7
+_CONTINUOUS: Final = 1e-6  # of the largest value so far: at a jump of an angle it is far larger
 _SIMULTANEOUS: Final = 1e-12
 
 
@@ -152,7 +153,7 @@ class EventWatch:
         if not self._wrapping[crossing.place]:
             return True
         value = self._values(dense, np.array([crossing.t]))[crossing.place, 0]
-        return bool(abs(value) <= 1e-6 * max(self._largest[crossing.place], 1.0))
+        return bool(abs(value) <= _CONTINUOUS * self._largest[crossing.place])
 
     def _happen(self, dense: DenseOutput, due: list[Crossing], direction: float) -> Cut | None:
         """Note what happened; return the first cut."""

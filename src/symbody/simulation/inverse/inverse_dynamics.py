@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from symbody.analysis.kinematics.follower import follower
+from symbody.analysis.scales import mechanism_scales
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
@@ -96,7 +97,9 @@ def _trajectory(
     """Return the motion with the inputs found, and what follows from both."""
     eqs, known = solver.eqs, solver.laws
     laws = FoundLaws(known.formulas, known.asked, known.notes, solver, {_key(samples): r})
-    evaluate = Evaluator(Task(eqs, solver.path.parameters, laws), None)
+    first = dict(zip(eqs.coordinate_names, samples.q[:, 0].tolist(), strict=True))
+    scales = mechanism_scales(eqs, solver.path.parameters, near=first)
+    evaluate = Evaluator(Task(eqs, solver.path.parameters, laws, scales), None)
     power = evaluate("power", samples.t, samples.q, samples.u)
     count = samples.t.size
     return Trajectory(

@@ -95,7 +95,8 @@ class Path:
 
     def _check(self, t: float, what: str, error: float, wanted: Floats) -> None:
         largest = float(np.abs(wanted / self.follower.scales).max(initial=0.0))
-        if error <= _CONSISTENT * (1.0 + largest):
+        own = self.follower.time ** (-2 if what == "accelerations" else -1)
+        if error <= _CONSISTENT * (own + largest):
             return
         driven = ", ".join(self.follower.driven)
         raise SimulationError(

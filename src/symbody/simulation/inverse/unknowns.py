@@ -24,7 +24,8 @@ Floats = NDArray[np.float64]
 
 _RANK: Final = 1e-9  # of the largest singular value of Z^T B
 _HELD: Final = 1e-7  # of the largest force: what is left over counts as rounding
-_STILL: Final = 1e-9  # of a unit acceleration, where forces that cancel leave nothing to compare with
+# Of an acceleration of the mechanism's own size, where forces that cancel leave nothing to compare with.
+_STILL: Final = 1e-9
 _ROUNDS: Final = 30
 _SAME: Final = 1e-12
 _DIFFERENCE: Final = 1e-6  # of unknowns, for friction
@@ -94,7 +95,7 @@ class Unknowns:
         redundant = False
         for _ in range(_ROUNDS if self.eqs.formed.friction else 2):
             forcing = self._forcing(samples, r)
-            columns = self._with_friction(samples, r, forcing) if self.eqs.formed.friction else slopes
+            columns = self._with_friction(samples, r, forcing, slopes) if self.eqs.formed.friction else slopes
             change = np.zeros_like(r)
             for k, basis in enumerate(bases):
                 change[:, k], few = _least(basis.T @ columns[k], basis.T @ (needed[k] - forcing[k]))
@@ -105,7 +106,8 @@ class Unknowns:
         forcing = self._forcing(samples, r)
         terms = [np.abs(needed), np.abs(forcing), np.abs(slopes * r.T[:, np.newaxis]).sum(axis=-1)]
         size = np.sum([term.max(axis=1, initial=0.0) for term in terms], axis=0)
-        size += _STILL / _HELD * np.abs(mass * sizes * sizes[:, np.newaxis]).max(axis=(1, 2), initial=0.0)
+        still = _STILL / _HELD / self.path.follower.time**2
+        size += still * np.abs(mass * sizes * sizes[:, np.newaxis]).max(axis=(1, 2), initial=0.0)
         self._check(samples, bases, needed - forcing, size, slopes)
         return Found(r, redundant)
 
@@ -113,9 +115,11 @@ class Unknowns:
         found: Floats = self._evaluated(self._compiled()[1], samples, r) * self.path.follower.speed_sizes
         return found
 
-    def _with_friction(self, samples: Samples, r: Floats, forcing: Floats) -> Floats:
+    def _with_friction(self, samples: Samples, r: Floats, forcing: Floats, slopes: Floats) -> Floats:
         """Return the derivatives of the forcing by the unknowns, what friction makes of them included."""
-        scale = max(1.0, float(np.abs(r).max(initial=0.0)))
+        steepest = float(np.abs(slopes).max(initial=0.0))
+        needed = float(np.abs(forcing).max(initial=0.0)) / steepest if steepest > 0.0 else 0.0
+        scale = max(needed, float(np.abs(r).max(initial=0.0))) or 1.0
         columns = []
         for k in range(len(self.names)):
             beside = r.copy()

@@ -13,7 +13,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import constraint_scales, mechanism_size
 from symbody.analysis.redundancy import redundancy
 from symbody.analysis.state import State
 from symbody.simulation.events.watching import EventWatch
@@ -161,10 +160,8 @@ class _Rows:
 
     def __init__(self, task: Task) -> None:
         eqs = task.eqs
-        length, units = mechanism_size(eqs, task.parameters), eqs.units
         self._task, self._function = task, task.compiled("jacobian")
-        self._scales = constraint_scales(eqs, task.parameters)
-        self.speeds = np.array([length if units.get(name) == "m/s" else 1.0 for name in eqs.speed_names])
+        self._scales, self.speeds = task.scales.constraints(eqs), task.scales.displacements(eqs)
 
     def scaled(self, t: Floats, q: Floats) -> Floats:
         """Return J at times (N,) with coordinates (n_q, N)."""

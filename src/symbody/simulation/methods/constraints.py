@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import constraint_scales, mechanism_size
-from symbody.codegen.compile import Value
+from symbody.analysis.scales import USUAL_SHARE, Scales
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
@@ -117,14 +115,14 @@ class Baumgarte:
 def projector_of(
     function: CompiledFunction,
     eqs: EquationSet,
-    parameters: Mapping[str, Value],
+    known: Scales,
     method: Projection,
-    atol: float,
+    atol: float | None,
 ) -> Projector:
     """Return what the compiled loop calls to project; `function` computes `PROJECTED`."""
     n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
-    length, tolerance = mechanism_size(eqs, parameters), min(method.tolerance, atol)
-    scales = constraint_scales(eqs, parameters)[: len(eqs.formed.holonomic)]
+    tolerance = closed_share(method, atol)
+    scales = known.constraints(eqs)[: len(eqs.formed.holonomic)]
     ones = np.ones(function.sequence.outputs[0].shape[0])
     ones[: scales.size] = scales
     empty = np.zeros(0)
@@ -139,10 +137,15 @@ def projector_of(
         n_q,
         tolerance * ones,
         method.limit,
-        np.array([length if eqs.units.get(name) == "m" else 1.0 for name in eqs.coordinate_names]),
+        known.coordinates(eqs),
         ROUNDED_PER_COORDINATE * n_q * EPSILON / tolerance,
         np.zeros((1, function.sequence.output_size)),
     )
+
+
+def closed_share(method: Projection, atol: float | None) -> float:
+    """Return by which share of its scale a constraint may be open."""
+    return min(method.tolerance, USUAL_SHARE if atol is None else atol)
 
 
 def _check_one_pair(named: tuple[str, ...]) -> None:

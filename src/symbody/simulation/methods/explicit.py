@@ -194,6 +194,11 @@ def checked_atol(atol: ArrayLike, size: int) -> Floats:
     return values + np.zeros(size)
 
 
+def checked_single_atol(atol: float | None) -> float | None:
+    """Return one positive absolute tolerance, or None."""
+    return None if atol is None else float(checked_atol(atol, 1)[0])
+
+
 def checked_times(times: ArrayLike | None, start: float, end: float) -> Floats | None:
     """Return the times to store as a new array, or None for every step."""
     if times is None:

@@ -31,12 +31,13 @@ from symbody.simulation.native.run import RawRun
 
 Floats = NDArray[np.float64]
 
-# Multipliers take no part in the error test: their errors are one and two orders larger in the step.
+# Multipliers take no part in the error test: their errors are one and two orders larger in the step. Of what
+# counts as large for each.
 FREE: Final = 1e10
 # Rows whose part independent of the others is smaller than this share are redundant.
 _INDEPENDENT: Final = 1e-8
-# How fast a quaternion returns to unit norm [1/s].
-_NORMING: Final = 10.0
+# How fast a quaternion returns to unit norm, in the time of the mechanism.
+_NORMING: Final = 3.0
 _RESIDUAL, _SLOPES, _MASS = "ggl residual", "ggl slopes", "mass_matrix"
 _BY_ASKED: Final = "ggl slopes by what is asked"
 
@@ -66,8 +67,10 @@ def run_ggl(request: Request, method: Stiff) -> tuple[RawRun, tuple[str, ...]]:
     def slopes(t: float, y: Floats, rate: Floats, value: Floats, share: float, out: Floats) -> None:
         out[:] = system.slopes(t, y, rate, share)
 
-    tolerances = np.full(size, FREE)
-    tolerances[:n] = request.atol
+    scales = request.task.scales
+    sizes = scales.constraints(eqs)
+    pushes = sizes[: system.m_positions] / scales.time
+    tolerances = np.concatenate([request.tolerances, FREE * scales.energy / sizes, FREE * pushes])
     solver = solver_class("IDA")(
         residual, jacfn=slopes, rtol=request.rtol, atol=tolerances,
         algebraic_idx=list(range(n, size)), **method.options(),
@@ -82,7 +85,8 @@ def run_ggl(request: Request, method: Stiff) -> tuple[RawRun, tuple[str, ...]]:
 
 def _independent(request: Request, eqs: EquationSet) -> tuple[EquationSet, tuple[str, ...]]:
     """Return the equations without constraints that follow from the others at the first state."""
-    rows = request.compiled("jacobian", eqs)(request.span[0], request.state)
+    sizes = request.task.scales.displacements(eqs)
+    rows = request.compiled("jacobian", eqs)(request.span[0], request.state) * sizes
     lengths = np.linalg.norm(rows, axis=1)
     triangle, order = qr((rows / lengths[:, np.newaxis]).T, mode="r", pivoting=True)
     pivots = np.abs(np.diagonal(triangle))
@@ -119,7 +123,10 @@ def _with_residual(eqs: EquationSet, request: Request) -> EquationSet:
             speed = speed + rows[k][i] * push
         moved[u] = speed.index
     rates = substitute(graph, eqs.roots("qdot").nodes, moved)
-    values += [-(Expr(graph, node) + pull) for node, pull in zip(rates, _norming(eqs), strict=True)]
+    values += [
+        -(Expr(graph, node) + pull)
+        for node, pull in zip(rates, _norming(eqs, _NORMING / request.task.scales.time), strict=True)
+    ]
     values += [*(row.value for row in formed.holonomic), *velocity_residual(formed)]
     nodes = with_laws(eqs, [value.index for value in values], request.task.laws.formulas)
     by = (*formed.u, *formed.q, *first.values(), *second.values())
@@ -132,14 +139,14 @@ def _with_residual(eqs: EquationSet, request: Request) -> EquationSet:
     return with_outputs(eqs, outputs, {**udot, **first, **second})
 
 
-def _norming(eqs: EquationSet) -> list[Expr]:
-    """Return what brings quaternions back to unit norm, for each coordinate; 0 on the sphere."""
+def _norming(eqs: EquationSet, rate: float) -> list[Expr]:
+    """Return what brings quaternions back to unit norm at a rate [1/s], by coordinate; 0 on the sphere."""
     formed = eqs.formed
     pulls = {q.index: q * 0 for q in formed.expressions(formed.q)}
     for four in formed.variables.quaternions:
         entries = [Expr(formed.graph, node) for node in four]
         excess = sum((entry**2 for entry in entries), entries[0] * 0 - 1)
-        pulls |= {entry.index: -(entry * excess * _NORMING) for entry in entries}
+        pulls |= {entry.index: -(entry * excess * rate) for entry in entries}
     return list(pulls.values())
 
 
@@ -152,6 +159,9 @@ class _System:
         self._residual = request.compiled(_RESIDUAL, eqs)
         self._slopes = request.compiled((_SLOPES, _MASS, _BY_ASKED), eqs)
         self._laws = request.task.laws
+        scales = request.task.scales
+        weight = np.sqrt(scales.mass) * scales.length  # with it entries of M and J are of order 1
+        self._sizes = np.concatenate([scales.displacements(eqs) / weight, weight / scales.constraints(eqs)])
         self._start = request.compiled((_MASS, "forcing", "jacobian", "gamma", "qdot"), eqs)
 
     def residual(self, t: float, both: Floats) -> Floats:
@@ -176,7 +186,8 @@ class _System:
         """Return y and y' that fulfil the equations at a state on the constraints."""
         mass, force, rows, gamma, rates = self._start(t, x, np.zeros(self._n_u + self.m + self.m_positions))
         saddle = np.block([[mass, -rows.T], [rows, np.zeros((self.m, self.m))]])
-        solution = np.linalg.lstsq(saddle, np.concatenate([force, gamma]), rcond=None)[0]
+        sizes, right = self._sizes, np.concatenate([force, gamma])
+        solution = sizes * np.linalg.lstsq(saddle * np.outer(sizes, sizes), right * sizes, rcond=None)[0]
         udot, multipliers = np.split(solution, [self._n_u])
         still, pushes = np.zeros(self.m), np.zeros(self.m_positions)
         return np.concatenate([x, multipliers, pushes]), np.concatenate([udot, rates, still, pushes])

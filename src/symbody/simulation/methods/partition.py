@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from scipy.integrate import DOP853
 from scipy.linalg import qr
 
-from symbody.analysis.closure import constraint_scales
 from symbody.analysis.redundancy import redundancy
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
@@ -47,6 +46,10 @@ _STALLED: Final = 1e-9
 _CONTRACTION: Final = 0.5
 # A step of so few roundings of the time: near a lock-up what is solved for is rounding, too.
 _SHORTEST: Final = 1000.0
+# Of the guess of the first step, as in `native.loop`: small sizes, the shortest step, and a slope that is 0.
+_SMALL: Final = 1e-5
+_TIMID: Final = 1e-6
+_LEVEL: Final = 1e-15
 # A step whose inside is out of reach is tried again, shorter, so often.
 _TRIALS: Final = 30
 
@@ -120,16 +123,18 @@ class _Mechanism:
         self._closing = request.compiled(names, eqs)
         self._request, self._eqs = request, eqs
         self._rates: dict[tuple[int, ...], Called] = {}
-        self._scales = constraint_scales(eqs, request.task.parameters)
+        scales = request.task.scales
+        self._scales, self._speeds = scales.constraints(eqs), scales.displacements(eqs)
+        self._coordinates = scales.coordinates(eqs)
         self._quaternions = request.quaternions()
         self.n_u, self.n_q = request.n_u, request.n_q
 
     def residual(self, t: float, q: Floats) -> tuple[Floats, Floats]:
-        """Return all conditions on positions, scaled, and their derivatives."""
+        """Return all conditions on positions, scaled, and their derivatives by coordinates over sizes."""
         found = self._closing(t, np.concatenate([np.zeros(self.n_u), q]))
         scales = self._scales[: found[0].size]
         values = [found[0] / scales]
-        slopes = [found[1] / scales[:, np.newaxis]]
+        slopes = [found[1] / scales[:, np.newaxis] * self._coordinates]
         for four in self._quaternions:
             values.append(np.array([(q[four] @ q[four] - 1.0) / 2.0]))
             row = np.zeros((1, self.n_q))
@@ -150,9 +155,9 @@ class _Mechanism:
         return speeds.rows.size < len(kept)
 
     def jacobian(self, t: float, q: Floats) -> tuple[Floats, Floats]:
-        """Return J and b of the conditions on speeds ``J u + b = 0``, scaled."""
+        """Return J and b of ``J v + b = 0``, scaled; v are the speeds over their sizes."""
         found = self._closing(t, np.concatenate([np.zeros(self.n_u), q]))
-        return found[2] / self._scales[:, np.newaxis], found[3] / self._scales
+        return found[2] / self._scales[:, np.newaxis] * self._speeds, found[3] / self._scales
 
     def state(self, t: float, y: Floats, positions: _Choice, speeds: _Choice) -> Floats:
         """Return x = (u, q) from the independent speeds and coordinates in y, near the others in it.
@@ -162,15 +167,15 @@ class _Mechanism:
         SimulationError
             If Newton's method finds no configuration.
         """
-        u = y[: self.n_u].copy()
+        v = y[: self.n_u] / self._speeds
         try:
             q = self._closed(t, y[self.n_u :].copy(), positions)
             rows, rest = self.jacobian(t, q)
             rows, rest = rows[speeds.rows], rest[speeds.rows]
-            u[speeds.dependent] -= np.linalg.solve(rows[:, speeds.dependent], rest + rows @ u)
+            v[speeds.dependent] -= np.linalg.solve(rows[:, speeds.dependent], rest + rows @ v)
         except np.linalg.LinAlgError as error:
             raise SimulationError(_lost(t)) from error
-        return np.concatenate([u, q])
+        return np.concatenate([v * self._speeds, q])
 
     def _closed(self, t: float, q: Floats, positions: _Choice) -> Floats:
         size = np.inf
@@ -178,7 +183,7 @@ class _Mechanism:
             values, slopes = self.residual(t, q)
             block = slopes[np.ix_(positions.rows, positions.dependent)]
             step = np.linalg.solve(block, -values[positions.rows])
-            q[positions.dependent] += step
+            q[positions.dependent] += step * self._coordinates[positions.dependent]
             size, before = float(np.abs(step).max(initial=0.0)), size
             if size < _ARRIVED or before <= size < _STALLED:
                 return q
@@ -210,6 +215,11 @@ def _lost(t: float) -> Problem:
         "simulation.partition", "constraints", f"no configuration was found at t = {t:.9g} s",
         "the independent coordinates do not determine the others here", "use sb.Projection()",
     )  # fmt: skip
+
+
+def _mean(values: Floats) -> float:
+    """Return the root mean square."""
+    return float(np.sqrt(np.mean(values**2)))
 
 
 class _PartitionStepper:
@@ -302,10 +312,26 @@ class _PartitionStepper:
         """Start DOP853 from the present state."""
         longest = np.inf if self._explicit.max_step is None else float(self._explicit.max_step)
         rest = abs(self._end - self._t)
-        self._solver = DOP853(
+        self._solver = solver = DOP853(
             self._watch, self._t, self._x.copy(), self._end, max_step=longest, rtol=self._request.rtol,
-            atol=self._request.atol, first_step=None if first_step is None else min(first_step, rest),
+            atol=self._request.tolerances, first_step=rest or None,
         )  # fmt: skip
+        if rest > 0.0:
+            step = self._first_step(solver.f, rest) if first_step is None else first_step
+            solver.h_abs = min(step, rest)
+
+    def _first_step(self, rates: Floats, rest: float) -> float:
+        """Guess a step as `native.loop` does: SciPy's own guess is made for times of about a second."""
+        weights = self._request.tolerances + self._request.rtol * np.abs(self._x)
+        size, slope = _mean(self._x / weights), _mean(rates / weights) * rest
+        share = min(_TIMID if size < _SMALL or slope < _SMALL else 0.01 * size / slope, 1.0)
+        h = share * rest * (1.0 if self._end >= self._t else -1.0)
+        changed = self._watch(self._t + h, self._x + h * rates)
+        steepest = max(slope, _mean((changed - rates) / weights) * rest / share)
+        if not np.isfinite(steepest):
+            return share * rest
+        longer = max(_TIMID, 1e-3 * share) if steepest <= _LEVEL else (0.01 / steepest) ** (1.0 / 8.0)
+        return float(min(100.0 * share, longer, 1.0) * rest)
 
     def _derivative(self, t: float, y: Floats) -> Floats:
         x = self._mechanism.state(t, y, self._positions, self._speeds)

@@ -13,7 +13,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import PROJECTED, Projection, projector_of
-from symbody.simulation.methods.explicit import checked_atol, checked_rtol, checked_span, checked_times
+from symbody.simulation.methods.explicit import checked_rtol, checked_single_atol, checked_span, checked_times
 from symbody.simulation.methods.stepping import Course
 from symbody.simulation.native.interface import Projector
 from symbody.simulation.native.loop import project_row
@@ -36,6 +36,8 @@ class Request:
         Speeds, coordinates, and the work done before.
     watch : Watch, optional
         Looks for events.
+    atol : float, optional
+        Absolute tolerance of every state; None follows the scales of the task.
     before : RawRun, optional
         A run that was broken off where this one starts.
     """
@@ -45,7 +47,7 @@ class Request:
     span: tuple[float, float]
     times: ArrayLike | None = None
     rtol: float = 1e-8
-    atol: float = 1e-10
+    atol: float | None = None
     max_steps: int = 1_000_000
     progress: Progress | None = None
     watch: Watch | None = None
@@ -55,12 +57,17 @@ class Request:
         object.__setattr__(self, "span", checked_span(self.span))
         object.__setattr__(self, "times", checked_times(self.times, *self.span))
         object.__setattr__(self, "rtol", checked_rtol(self.rtol))
-        object.__setattr__(self, "atol", float(checked_atol(self.atol, 1)[0]))
+        object.__setattr__(self, "atol", checked_single_atol(self.atol))
 
     @property
     def eqs(self) -> EquationSet:
         """The equations."""
         return self.task.eqs
+
+    @property
+    def tolerances(self) -> Floats:
+        """The absolute tolerance of each speed and coordinate (n_u + n_q,)."""
+        return self.task.scales.tolerances(self.eqs, self.state, self.atol)
 
     @property
     def n_u(self) -> int:
@@ -92,8 +99,8 @@ class Request:
         if not self.task.is_closed:
             return None
         function = self.task.compiled(PROJECTED)
-        projector = projector_of(function, self.eqs, self.task.parameters, method, self.atol)
-        return Closing(function, projector, self.rtol, np.full(self.n_u + self.n_q, self.atol))
+        projector = projector_of(function, self.eqs, self.task.scales, method, self.atol)
+        return Closing(function, projector, self.rtol, self.tolerances)
 
     def course(self, closing: Closing | None) -> Course:
         """Return the course to march; samples are brought onto the constraints by `closing`."""

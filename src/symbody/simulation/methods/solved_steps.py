@@ -57,7 +57,7 @@ class SolvedSteps:
     rates: Callable[[float, Floats], Floats]
     jacobian: Callable[[float, Floats], Floats]
     rtol: float
-    atol: float
+    atol: float | Floats
 
     def __call__(self, t: float, length: float, nodes: Floats) -> bool:
         """Return whether the correction is small at the end t of a step with states at all `SHARES`."""

@@ -25,9 +25,9 @@ from symbody.simulation.native.run import RawRun
 
 Floats = NDArray[np.float64]
 
-# Between two projections the constraints are left to the solver; this keeps their drift from growing. On the
-# constraints it vanishes, so it changes no motion.
-DRIFT: Final = Baumgarte(zeta=1.0, omega=20.0)
+# Between two projections the constraints are left to the solver; `Baumgarte` with this frequency, over the
+# time of the mechanism, keeps their drift from growing. On the constraints it vanishes: it changes no motion.
+DRIFT: Final = 5.0
 # A new start costs dozens of small steps of low order: it waits for so many times the limit of `Projection`.
 PATIENCE: Final = 100.0
 
@@ -81,7 +81,7 @@ def run_stiff(request: Request, method: Stiff, constraints: Projection | Baumgar
     closing = request.projection(constraints) if isinstance(constraints, Projection) else None
     eqs = without_idle_rows(request.eqs, request.task.parameters)
     if closing is not None and eqs.multiplier_names:
-        eqs = DRIFT.applied(eqs)
+        eqs = Baumgarte(zeta=1.0, omega=DRIFT / request.task.scales.time).applied(eqs)
     laws = request.task.laws
     wider = with_state_jacobian(eqs, laws.formulas, laws.asked)
     rates = request.compiled(STATE_RATES, wider)
@@ -99,9 +99,9 @@ def run_stiff(request: Request, method: Stiff, constraints: Projection | Baumgar
     def state_jacobian(t: float, x: Floats, rate: Floats, out: Floats) -> None:
         out[:] = jacobian(t, x)
 
-    solved = SolvedSteps(watch, jacobian, request.rtol, request.atol)
+    solved = SolvedSteps(watch, jacobian, request.rtol, request.tolerances)
     solver = solver_class("CVODE")(
-        right_hand_side, method="BDF", jacfn=state_jacobian, rtol=request.rtol, atol=request.atol,
+        right_hand_side, method="BDF", jacfn=state_jacobian, rtol=request.rtol, atol=request.tolerances,
         **method.options(),
     )  # fmt: skip
     stepper = SundialsStepper(

@@ -178,7 +178,9 @@ class Moment:
     forced : mapping of name to mode
         What an event decided.
     small : float
-        Rates below are rest.
+        Rates below it are rest: of angles [1/s], of displacements times the length of the mechanism.
+    length : float
+        The length of the mechanism [m].
     """
 
     t: float
@@ -186,6 +188,7 @@ class Moment:
     before: Mapping[str, int]
     forced: Mapping[str, int]
     small: float
+    length: float
 
 
 def resolved(mechanism: Mechanism, moment: Moment) -> Modes | None:

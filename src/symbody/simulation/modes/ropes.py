@@ -74,7 +74,7 @@ class Ropes:
         ways: list[tuple[int, ...]] = []
         tight = self.tight(moment.before, seen)
         for k, name in enumerate(self.names):
-            parting = self._approach(moment, k, seen) > _SLOW / _LITTLE * moment.small
+            parting = self._approach(moment, k, seen) > _SLOW / _LITTLE * moment.small * moment.length
             if name in moment.forced or not tight[k] or parting:
                 ways.append((SLACK,))
             else:
@@ -103,7 +103,7 @@ class Ropes:
         """Return whether a taut rope pulls, or the ends of a slack one at its length do not move apart."""
         found, seen = trial.found(self)[:, place], self.seen_at(trial.t, trial.x)
         rate = 0.0 if trial.moment is None else self._approach(trial.moment, place, seen)
-        is_parting = trial.moment is not None and rate > trial.moment.small
+        is_parting = trial.moment is not None and rate > trial.moment.small * trial.moment.length
         if trial.modes[at] == TAUT:
             pulls = bool(found[_TENSION] >= -_LITTLE / _ROUNDING * self._limit(trial, place))
             if not (pulls and is_parting):

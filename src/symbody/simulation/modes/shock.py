@@ -69,7 +69,7 @@ def shock(ropes: Ropes, moment: Moment) -> Shock | None:
     seen = ropes.seen_at(t, x)
     tight = ropes.tight(moment.before, seen)
     were = np.array([moment.before.get(name) == TAUT for name in ropes.names], dtype=np.bool_)
-    if not (tight & ~were & (seen[RATE] < -moment.small)).any():
+    if not (tight & ~were & (seen[RATE] < -moment.small * moment.length)).any():
         return None
     task = ropes.task
     names = ("mass_matrix", "jacobian", "velocity_constraints", "energy")

@@ -30,10 +30,11 @@ _RESERVE, _EFFORT, _ACCELERATION = range(3)
 
 @dataclass(frozen=True, slots=True)
 class Sticking:
-    """The joints that stick and slip, and the coordinates along which they do."""
+    """The joints that stick and slip, the coordinates along which they do, and which of these are angles."""
 
     names: tuple[str, ...]
     coordinates: tuple[str, ...]
+    are_angles: tuple[bool, ...]
     default: int = STICKS
 
     @property
@@ -54,9 +55,9 @@ class Sticking:
     def ways(self, moment: Moment, seen: Floats) -> list[tuple[int, ...]]:
         """Return one direction for joints that move; those at rest stick if they can, if no event forbids."""
         ways: list[tuple[int, ...]] = []
-        for name, rate in zip(self.names, seen[0], strict=True):
+        for name, rate, is_angle in zip(self.names, seen[0], self.are_angles, strict=True):
             forced = moment.forced.get(name)
-            if abs(rate) > moment.small:
+            if abs(rate) > moment.small * (1.0 if is_angle else moment.length):
                 ways.append((int(np.sign(rate)),))
             else:
                 ways.append((STICKS, 1, -1) if forced is None else (forced, -forced))
@@ -109,5 +110,6 @@ class Sticking:
 def sticking(formed: Formed) -> Sticking:
     """Return the joints of a mechanism that stick and slip."""
     names = switching_joints(formed)
-    coordinates = {law.joint.name: law.coordinate for law in formed.friction}
-    return Sticking(names, tuple(coordinates[name] for name in names))
+    laws = {law.joint.name: law for law in formed.friction}
+    angles = tuple(laws[name].coordinate in laws[name].joint.rotation_coordinates for name in names)
+    return Sticking(names, tuple(laws[name].coordinate for name in names), angles)

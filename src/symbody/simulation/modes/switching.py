@@ -30,7 +30,7 @@ Floats = NDArray[np.float64]
 # From a task, a first state, a span, what makes a request, and events to a motion.
 Move = Callable[[Task, State, tuple[float, float], "partial[Request]", tuple[Event, ...]], Trajectory]
 
-# Rates below this share of the largest speed, or of 1, are rounding of what is at rest.
+# Rates below this share of the largest speed so far, or of the mechanism's own, are rounding of what rests.
 _AT_REST: Final = 1e-9
 # So many changes within this share of the run are one too many.
 _MOST_CHANGES: Final = 50
@@ -65,7 +65,7 @@ def run_switching(
     rope = ropes_of(task)
     mechanism = Mechanism(task, tuple(kind for kind in (sticking(task.eqs.formed), rope) if kind.names))
     story = _Story(mechanism, move, wanted, span, events)
-    moment = _moment(task, span[0], np.array([*first.u.values(), *first.q.values()]), {}, {})
+    moment = story.moment(task, span[0], np.array([*first.u.values(), *first.q.values()]), {}, {})
     while True:
         hit = shock(rope, moment) if rope.names else None
         if hit is not None and not hit.impulses:
@@ -92,6 +92,8 @@ class _Story:
     ----------
     jumps : dict of int to float
         By how much the energy jumped before each part [J]: in shocks, and where speeds came to rest.
+    fastest : list of float
+        The largest speeds so far, over displacements as large as the mechanism [1/s].
     """
 
     mechanism: Mechanism
@@ -105,6 +107,16 @@ class _Story:
     jumps: dict[int, float] = field(default_factory=dict)
     shocks: list[Shock] = field(default_factory=list)
     modes: dict[str, int] = field(default_factory=dict)
+    fastest: list[float] = field(default_factory=list)
+
+    def moment(
+        self, task: Task, t: float, x: Floats, before: Mapping[str, int], forced: Mapping[str, int]
+    ) -> Moment:
+        """Return a moment, after noting how fast the mechanism was until then."""
+        scales, n_u = task.scales, len(task.eqs.speed_names)
+        rates = np.abs(x[:n_u] / scales.displacements(task.eqs))
+        self.fastest.append(float(rates.max(initial=1.0 / scales.time)))
+        return Moment(t, x, before, forced, _AT_REST * max(self.fastest), scales.length)
 
     def moved(self, modes: Modes, moment: Moment) -> Moment | None:
         """Add the part of the motion in some modes; return the moment they end, None if they do not."""
@@ -130,7 +142,9 @@ class _Story:
         x = np.array([last.state[name] for name in task.eqs.state_names])
         kind, place = places[k]
         forced = kind.forced(Trial(self.mechanism, modes, last.t, x), place, modes[k])
-        return _moment(task, last.t, x, dict(self.modes), forced)
+        sizes = task.scales.displacements(task.eqs)[:, np.newaxis]
+        self.fastest.append(float(np.abs(part.u / sizes).max(initial=0.0)))
+        return self.moment(task, last.t, x, dict(self.modes), forced)
 
     def struck(self, hit: Shock, moment: Moment) -> Moment:
         """Note a shock, return the moment after it; both states are samples, of `times` the one after."""
@@ -145,7 +159,7 @@ class _Story:
             if self.modes.get(name) != TAUT:
                 self.told.append(self._occurrence(f"{name} taut", moment))
             self.modes[name] = TAUT
-        return _moment(self.mechanism.task, hit.t, hit.x, {}, {})
+        return self.moment(self.mechanism.task, hit.t, hit.x, {}, {})
 
     def tell(self, moment: Moment, modes: Modes) -> None:
         """Note which modes have changed."""
@@ -207,11 +221,6 @@ class _Story:
 
         left = self.wanted.keywords["max_steps"] - spent
         return partial(self.wanted, times=times, max_steps=left, progress=None if tell is None else told)
-
-
-def _moment(task: Task, t: float, x: Floats, before: Mapping[str, int], forced: Mapping[str, int]) -> Moment:
-    fastest = float(np.abs(x[: len(task.eqs.speed_names)]).max(initial=0.0))
-    return Moment(t, x, before, forced, _AT_REST * max(1.0, fastest))
 
 
 def _without_end(part: Trajectory) -> Trajectory:

@@ -24,7 +24,7 @@ from symbody.simulation.native.loop import advance, begin
 from symbody.simulation.native.places import RUNNING, STATE_OLD, TIME
 
 # A test says what it has to be.
-SOURCES: Final = "ca2c1e099e8b3f03"
+SOURCES: Final = "37527ee6bea29384"
 # Steps between two looks at whether the run is to stop.
 _SLICE: Final = 1000
 
@@ -42,6 +42,8 @@ class Cases(NamedTuple):
         The same of the projector; without columns if nothing is projected.
     scales, sizes : (cases, constraints), (cases, n_q) arrays
         As in `Projector`.
+    atol : (cases, n) array
+        As in `Goal`.
     """
 
     states: Floats
@@ -51,6 +53,7 @@ class Cases(NamedTuple):
     projector_constants: Floats
     scales: Floats
     sizes: Floats
+    atol: Floats
 
 
 class Outcome(NamedTuple):
@@ -137,13 +140,14 @@ def run_cases(
 ) -> None:
     """Compute all cases that have no code yet; `record.x` and `record.t` are scratch.
 
-    Arrays of `rhs`, `projector` and `memory` are overwritten by those of each case.
+    Arrays of `rhs`, `projector`, `goal` and `memory` are overwritten by those of each case.
     """
     for k in range(cases.states.shape[0]):
         if outcome.codes[k] != -1:
             continue
         prepare(rhs, memory, cases, k, start)
         fill_projector(projector, cases, k)
+        fill(goal.atol, cases.atol, k)
         own = Record(record.wanted, record.t, outcome.x[k], record.breaks, record.pieces, False, False)
         code = begin(rhs, method, goal, memory, own, first_step)
         while code == RUNNING and outcome.stop[0] == 0:

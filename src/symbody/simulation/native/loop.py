@@ -322,21 +322,28 @@ def _norm(goal: Goal, memory: Memory, array: Floats, row: int, minus: int) -> fl
 
 @inlined
 def _first_step(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory) -> float:
-    """Guess a step from the size of the first two derivatives: section II.4, Starting Step Size."""
+    """Guess a step from the size of the first two derivatives: section II.4, Starting Step Size.
+
+    What adds up quantities of different units there does so in units of the longest step allowed, so that the
+    guess does not depend on the unit of time.
+    """
     t = memory.real[TIME]
     bound: float = min(abs(goal.t_end - t), goal.max_step)
     vectors, K = memory.vectors, memory.K
     size = _norm(goal, memory, vectors, STATE_OLD, -1)
-    slope = _norm(goal, memory, K, 0, -1)
-    h: float = min(1e-6 if size < 1e-5 or slope < 1e-5 else 0.01 * size / slope, bound)
+    slope = bound * _norm(goal, memory, K, 0, -1)
+    share: float = min(1e-6 if size < 1e-5 or slope < 1e-5 else 0.01 * size / slope, 1.0)
+    h = share * bound
     for i in range(K.shape[1]):
         vectors[STAGE, i] = vectors[STATE_OLD, i] + goal.direction * h * K[0, i]
     evaluate(rhs, memory, t + goal.direction * h, STAGE, 1)
-    steepest = max(slope, _norm(goal, memory, K, 1, 0) / h)
+    steepest = max(slope, bound * _norm(goal, memory, K, 1, 0) / share)
     if not np.isfinite(steepest):
         return h
-    longer: float = max(1e-6, 1e-3 * h) if steepest <= 1e-15 else (0.01 / steepest) ** (1.0 / method.order)
-    return min(100.0 * h, longer, bound)
+    longer: float = (
+        max(1e-6, 1e-3 * share) if steepest <= 1e-15 else (0.01 / steepest) ** (1.0 / method.order)
+    )
+    return min(100.0 * share, longer, 1.0) * bound
 
 
 @compiled

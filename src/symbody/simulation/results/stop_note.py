@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import constraint_scales, mechanism_size
 from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.status import Status
@@ -90,9 +89,7 @@ def _singular_position(task: Task, raw: RawRun) -> _SingularPosition | None:
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
     function = task.compiled(("jacobian", "velocity_constraints"))
     rows, drift = task.evaluated(function, t, x[n_u:n], np.zeros((n_u, t.size)))
-    length, units = mechanism_size(eqs, task.parameters), eqs.units
-    scales = constraint_scales(eqs, task.parameters)
-    speeds = np.array([length if units.get(name) == "m/s" else 1.0 for name in eqs.speed_names])
+    scales, speeds = task.scales.constraints(eqs), task.scales.displacements(eqs)
     rows = rows / scales[:, np.newaxis] * speeds
     if n_u == 0 or not np.isfinite(rows).all():
         return None

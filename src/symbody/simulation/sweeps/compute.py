@@ -64,6 +64,7 @@ def _cases(job: Job, part: Part) -> Cases:
         nothing if closing is None else _constants(closing, part.parameters),
         _copied(part.scales),
         _copied(part.sizes),
+        _copied(part.atol),
     )
 
 
@@ -88,7 +89,7 @@ def _single(job: Job, cases: Cases) -> Single:
         end,
         1.0 if end >= start else -1.0,
         job.rtol,
-        np.full(n, job.atol),
+        np.ones(n),
         math.inf if job.method.max_step is None else float(job.method.max_step),
         job.max_steps,
         job.stop_when_stiff,
@@ -105,6 +106,8 @@ def _bundle(memory: Memory) -> Bundle:
     trial, minus_zero = _aligned(TRIALS, WIDTH), _aligned(1, n)
     trial[ONE] = 1.0
     minus_zero[:] = -0.0
+    tolerances = _aligned(1, n)
+    tolerances[:] = 1.0
     return Bundle(
         _aligned(memory.vectors.shape[0], n),
         _aligned(memory.K.shape[0], n),
@@ -112,6 +115,7 @@ def _bundle(memory: Memory) -> Bundle:
         _aligned(1, n),
         _aligned(1, n),
         minus_zero,
+        tolerances,
         trial,
         np.zeros((WIDTH, memory.real.size)),
         np.zeros((WIDTH, memory.counts.size), dtype=np.int64),

@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.assembly import consistent_start
-from symbody.analysis.closure import Closure, are_lengths, offsets
+from symbody.analysis.closure import Closure
 from symbody.codegen.compile import Value, form_sequence, form_values
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, SymbodyError, nearest
+from symbody.simulation.sweeps.case_scales import CaseScales, case_scales, case_values
 from symbody.simulation.sweeps.case_table import CaseTable
 
 Floats = NDArray[np.float64]
@@ -29,14 +30,14 @@ class FirstStates:
     ----------
     states : (cases, n) array
         x = (u, q), not a number where there is no such state.
-    sizes : (cases,) array
-        How large the mechanism is in each case [m], see `analysis.closure.mechanism_size`.
+    scales : CaseScales
+        What counts as large in each case.
     notes : mapping of int to str
         Why a case has no first state.
     """
 
     states: Floats
-    sizes: Floats
+    scales: CaseScales
     notes: Mapping[int, str]
 
 
@@ -45,9 +46,15 @@ def first_states(
     table: CaseTable,
     guess: Mapping[str, Value],
     inputs: Mapping[str, Value],
-    t: float,
+    span: tuple[float, float],
+    given: Mapping[str, float] | None = None,
 ) -> FirstStates:
     """Return the first states of all cases.
+
+    Parameters
+    ----------
+    given : mapping of "length", "time" to float
+        Scales that are told.
 
     Raises
     ------
@@ -57,46 +64,16 @@ def first_states(
         If parameters have no value or names are unknown.
     """
     known_formulas = check_names(eqs, table, guess)
-    values = _Values(eqs, table)
-    known, fixed = values.of(known_formulas), values.of(table.fixed_initial)
+    known, fixed = case_values(eqs, table, known_formulas), case_values(eqs, table, table.fixed_initial)
     fixed |= {name: table.initial[:, k] for k, name in enumerate(table.initial_names)}
-    offset = values.of(offsets(eqs))
-    sizes = np.max(np.abs(list(offset.values()) or [np.zeros(table.count)]), axis=0)
-    sizes = np.where(sizes > 0.0, sizes, 1.0)
+    notes: dict[int, str] = {}
     states = _of_tree(eqs, table.count, known, fixed)
-    if states is not None:
-        return FirstStates(states, sizes, {})
-    return _Assembler(eqs, table, inputs, t).all(known, fixed, sizes)
-
-
-def projection_sizes(eqs: EquationSet, sizes: Floats) -> tuple[Floats, Floats]:
-    """Return what closes each constraint, and what counts as a large coordinate, in each case."""
-    units = eqs.units
-    is_length = np.array([units.get(name) == "m" for name in eqs.coordinate_names], dtype=np.bool_)
-    rows = np.array(are_lengths(eqs)[: len(eqs.formed.holonomic)], dtype=np.bool_)
-    columns = sizes[:, np.newaxis]
-    return np.where(rows, columns, 1.0), np.where(is_length, columns, 1.0)
-
-
-class _Values:
-    """Values of formulas in parameters, in all cases."""
-
-    def __init__(self, eqs: EquationSet, table: CaseTable) -> None:
-        self._eqs = eqs
-        self._table = table
-
-    def of(self, formulas: Mapping[str, Value]) -> dict[str, Floats]:
-        """Return the values (cases,) of each formula."""
-        if not formulas:
-            return {}
-        table = self._table
-        sequence = form_values(self._eqs, formulas, table.fixed_parameters, table.parameter_names)
-        found = CompiledFunction(*sequence, quick=True)(0.0, (), (), (), table.parameters)
-        columns = found if len(formulas) > 1 else (found,)
-        return {
-            name: np.broadcast_to(column, (table.count,))
-            for name, column in zip(formulas, columns, strict=True)
-        }
+    if states is None:
+        scales = case_scales(eqs, table, {**known, **fixed}, span, given)
+        states, notes = _Assembler(eqs, table, inputs, span[0]).all(known, fixed, scales)
+    places = enumerate(eqs.coordinate_names, len(eqs.speed_names))
+    near = {name: np.nan_to_num(states[:, k]) for k, name in places}
+    return FirstStates(states, case_scales(eqs, table, near, span, given), notes)
 
 
 def check_names(eqs: EquationSet, table: CaseTable, guess: Mapping[str, Value]) -> dict[str, Value]:
@@ -145,36 +122,37 @@ class _Assembler:
         self._table = table
         self._inputs = inputs
         self._t = t
-        units = eqs.units
-        self._angles = frozenset(name for name, unit in units.items() if unit == "rad")
-        self._slides = np.array([units.get(name) == "m/s" for name in eqs.speed_names])
+        self._angles = frozenset(name for name, unit in eqs.units.items() if unit == "rad")
         given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
         sequence = form_sequence(eqs, _CLOSING, table.fixed_parameters, table.parameter_names, given)
         self._function = CompiledFunction(*sequence, quick=True)
 
-    def all(self, known: Mapping[str, Floats], fixed: Mapping[str, Floats], sizes: Floats) -> FirstStates:
-        """Return the first states of all cases."""
-        table, notes = self._table, {}
-        states = np.full((table.count, len(self._eqs.state_names)), np.nan)
-        scales, coordinates = projection_sizes(self._eqs, sizes)
+    def all(
+        self, known: Mapping[str, Floats], fixed: Mapping[str, Floats], scales: CaseScales
+    ) -> tuple[Floats, dict[int, str]]:
+        """Return the first states of all cases, and why some have none."""
+        table, eqs, notes = self._table, self._eqs, {}
+        states = np.full((table.count, len(eqs.state_names)), np.nan)
         for k in range(table.count):
+            own = scales.of_case(k)
             task = Closure(
-                self._eqs,
+                eqs,
                 table.values(k)[0],
                 self._inputs,
                 self._t,
-                coordinates[k],
-                np.where(self._slides, sizes[k], 1.0),
-                scales[k],
+                own.coordinates(eqs),
+                own.displacements(eqs),
+                own.constraints(eqs)[: len(eqs.formed.holonomic)],
                 self._function.bind(table.parameters[k]),
                 self._angles,
+                own,
             )
             try:
                 q, u = consistent_start(task, _row(fixed, k), _row(known, k))
                 states[k] = np.concatenate([u, q])
             except SymbodyError as error:
                 notes[k] = str(error)
-        return FirstStates(states, sizes, notes)
+        return states, notes
 
 
 def _row(columns: Mapping[str, Floats], k: int) -> dict[str, float]:

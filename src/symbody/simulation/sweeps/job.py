@@ -52,7 +52,6 @@ class Job:
     times: Floats
     method: Explicit | FixedStep
     rtol: float
-    atol: float
     max_steps: int
     stop_when_stiff: bool
     lanes: bool
@@ -79,6 +78,8 @@ class Part:
         What varies.
     scales, sizes : (cases, constraints), (cases, n_q) arrays
         As in `Projector`.
+    atol : (cases, n) array
+        As in `Goal`.
     """
 
     first: int
@@ -86,6 +87,7 @@ class Part:
     parameters: Floats
     scales: Floats
     sizes: Floats
+    atol: Floats
 
     @property
     def count(self) -> int:
@@ -101,6 +103,7 @@ class Part:
             self.parameters[rows],
             self.scales[rows],
             self.sizes[rows],
+            self.atol[rows],
         )
 
 

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from symbody.analysis.scales import checked_scales
 from symbody.analysis.state import State
 from symbody.codegen.compile import Value, form_sequence, form_values
 from symbody.codegen.function import CompiledFunction
@@ -16,14 +17,20 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.choice import DEFAULT, Constraints, Integrator
-from symbody.simulation.methods.constraints import PROJECTED, ROUNDED_PER_COORDINATE, Baumgarte, Projection
-from symbody.simulation.methods.explicit import Explicit, checked_atol, checked_rtol, checked_times
+from symbody.simulation.methods.constraints import (
+    PROJECTED,
+    ROUNDED_PER_COORDINATE,
+    Baumgarte,
+    Projection,
+    closed_share,
+)
+from symbody.simulation.methods.explicit import Explicit, checked_rtol, checked_single_atol, checked_times
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.loop import EPSILON
 from symbody.simulation.native.places import COUNTS
 from symbody.simulation.native.run import memory_limit
 from symbody.simulation.sweeps.case_table import CaseTable
-from symbody.simulation.sweeps.first_states import first_states, projection_sizes
+from symbody.simulation.sweeps.first_states import first_states
 from symbody.simulation.sweeps.job import Job, Part
 
 Floats = NDArray[np.float64]
@@ -51,9 +58,10 @@ class Wish:
     integrator: Integrator | None
     constraints: Constraints | None
     rtol: float
-    atol: float
+    atol: float | None
     max_steps: int
     lanes: bool | None
+    scales: Mapping[str, float]
 
     @classmethod
     def checked(
@@ -62,9 +70,10 @@ class Wish:
         times: ArrayLike | None,
         integrator: Integrator | None,
         constraints: Constraints | None,
-        tolerances: tuple[float, float],
+        tolerances: tuple[float, float | None],
         max_steps: int,
         lanes: bool | None,
+        scales: Mapping[str, float] | None,
     ) -> Wish:
         """Return what was asked for, with usual times where none are given.
 
@@ -82,9 +91,10 @@ class Wish:
             integrator,
             constraints,
             checked_rtol(rtol),
-            float(checked_atol(atol, 1)[0]),
+            checked_single_atol(atol),
             int(max_steps),
             _checked_lanes(lanes),
+            checked_scales(scales),
         )
 
 
@@ -142,7 +152,7 @@ def planned(
         If parameters have no value, or names are unknown.
     """
     held = wish.constraints.applied(eqs) if isinstance(wish.constraints, Baumgarte) else eqs
-    first = first_states(eqs, table, guess, laws.formulas, wish.span[0])
+    first = first_states(eqs, table, guess, laws.formulas, wish.span, wish.scales)
     values = table.fixed_parameters, table.parameter_names, laws.formulas
     function = CompiledFunction(*form_sequence(held, "xdot", *values))
     method = wish.integrator if isinstance(wish.integrator, Explicit | FixedStep) else DEFAULT
@@ -153,19 +163,18 @@ def planned(
         wish.times,
         method,
         wish.rtol,
-        wish.atol,
         wish.max_steps,
         stop_when_stiff=wish.integrator is None,
         lanes=_in_lanes(wish, table),
     )
-    nothing = np.zeros((table.count, 0))
+    nothing, tolerances = np.zeros((table.count, 0)), first.scales.tolerances(first.states, wish.atol)
     is_closed = bool(eqs.multiplier_names or eqs.quaternions)
     if not is_closed or isinstance(wish.constraints, Baumgarte):
-        return job, Part(0, first.states, table.parameters, nothing, nothing), dict(first.notes)
+        part = Part(0, first.states, table.parameters, nothing, nothing, tolerances)
+        return job, part, dict(first.notes)
     projection = wish.constraints if isinstance(wish.constraints, Projection) else Projection()
     closing = CompiledFunction(*form_sequence(eqs, PROJECTED, *values))
-    scales, sizes = projection_sizes(eqs, first.sizes)
-    tolerance = min(projection.tolerance, wish.atol)
+    scales, tolerance = first.scales.constraints(), closed_share(projection, wish.atol)
     padded = np.ones((table.count, closing.sequence.outputs[0].shape[0]))  # norms of quaternions come last
     padded[:, : scales.shape[1]] = scales
     closed = Job(
@@ -175,14 +184,14 @@ def planned(
         wish.times,
         method,
         wish.rtol,
-        wish.atol,
         wish.max_steps,
         wish.integrator is None,
         job.lanes,
         ROUNDED_PER_COORDINATE * len(eqs.coordinate_names) * EPSILON / tolerance,
         np.inf if isinstance(method, FixedStep) else projection.limit,
     )
-    return closed, Part(0, first.states, table.parameters, tolerance * padded, sizes), dict(first.notes)
+    part = Part(0, first.states, table.parameters, tolerance * padded, first.scales.coordinates(), tolerances)
+    return closed, part, dict(first.notes)
 
 
 def _in_lanes(wish: Wish, table: CaseTable) -> bool:

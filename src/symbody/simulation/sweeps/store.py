@@ -111,10 +111,10 @@ def digest(job: Job, part: Part) -> str:
     about = hashlib.sha256()
     for function in (job.function, job.closing):
         about.update(b"" if function is None else function.source("c").encode())
-    for array in (part.states, part.parameters, part.scales, part.sizes, job.times):
+    for array in (part.states, part.parameters, part.scales, part.sizes, part.atol, job.times):
         about.update(f"{array.shape}".encode())
         about.update(np.ascontiguousarray(array).tobytes())
-    choices = (job.span, job.method, job.rtol, job.atol, job.max_steps, job.stop_when_stiff, job.limit)
+    choices = (job.span, job.method, job.rtol, job.max_steps, job.stop_when_stiff, job.limit)
     about.update(repr((*choices, job.rounding)).encode())
     return about.hexdigest()
 

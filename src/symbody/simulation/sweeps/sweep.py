@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from symbody.analysis.scales import mechanism_scales
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
@@ -59,8 +60,8 @@ def sweep(
     events: Event | Sequence[Event] = (), *, combine: Combine = "product", samples: int | None = None,
     seed: int = 0, executor: Executor | None = None, threads: int | None = None, part: int | None = None,
     lanes: bool | None = None, store: str | os.PathLike[str] | None = None, rtol: float = 1e-8,
-    atol: float = 1e-10, max_steps: int = 1_000_000, progress: Progress | bool = False,
-    patience: float = PATIENCE,
+    atol: float | None = None, scales: Mapping[str, float] | None = None, max_steps: int = 1_000_000,
+    progress: Progress | bool = False, patience: float = PATIENCE,
 ) -> Sweep:  # fmt: skip
     """Return the motions of a mechanism for many parameters and initial values.
 
@@ -103,7 +104,7 @@ def sweep(
     span = checked_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
     laws = input_laws(eqs.input_names, inputs or {}, span)
     table = case_table(parameters or {}, initial or {}, combine, samples, seed)
-    wish = Wish.checked(span, times, integrator, constraints, (rtol, atol), max_steps, lanes)
+    wish = Wish.checked(span, times, integrator, constraints, (rtol, atol), max_steps, lanes, scales)
     who = crew(executor, threads, part, patience)
     check_memory(table.count, wish.times.size, len(eqs.state_names))
     order = _Order(eqs, table, dict(guess or {}), laws, dict(inputs or {}), wish, checked_events(events, eqs))
@@ -201,6 +202,7 @@ class _Order:
             self.events,
             rtol=wish.rtol,
             atol=wish.atol,
+            scales=wish.scales,
             max_steps=wish.max_steps,
         )
 
@@ -211,9 +213,9 @@ class _Order:
         if found is None:
             return False
         case, first = found
-        return is_overconstrained(
-            Task(self.eqs, self.table.values(case)[0], self.laws), first, self.wish.span[0]
-        )
+        values, span = self.table.values(case)[0], self.wish.span
+        scales = mechanism_scales(self.eqs, values, self.wish.scales, first.q).over(*span)
+        return is_overconstrained(Task(self.eqs, values, self.laws, scales), first, span[0])
 
     def _worth_another_try(self, records: Records) -> list[int]:
         """Return cases that `simulate` integrates by another method than the loop over many cases."""
@@ -237,6 +239,7 @@ class _Order:
             self.wish.constraints,
             self.wish.rtol,
             self.wish.atol,
+            sorted(self.wish.scales.items()),
         )
         fixed = (table.fixed_initial, self.guess, self.events, self.wish.max_steps)
         about.update(repr((table.parameter_names, table.initial_names, *choices, *fixed)).encode())

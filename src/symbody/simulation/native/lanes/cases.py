@@ -69,7 +69,7 @@ from symbody.simulation.native.places import (
 from symbody.simulation.native.projection import project
 
 # A test says what it has to be.
-SOURCES: Final = "5b9ca4425dfec374"
+SOURCES: Final = "77a3e7d3570f846d"
 
 
 class Single(NamedTuple):
@@ -135,6 +135,9 @@ def _refill(
         bundle.cases[lane] = -1
         return k
     prepare(single.rhs, single.memory, cases, k, start)
+    fill(single.goal.atol, cases.atol, k)
+    for i in range(single.memory.K.shape[1]):
+        bundle.atol[0, i * WIDTH + lane] = cases.atol[k, i]
     own = _own_record(single, outcome, k)
     bundle.codes[lane] = begin(single.rhs, single.method, single.goal, single.memory, own, first_step)
     bundle.cases[lane] = k
@@ -162,6 +165,8 @@ def _plan(single: Single, bundle: Bundle, lane: int) -> int:
     if h != 0.0:
         return RUNNING
     _load(single, bundle, lane)
+    for i in range(single.memory.K.shape[1]):
+        goal.atol[i] = bundle.atol[0, i * WIDTH + lane]
     code = failure(single.method, goal, single.memory)
     _unload(single, bundle, lane)
     return code
@@ -184,6 +189,7 @@ def _try_alone(single: Single, bundle: Bundle, cases: Cases, outcome: Outcome, l
     _load(single, bundle, lane)
     fill(single.rhs.parameters, cases.parameters, k)
     fill(single.rhs.constants, cases.constants, k)
+    fill(single.goal.atol, cases.atol, k)
     fill_projector(single.projector, cases, k)
     own = _own_record(single, outcome, k)
     bundle.codes[lane] = advance(
@@ -218,6 +224,7 @@ def _store_samples(single: Single, bundle: Bundle, cases: Cases, outcome: Outcom
     F, x, goal, record = single.memory.F, outcome.x[bundle.cases[lane]], single.goal, single.record
     projector, n = single.projector, x.shape[1]
     fill_projector(projector, cases, bundle.cases[lane])
+    fill(goal.atol, cases.atol, bundle.cases[lane])
     for i in range(n):
         for row in range(F.shape[1]):
             F[0, row, i] = bundle.F[row, i * WIDTH + lane]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symbody.simulation.native.cases import Cases, fill_projector
+from symbody.simulation.native.cases import Cases, fill, fill_projector
 from symbody.simulation.native.interface import (
     Floats,
     Goal,
@@ -44,6 +44,7 @@ def _project_lane(
         memory.vectors[STATE_NEW, i] = vectors[STATE_NEW, i * WIDTH + lane]
     memory.real[TIME] = bundle.trial[T, lane]
     fill_projector(projector, cases, bundle.cases[lane])
+    fill(goal.atol, cases.atol, bundle.cases[lane])
     moved: float = project_new_state(projector, goal, memory, bundle.trial[T_NEW, lane])
     for i in range(memory.K.shape[1]):
         vectors[STATE_NEW, i * WIDTH + lane] = memory.vectors[STATE_NEW, i]

@@ -59,6 +59,8 @@ class Bundle(NamedTuple):
     scratch, derivative, minus_zero : (1, n W) arrays
         A derivative or state that may not be wanted in all lanes, a derivative there; and what changes
         nothing when added.
+    atol : (1, n W) array
+        As in `Goal`.
     trial : (TRIALS, W) array
         Beginning, length, end and error of the steps just tried, the evaluations they took, numbers on the
         way, which lanes are meant, and ones.
@@ -78,6 +80,7 @@ class Bundle(NamedTuple):
     scratch: Floats
     derivative: Floats
     minus_zero: Floats
+    atol: Floats
     trial: Floats
     real: Floats
     counts: Integers
@@ -142,7 +145,7 @@ def _write_errors(method: Method, goal: Goal, bundle: Bundle) -> None:
     for place in range(0, n, WIDTH):
         old, new = take(vectors, STATE_OLD * n + place), take(vectors, STATE_NEW * n + place)
         size = times(spread(goal.rtol), larger(absolute(old), absolute(new)))
-        share = over(spread(1.0), plus(spread(goal.atol[place // WIDTH]), size))
+        share = over(spread(1.0), plus(take(bundle.atol, place), size))
         a = times(take(vectors, ERROR_1 * n + place), share)
         b = times(take(vectors, ERROR_2 * n + place), share)
         first, second = plus(first, times(a, a)), plus(second, times(b, b))

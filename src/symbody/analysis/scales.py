@@ -1,0 +1,283 @@
+"""`Scales`: length, time and mass of a mechanism, and the size of every quantity that follows from them.
+
+Tolerances are shares of these sizes, so that a mechanism of a nanometre is computed to the same digits as one
+of a kilometre. All sizes are maxima, products and quotients of numbers of the model: units that differ by
+powers of two change no digit of them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.codegen.compile import Value, form_sequence, form_values
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import Problem, UsageError, nearest
+from symbody.expr.evaluate import evaluate_sequence
+from symbody.expr.language.formula import Formula
+from symbody.model.constraints.couplings import Constraint
+from symbody.model.constraints.points import PointOnSurface
+from symbody.model.lengths import model_lengths
+
+Floats = NDArray[np.float64]
+
+# Share of its size that the error of a step, and an open constraint, may have where no atol is given.
+USUAL_SHARE: Final = 1e-10
+# Sizes of coordinates and speeds are at least this share of the largest first value in the same unit: the
+# rounding of that value, 1e-16 of it, is a hundredth of what is tolerated then.
+RESOLVED: Final = 1e-4
+# Where equations without a unit are looked at: this share of the mechanism's size from zero.
+_SPREAD: Final = 0.5
+_UNITS: Final = {"length": "m", "time": "s", "mass": "kg"}
+
+
+@dataclass(frozen=True, slots=True)
+class Scales:
+    """What counts as large in a mechanism.
+
+    Attributes
+    ----------
+    length : float
+        The largest length of its geometry [m]: offsets of frames, distances, radii, pitches, free lengths of
+        springs, places of curves; without any the largest displacement at first; else 1.
+    time : float
+        ``sqrt(length / gravity)`` [s]; without gravity the span of a motion, else 1.
+    mass : float
+        The largest mass of a body [kg], or moment of inertia over the square of the length; 1 without any.
+    equations : mapping of name to float
+        What a constraint is measured by, by the name of its multiplier, if it has a unit of its own.
+    span : float
+        Length of a motion, or the time if that is longer [s]: errors of speeds come to errors of positions
+        until its end.
+    has_length, has_time : bool
+        Whether these were given or found in the model.
+    """
+
+    length: float = 1.0
+    time: float = 1.0
+    mass: float = 1.0
+    equations: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    span: float = 1.0
+    has_length: bool = False
+    has_time: bool = False
+
+    @property
+    def energy(self) -> float:
+        """What counts as a large energy [J]."""
+        return self.mass * (self.length / self.time) ** 2
+
+    def coordinates(self, eqs: EquationSet) -> Floats:
+        """Return what counts as a large change of each coordinate (n_q,): 1 rad, or the length."""
+        units = eqs.units
+        return np.array([self.length if units.get(name) == "m" else 1.0 for name in eqs.coordinate_names])
+
+    def displacements(self, eqs: EquationSet) -> Floats:
+        """Return what counts as a large displacement along each speed (n_u,): 1 rad, or the length."""
+        units = eqs.units
+        return np.array([self.length if units.get(name) == "m/s" else 1.0 for name in eqs.speed_names])
+
+    def constraints(self, eqs: EquationSet) -> Floats:
+        """Return what each constraint is measured by (n_c,): the length, or 1 for angles.
+
+        Those on positions come first, as in ``eqs.formed.holonomic``.
+        """
+        sizes = np.where(are_lengths(eqs), self.length, 1.0)
+        for k, name in enumerate(eqs.multiplier_names):
+            sizes[k] = self.equations.get(name, sizes[k])
+        return sizes
+
+    def tolerances(self, eqs: EquationSet, x: Floats, atol: float | None = None) -> Floats:
+        """Return the absolute tolerance of each speed and coordinate (n_u + n_q,); `atol` if it is given.
+
+        Parameters
+        ----------
+        x : (n_u + n_q,) array
+            The first state.
+        """
+        if atol is not None:
+            return np.full(x.size, atol)
+        return state_tolerances(eqs, np.array([self.length]), np.array([self.span]), x[np.newaxis])[0]
+
+    def over(self, start: float, end: float) -> Scales:
+        """Return the scales of a motion between two times."""
+        length = abs(end - start)
+        if length == 0.0:
+            return self
+        time = self.time if self.has_time else length
+        return replace(self, time=time, span=max(length, time))
+
+    def notes(self, eqs: EquationSet) -> tuple[str, ...]:
+        """Return what was assumed, if it matters."""
+        if self.has_length or "m" not in {eqs.units.get(name) for name in eqs.coordinate_names}:
+            return ()
+        return (
+            "the model has no length from which tolerances could follow: they are those of a mechanism of "
+            '1 m; scales={"length": ...} [m] gives another',
+        )
+
+
+def mechanism_scales(
+    eqs: EquationSet,
+    parameters: Mapping[str, Value],
+    given: Mapping[str, float] | None = None,
+    near: Mapping[str, float] | None = None,
+) -> Scales:
+    """Return the scales of a mechanism.
+
+    Parameters
+    ----------
+    given : mapping of "length", "time", "mass" to float
+        Those that are told [m, s, kg].
+    near : mapping of name to float
+        A configuration, by default the model's initial values: its displacements count where the model has no
+        other length.
+
+    Raises
+    ------
+    UsageError
+        If a name in `given` is unknown, or a value is not positive.
+    """
+    told = checked_scales(given)
+    found = values_at_start(eqs, geometry(eqs), parameters)
+    length = told.get("length", largest(found.values()))
+    if not length and near is None:
+        initial = {name: value for name, value in eqs.model.initial.items() if _is_length(eqs, name)}
+        length = largest(values_at_start(eqs, initial, parameters).values())
+    elif not length and near is not None:
+        length = largest(x for name, x in near.items() if _is_length(eqs, name))
+    scales = Scales(length or 1.0, has_length=bool(length))
+    gravity = math.hypot(*values_at_start(eqs, numbered(eqs.model.gravity), parameters).values())
+    fallen = math.sqrt(scales.length / gravity) if gravity else 1.0
+    scales = replace(scales, time=told.get("time", fallen), has_time="time" in told or gravity > 0.0)
+    mass = told.get("mass", _mass(eqs, parameters, scales.length)) or 1.0
+    return replace(scales, mass=mass, span=scales.time, equations=_equations(eqs, parameters, scales))
+
+
+def state_tolerances(eqs: EquationSet, lengths: Floats, spans: Floats, x: Floats) -> Floats:
+    """Return the absolute tolerances of all speeds and coordinates where none is given.
+
+    Parameters
+    ----------
+    lengths, spans : (N,) arrays
+        Length and span of the `Scales` of N motions.
+    x : (N, n_u + n_q) array
+        Their first states.
+    """
+    sizes = np.ones_like(x)
+    units = np.array([eqs.units.get(name, "") for name in eqs.state_names], dtype=np.str_)
+    n_u = len(eqs.speed_names)
+    sizes[:, :n_u] /= spans[:, np.newaxis]
+    sizes[:, (units == "m/s") | (units == "m")] *= lengths[:, np.newaxis]
+    for unit in ("m/s", "rad/s", "m", "rad"):
+        places = units == unit
+        resolved = RESOLVED * np.abs(x[:, places]).max(axis=1, initial=0.0)
+        sizes[:, places] = np.maximum(sizes[:, places], resolved[:, np.newaxis])
+    return np.asarray(USUAL_SHARE * sizes)
+
+
+def checked_scales(given: Mapping[str, float] | None) -> dict[str, float]:
+    """Return what was told of a mechanism's scales.
+
+    Raises
+    ------
+    UsageError
+        If a name is unknown, or a value is not a positive number.
+    """
+    problems, told = [], {}
+    for name, value in (given or {}).items():
+        if name not in _UNITS:
+            problems.append(
+                Problem("simulation.scales", f"scales[{name!r}]", f"there is no scale {name!r}",
+                        "scales are length [m], time [s] and mass [kg]", nearest(name, _UNITS))
+            )  # fmt: skip
+        elif isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
+            problems.append(
+                Problem("simulation.scales", f"scales[{name!r}]",
+                        f"{name} = {value!r} is not a positive number", "",
+                        f"give a finite number above 0 [{_UNITS[name]}], or leave it out")
+            )  # fmt: skip
+        else:
+            told[name] = float(value)
+    if problems:
+        raise UsageError(*problems)
+    return told
+
+
+def geometry(eqs: EquationSet) -> dict[str, Value]:
+    """Return the formulas of all lengths of the model [m], by number."""
+    return numbered(model_lengths(eqs.model))
+
+
+def are_lengths(eqs: EquationSet) -> list[bool]:
+    """Return which constraints are measured in lengths; the others are angles."""
+    units = eqs.units
+    return [
+        not row.force.is_zero or units.get(row.coordinate) == "m" or units.get(row.name) == "N"
+        for row in eqs.formed.rows
+    ]
+
+
+def values_at_start(
+    eqs: EquationSet, formulas: Mapping[str, Value], parameters: Mapping[str, Value]
+) -> dict[str, float]:
+    """Return the values of formulas in parameters and t, at t = 0."""
+    if not formulas:
+        return {}
+    sequence, _ = form_values(eqs, formulas, parameters)
+    found = evaluate_sequence(sequence, {"t": [0.0]})
+    return {name: float(value[0]) for name, value in zip(formulas, found, strict=True)}
+
+
+def largest(values: Iterable[float]) -> float:
+    """Return the largest absolute value, 0 if there is none."""
+    return max(map(abs, values), default=0.0)
+
+
+def _mass(eqs: EquationSet, parameters: Mapping[str, Value], length: float) -> float:
+    """Return the largest mass of a body, else the largest moment of inertia over the square of the length."""
+    bodies = eqs.model.bodies
+    masses = values_at_start(eqs, numbered(body.mass for body in bodies), parameters)
+    moments = numbered(moment for body in bodies for moment in body.inertia)
+    return largest(masses.values()) or largest(values_at_start(eqs, moments, parameters).values()) / length**2
+
+
+def _equations(eqs: EquationSet, parameters: Mapping[str, Value], scales: Scales) -> dict[str, float]:
+    """Return what each constraint of a unit of its own changes by in motions as large as the mechanism.
+
+    That is the largest of its derivatives times the displacements, at `pose_share` of the sizes.
+    """
+    own = own_equations(eqs)
+    if not own:
+        return {}
+    sequence, _ = form_sequence(eqs, "jacobian", parameters, (), dict.fromkeys(eqs.input_names, 0))
+    q = (pose_share(eqs) * scales.coordinates(eqs)).tolist()
+    found = evaluate_sequence(sequence, {"t": [0.0], "q": q, "u": [0.0] * len(eqs.speed_names), "r": []})[0]
+    rows = np.array([float(x) for x in found]).reshape(len(eqs.formed.rows), -1)
+    sizes = np.abs(rows * scales.displacements(eqs)).max(axis=1, initial=0.0)
+    return {eqs.multiplier_names[k]: float(sizes[k]) for k in own if 0.0 < sizes[k] < math.inf}
+
+
+def own_equations(eqs: EquationSet) -> list[int]:
+    """Return the places of constraints that users wrote as equations, in units of their own."""
+    written = {part.name for part in eqs.model.constraints if isinstance(part, Constraint | PointOnSurface)}
+    return [k for k, row in enumerate(eqs.formed.rows) if row.element in written]
+
+
+def pose_share(eqs: EquationSet) -> Floats:
+    """Return a configuration without symmetry, over the sizes of coordinates, at which they are evaluated."""
+    return np.array([_SPREAD * math.cos(k + 1.0) for k in range(len(eqs.coordinate_names))])
+
+
+def numbered(formulas: Iterable[Formula]) -> dict[str, Value]:
+    """Return formulas by their numbers."""
+    return {str(k): formula for k, formula in enumerate(formulas)}
+
+
+def _is_length(eqs: EquationSet, name: str) -> bool:
+    return eqs.units.get(name) == "m"

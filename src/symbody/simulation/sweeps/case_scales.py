@@ -1,0 +1,138 @@
+"""`CaseScales`: what `analysis.scales.Scales` is for one motion, for all cases of a sweep at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.scales import (
+    Scales,
+    are_lengths,
+    checked_scales,
+    geometry,
+    numbered,
+    own_equations,
+    pose_share,
+    state_tolerances,
+)
+from symbody.codegen.compile import Value, form_sequence, form_values
+from symbody.codegen.function import CompiledFunction
+from symbody.equations.equation_set import EquationSet
+from symbody.simulation.sweeps.case_table import CaseTable
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CaseScales:
+    """What counts as large in each case.
+
+    Attributes
+    ----------
+    lengths, times, spans : (cases,) arrays
+        As in `Scales` [m, s, s].
+    equations : mapping of name to (cases,) array
+        As in `Scales`.
+    """
+
+    eqs: EquationSet
+    lengths: Floats
+    times: Floats
+    spans: Floats
+    equations: Mapping[str, Floats]
+
+    def of_case(self, k: int) -> Scales:
+        """Return the scales of one case."""
+        own = {name: float(sizes[k]) for name, sizes in self.equations.items()}
+        return Scales(float(self.lengths[k]), float(self.times[k]), span=float(self.spans[k]), equations=own)
+
+    def constraints(self) -> Floats:
+        """Return what each constraint on positions is measured by, (cases, n_h)."""
+        count = len(self.eqs.formed.holonomic)
+        found = np.where(are_lengths(self.eqs), self.lengths[:, np.newaxis], 1.0)
+        for k, name in enumerate(self.eqs.multiplier_names):
+            if name in self.equations:
+                found[:, k] = self.equations[name]
+        return np.asarray(found[:, :count])
+
+    def coordinates(self) -> Floats:
+        """Return what counts as a large change of each coordinate, (cases, n_q)."""
+        units = self.eqs.units
+        is_length = np.array([units.get(name) == "m" for name in self.eqs.coordinate_names], dtype=np.bool_)
+        return np.where(is_length, self.lengths[:, np.newaxis], 1.0)
+
+    def tolerances(self, states: Floats, atol: float | None) -> Floats:
+        """Return the absolute tolerance of each speed and coordinate, (cases, n)."""
+        if atol is not None:
+            return np.full_like(states, atol)
+        return state_tolerances(self.eqs, self.lengths, self.spans, np.nan_to_num(states))
+
+
+def case_scales(
+    eqs: EquationSet,
+    table: CaseTable,
+    near: Mapping[str, Floats],
+    span: tuple[float, float],
+    given: Mapping[str, float] | None,
+) -> CaseScales:
+    """Return the scales of all cases.
+
+    Parameters
+    ----------
+    near : mapping of name to (cases,) array
+        Configurations, whose displacements count where the model has no other length.
+    """
+    told, units = checked_scales(given), eqs.units
+    lengths = _largest(case_values(eqs, table, geometry(eqs)), table.count)
+    near_ones = {name: np.abs(values) for name, values in near.items() if units.get(name) == "m"}
+    lengths = np.where(lengths > 0.0, lengths, _largest(near_ones, table.count))
+    lengths = np.where(lengths > 0.0, lengths, 1.0)
+    if "length" in told:
+        lengths = np.full(table.count, told["length"])
+    pulls = case_values(eqs, table, numbered(eqs.model.gravity))
+    gravity = np.sqrt(sum((pull**2 for pull in pulls.values()), np.zeros(table.count)))
+    length = abs(span[1] - span[0]) or 1.0
+    falls = gravity > 0.0
+    times = np.where(falls, np.sqrt(lengths / np.where(falls, gravity, 1.0)), length)
+    if "time" in told:
+        times = np.full(table.count, told["time"])
+    return CaseScales(eqs, lengths, times, np.maximum(times, length), _equations(eqs, table, lengths))
+
+
+def case_values(eqs: EquationSet, table: CaseTable, formulas: Mapping[str, Value]) -> dict[str, Floats]:
+    """Return the values (cases,) of each formula in parameters and t, at t = 0."""
+    if not formulas:
+        return {}
+    sequence = form_values(eqs, formulas, table.fixed_parameters, table.parameter_names)
+    found = CompiledFunction(*sequence, quick=True)(0.0, (), (), (), table.parameters)
+    columns = found if len(formulas) > 1 else (found,)
+    return {
+        name: np.broadcast_to(column, (table.count,)) for name, column in zip(formulas, columns, strict=True)
+    }
+
+
+def _largest(columns: Mapping[str, Floats], count: int) -> Floats:
+    """Return the largest absolute value in each case, 0 if there is none."""
+    return np.asarray(np.max(np.abs([np.zeros(count), *columns.values()]), axis=0))
+
+
+def _equations(eqs: EquationSet, table: CaseTable, lengths: Floats) -> dict[str, Floats]:
+    """Return what `analysis.scales` measures equations of users by, in each case."""
+    own, units = own_equations(eqs), eqs.units
+    if not own:
+        return {}
+    inputs: dict[str, Value] = dict.fromkeys(eqs.input_names, 0)
+    function = CompiledFunction(
+        *form_sequence(eqs, "jacobian", table.fixed_parameters, table.parameter_names, inputs), quick=True
+    )
+    columns = lengths[:, np.newaxis]
+    q = pose_share(eqs) * np.where([units.get(name) == "m" for name in eqs.coordinate_names], columns, 1.0)
+    moves = np.where([units.get(name) == "m/s" for name in eqs.speed_names], columns, 1.0)
+    rows = function(0.0, q, np.zeros_like(moves), (), table.parameters) * moves[:, np.newaxis]
+    sizes = np.abs(rows).max(axis=2, initial=0.0)
+    usable = np.isfinite(sizes) & (sizes > 0.0)
+    scales = np.where(usable, sizes, np.where(are_lengths(eqs), columns, 1.0))
+    return {eqs.multiplier_names[k]: scales[:, k] for k in own}

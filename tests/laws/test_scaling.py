@@ -1,0 +1,60 @@
+"""The scaling law: from a nanometre to 1,000 km, tolerances follow the mechanism and not its units."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable
+
+import numpy as np
+import pytest
+
+from tests.laws.parts import Units
+from tests.laws.scaling import ONE, formed, is_scalable, scaled_sweep
+from tests.laws.tally import chunks, name_of
+
+SHARE = 0.3  # of the mechanism's unit of time
+RTOL = 1e-8
+# As in `test_motion`: what each step adds, RTOL of quantities of order one, grows by exp(3 SHARE) to the end.
+GROWTH = float(np.exp(3 * SHARE))
+
+
+def powers_of_two(rng: random.Random) -> Units:
+    """Factors that change no digit: of masses the solver takes square roots, so they are powers of four."""
+    return Units(2.0 ** rng.randint(-9, 9), 4.0 ** rng.randint(-9, 9), 2.0 ** rng.randint(-18, 18))
+
+
+def powers_of_ten(rng: random.Random) -> Units:
+    """From 1 nm to 1,000 km, from 1 mg to 1,000 t, from 1 us to 10,000 s."""
+    return Units(10.0 ** rng.randint(-9, 6), 10.0 ** rng.randint(-6, 6), 10.0 ** rng.randint(-6, 4))
+
+
+def check(seeds: Iterable[int]) -> int:
+    """Scale each mechanism by powers of two and of ten; return how many there were."""
+    count = 0
+    for seed in filter(is_scalable, seeds):
+        rng = random.Random(f"scaling {seed}")
+        eqs, lanes = formed(seed, rng.choice([None, "absolute"])), rng.random() < 0.1
+        first, x = scaled_sweep(eqs, seed, ONE, SHARE, lanes=lanes, rtol=RTOL)
+        same, y = scaled_sweep(eqs, seed, powers_of_two(rng), SHARE, rtol=RTOL)
+        assert same.status == first.status, seed
+        np.testing.assert_array_equal(y, x, err_msg=f"{seed}")
+        np.testing.assert_array_equal(same.counts, first.counts, err_msg=f"{seed}")
+        other, z = scaled_sweep(eqs, seed, powers_of_ten(rng), SHARE, rtol=RTOL)
+        assert other.status == first.status, seed
+        if first.status[0].success:
+            steps = first.counts[0, 0] + other.counts[0, 0]
+            apart = float(np.abs(z - x).max() / max(1.0, np.abs(x).max()))
+            assert apart <= GROWTH * RTOL * steps, (seed, apart)
+        count += 1
+    return count
+
+
+def test_scaled_mechanisms_move_as_before() -> None:
+    # Two trees, a planar and a spatial loop, joint and absolute coordinates.
+    assert check((0, 3, 5, 8)) == 4
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("seeds", chunks(2000), ids=name_of)
+def test_scaled_mechanisms_move_as_before_often(seeds: range) -> None:
+    check(seeds)

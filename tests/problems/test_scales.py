@@ -1,0 +1,129 @@
+"""Mechanisms of a nanometre and of 1,000 km, against closed forms: the same digits as those of a metre."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.special import ellipj, ellipk
+
+import symbody as sb
+from symbody.analysis.scales import mechanism_scales
+
+LENGTHS = (1e-9, 1.0, 1e6)
+GRAVITY = 9.81
+START = 1.0  # rad
+
+
+def rod(length: float, tree: Any = "absolute") -> sb.EquationSet:
+    """A uniform rod hung up at its end."""
+    inertia = length**2 / 12
+    body = sb.Body("Rod", 1, (inertia, 0, inertia), frames={"end": sb.Frame(at=(0, length / 2, 0))})
+    pin = sb.Revolute("pin", "ground", "Rod.end", coordinate="theta")
+    return sb.form_equations(sb.Model("rod", [body, pin], gravity=(0, -GRAVITY, 0)), tree=tree)
+
+
+def swing(t: float, length: float) -> float:
+    """The angle of the rod let go at START: ``sin(theta/2) = k sn(K(k) - w t, k)``, k = sin(START/2).
+
+    A uniform rod about its end is a pendulum of w^2 = 3 g / (2 L).
+    """
+    k = np.sin(START / 2)
+    sn = ellipj(ellipk(k**2) - np.sqrt(1.5 * GRAVITY / length) * t, k**2)[0]
+    return float(2 * np.arcsin(k * sn))
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+@pytest.mark.parametrize(
+    ("options", "bound"),
+    [
+        # Each error is its integrator's at rtol = 1e-8, at 1 m as at any other length: the steps of Explicit and
+        # Partition, 50, add 1e-8 each at most; those of the multistep methods, 500 and 1500, do, too.
+        ({}, 5e-7),
+        ({"constraints": sb.Partition()}, 5e-7),
+        ({"integrator": sb.Stiff()}, 5e-6),
+        ({"integrator": sb.Stiff(), "constraints": sb.GGL()}, 1.5e-5),
+    ],
+    ids=["projection", "partition", "stiff", "ggl"],
+)
+def test_a_rod_of_any_length_swings_the_same_way(length: float, options: dict[str, Any], bound: float) -> None:
+    end = 10 * float(np.sqrt(length / GRAVITY))
+    run = sb.simulate(rod(length), end, {"theta": START}, **options)
+    assert run.success
+    assert run["theta"][-1] == pytest.approx(swing(end, length), abs=bound)
+    # Said as a share of the length: IDA holds constraints to rtol, the others to 1e-10 or rounding.
+    assert run.constraint_violation.max() < 1e-7
+
+
+@pytest.mark.parametrize("amplitude", LENGTHS)
+@pytest.mark.parametrize("tree", [None, "absolute"])
+def test_an_oscillator_without_lengths_takes_that_of_its_start(amplitude: float, tree: Any) -> None:
+    # m x'' = -k x from rest is a cos(w t); w = 2 rad/s and 10 s are 20 rad.
+    spring = sb.Drive(stiffness=8)
+    slider = sb.Prismatic("slider", "ground", sb.Body("Mass", 2), axis="x", coordinate="x", force=spring)
+    run = sb.simulate(sb.form_equations(sb.Model("oscillator", [slider]), tree=tree), 10, {"x": amplitude})
+    # 38 steps of rtol, of quantities that swing up to twice what a coordinate does (the speed).
+    assert run["x"][-1] / amplitude == pytest.approx(np.cos(20.0), abs=38 * 2e-8)
+    assert not run.notes
+
+
+def test_without_any_length_a_note_names_the_cure() -> None:
+    mass = sb.Body("Mass", 1)
+    slider = sb.Prismatic("slider", "ground", mass, axis="y", coordinate="y", force=sb.Drive(stiffness="k"))
+    # Let go where the spring is relaxed: y = -(m g / k) (1 - cos w t), with m g / k = 1 nm.
+    stiffness = GRAVITY / 1e-9
+    model = sb.Model("hung", [slider], gravity=(0, -GRAVITY, 0), parameters={"k": stiffness})
+    eqs, end = sb.form_equations(model), 20 / float(np.sqrt(stiffness))
+    assert any('scales={"length"' in note for note in sb.simulate(eqs, end).notes)
+    run = sb.simulate(eqs, end, scales={"length": 1e-9})
+    assert run["y"][-1] == pytest.approx(-1e-9 * (1 - np.cos(20.0)), rel=1e-6)
+    assert not run.notes
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_tolerances_are_shares_of_sizes_unless_they_are_given(length: float) -> None:
+    # 1e-10 of the length (half of it is the frame's offset) or 1 rad, and of that over the span for speeds.
+    eqs = rod(length)
+    known, at_rest = mechanism_scales(eqs, {}).over(2.0, 1e5), np.zeros(len(eqs.state_names))
+    found = dict(zip(eqs.state_names, known.tolerances(eqs, at_rest), strict=True))
+    span = 1e5 - 2.0
+    expected = {"m": length / 2, "m/s": length / 2 / span, "rad/s": 1 / span}
+    for name, value in found.items():
+        assert value == pytest.approx(1e-10 * expected.get(eqs.units.get(name, ""), 1.0), rel=1e-12), name
+    assert (known.tolerances(eqs, at_rest, 0.25) == 0.25).all()
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_a_rod_between_walls_rests_at_the_same_angle(length: float) -> None:
+    # Both ends of a uniform rod of length 2 a slide, one on a wall and one on the floor; a spring of stiffness
+    # k = m g / a pulls the lower end to the corner. With s the angle from the floor the energy is
+    # m g a sin s + k (2 a cos s)^2 / 2, whose slope m g a (cos s - 4 sin s cos s) is 0 at sin s = 1/4 (cos s = 0
+    # is the rod upright).
+    a = length / 2
+    inertia = length**2 / 12
+    frames = {"up": sb.Frame(at=(0, a, 0)), "down": sb.Frame(at=(0, -a, 0))}
+    body = sb.Body("Rod", 1, (inertia, 0, inertia), frames=frames)
+    elements = [
+        body,
+        sb.Planar("plane", "ground", "Rod", coordinates=("x", "y", "angle")),
+        sb.PointOnPlane("wall", "ground", "Rod.up", axis="x"),
+        sb.PointOnPlane("floor", "ground", "Rod.down", axis="y"),
+        sb.SpringDamper("spring", "ground", "Rod.down", stiffness=GRAVITY / a),
+    ]
+    eqs = sb.form_equations(sb.Model("rod", elements, gravity=(0, -GRAVITY, 0)))
+    # Upright at angle 0; leant by c to the wall the lower end is at x = 2 a sin c, so that s = pi/2 - c.
+    lean = 1.2
+    guess = {"x": a * np.sin(lean), "y": a * np.cos(lean), "angle": lean}
+    found = sb.find_equilibrium(eqs, guess)
+    assert np.cos(found["angle"]) == pytest.approx(0.25, abs=1e-9)
+    assert found.q["y"] / length == pytest.approx(0.125, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("scales", "word"),
+    [({"lenght": 1.0}, "length"), ({"length": 0.0}, "positive"), ({"time": float("nan")}, "positive")],
+)
+def test_scales_that_make_no_sense_are_refused(scales: dict[str, float], word: str) -> None:
+    with pytest.raises(sb.UsageError, match=word):
+        sb.simulate(rod(1.0), 1.0, scales=scales)
