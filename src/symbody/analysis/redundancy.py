@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assembled_configurations
 from symbody.analysis.closure import Closure, closure
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
@@ -44,6 +45,7 @@ class Redundancy:
     dropped: tuple[str, ...]
 
 
+@checked_arguments
 def redundancy(
     eqs: EquationSet,
     parameters: Mapping[str, Value] | None = None,

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from symbody.analysis.assembly import assemble
 from symbody.analysis.state import State
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
@@ -38,6 +39,7 @@ from symbody.simulation.status import Status
 from symbody.simulation.task import Evaluator, EventFunctions, Task
 
 
+@checked_arguments
 def simulate(
     eqs: EquationSet, t_end: float | tuple[float, float], initial: Mapping[str, Value] | None = None,
     guess: Mapping[str, Value] | None = None, parameters: Mapping[str, Value] | None = None,

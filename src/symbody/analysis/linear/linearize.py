@@ -22,6 +22,7 @@ from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.slopes import Slopes, slopes
 from symbody.analysis.linear.variations import rotations
 from symbody.analysis.state import State
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, nearest
@@ -34,6 +35,7 @@ _AT_REST: Final = 1e-8
 _INDEPENDENT_OF: Final = 1e-9  # of the largest terms of a column that should vanish
 
 
+@checked_arguments
 def linearize(
     eqs: EquationSet,
     at: Mapping[str, Value] | State | None = None,

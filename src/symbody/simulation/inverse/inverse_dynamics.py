@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from symbody.analysis.kinematics.follower import follower
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
@@ -34,6 +35,7 @@ from symbody.simulation.task import Evaluator, Task
 Floats = NDArray[np.float64]
 
 
+@checked_arguments
 def inverse_dynamics(
     eqs: EquationSet,
     motion: Mapping[str, Motion],

@@ -18,6 +18,7 @@ from scipy.linalg import qr
 
 from symbody.analysis.closure import constraint_scales
 from symbody.analysis.redundancy import redundancy
+from symbody.arguments import checked_fields
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.simulation.methods.constraints import Projection
@@ -51,6 +52,7 @@ _SHORTEST: Final = 1000.0
 _TRIALS: Final = 30
 
 
+@checked_fields
 @dataclass(frozen=True, slots=True)
 class Partition:
     """Only independent coordinates and speeds are integrated; constraints hold to rounding at every stage.

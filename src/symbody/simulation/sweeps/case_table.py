@@ -10,6 +10,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.arguments import checked_fields
 from symbody.codegen.compile import Value
 from symbody.errors import Problem, UsageError
 from symbody.expr.language.formula import Formula
@@ -21,6 +22,7 @@ Combine = Literal["product", "list"]
 _LAWS: Final = ("uniform", "loguniform", "normal")
 
 
+@checked_fields
 @dataclass(frozen=True, slots=True)
 class Samples:
     """Random values of a parameter or initial value, the same for the same seed.

@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
@@ -51,6 +52,7 @@ from symbody.simulation.task import Task
 _LEAST_IN_LANES: Final = 4 * WIDTH
 
 
+@checked_arguments
 def sweep(
     eqs: EquationSet, t_end: float | tuple[float, float], parameters: Mapping[str, Varied] | None = None,
     initial: Mapping[str, Varied] | None = None, guess: Mapping[str, Value] | None = None,
