@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assembled_configurations
 from symbody.analysis.closure import Closure, closure
+from symbody.analysis.named_values import refuse_unknown
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
@@ -63,6 +64,7 @@ def redundancy(
     AssemblyError
         If the loops close nowhere near the guess.
     """
+    refuse_unknown(eqs, guess or ())
     task = closure(eqs, dict(parameters or {}), {}, 0.0)
     if task.is_tree:
         return Redundancy(len(eqs.speed_names), (), ())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -154,7 +155,7 @@ def _work_tolerance(task: Task, first: State, t: float, request: Request) -> flo
     mechanism in fast motion would ask for steps without end.
     """
     kinetic = task.interpreted("kinetic_energy", t, first.q.values(), first.u.values())
-    return max(request.atol, request.rtol * kinetic)
+    return min(max(request.atol, request.rtol * kinetic), sys.float_info.max)
 
 
 def _watch(
