@@ -121,7 +121,7 @@ def _refuse(
         if names is None or name in names:
             hint = _hint(function, name)
             several = signature.parameters[name].kind is inspect.Parameter.VAR_POSITIONAL
-            if not all(_fits(hint, item) for item in (value if several else [value])):
+            if not all(fits(hint, item) for item in (value if several else [value])):
                 problems.append(_problem(label, name, value, hint))
     if problems:
         raise UsageError(*problems) from error
@@ -165,17 +165,17 @@ def _hint(function: Callable[..., object], name: str) -> object:
         return Any
 
 
-def _fits(hint: Any, value: object, depth: int = 0) -> bool:
+def fits(hint: Any, value: object, depth: int = 0) -> bool:
     """Return whether a value is of the kind of an annotation, and so are its entries."""
     origin, args = get_origin(hint), get_args(hint)
     if depth > _DEPTH:
         return False
     if origin is Annotated:
-        return _fits(args[0], value, depth)
+        return fits(args[0], value, depth)
     if origin in (Union, UnionType):
         is_path = any(get_origin(kind) is PathLike for kind in args)
         return not (is_path and isinstance(value, str) and "\0" in value) and any(
-            _fits(kind, value, depth) for kind in args
+            fits(kind, value, depth) for kind in args
         )
     if origin is Literal:
         return any(type(value) is type(word) and value == word for word in args)
@@ -212,11 +212,11 @@ def _is_double(value: Real) -> bool:
 def _entries_fit(args: tuple[Any, ...], value: Any, depth: int) -> bool:
     if isinstance(value, Mapping) and len(args) == 2:
         return all(
-            _fits(args[0], key, depth + 1) and _fits(args[1], item, depth + 1) for key, item in value.items()
+            fits(args[0], key, depth + 1) and fits(args[1], item, depth + 1) for key, item in value.items()
         )
     if isinstance(value, tuple) and args and args[-1] is not Ellipsis and len(args) > 1:
         return len(value) == len(args) and all(
-            _fits(kind, item, depth + 1) for kind, item in zip(args, value, strict=True)
+            fits(kind, item, depth + 1) for kind, item in zip(args, value, strict=True)
         )
     if isinstance(value, bytes | bytearray):
         return False
@@ -226,7 +226,7 @@ def _entries_fit(args: tuple[Any, ...], value: Any, depth: int) -> bool:
         return False
     # What can be read once only is not read here.
     return not (isinstance(value, Collection) and args) or all(
-        _fits(args[0], item, depth + 1) for item in value
+        fits(args[0], item, depth + 1) for item in value
     )
 
 

@@ -17,7 +17,14 @@ from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
-from symbody.simulation.results.archive import Path, not_ours, read_archive, unwritable, write_archive
+from symbody.simulation.results.archive import (
+    Path,
+    check_motion,
+    not_ours,
+    read_archive,
+    unwritable,
+    write_archive,
+)
 from symbody.simulation.status import Status
 
 if TYPE_CHECKING:
@@ -283,6 +290,7 @@ class Trajectory:
         """
         arrays, about = read_archive(path)
         try:
+            check_motion(arrays, about)
             dense_output = DenseOutput(arrays["breaks"], arrays["pieces"]) if "breaks" in arrays else None
             return cls(
                 arrays["t"],

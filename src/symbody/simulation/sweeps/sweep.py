@@ -156,7 +156,7 @@ class _Order:
         kept = None
         if store is not None:
             kept = Store(store, self._digest())
-            for found in kept.finished():
+            for found in kept.finished(records):
                 records.put(found)
         case_notes: dict[int, str] = {}
         cases = np.flatnonzero(records.codes == NOT_ENDED).tolist()
@@ -292,7 +292,7 @@ def _computed(
     """Compute all cases that are not kept already."""
     kept = None if store is None else Store(store, digest(job, part))
     if kept is not None:
-        for found in kept.finished():
+        for found in kept.finished(records):
             records.put(found)
     pieces = parts(part, _missing(records), who.part, _LEAST_IN_LANES if job.lanes else 1)
     listener = Listener(progress, (lambda found: None) if kept is None else kept.keep)
