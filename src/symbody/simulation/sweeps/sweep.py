@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -104,10 +105,10 @@ def sweep(
     """
     span = checked_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
     laws = input_laws(eqs.input_names, inputs or {}, span)
-    table = case_table(parameters or {}, initial or {}, combine, samples, seed)
     wish = Wish.checked(span, times, integrator, constraints, (rtol, atol), max_steps, lanes)
     who = crew(executor, threads, part, patience)
-    check_memory(table.count, wish.times.size, len(eqs.state_names))
+    check = partial(check_memory, samples=wish.times.size, states=len(eqs.state_names))
+    table = case_table(parameters or {}, initial or {}, combine, samples, seed, check)
     order = _Order(eqs, table, dict(guess or {}), laws, dict(inputs or {}), wish, checked_events(events, eqs))
     with told(progress, "sweep") as listener:
         return order.carried_out(who, store, listener)
