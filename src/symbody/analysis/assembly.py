@@ -31,6 +31,7 @@ from symbody.analysis.ropes import assembled_with_ropes
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.analysis.velocities import consistent_speeds
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
@@ -52,6 +53,7 @@ _LEAST_OPEN: Final = 3
 _TOLD: Final = 1e-6
 
 
+@checked_arguments
 def assemble(
     eqs: EquationSet,
     fixed: Mapping[str, Value] | None = None,

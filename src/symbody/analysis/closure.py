@@ -148,7 +148,24 @@ class Closure:
             row, rest = self.speed_row(q, name, value)
             rows.append(row[np.newaxis, :])
             right.append(np.array([rest]))
-        return np.vstack(rows), np.concatenate(right)
+        matrix, wanted = np.vstack(rows), np.concatenate(right)
+        self._check_finite(np.column_stack([matrix, wanted]))
+        return matrix, wanted
+
+    def _check_finite(self, rows: Floats) -> None:
+        """Refuse velocities that constraints cannot have here, as at the two ends of a rod of length 0."""
+        wrong = np.flatnonzero(~np.isfinite(rows).all(axis=1)).tolist()
+        if not wrong:
+            return
+        own = self.eqs.formed.rows
+        elements = dict.fromkeys(own[k].element if k < len(own) else "" for k in wrong)
+        where = ", ".join(filter(None, elements)) or "fixed"
+        raise AssemblyError(
+            Problem("assembly.not_finite", where, "its condition on velocities has no finite value here",
+                    "a distance of length 0 has no direction, and values beyond 1.8e308 are no numbers",
+                    "give it a length, or another constraint, such as a joint between the two points; or "
+                    "start beside this position")
+        )  # fmt: skip
 
     @property
     def all_speeds(self) -> tuple[str, ...]:
@@ -348,7 +365,8 @@ def _exist(u: Floats, solved: Any, sizes: Floats, held: float) -> bool:
     udot, jacobian, gamma = solved.udot / sizes, solved.jacobian * sizes, solved.gamma
     slopes = np.abs(jacobian).max(axis=1, initial=0.0)
     # gamma is quadratic in u; where all its terms cancel, that is what they are small against.
-    largest = slopes * float(np.abs(u / sizes).max(initial=0.0)) ** 2
+    fastest = float(np.abs(u / sizes).max(initial=0.0))
+    largest = slopes * (fastest * fastest)  # infinite rather than a fault
     wanted = np.abs(jacobian) @ np.abs(udot) + np.abs(gamma) + largest
     # A row whose accelerations vanish holds nothing but the rounding of the others.
     rounding = udot.size * np.finfo(float).eps * max(held, float(np.abs(udot).max(initial=0.0)))

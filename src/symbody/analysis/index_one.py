@@ -14,6 +14,7 @@ from typing import Final, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction, Signature
 from symbody.equations.equation_set import EquationSet
@@ -51,6 +52,7 @@ class IndexOneSolution:
         """Return x', (n,)."""
         return self._solve(np.asarray(t, dtype=float), self._state(x))[0]
 
+    @checked_arguments
     def reactions(self, t: ArrayLike, x: ArrayLike) -> Floats:
         """Return the reactions, (m,), at a state (n,); or (m, N) at the states (n, N) of N times."""
         found = self._solve(np.asarray(t, dtype=float), self._state(x).T)[1]
@@ -67,6 +69,7 @@ class IndexOneSolution:
         return state
 
 
+@checked_arguments
 def solve_index_1(
     equations: EquationSet | Sequence[SympyExpr | SympyEquation],
     derivatives: Sequence[SympyExpr] = (),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from symbody.codegen.compile import Value, constant_values
 from symbody.equations.equation_set import EquationSet
@@ -44,6 +44,65 @@ def checked_pairs(ranges: Mapping[str, tuple[Value, Value]]) -> None:
         raise UsageError(*problems)
 
 
+def positions_and_rates(eqs: EquationSet) -> frozenset[str]:
+    """Return the names of everything that has a value in a configuration or a motion from it.
+
+    Coordinates of cut joints, their rates and their speeds are among them where they can be measured.
+    """
+    formed, topology = eqs.formed, eqs.formed.topology
+    names = formed.readable_names
+    coordinates = {name for joint in topology.joints for name in joint.coordinates}
+    coordinates.update(topology.model.coordinates, eqs.coordinate_names)
+    speeds = {name for joint in topology.joints for name in joint.quasi_speed_names}
+    all_names = coordinates | speeds | {f"{name}_dot" for name in coordinates} | {*eqs.speed_names}
+    return frozenset(name for name in all_names if name in names.symbols or name in names.values)
+
+
+def refuse_unknown(eqs: EquationSet, given: Iterable[str]) -> None:
+    """Refuse names that are neither positions nor rates, saying where what they name is given.
+
+    Raises
+    ------
+    AssemblyError
+        Naming each.
+    """
+    known = positions_and_rates(eqs)
+    problems = [_unknown(eqs, name) for name in dict.fromkeys(given) if name not in known]
+    if problems:
+        raise AssemblyError(*problems)
+
+
+def _unknown(eqs: EquationSet, name: str) -> Problem:
+    meaning, place = _meaning(eqs, name)
+    if meaning:
+        what = f"{name!r} is {meaning}, no coordinate or speed"
+        return Problem(
+            "assembly.no_state", name, what, "states are coordinates, their rates and speeds", place
+        )
+    cure = nearest(name, (*eqs.coordinate_names, *eqs.speed_names))
+    return Problem("assembly.unknown_name", name, f"there is no coordinate or speed {name!r}", "", cure)
+
+
+def _meaning(eqs: EquationSet, name: str) -> tuple[str, str]:
+    """Return what a name that is no state stands for, and where it is given; nothing if it has no meaning."""
+    if name in eqs.parameter_names:
+        return "a parameter", f"give it in parameters={{{name!r}: ...}}"
+    if name in eqs.input_names:
+        return "an input", f"give it in inputs={{{name!r}: ...}}"
+    if name == "t":
+        return "the time", "give it as t= or t_end=(t0, t_end)"
+    if name in eqs.acceleration_names or (name.endswith("_ddot") and _is_known(eqs, name)):
+        return "an acceleration", "it follows from positions, speeds and forces; give a force, or a motion"
+    if name in eqs.multiplier_names:
+        return "a multiplier", "it follows from positions, speeds and forces"
+    return "", ""
+
+
+def _is_known(eqs: EquationSet, name: str) -> bool:
+    names = eqs.formed.readable_names
+    return name in names.symbols or name in names.values
+
+
 def named_values(
     eqs: EquationSet,
     formulas: Mapping[str, Value],
@@ -59,15 +118,8 @@ def named_values(
     AssemblyError
         Naming each unknown name, with the nearest ones.
     """
-    names = eqs.formed.readable_names
-    known = {*names.symbols, *names.values}
-    problems = [
-        Problem("assembly.unknown_name", name, f"there is no coordinate or speed {name!r}", "",
-                nearest(name, (*eqs.coordinate_names, *eqs.speed_names)))
-        for name in formulas if name in strict and name not in known
-    ]  # fmt: skip
-    if problems:
-        raise AssemblyError(*problems)
+    refuse_unknown(eqs, [name for name in formulas if name in strict])
+    known = positions_and_rates(eqs)
     joints = (*eqs.model.joints, *eqs.model.free_joints)
     angles = {name for joint in joints for name in joint.angle_coordinates}
     read = {

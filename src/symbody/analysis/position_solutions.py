@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from symbody.arguments import checked_arguments
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, CompileError, FormulationError, ModelError, Problem, nearest
 from symbody.expr.closed_form import readable
@@ -52,6 +53,7 @@ class PositionSolutions:
         """Return the number of branches."""
         return len(self.branches)
 
+    @checked_arguments
     def evaluate(self, values: Mapping[object, float]) -> tuple[Mapping[str, float] | None, ...]:
         """Return the dependent coordinates of each branch by name; None where the branch does not reach.
 
@@ -76,6 +78,7 @@ class PositionSolutions:
             found.append(coordinates if closed else None)
         return tuple(found)
 
+    @checked_arguments
     def nearest(
         self, guess: Mapping[object, float], values: Mapping[object, float]
     ) -> Mapping[SympyExpr, SympyExpr]:
@@ -140,6 +143,7 @@ class PositionSolutions:
         return {name: float(known[name]) for name in needed}
 
 
+@checked_arguments
 def solve_positions(
     constraints: EquationSet | Sequence[SympyExpr | SympyEquation],
     dependent: Sequence[SympyExpr | str],

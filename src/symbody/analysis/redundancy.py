@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assembled_configuration
 from symbody.analysis.closure import closure
+from symbody.analysis.named_values import refuse_unknown
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.freedoms.mobility import count_freedoms, generic_point
@@ -49,6 +51,7 @@ class Redundancy:
     notes: tuple[str, ...] = ()
 
 
+@checked_arguments
 def redundancy(
     eqs: EquationSet,
     parameters: Mapping[str, Value] | None = None,
@@ -66,6 +69,7 @@ def redundancy(
     AssemblyError
         If the loops close nowhere near the guess.
     """
+    refuse_unknown(eqs, guess or ())
     task = closure(eqs, dict(parameters or {}), {}, 0.0)
     if task.is_tree:
         return Redundancy(len(eqs.speed_names), (), ())

@@ -102,7 +102,8 @@ class Scales:
         """
         if atol is not None:
             return np.full(x.size, atol)
-        return state_tolerances(eqs, np.array([self.length]), np.array([self.span]), x[np.newaxis])[0]
+        lengths, spans = np.array([self.length]), np.array([self.span])
+        return np.asarray(state_tolerances(eqs, lengths, spans, x[np.newaxis])[0])
 
     def over(self, start: float, end: float) -> Scales:
         """Return the scales of a motion between two times."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
@@ -52,6 +53,7 @@ class State:
             self._branches.extend(self._others())
         return tuple(self._branches)
 
+    @checked_arguments
     def __getitem__(self, name: str) -> float | np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
         """Return a coordinate, a speed, or any output or expression.
 

@@ -13,6 +13,7 @@ from typing import Final
 
 import numpy as np
 
+from symbody.arguments import checked_arguments
 from symbody.codegen.function import CompiledFunction, Signature, source_text
 from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.codegen.stored_sequence import read_sequence, sequence_key, store_sequence
@@ -32,6 +33,7 @@ _LESS: Final = "ask for fewer outputs at a time, or for code in less time by qui
 Value = int | float | str | Formula
 
 
+@checked_arguments
 def compile(
     eqs: EquationSet,
     outputs: str | Iterable[str],
@@ -79,6 +81,7 @@ def compile(
     return in_time(time_limit, "compiling", _LESS, made)
 
 
+@checked_arguments
 def generate_code(
     eqs: EquationSet,
     outputs: str | Iterable[str],

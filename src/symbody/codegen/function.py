@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from symbody.arguments import checked_arguments
 from symbody.codegen.direct_call import DirectCall
 from symbody.codegen.llvm.native import NativeFunction
 from symbody.codegen.native_call import GROUPS, NativeCall, SinglePoint
@@ -116,17 +117,19 @@ class CompiledFunction:
             if self._direct is None:
                 self._direct = self._made_direct()
                 self._at_point = self._direct.call
+            self._check_out(out, ())
             return self._shaped(self._single.run().copy(), (), out)
         given = {group: self._checked(group, x) for group, x in zip("qurp", (q, u, r, p), strict=True)}
-        given["t"] = self._checked("t", np.asarray(t)[..., np.newaxis])
+        given["t"] = self._checked("t", t)
         batch = _broadcast(given)
+        self._check_out(out, batch)
         if self._head is not None:
             given["c"] = self._head({"p": given["p"]}, given["p"].shape[:-1])
         return self._shaped(self._tail(given, batch, _positive(threads)), batch, out)
 
     def of_state(self, t: ArrayLike, x: ArrayLike, r: ArrayLike = (), p: ArrayLike = ()) -> Any:
         """Return the outputs for a state (speeds, then coordinates), the order of ``eqs.states``."""
-        state = np.asarray(x)
+        state = _array("x", "states", x)
         count = len(self.signature.u)
         names = self.signature.u + self.signature.q
         if state.ndim == 0 or state.shape[-1] != len(names):
@@ -141,7 +144,7 @@ class CompiledFunction:
 
         def bound(t: ArrayLike, q: ArrayLike, u: ArrayLike, r: ArrayLike = ()) -> Any:
             now = {group: self._checked(group, x) for group, x in zip("qur", (q, u, r), strict=True)}
-            now |= {"t": self._checked("t", np.asarray(t)[..., np.newaxis]), "p": values, "c": cached}
+            now |= {"t": self._checked("t", t), "p": values, "c": cached}
             batch = _broadcast(now)
             return self._shaped(self._tail(now, batch), batch, None)
 
@@ -176,6 +179,7 @@ class CompiledFunction:
         """Names of all arguments: t, coordinates, speeds, inputs, free parameters."""
         return ("t", *self.signature.q, *self.signature.u, *self.signature.r, *self.signature.p)
 
+    @checked_arguments
     def source(self, language: str = "c") -> str:
         """Return the function as source text of another language; see `generate_code`."""
         return source_text(self.sequence, language, self.signature)
@@ -209,7 +213,7 @@ class CompiledFunction:
         groups = self._single.groups
         for group, value in zip("tqurp", arguments, strict=True):
             place = groups[group]
-            array = np.asarray(value)
+            array = _array(group, _WORDS[group], value)
             if group == "t":
                 array = array.reshape(-1) if array.ndim == 0 else array[np.newaxis]
             if array.shape != place.shape or (array.size and array.dtype.char != "d"):
@@ -218,16 +222,34 @@ class CompiledFunction:
         return True
 
     def _checked(self, group: str, value: ArrayLike) -> Floats:
-        given = np.asarray(value)
+        given = _array(group, _WORDS[group], value)
+        given = given[..., np.newaxis] if group == "t" else given
         names = self.signature.names(group)
         if given.ndim == 0 or given.shape[-1] != len(names):
             raise CompileError(_length_problem(group, _WORDS[group], names, given.shape))
         if given.size and given.dtype.kind not in "fiu":
-            raise CompileError(
-                Problem("compile.argument_type", group, f"{_WORDS[group]} are of type {given.dtype}",
-                        "only real numbers can be computed with", "give floats")
-            )  # fmt: skip
-        return given.astype(np.float64, copy=False)
+            raise CompileError(_type_problem(group, _WORDS[group], str(given.dtype)))
+        return np.require(given, np.float64, "A")
+
+    def _check_out(self, out: object, batch: tuple[int, ...]) -> None:
+        """Refuse what cannot receive the result as it is."""
+        if out is None:
+            return
+        outputs = self.sequence.outputs
+        fitting = "leave out= away" if len(outputs) > 1 else f"give np.empty({batch + outputs[0].shape})"
+        if len(outputs) > 1:
+            what = f"there are {len(outputs)} results, and one array to receive them"
+        elif not isinstance(out, np.ndarray):
+            what = f"{type(out).__name__} is no array"
+        elif out.dtype != np.float64 or not out.dtype.isnative:
+            what = f"its entries are of type {out.dtype}, not float64"
+        elif out.shape != batch + outputs[0].shape:
+            what = f"its shape is {out.shape}, that of the result {batch + outputs[0].shape}"
+        elif not (out.flags.c_contiguous and out.flags.aligned and out.flags.writeable):
+            what = "it is not contiguous, or not writeable"
+        else:
+            return
+        raise CompileError(Problem("compile.out", "out", what, "", fitting))
 
     def _shaped(self, flat: Floats, batch: tuple[int, ...], out: Floats | None) -> Any:
         results, start = [], 0
@@ -246,6 +268,20 @@ class CompiledFunction:
 def _remade(sequence: Sequence, signature: Signature, quick: bool, lanes: bool | None) -> CompiledFunction:
     """Return a function from what was pickled of it."""
     return CompiledFunction(sequence, signature, quick=quick, lanes=lanes)
+
+
+def _array(group: str, word: str, value: ArrayLike) -> NDArray[Any]:
+    try:
+        return np.asarray(value)
+    except (TypeError, ValueError, OverflowError) as error:  # lists of lists of different lengths
+        raise CompileError(_type_problem(group, word, type(value).__name__)) from error
+
+
+def _type_problem(group: str, word: str, kind: str) -> Problem:
+    return Problem(
+        "compile.argument_type", group, f"{word} are of type {kind}",
+        "only real numbers, in rows of one length, can be computed with", "give floats",
+    )  # fmt: skip
 
 
 def _positive(threads: int) -> int:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
+from symbody.arguments import checked_arguments
 from symbody.equations.formed import Formed
 from symbody.equations.forming import form
 from symbody.equations.freedoms.mobility import Mobility, mobility
@@ -253,6 +254,7 @@ class EquationSet:
         """Degrees of freedom, those at the initial values for an instant, and notes on both."""
         return mobility(self.formed)
 
+    @checked_arguments
     def for_values(self, parameters: Mapping[str, float]) -> EquationSet:
         """Return these equations with the constraints that some values of the parameters fulfil set to 0 = 0.
 
@@ -299,11 +301,13 @@ class EquationSet:
             self._textbook.append(Textbook(formed))
         return self._textbook[0]
 
+    @checked_arguments
     def operation_count(self, *outputs: str) -> int:
         """Return the operations of a shared evaluation of `outputs`, parameters as symbols."""
         nodes = [node for name in outputs for node in self.roots(name).nodes]
         return operation_count(self.formed.graph, nodes)
 
+    @checked_arguments
     def roots(self, name: str) -> Roots:
         """Return the roots of an output in the expression graph; see `evaluable_roots`."""
         found = self._roots.get(name)
@@ -312,6 +316,7 @@ class EquationSet:
             self._roots[name] = found
         return found
 
+    @checked_arguments
     def code_roots(self, name: str) -> Roots:
         """Return the roots of an output for machine code: derivatives as programs for several columns."""
         if asked_derivative(name) is None:
@@ -321,6 +326,7 @@ class EquationSet:
             found = self._code_roots[name] = code_roots(self.formed, name)
         return found
 
+    @checked_arguments
     def frame_motion(
         self, kind: str, end: str, reference: str = "ground", resolved_in: str = "ground"
     ) -> SympyMatrix:
@@ -347,6 +353,7 @@ class EquationSet:
         """
         return self.textbook.frame_motion(kind, end, reference, resolved_in)
 
+    @checked_arguments
     def reaction(self, joint: str, on: str = "", at: str = "", frame: str = "") -> Reaction:
         """Return the reaction of a joint as formulas in q, u, their derivatives and the multipliers.
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Final
 
+from symbody.arguments import checked_arguments
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.formed import Formed
 from symbody.equations.forming import form
@@ -26,6 +27,7 @@ _LESS: Final = (
 )
 
 
+@checked_arguments
 def form_equations(
     model: Model,
     formulation: Formulation | None = None,

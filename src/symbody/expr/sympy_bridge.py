@@ -26,7 +26,6 @@ from typing import Final, NamedTuple, TypeAlias, TypeGuard
 
 import sympy as sp
 from sympy.functions.elementary.piecewise import ExprCondPair
-from sympy.physics.vector import dynamicsymbols
 
 from symbody.errors import ExpressionError, Problem
 from symbody.expr import opcodes as op
@@ -35,7 +34,7 @@ from symbody.expr.graph import Exact, Graph, Kind, Symbol
 from symbody.expr.printing.definitions import EXPAND_LIMIT, definitions
 from symbody.expr.printing.flattening import SUMS, linear_terms, nested_operands, power_factors
 from symbody.expr.rewrite import symbols_of
-from symbody.expr.sympy_reader import KERNEL_NAME, Lookup, from_sympy, nodes_from_sympy
+from symbody.expr.sympy_reader import KERNEL_NAME, Lookup, from_sympy, nodes_from_sympy, sympy_time
 
 __all__ = [
     "Lookup", "SympyEquation", "SympyExpr", "SympyMatrix", "from_sympy", "is_expression",
@@ -121,7 +120,7 @@ def nodes_from_equations(
 
 def time_derivatives(functions: Iterable[SympyExpr]) -> list[SympyExpr]:
     """Return the derivatives of SymPy expressions by time."""
-    return [sp.diff(function, dynamicsymbols._t) for function in functions]
+    return [sp.diff(function, sympy_time()) for function in functions]
 
 
 def sympy_matrix(graph: Graph, rows: int, columns: int, nodes: Sequence[int]) -> SympyMatrix:
@@ -154,7 +153,7 @@ def is_matrix(thing: object) -> TypeGuard[SympyMatrix]:
 
 def symbol_to_sympy(symbol: Symbol) -> SympyExpr:
     """Return a symbol as SymPy writes it: a function of time, its derivative, or a plain symbol."""
-    t = dynamicsymbols._t
+    t = sympy_time()
     if symbol.kind == Kind.TIME:
         return t
     if symbol.kind == Kind.PARAMETER:

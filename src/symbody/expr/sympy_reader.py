@@ -7,12 +7,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import reduce
 from itertools import islice
-from typing import Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 from sympy.logic.boolalg import Boolean
-from sympy.physics.vector import dynamicsymbols
 
 from symbody.errors import ExpressionError, Problem
 from symbody.expr import opcodes as op
@@ -20,10 +19,21 @@ from symbody.expr.canonical import ONE, ZERO, add, apply, div, mul, neg, power, 
 from symbody.expr.graph import TIME, Graph, Kernel, Kind, Symbol
 from symbody.expr.language.caret import shown
 
+try:
+    from sympy.physics.vector import dynamicsymbols as time_functions
+except AttributeError:  # python -OO: that module formats docstrings, which are not there
+    time_functions = None
+dynamicsymbols: Any = time_functions
+
 Lookup: TypeAlias = Callable[[str, bool], Symbol]
 _Rule: TypeAlias = Callable[..., int]
 
 KERNEL_NAME: Final = "solve_saddle_{n}_{m}"
+
+
+def sympy_time() -> sp.Symbol:
+    """Return the symbol of time, ``dynamicsymbols._t``."""
+    return sp.Symbol("t") if dynamicsymbols is None else dynamicsymbols._t
 
 
 def from_sympy(expression: object, graph: Graph, lookup: Lookup | None = None) -> int:
@@ -63,7 +73,7 @@ class _Reader:
     def __init__(self, graph: Graph, lookup: Lookup) -> None:
         self._graph = graph
         self._lookup = lookup
-        self._time = dynamicsymbols._t
+        self._time = sympy_time()
         self._functions = {function.name: place for place, function in enumerate(graph.functions)}
         # By identity: comparing deep expressions recurses. The object is kept so that its id stays its own.
         self._known: dict[int, tuple[sp.Basic, int]] = {}

@@ -6,6 +6,7 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
+from symbody.arguments import checked_arguments
 from symbody.errors import FormatError, ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.formats.checking import check_structure
@@ -21,6 +22,7 @@ from symbody.model.lookup import element_labels
 from symbody.model.model import KINDS, Model
 
 
+@checked_arguments
 def load_model(path: str | os.PathLike[str]) -> Model:
     """Return the model in a TOML file.
 
@@ -37,6 +39,7 @@ def load_model(path: str | os.PathLike[str]) -> Model:
     return model_from_toml(read_text(path), where=where)
 
 
+@checked_arguments
 def save_model(model: Model, path: str | os.PathLike[str]) -> None:
     """Write a model to a TOML file.
 

@@ -8,6 +8,7 @@ from typing import Final, Literal
 
 import networkx as nx
 
+from symbody.arguments import checked_arguments
 from symbody.errors import Problem, TopologyError, nearest
 from symbody.graph.linear_graph import Edge
 from symbody.model.joint import Joint
@@ -29,6 +30,7 @@ class Trees:
     rotation: tuple[str, ...]
     translation: tuple[str, ...]
 
+    @checked_arguments
     def __init__(self, rotation: Iterable[Joint | str], translation: Iterable[Joint | str]) -> None:
         for field, joints in (("rotation", rotation), ("translation", translation)):
             object.__setattr__(self, field, tuple(j.name if isinstance(j, Joint) else str(j) for j in joints))

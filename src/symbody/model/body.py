@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, final
 
+from symbody.arguments import checked_arguments
 from symbody.expr.language.formula import Formula
 from symbody.expr.language.tokens import normalize
 from symbody.model.door import Door, Value
@@ -58,6 +59,7 @@ class Body(Element):
     frames: Table[Frame]
     unphysical: bool
 
+    @checked_arguments
     def __init__(
         self,
         name: str,

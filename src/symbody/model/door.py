@@ -160,4 +160,10 @@ def plain(value: object) -> FormulaLike:
 
 def _is_many(values: object) -> TypeGuard[Iterable[object]]:
     """Return whether something counts as a list: it can be iterated, and is no text or mapping."""
-    return isinstance(values, Iterable) and not isinstance(values, str | bytes | Mapping)
+    if not isinstance(values, Iterable) or isinstance(values, str | bytes | Mapping):
+        return False
+    try:
+        iter(values)
+    except TypeError:  # an array without axes
+        return False
+    return True

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, TypeVar, final
 
+from symbody.arguments import checked_arguments
 from symbody.errors import ModelError, Problem, counted, nearest
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
@@ -87,6 +88,7 @@ class Model:
     constraints: tuple[Condition, ...] = field(init=False, compare=False)
     notes: tuple[str, ...] = field(init=False, compare=False)
 
+    @checked_arguments
     def __init__(
         self,
         name: str,
@@ -146,6 +148,7 @@ class Model:
         own = [name for condition in self.constraints for name in condition.coordinates]
         return (*(name for joint in self.joints for name in joint.coordinates), *own)
 
+    @checked_arguments
     def body(self, name: str) -> Body:
         """Return the body called `name`.
 
@@ -156,6 +159,7 @@ class Model:
         """
         return _named(self.bodies, "body", name)
 
+    @checked_arguments
     def joint(self, name: str) -> Joint:
         """Return the joint called `name`.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike
 from symbody.analysis.assembly import assemble
 from symbody.analysis.scales import USUAL_SHARE, mechanism_scales
 from symbody.analysis.state import State
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
@@ -39,13 +41,14 @@ from symbody.simulation.status import Status
 from symbody.simulation.task import Evaluator, EventFunctions, Task
 
 
+@checked_arguments
 def simulate(
     eqs: EquationSet, t_end: float | tuple[float, float], initial: Mapping[str, Value] | None = None,
     guess: Mapping[str, Value] | None = None, parameters: Mapping[str, Value] | None = None,
     inputs: Mapping[str, Law] | None = None, times: ArrayLike | None = None,
     integrator: Integrator | None = None, constraints: Constraints | None = None,
-    events: Event | Sequence[Event] = (), *, rtol: float = 1e-8,
-    atol: float | None = None, scales: Mapping[str, float] | None = None, max_steps: int = 1_000_000,
+    events: Event | Sequence[Event] = (), *, rtol: float = 1e-8, atol: float | None = None,
+    scales: Mapping[str, float] | None = None, max_steps: int = 1_000_000,
     progress: Progress | bool | None = None,
 ) -> Trajectory:  # fmt: skip
     """Return the motion of a mechanism from its initial values.
@@ -61,39 +64,38 @@ def simulate(
     parameters : mapping of name to number or formula
         Overrides values of the model.
     inputs : mapping of name to expression, table or callable
-        In t, states and parameters, as ``{"F": "sin(omega*t)"}``; a `Table` or (times, values); a function
-        f(t, q, u) that returns a number, which is slow. Others are 0.
+        In t, states and parameters, as ``{"F": "sin(omega*t)"}``; a `Table` or (times, values); a slow
+        function f(t, q, u) that returns a number. Others are 0.
     times : array, optional
         Exactly the samples to store; by default every step.
     integrator, constraints : optional
         ``Explicit(order=8)``, with a change to `Stiff` where it pays, or `FixedStep`; ``Projection()`` holds
         closed loops.
     events : Event or sequence of Event
-        What to watch. Where one changes the state, both states are samples, of `times` only the one after.
-    rtol : float
-        Tolerance of the local error, relative to each coordinate and speed.
-    atol : float, optional
-        Absolute tolerance of each [m, rad, m/s, rad/s]; by default 1e-10 of what counts as large in the
-        mechanism: its largest length or 1 rad, and that over the span of the motion.
+        Where one changes the state, both states are samples, of `times` only the one after.
+    rtol, atol : float
+        Tolerances of the local error, relative and absolute; by default atol is 1e-10 of the mechanism's
+        largest length or of 1 rad, for speeds over the span of the motion.
     scales : mapping of "length", "time", "mass" to float, optional
         What counts as large [m, s, kg] where it shall not follow from the model.
     progress : bool or callable, optional
-        True shows a bar, also of the loop's compilation, once on a computer; a callable is told the share
-        that is done, and ends the motion by returning False.
+        True shows a bar, also of the loop's compilation; a callable takes the share that is done, and ends
+        the motion by returning False.
 
     Raises
     ------
     CompileError, FormulationError, UsageError, AssemblyError, SimulationError
         If names, values, times, tables or events make no sense, initial values do not fit, or a function
-        given as input fails. Other failures on the way do not raise: `status` tells.
+        given as input fails. Other failures on the way stand in `status`.
     """
     checked_question(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     chosen, laws = checked_events(events, eqs), input_laws(eqs.input_names, inputs or {}, span)
     held = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
-    known = mechanism_scales(eqs, dict(parameters or {}), scales, first.q).over(*span)
-    task = Task(held, dict(parameters or {}), laws, known)
+    values = dict(parameters or {})
+    known = mechanism_scales(eqs, values, scales, first.q).over(*span)
+    task = Task(held, values, laws, known)
     notes = (*_notes(eqs, inputs or {}, laws), *(known.notes(eqs) if atol is None else ()))
     move = partial(_moved, integrator=integrator, constraints=constraints, notes=notes)
     go = partial(run_switching, move=move) if switches(eqs.formed) else move
@@ -161,7 +163,7 @@ def _work_tolerance(task: Task, first: State, t: float, request: Request) -> flo
     """
     kinetic = task.interpreted("kinetic_energy", t, first.q.values(), first.u.values())
     own = USUAL_SHARE * task.scales.energy if request.atol is None else request.atol
-    return max(own, request.rtol * kinetic)
+    return min(max(own, request.rtol * kinetic), sys.float_info.max)
 
 
 def _watch(

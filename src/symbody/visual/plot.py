@@ -8,6 +8,7 @@ from os import PathLike
 
 from matplotlib.axes import Axes
 
+from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.visual.canvas import (
@@ -23,6 +24,7 @@ from symbody.visual.canvas import (
 from symbody.visual.curves import Path, curves_of, named, path_of, refined, single_curve
 
 
+@checked_arguments
 def plot(
     run: Trajectory,
     *expressions: str | tuple[str, ...],
@@ -124,6 +126,7 @@ def _paths(paths: Sequence[Path], ax: Axes | None, title: str | None, equal: boo
     return axes
 
 
+@checked_arguments
 def save_plot(ax: Axes, path: str | PathLike[str]) -> None:
     """Write the figure that holds `ax` to a file; the suffix chooses png, svg, pdf or another format.
 

@@ -20,6 +20,7 @@ from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.linearize import linearize
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, SimulationError, nearest
@@ -71,6 +72,7 @@ class Equilibrium(State):
         return _VERDICTS.get(self.verdict)
 
 
+@checked_arguments
 def find_equilibrium(
     eqs: EquationSet,
     guess: Mapping[str, Value] | None = None,

@@ -24,6 +24,7 @@ from symbody.analysis.kinematics.follower import Follower, Law, follower
 from symbody.analysis.kinematics.held import joint_of
 from symbody.analysis.kinematics.velocity_ratios import VelocityRatios, velocity_ratios
 from symbody.analysis.state import State
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, UsageError
@@ -74,6 +75,7 @@ class SingularConfiguration:
         return f"lock-up at {place}: {drive} cannot drive the mechanism" + (f", {ends}" if ends else "")
 
 
+@checked_arguments
 def singular_configurations(
     eqs: EquationSet,
     independent: str | Sequence[str],

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from symbody.analysis.assembly import assemble
 from symbody.analysis.kinematics.follower import Follower, Law, follower
 from symbody.analysis.kinematics.held import element_of
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
@@ -92,6 +93,7 @@ class Positions:
         return pandas.DataFrame(self.columns())
 
 
+@checked_arguments
 def trace_positions(
     eqs: EquationSet,
     over: Mapping[str, ArrayLike],

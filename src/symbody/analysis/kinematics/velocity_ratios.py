@@ -20,6 +20,7 @@ from symbody.analysis.kinematics.follower import Follower, follower
 from symbody.analysis.kinematics.held import element_of
 from symbody.analysis.redundancy import redundancy
 from symbody.analysis.state import State
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
@@ -105,6 +106,7 @@ class VelocityRatios:
         found = parts[0] + self.tau.T * parts[1] if self.dependent else parts[0]
         return found.applyfunc(_shortened)
 
+    @checked_arguments
     def holding(self, unknown: str) -> SympyExpr:
         """Return the input that holds a mechanism with one freedom at rest, as a formula.
 
@@ -136,6 +138,7 @@ class VelocityRatios:
             )  # fmt: skip
         return _shortened(-balance.subs(symbol, 0) / slope)
 
+    @checked_arguments
     def at(self, state: State | Mapping[str, Value]) -> Floats:
         """Return tau as numbers (n_D, n_I) at a state, or at the position with these values.
 
@@ -147,11 +150,13 @@ class VelocityRatios:
         found = self._state(state)
         return self._tau(found.t, np.array(list(found.q.values())))
 
+    @checked_arguments
     def along(self, run: Samples) -> Floats:
         """Return tau along a motion, (n_D, n_I, N)."""
         found = [self._tau(float(t), q) for t, q in zip(run.t, run.q.T, strict=True)]
         return np.moveaxis(np.array(found), 0, -1)
 
+    @checked_arguments
     def speeds(self, state: State | Mapping[str, Value], rates: Mapping[str, float]) -> dict[str, float]:
         """Return all speeds at a position, from the independent ones; those not given are 0."""
         found = self._state(state)
@@ -160,6 +165,7 @@ class VelocityRatios:
         u = self._completed(found.t, q, np.zeros(len(self.eqs.speed_names)), rates, 1)
         return dict(zip(self.eqs.speed_names, u.tolist(), strict=True))
 
+    @checked_arguments
     def accelerations(
         self,
         state: State | Mapping[str, Value],
@@ -181,6 +187,7 @@ class VelocityRatios:
         u = np.array(list(self.speeds(found, rates).values()))
         return dict(zip(names, self._completed(found.t, q, u, asked, 2).tolist(), strict=True))
 
+    @checked_arguments
     def generalized_forces(self, state: State | Mapping[str, Value]) -> Floats:
         """Return ``F_I + tau^T F_D`` (n_I,) at a state: what its forces do along each independent speed.
 
@@ -259,6 +266,7 @@ class VelocityRatios:
         return name if name in self.eqs.speed_names else f"{name}_dot"
 
 
+@checked_arguments
 def velocity_ratios(
     eqs: EquationSet,
     independent: str | Sequence[str] | None = None,

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.analysis.linear.modes import Mode, Spectrum, spectrum
 from symbody.analysis.state import State
+from symbody.arguments import checked_arguments
 from symbody.errors import AssemblyError, EnvironmentFault, Problem
 
 Floats = NDArray[np.float64]
@@ -102,6 +103,7 @@ class Linearization:
             self._spectrum.append(spectrum(self.A, self.state_names, coordinates, self._noise))
         return self._spectrum[0]
 
+    @checked_arguments
     def recover(self, deviations: Mapping[str, float] | ArrayLike) -> dict[str, Floats]:
         """Return the deviations of all speeds and coordinates, dependent ones too, by name.
 

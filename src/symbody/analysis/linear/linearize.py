@@ -23,6 +23,7 @@ from symbody.analysis.linear.slopes import Slopes, slopes
 from symbody.analysis.linear.variations import rotations
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, nearest
@@ -36,6 +37,7 @@ _STILL: Final = 1e-12  # of accelerations and rates of the mechanism's own size
 _INDEPENDENT_OF: Final = 1e-9  # of the largest terms of a column that should vanish
 
 
+@checked_arguments
 def linearize(
     eqs: EquationSet,
     at: Mapping[str, Value] | State | None = None,

@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from symbody.arguments import checked_fields
 
+
+@checked_fields
 @dataclass(frozen=True, slots=True)
 class Recursive:
     """Formulation by recursive Newton-Euler, composite and articulated bodies along one tree.

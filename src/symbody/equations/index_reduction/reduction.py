@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from symbody.arguments import checked_arguments
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.index_reduction.mechanism_reduction import IndexReduction, reduced_mechanism
 from symbody.equations.index_reduction.separation import derivative_nodes, separated, written
@@ -22,6 +23,7 @@ from symbody.expr.sympy_bridge import (
 )
 
 
+@checked_arguments
 def reduce_index(
     equations: EquationSet | Sequence[SympyExpr | SympyEquation],
     unknowns: Sequence[SympyExpr] | None = None,

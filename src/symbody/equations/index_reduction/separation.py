@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from symbody.arguments import checked_arguments
 from symbody.equations.index_reduction.rate_elimination import eliminate_rates
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import gradient, linear_coefficients, time_derivative
@@ -80,6 +81,7 @@ class Separation:
         return iter((self.equations, self.algebraic))
 
 
+@checked_arguments
 def separate_derivatives(equations: Sequence[SympyExpr], derivatives: Sequence[SympyExpr]) -> Separation:
     """Part equations that determine derivatives from the constraints hidden among them.
 

@@ -7,16 +7,18 @@ from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import Use, turns_of
 from symbody.expr.expression import Expr, atan2, cos, sin, sqrt
-from symbody.model.joint import Joint
+from symbody.model.joint import Joint, QuasiSpeeds
 from symbody.vectors.euler_angles import measured_angles
-from symbody.vectors.matrix import Triple, outer
+from symbody.vectors.frame import FrameTree
+from symbody.vectors.matrix import Triple, identity, outer
 from symbody.vectors.vector import Vector, cross, dot, vector
 
 
 def measured_coordinates(names: Names, kinematics: Kinematics, use: Use) -> dict[str, Expr]:
     """Return the coordinates of a joint that are neither in q nor prescribed, their first and second rates.
 
-    Angles are in (-pi, pi]; a quaternion is not measured, because its sign is free.
+    Angles are in (-pi, pi]; a quaternion is not measured, because its sign is free. Speeds that are
+    components of velocities are measured too, with their rates.
     """
     found: dict[str, Expr] = {}
     if not use.slides:
@@ -26,7 +28,28 @@ def measured_coordinates(names: Names, kinematics: Kinematics, use: Use) -> dict
     seconds = {
         f"{name}_ddot": kinematics.rate(found[f"{name}_dot"]) for name in found if f"{name}_dot" in found
     }
-    return found | seconds
+    speeds = _speeds(kinematics, use)
+    return found | seconds | speeds | {f"{name}_dot": kinematics.rate(u) for name, u in speeds.items()}
+
+
+def _speeds(kinematics: Kinematics, use: Use) -> dict[str, Expr]:
+    """Return the speeds of a joint that are components of velocities, of its parts that are not in u."""
+    joint, tree = use.joint, kinematics.tree
+    start, end = joint.start.frame, joint.end.frame
+    found: dict[str, Expr] = {}
+    if not use.slides and joint.translation_speeds is not None:
+        swing = cross(tree, kinematics.angular_velocities[start].value, kinematics.arm(start, end))
+        slide = kinematics.velocities[end].value - kinematics.velocities[start].value - swing
+        found |= _components(tree, joint, joint.translation_speeds, slide)
+    if not use.turns and joint.rotation_speeds is not None:
+        found |= _components(tree, joint, joint.rotation_speeds, _turning(kinematics, joint))
+    return found
+
+
+def _components(tree: FrameTree, joint: Joint, speeds: QuasiSpeeds, velocity: Vector) -> dict[str, Expr]:
+    frame = tree.home(joint.end.frame if speeds.resolved_in == "end" else joint.start.frame)
+    axes = [vector(frame, axis) for axis in identity(tree.graph)]
+    return {name: dot(tree, axis, velocity) for name, axis in zip(speeds.names, axes, strict=True)}
 
 
 def _displacements(names: Names, kinematics: Kinematics, joint: Joint) -> dict[str, Expr]:

@@ -7,6 +7,7 @@ import pickle
 import subprocess
 import sys
 from collections.abc import Sequence
+from threading import TIMEOUT_MAX
 
 import sympy as sp
 
@@ -49,7 +50,12 @@ def _answered(
     command = [sys.executable, "-m", "symbody.expr.solving.worker"]
     try:
         run = subprocess.run(
-            command, input=question, capture_output=True, timeout=seconds, env=environment, check=False
+            command,
+            input=question,
+            capture_output=True,
+            timeout=min(seconds, TIMEOUT_MAX),
+            env=environment,
+            check=False,
         )
     except subprocess.TimeoutExpired as error:
         raise FormulationError(

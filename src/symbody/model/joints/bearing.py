@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import ClassVar, Final, final
 
+from symbody.arguments import checked_arguments
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Place
 from symbody.model.door import Value
@@ -69,6 +70,7 @@ class Bearing(Joint):
     motion: Table[Formula]
     as_constraint: bool
 
+    @checked_arguments
     def __init__(
         self,
         name: str,

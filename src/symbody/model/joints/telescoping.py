@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import ClassVar, Final, Literal, final
 
+from symbody.arguments import checked_arguments
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Place
 from symbody.model.door import Value
@@ -71,6 +72,7 @@ class Telescoping(Joint):
     motion: Table[Formula]
     as_constraint: bool
 
+    @checked_arguments
     def __init__(
         self,
         name: str,

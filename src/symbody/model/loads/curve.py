@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final, Literal, TypeAlias, cast, final
 
+from symbody.arguments import checked_arguments
 from symbody.expr.language.formula import Formula
 from symbody.model.door import ZERO, Door, Value
 from symbody.model.numbers import as_float, value_of
@@ -42,6 +43,7 @@ class Curve:
     kind: str
     outside: str
 
+    @checked_arguments
     def __init__(
         self,
         x: Iterable[Value],

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
+from symbody.arguments import checked_fields
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
@@ -31,6 +32,7 @@ class Occurrence(NamedTuple):
     state: Mapping[str, float]
 
 
+@checked_fields
 @dataclass(frozen=True, slots=True)
 class Event:
     """A moment when an expression passes zero.

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
+from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
 
 Floats = NDArray[np.float64]
@@ -18,6 +19,7 @@ Floats = NDArray[np.float64]
 MOST_IN_FORMULAS: Final = 64
 
 
+@checked_fields
 @dataclass(frozen=True, slots=True, eq=False)
 class Table:
     """A function of time through given points.
@@ -134,7 +136,7 @@ def _text(value: float) -> str:
 def _numbers(what: str, given: ArrayLike) -> Floats:
     try:
         return np.array(given, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise _wrong(f"{what} are not numbers", "give lists of numbers") from error
 
 

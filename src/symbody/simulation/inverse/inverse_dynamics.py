@@ -18,6 +18,7 @@ from scipy.interpolate import CubicSpline
 
 from symbody.analysis.kinematics.follower import follower
 from symbody.analysis.scales import mechanism_scales
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
@@ -35,6 +36,7 @@ from symbody.simulation.task import Evaluator, Task
 Floats = NDArray[np.float64]
 
 
+@checked_arguments
 def inverse_dynamics(
     eqs: EquationSet,
     motion: Mapping[str, Motion],

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.scales import USUAL_SHARE, Scales
+from symbody.arguments import checked_fields
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
@@ -28,6 +29,7 @@ ROUNDED_PER_COORDINATE: Final = 3.0
 PROJECTED = ("position_residual", "position_move", "velocity_residual", "velocity_move")
 
 
+@checked_fields
 @dataclass(frozen=True, slots=True)
 class Projection:
     """After each step the state is moved back onto the constraints, by the least move in the mass matrix.
@@ -48,6 +50,7 @@ class Projection:
         _check_positive(tolerance=self.tolerance, limit=self.limit)
 
 
+@checked_fields
 @dataclass(frozen=True, slots=True, init=False)
 class Baumgarte:
     """Constraints decay like ``Phi'' + 2 zeta omega Phi' + omega^2 Phi = 0``; nothing is projected.

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.interface import Goal, Projector, RightHandSide
@@ -42,6 +43,7 @@ NOTHING_TO_PROJECT: Final = Projector(
 SMALLEST_RTOL: Final = 10.0 * EPSILON
 
 
+@checked_fields
 @dataclass(frozen=True, slots=True)
 class Explicit:
     """A Runge-Kutta pair of Dormand and Prince, with steps that follow the local error.

@@ -6,12 +6,14 @@ import math
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
 from symbody.simulation.native.runge_kutta import RUNGE_KUTTA_4, SEMI_IMPLICIT, Tableau
 
 _TABLEAUS: Final = {"rk4": RUNGE_KUTTA_4, "semi-implicit": SEMI_IMPLICIT}
 
 
+@checked_fields
 @dataclass(frozen=True, slots=True)
 class FixedStep:
     """Steps of one length: for real time, for comparisons, for laws that jump on a raster.

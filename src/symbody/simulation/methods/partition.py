@@ -17,6 +17,7 @@ from scipy.integrate import DOP853
 from scipy.linalg import qr
 
 from symbody.analysis.redundancy import redundancy
+from symbody.arguments import checked_fields
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.simulation.methods.constraints import Projection
@@ -54,6 +55,7 @@ _LEVEL: Final = 1e-15
 _TRIALS: Final = 30
 
 
+@checked_fields
 @dataclass(frozen=True, slots=True)
 class Partition:
     """Only independent coordinates and speeds are integrated; constraints hold to rounding at every stage.

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.request import Closing, Request
@@ -32,6 +33,7 @@ DRIFT: Final = 5.0
 PATIENCE: Final = 100.0
 
 
+@checked_fields
 @dataclass(frozen=True, slots=True)
 class Stiff:
     """Backward differentiation with variable order and step, for fast damped motions.

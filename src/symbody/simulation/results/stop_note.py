@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.massless import massless_problem, massless_speeds
+from symbody.model.loads.forces import SpringDamper
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.status import Status
 from symbody.simulation.task import Task
@@ -34,7 +35,7 @@ def stop_note(task: Task, raw: RawRun) -> str:
         if position is not None:
             return f"{known}; {position.told}"
     if raw.status in (Status.SINGULAR, Status.NOT_FINITE):
-        told = _massless(task, raw)
+        told = _massless(task, raw) or _without_direction(task, raw)
         if told:
             return f"{known}; {told}"
     return raw.stop_note((*task.eqs.state_names, "work"))
@@ -126,6 +127,25 @@ def _massless(task: Task, raw: RawRun) -> str:
         return ""
     problem = massless_problem("", [eqs.speed_names[k] for k in places], eqs.coordinate_names)
     return f"there {problem.what}; {problem.fix}"
+
+
+def _without_direction(task: Task, raw: RawRun) -> str:
+    """Return which springs have the length zero, and so no direction, at the last state."""
+    eqs = task.eqs
+    t, x = _samples(task, raw)
+    n_u, n = len(eqs.speed_names), len(eqs.state_names)
+    springs = [spring.name for spring in eqs.model.elements if isinstance(spring, SpringDamper)]
+    lengths = [
+        float(task.evaluated(task.compiled(f"length {name}"), t[-1:], x[n_u:n, -1:], x[:n_u, -1:])[0])
+        for name in springs
+    ]
+    short = [name for name, length in zip(springs, lengths, strict=True) if length == 0.0]
+    if not short:
+        return ""
+    return (
+        f"there spring {', '.join(short)} has length 0, so that its force along it has no direction; start "
+        "beside this position, or take the stiffness alone with free length 0, and damp the joint instead"
+    )
 
 
 def _samples(task: Task, raw: RawRun) -> tuple[Floats, Floats]:

@@ -11,12 +11,20 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from symbody.arguments import checked_arguments
 from symbody.equations.showing.units import Units
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
-from symbody.simulation.results.archive import Path, not_ours, read_archive, unwritable, write_archive
+from symbody.simulation.results.archive import (
+    Path,
+    check_motion,
+    not_ours,
+    read_archive,
+    unwritable,
+    write_archive,
+)
 from symbody.simulation.status import Status
 
 if TYPE_CHECKING:
@@ -100,6 +108,7 @@ class Trajectory:
         """All names whose values are stored."""
         return ("t", *self.coordinate_names, *self.speed_names, *self.stored)
 
+    @checked_arguments
     def __getitem__(self, name: str) -> Floats:
         """Return the samples of a coordinate, a speed or any output: (N,), or (3, N) for a vector.
 
@@ -136,6 +145,7 @@ class Trajectory:
             Problem("trajectory.unknown_name", repr(name), what, why, nearest(name, self.names))
         )
 
+    @checked_arguments
     def at(self, t: ArrayLike) -> Trajectory:
         """Return the motion at other times, from the polynomial of each step.
 
@@ -190,6 +200,7 @@ class Trajectory:
         """Largest violation of a velocity constraint (N,), over the model's size times the largest speed."""
         return self["velocity_violation"]
 
+    @checked_arguments
     def reaction(self, joint: str) -> Floats:
         """Return force [N] and moment [N m] of a joint on its end body (6, N), in the joint's start axes.
 
@@ -200,6 +211,7 @@ class Trajectory:
         """
         return self[f"reaction {joint}"]
 
+    @checked_arguments
     def columns(self, *names: str) -> dict[str, Floats]:
         """Return outputs as columns (N,); vectors are split into "name x", "name y", "name z".
 
@@ -214,6 +226,7 @@ class Trajectory:
             found.update(_split(name, self._with_time(self[name])))
         return found
 
+    @checked_arguments
     def to_pandas(self, *names: str) -> pandas.DataFrame:
         """Return `columns` as a pandas table indexed by t.
 
@@ -230,6 +243,7 @@ class Trajectory:
             raise EnvironmentFault(Problem("trajectory.pandas", "to_pandas", what, fix=fix)) from None
         return pandas.DataFrame(self.columns(*names), index=pandas.Index(np.atleast_1d(self.t), name="t"))
 
+    @checked_arguments
     def to_csv(self, path: Path, *names: str) -> None:
         """Write t and `columns` as comma separated text whose numbers read back exactly."""
         columns = {"t": np.atleast_1d(self.t), **self.columns(*names)}
@@ -241,6 +255,7 @@ class Trajectory:
         except OSError as error:
             raise unwritable(path, error) from error
 
+    @checked_arguments
     def save(self, path: Path, *names: str) -> None:
         """Write the trajectory to a file that `load` reads; outputs that are not states only if named."""
         stored = {**self.stored, **{name: self[name] for name in names if name not in self.names}}
@@ -262,6 +277,7 @@ class Trajectory:
         write_archive(path, arrays, about)
 
     @classmethod
+    @checked_arguments
     def load(cls, path: Path) -> Trajectory:
         """Read a trajectory that `save` wrote; outputs that were not stored are unknown to it.
 
@@ -274,6 +290,7 @@ class Trajectory:
         """
         arrays, about = read_archive(path)
         try:
+            check_motion(arrays, about)
             dense_output = DenseOutput(arrays["breaks"], arrays["pieces"]) if "breaks" in arrays else None
             return cls(
                 arrays["t"],

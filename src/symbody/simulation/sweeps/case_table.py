@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
 from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.arguments import checked_fields
 from symbody.codegen.compile import Value
 from symbody.errors import Problem, UsageError
 from symbody.expr.language.formula import Formula
@@ -21,6 +22,7 @@ Combine = Literal["product", "list"]
 _LAWS: Final = ("uniform", "loguniform", "normal")
 
 
+@checked_fields
 @dataclass(frozen=True, slots=True)
 class Samples:
     """Random values of a parameter or initial value, the same for the same seed.
@@ -112,8 +114,14 @@ def case_table(
     combine: Combine = "product",
     samples: int | None = None,
     seed: int = 0,
+    check: Callable[[int, int], None] | None = None,
 ) -> CaseTable:
     """Return the cases that mappings of names to values, sequences of values, or `Samples` stand for.
+
+    Parameters
+    ----------
+    check : callable, optional
+        Is told how many cases there will be, and names that vary, before any memory is taken for them.
 
     Raises
     ------
@@ -125,13 +133,13 @@ def case_table(
     lists = {(kind, name): value for kind, name, value in given if _varies(value)}
     drawn = {(kind, name): value for kind, name, value in given if isinstance(value, Samples)}
     columns = _checked(lists, combine, bool(drawn), samples)
-    rows = _combined(columns, combine)
-    count = len(rows)
-    if drawn and samples is not None:
-        rows = np.repeat(rows, samples, axis=0)
+    count, each = _count(columns, combine), samples if drawn and samples is not None else 1
     keys = [*columns, *drawn]
-    table = np.empty((len(rows), len(keys)))
-    table[:, : len(columns)] = rows
+    if check is not None:
+        check(count * each, len(keys))
+    table = np.empty((count * each, len(keys)))
+    for place, column in enumerate(_combined(columns, combine, count)):
+        table[:, place] = np.repeat(column, each)
     for place, ((_, name), value) in enumerate(drawn.items(), start=len(columns)):
         if isinstance(value, Samples) and samples is not None:
             table[:, place] = np.tile(value.draw(name, samples, seed), count)
@@ -206,9 +214,18 @@ def _column(value: Varied) -> Floats | None:
     return column if column.ndim == 1 and column.size and np.isfinite(column).all() else None
 
 
-def _combined(columns: Mapping[tuple[str, str], Floats], combine: str) -> Floats:
-    """Return one row for each combination, the last name varying fastest."""
-    if combine == "list" and columns:
-        return np.stack(list(columns.values()), axis=1)
-    rows = list(product(*(column.tolist() for column in columns.values())))
-    return np.array(rows, dtype=np.float64).reshape(len(rows), len(columns))
+def _count(columns: Mapping[tuple[str, str], Floats], combine: str) -> int:
+    """Return the number of combinations."""
+    sizes = [column.size for column in columns.values()]
+    return math.prod(sizes) if combine == "product" else max(sizes, default=1)
+
+
+def _combined(columns: Mapping[tuple[str, str], Floats], combine: str, count: int) -> Iterator[Floats]:
+    """Yield the values of each name in all combinations, the last name varying fastest."""
+    within = count
+    for column in columns.values():
+        if combine == "list":
+            yield column
+            continue
+        within //= column.size
+        yield np.tile(np.repeat(column, within), count // (within * column.size))

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from symbody.analysis.assembly import consistent_start
 from symbody.analysis.closure import Closure
+from symbody.analysis.named_values import positions_and_rates, refuse_unknown
 from symbody.codegen.compile import Value, form_sequence, form_values
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import AssemblyError, Problem, SymbodyError, nearest
+from symbody.errors import SymbodyError
 from symbody.simulation.sweeps.case_scales import CaseScales, case_scales, case_values
 from symbody.simulation.sweeps.case_table import CaseTable
 
@@ -85,16 +86,8 @@ def check_names(eqs: EquationSet, table: CaseTable, guess: Mapping[str, Value]) 
         Listing unknown names, or parameters without value.
     """
     form_values(eqs, {}, table.fixed_parameters, table.parameter_names)
-    names = eqs.formed.readable_names
-    legal = {*names.symbols, *names.values}
-    own = (*eqs.coordinate_names, *eqs.speed_names)
-    problems = [
-        Problem("assembly.unknown_name", name, f"there is no coordinate or speed {name!r}", "",
-                nearest(name, own))
-        for name in dict.fromkeys((*table.initial_names, *table.fixed_initial, *guess)) if name not in legal
-    ]  # fmt: skip
-    if problems:
-        raise AssemblyError(*problems)
+    refuse_unknown(eqs, (*table.initial_names, *table.fixed_initial, *guess))
+    legal = positions_and_rates(eqs)
     ordered = {**guess, **{name: value for name, value in eqs.model.initial.items() if name not in guess}}
     return {name: value for name, value in ordered.items() if name in legal}
 

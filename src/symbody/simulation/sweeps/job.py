@@ -152,6 +152,19 @@ class Records:
             self.first + start, self.x[rows], self.codes[rows], self.counts[rows], self.reached[rows]
         )
 
+    def has_room_for(self, other: Records) -> bool:
+        """Return whether others are of some of these cases, in arrays of the same kinds."""
+        start, stop = other.first - self.first, other.first - self.first + other.codes.size
+        return 0 <= start <= stop <= self.count and all(
+            theirs.shape == (stop - start, *own.shape[1:]) and theirs.dtype == own.dtype
+            for own, theirs in (
+                (self.x, other.x),
+                (self.codes, other.codes),
+                (self.counts, other.counts),
+                (self.reached, other.reached),
+            )
+        )
+
     def put(self, other: Records) -> None:
         """Take over what others know of some of these cases."""
         rows = slice(other.first - self.first, other.first - self.first + other.count)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import Final
 
 import numpy as np
@@ -117,28 +118,34 @@ def _checked_lanes(lanes: bool | None) -> bool | None:
     )  # fmt: skip
 
 
-def check_memory(cases: int, samples: int, states: int) -> None:
-    """Refuse what does not fit into memory.
+def check_memory(cases: int, varied: int, samples: int, states: int) -> None:
+    """Refuse what does not fit into memory, by counts alone.
 
     Raises
     ------
     SimulationError
-        With the number of samples that would fit.
+        With the number of samples, or of cases, that would fit.
     """
-    each = 8 * (samples * states + COUNTS + states + 4)
-    if cases * each <= memory_limit():
+    # Each case has its samples, what is known of how it ended, its first state, and its values: in the table,
+    # beside the states, and by name in the result.
+    rest = COUNTS + 3 * states + 4 * varied + 8
+    each, limit = 8 * (samples * states + rest), memory_limit()
+    if cases * each <= limit:
         return
-    fitting = (memory_limit() // (8 * cases) - COUNTS - states - 4) // states if states else 0
+    fitting = (limit // (8 * cases) - rest) // states if states else 0
+    largest = limit // (8 * (states + rest))
     fix = (
         f"ask for at most {fitting} times, such as times=[t_end] for final values"
         if fitting >= 1
-        else "compute the sweep in parts, each saved before the next"
+        else f"give at most {largest:,} cases at once with times=[t_end]: fewer values, fewer samples=, or "
+        "the sweep in parts, each saved before the next"
     )
+    count = f"{cases:,}" if cases < 10**15 else f"{Decimal(cases):.2e}"
     what = (
-        f"{cases} cases of {samples} samples of {states} states take {1e-9 * cases * each:.3g} GB, more than "
-        "half of this computer's memory"
+        f"{count} cases of {samples} samples of {states} states take "
+        f"{Decimal(cases * each) / 10**9:.1f} GB, more than half of this computer's memory"
     )
-    raise SimulationError(Problem("sweep.memory", "times", what, fix=fix))
+    raise SimulationError(Problem("sweep.memory", "times" if fitting >= 1 else "parameters", what, fix=fix))
 
 
 def planned(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.trajectory import Trajectory
@@ -85,6 +86,7 @@ class Sweep:
         """Whether all were."""
         return bool(self.succeeded.all())
 
+    @checked_arguments
     def __getitem__(self, name: str) -> Floats:
         """Return what varied (cases,), or a state or any output (cases, N), (cases, 3, N) for a vector.
 
@@ -102,6 +104,7 @@ class Sweep:
             return self.cases[name]
         return self.evaluation.of(name, self.t, self.x)
 
+    @checked_arguments
     def trajectory(self, case: int) -> Trajectory:
         """Return the motion of one case.
 
@@ -134,6 +137,7 @@ class Sweep:
             name=self.name,
         )
 
+    @checked_arguments
     def to_xarray(self, *names: str) -> xarray.Dataset:
         """Return an xarray data set: `x` over (case, state, time), further outputs, what varied, status.
 

@@ -6,7 +6,6 @@ import hashlib
 import json
 import os
 import re
-import zipfile
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Final
@@ -14,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from symbody.errors import EnvironmentFault, Problem, UsageError
+from symbody.simulation.results.archive import read_arrays
 from symbody.simulation.sweeps.job import Job, Part, Records
 
 _FORMAT: Final = "symbody sweep 1"
@@ -56,19 +56,20 @@ class Store:
                         "give another folder, or delete this one")
             )  # fmt: skip
 
-    def finished(self) -> Iterable[Records]:
-        """Yield what was kept; files that cannot be read are computed anew."""
+    def finished(self, whole: Records) -> Iterable[Records]:
+        """Yield what was kept of all cases; what cannot be read, or does not fit, is computed anew."""
         for path in sorted(self._folder.glob("cases_*.npz")):
             name = _NAME.fullmatch(path.name)
             try:
-                with open(path, "rb") as file, np.load(file, allow_pickle=False) as arrays:
-                    found = Records(
-                        int(name[1]) if name else -1,
-                        arrays["x"], arrays["codes"], arrays["counts"], arrays["reached"],
-                    )  # fmt: skip
-            except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+                with open(path, "rb") as file:
+                    arrays = read_arrays(file)
+                found = Records(
+                    int(name[1]) if name else -1,
+                    arrays["x"], arrays["codes"], arrays["counts"], arrays["reached"],
+                )  # fmt: skip
+            except Exception:  # a damaged file breaks zipfile in every way there is
                 continue
-            if name:
+            if whole.has_room_for(found):
                 yield found
 
     def keep(self, records: Records) -> None:
@@ -96,7 +97,7 @@ class Store:
             return None
         try:
             return json.loads(path.read_text(encoding="utf-8"))
-        except ValueError:
+        except (ValueError, RecursionError):
             return {}
 
     def _unwritable(self, error: OSError) -> EnvironmentFault:

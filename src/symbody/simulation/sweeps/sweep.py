@@ -7,12 +7,14 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from symbody.analysis.scales import mechanism_scales
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
@@ -52,6 +54,7 @@ from symbody.simulation.task import Task
 _LEAST_IN_LANES: Final = 4 * WIDTH
 
 
+@checked_arguments
 def sweep(
     eqs: EquationSet, t_end: float | tuple[float, float], parameters: Mapping[str, Varied] | None = None,
     initial: Mapping[str, Varied] | None = None, guess: Mapping[str, Value] | None = None,
@@ -103,10 +106,10 @@ def sweep(
     """
     span = checked_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
     laws = input_laws(eqs.input_names, inputs or {}, span)
-    table = case_table(parameters or {}, initial or {}, combine, samples, seed)
     wish = Wish.checked(span, times, integrator, constraints, (rtol, atol), max_steps, lanes, scales)
     who = crew(executor, threads, part, patience)
-    check_memory(table.count, wish.times.size, len(eqs.state_names))
+    check = partial(check_memory, samples=wish.times.size, states=len(eqs.state_names))
+    table = case_table(parameters or {}, initial or {}, combine, samples, seed, check)
     order = _Order(eqs, table, dict(guess or {}), laws, dict(inputs or {}), wish, checked_events(events, eqs))
     with told(progress, "sweep") as listener:
         return order.carried_out(who, store, listener)
@@ -155,7 +158,7 @@ class _Order:
         kept = None
         if store is not None:
             kept = Store(store, self._digest())
-            for found in kept.finished():
+            for found in kept.finished(records):
                 records.put(found)
         case_notes: dict[int, str] = {}
         cases = np.flatnonzero(records.codes == NOT_ENDED).tolist()
@@ -293,7 +296,7 @@ def _computed(
     """Compute all cases that are not kept already."""
     kept = None if store is None else Store(store, digest(job, part))
     if kept is not None:
-        for found in kept.finished():
+        for found in kept.finished(records):
             records.put(found)
     pieces = parts(part, _missing(records), who.part, _LEAST_IN_LANES if job.lanes else 1)
     listener = Listener(progress, (lambda found: None) if kept is None else kept.keep)

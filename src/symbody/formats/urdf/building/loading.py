@@ -6,6 +6,7 @@ import os
 from collections.abc import Collection, Iterable, Sequence
 from typing import Final
 
+from symbody.arguments import checked_arguments
 from symbody.errors import ModelError, Problem
 from symbody.formats.lines import Path
 from symbody.formats.places import relocated
@@ -22,6 +23,7 @@ from symbody.model.model import Model
 _ROBOT: Final = "robot"
 
 
+@checked_arguments
 def load_urdf(
     path: str | os.PathLike[str],
     floating_base: bool = False,

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from xml.sax.saxutils import quoteattr
 
+from symbody.arguments import checked_arguments
 from symbody.errors import FormatError
 from symbody.formats.urdf.writing.hanging import Hung, hung_joints, refuse_rest
 from symbody.formats.urdf.writing.poses import Pose, pose_of
@@ -20,6 +21,7 @@ from symbody.model.model import Model
 _GROUND = "world"
 
 
+@checked_arguments
 def save_urdf(
     model: Model,
     path: str | os.PathLike[str],

@@ -1,0 +1,271 @@
+"""Arguments of public functions: what is of another kind than the annotation says is told in our own words.
+
+The annotations are the one place that says what a function takes. Python's own faults that leave a function
+(TypeError, AttributeError, ...) are traced to the arguments that do not fit them; a fault with arguments
+that fit goes on as it is. Paths are looked at before the call, because ``open(1)`` writes to the terminal.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import inspect
+import reprlib
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Set
+from functools import wraps
+from numbers import Integral, Real
+from os import PathLike
+from types import NoneType, SimpleNamespace, UnionType
+from typing import (
+    Annotated,
+    Any,
+    Final,
+    Literal,
+    ParamSpec,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+from symbody.errors import Problem, SymbodyError, UsageError
+
+P = ParamSpec("P")
+R = TypeVar("R")
+C = TypeVar("C", bound=type)
+
+# What a count is kept in where it is computed with.
+_LARGEST: Final = 2**63 - 1
+_DEPTH: Final = 32
+_NESTS: Final = frozenset({Mapping, dict, Sequence, Iterable, Collection, Set, list, tuple, set, frozenset})
+_WORDS: Final[Mapping[object, str]] = {
+    float: "a number", int: "a whole number", str: "a text", bool: "True or False", NoneType: "None",
+    dict: "a mapping {NAME: VALUE}", Mapping: "a mapping {NAME: VALUE}", PathLike: "a path",
+    type: "a class", tuple: "a tuple",
+}  # fmt: skip
+
+
+class _Array:
+    """Stands for ArrayLike: numbers, nested as evenly as an array is."""
+
+
+class _Unseen:
+    """Stands for classes that annotations name and modules do not import; known by their names."""
+
+
+def checked_arguments(function: Callable[P, R]) -> Callable[P, R]:
+    """Return a function whose faults name the arguments that are of another kind than it takes.
+
+    Raises
+    ------
+    UsageError
+        When it is called so.
+    """
+    paths = [name for name, text in _texts(function).items() if "Path" in text]
+
+    @wraps(function)
+    def checked(*given: P.args, **named: P.kwargs) -> R:
+        if paths:
+            _refuse(function, given, named, paths)
+        try:
+            return function(*given, **named)
+        except SymbodyError:
+            raise
+        except Exception as error:
+            _refuse(function, given, named, None, error)
+            raise
+
+    return checked
+
+
+def checked_fields(kind: C) -> C:
+    """Return a class whose constructor refuses arguments of another kind than it takes.
+
+    Its own checks come first: they know more about what is wrong.
+    """
+    constructor: Callable[..., None] = type.__getattribute__(kind, "__init__")
+
+    @wraps(constructor)
+    def checked(self: object, *given: object, **named: object) -> None:
+        try:
+            constructor(self, *given, **named)
+        except SymbodyError:
+            raise
+        except Exception as error:
+            _refuse(constructor, (self, *given), named, None, error, kind.__name__)
+            raise
+        _refuse(constructor, (self, *given), named, None, None, kind.__name__)
+
+    type.__setattr__(kind, "__init__", checked)
+    return kind
+
+
+def _refuse(
+    function: Callable[..., object],
+    given: tuple[object, ...],
+    named: Mapping[str, object],
+    names: Collection[str] | None,
+    error: Exception | None = None,
+    label: str = "",
+) -> None:
+    """Raise if an argument does not fit its annotation, of all or those with some names."""
+    signature = inspect.signature(function)
+    try:
+        bound = signature.bind(*given, **named).arguments
+    except TypeError:  # one is missing, or there are too many: Python tells
+        return
+    problems = []
+    label = label or function.__qualname__.removesuffix(".__init__")
+    for name, value in bound.items():
+        if names is None or name in names:
+            hint = _hint(function, name)
+            several = signature.parameters[name].kind is inspect.Parameter.VAR_POSITIONAL
+            if not all(fits(hint, item) for item in (value if several else [value])):
+                problems.append(_problem(label, name, value, hint))
+    if problems:
+        raise UsageError(*problems) from error
+
+
+def _problem(function: str, name: str, value: object, hint: object) -> Problem:
+    kind = type(value).__name__
+    return Problem(
+        "call.argument", f"{function}, argument {name}", f"{_shown(value)}, of type {kind}, does not fit", "",
+        f"give {_words(hint)}",
+    )  # fmt: skip
+
+
+def _shown(value: object) -> str:
+    try:
+        return reprlib.repr(value)
+    except Exception:  # whatever it is, it is not ours
+        return "something"
+
+
+def _texts(function: Callable[..., object]) -> dict[str, str]:
+    """Return annotations as they are written."""
+    return {name: str(text) for name, text in inspect.get_annotations(function).items() if name != "return"}
+
+
+def _hint(function: Callable[..., object], name: str) -> object:
+    """Return the annotation of an argument as an object; names that are not there become classes."""
+    written = _texts(function).get(name)
+    if written is None:
+        return Any
+    known = inspect.unwrap(function).__globals__
+    used = {node.id for node in ast.walk(ast.parse(written, mode="eval")) if isinstance(node, ast.Name)}
+    local: dict[str, object] = {
+        word: type(word, (_Unseen,), {}) for word in used if word not in known and word not in vars(builtins)
+    }
+    local["ArrayLike"] = _Array
+    holder = SimpleNamespace(__annotations__={name: written})
+    try:
+        return get_type_hints(holder, dict(known), local)[name]
+    except (NameError, TypeError, AttributeError):
+        return Any
+
+
+def fits(hint: Any, value: object, depth: int = 0) -> bool:
+    """Return whether a value is of the kind of an annotation, and so are its entries."""
+    origin, args = get_origin(hint), get_args(hint)
+    if depth > _DEPTH:
+        return False
+    if origin is Annotated:
+        return fits(args[0], value, depth)
+    if origin in (Union, UnionType):
+        is_path = any(get_origin(kind) is PathLike for kind in args)
+        return not (is_path and isinstance(value, str) and "\0" in value) and any(
+            fits(kind, value, depth) for kind in args
+        )
+    if origin is Literal:
+        return any(type(value) is type(word) and value == word for word in args)
+    kind = NoneType if hint is None else origin or hint
+    if not isinstance(kind, type):
+        return True
+    return _is_a(kind, value) and (kind not in _NESTS or _entries_fit(args, value, depth))
+
+
+def _is_a(kind: type, value: object) -> bool:
+    """Return whether a value is of a class, as far as numbers are concerned also of NumPy's."""
+    if kind is _Array:
+        return _is_numeric(value)
+    if issubclass(kind, _Unseen):
+        return any(own.__name__ == kind.__name__ for own in type(value).__mro__)
+    if kind is int:
+        return isinstance(value, Integral) and not isinstance(value, bool) and abs(int(value)) <= _LARGEST
+    if kind is float:
+        return isinstance(value, Real) and not isinstance(value, bool) and _is_double(value)
+    try:
+        return isinstance(value, kind)
+    except TypeError:  # a protocol that cannot be looked for
+        return True
+
+
+def _is_double(value: Real) -> bool:
+    try:
+        float(value)
+    except OverflowError:
+        return False
+    return True
+
+
+def _entries_fit(args: tuple[Any, ...], value: Any, depth: int) -> bool:
+    if isinstance(value, Mapping) and len(args) == 2:
+        return all(
+            fits(args[0], key, depth + 1) and fits(args[1], item, depth + 1) for key, item in value.items()
+        )
+    if isinstance(value, tuple) and args and args[-1] is not Ellipsis and len(args) > 1:
+        return len(value) == len(args) and all(
+            fits(kind, item, depth + 1) for kind, item in zip(args, value, strict=True)
+        )
+    if isinstance(value, bytes | bytearray):
+        return False
+    try:
+        iter(value)
+    except TypeError:  # an array without axes
+        return False
+    # What can be read once only is not read here.
+    return not (isinstance(value, Collection) and args) or all(
+        fits(args[0], item, depth + 1) for item in value
+    )
+
+
+def _is_numeric(value: object) -> bool:
+    """Return whether NumPy makes an array of real numbers of it."""
+    kind = getattr(getattr(value, "dtype", None), "kind", None)
+    if kind is not None:
+        return str(kind) in "biuf"
+    if isinstance(value, list | tuple | range):
+        return all(_is_numeric(item) for item in value) and len({_shape(item) for item in value}) < 2
+    return isinstance(value, Real) and _is_double(value)
+
+
+def _shape(value: object) -> tuple[int, ...]:
+    shape = getattr(value, "shape", None)
+    if isinstance(shape, tuple):
+        return shape
+    if isinstance(value, list | tuple | range):
+        return (len(value), *(_shape(value[0]) if value else ()))
+    return ()
+
+
+def _words(hint: Any) -> str:
+    """Return in words what fits an annotation."""
+    origin, args = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        return _words(args[0])
+    if origin in (Union, UnionType):
+        return " or ".join(dict.fromkeys(_words(kind) for kind in args))
+    if origin is Literal:
+        return " or ".join(map(repr, args))
+    kind = NoneType if hint is None else origin or hint
+    if kind is _Array:
+        return "numbers"
+    if kind in _WORDS:
+        return _WORDS[kind]
+    if isinstance(kind, type) and issubclass(kind, Iterable):
+        inner = [item for item in args if item is not Ellipsis]
+        return f"a list, each entry {_words(inner[0])}" if inner else f"a {kind.__name__}"
+    if kind is Callable or not isinstance(kind, type):
+        return "a function"
+    return f"an object of type {kind.__name__}"
