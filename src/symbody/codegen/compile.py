@@ -196,8 +196,23 @@ def _undefined(
     if places:
         names = [eqs.speed_names[k] for k in places]
         return CompileError(massless_problem("compile.singular_mass", names, eqs.coordinate_names))
-    where = f"output {', '.join(outputs)}"
+    where = _undefined_formula(eqs, replacements) or f"output {', '.join(outputs)}"
     return ExpressionError(*(p if p.where else replace(p, where=where) for p in error.problems))
+
+
+def _undefined_formula(eqs: EquationSet, replacements: Mapping[int, int]) -> str:
+    """Return where the first formula of the model stands that has no value with these parameters."""
+    names, graph = eqs.formed.names, eqs.formed.graph
+    for element in eqs.model.elements:
+        for use in element.uses():
+            where = f"{element.kind} {element.name}, {use.path}"
+            if use.own:
+                continue
+            try:
+                substitute(graph, [names.expression(use.formula, where).index], replacements)
+            except ExpressionError:
+                return where
+    return ""
 
 
 def _places(eqs: EquationSet, signature: Signature, graph: Graph) -> dict[int, Input]:
