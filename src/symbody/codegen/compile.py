@@ -196,8 +196,23 @@ def _undefined(
     if places:
         names = [eqs.speed_names[k] for k in places]
         return CompileError(massless_problem("compile.singular_mass", names, eqs.coordinate_names))
-    where = f"output {', '.join(outputs)}"
+    where = _undefined_formula(eqs, replacements) or f"output {', '.join(outputs)}"
     return ExpressionError(*(p if p.where else replace(p, where=where) for p in error.problems))
+
+
+def _undefined_formula(eqs: EquationSet, replacements: Mapping[int, int]) -> str:
+    """Return where the first formula of the model stands that has no value with these parameters."""
+    names, graph = eqs.formed.names, eqs.formed.graph
+    for element in eqs.model.elements:
+        for use in element.uses():
+            where = f"{element.kind} {element.name}, {use.path}"
+            if use.own:
+                continue
+            try:
+                substitute(graph, [names.expression(use.formula, where).index], replacements)
+            except ExpressionError:
+                return where
+    return ""
 
 
 def _places(eqs: EquationSet, signature: Signature, graph: Graph) -> dict[int, Input]:
@@ -215,20 +230,21 @@ def _parameter_nodes(eqs: EquationSet, given: Mapping[str, Value], free: Items[s
     """Return the nodes that take the place of parameters, computed in the order of their dependence."""
     model, names, graph = eqs.model, eqs.formed.names, eqs.formed.graph
     _check_names(eqs, given, free)
-    nodes: dict[str, int] = {name: names.value(name).index for name in free}
+    own = {name: names.value(name).index for name in (*model.parameters, *free)}
+    nodes = {own[name]: own[name] for name in free}
     missing = []
     for name in model.parameter_order():
-        if name in nodes:
+        if own[name] in nodes:
             continue
         formula = Formula.of(plain(given[name]), where=name) if name in given else model.parameters[name]
         if formula is None:
             missing.append(name)
         else:
             node = names.expression(formula, f"parameter {name}").index
-            nodes[name] = substitute(graph, [node], {names.value(k).index: v for k, v in nodes.items()})[0]
+            nodes[own[name]] = substitute(graph, [node], nodes)[0]
     if missing:
         raise CompileError(_missing(missing))
-    return {names.value(name).index: node for name, node in nodes.items() if name not in free}
+    return {symbol: node for symbol, node in nodes.items() if symbol != node}
 
 
 def _known_values(eqs: EquationSet, nodes: Mapping[int, int]) -> dict[str, float]:

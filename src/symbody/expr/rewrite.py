@@ -4,23 +4,42 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+from symbody.errors import ExpressionError
 from symbody.expr.canonical import make
 from symbody.expr.graph import Graph, Kind, copied_datum, copy_node, copy_nodes
-from symbody.expr.opcodes import COST, POW, SYMBOL
+from symbody.expr.opcodes import COST, POW, SELECT, SYMBOL
 
 
 def substitute(graph: Graph, roots: Sequence[int], replacements: Mapping[int, int]) -> list[int]:
-    """Return the `roots` with nodes replaced, all at once; replacements are not searched again."""
+    """Return the `roots` with nodes replaced, all at once; replacements are not searched again.
+
+    What has no value, as a division by what has become 0, is left out where a choice does not take it.
+
+    Raises
+    ------
+    ExpressionError
+        If a root has none.
+    """
     memo = dict(replacements)
     ops, operands = graph.ops, graph.operands
+    undefined: dict[int, ExpressionError] = {}
     for node in graph.reachable(roots):
         if node in memo:
             continue
         old = operands(node)
         new = tuple([memo.get(k, k) for k in old])
-        if new != old:
-            memo[node] = make(graph, ops[node], new, graph.datum(node))
-    return [memo.get(root, root) for root in roots]
+        if undefined and not undefined.keys().isdisjoint(old):
+            chosen = _chosen(graph, ops[node], old, new, undefined)
+            if chosen is None:
+                undefined[node] = next(undefined[k] for k in old if k in undefined)
+            else:
+                memo[node] = chosen
+        elif new != old:
+            try:
+                memo[node] = make(graph, ops[node], new, graph.datum(node))
+            except ExpressionError as error:
+                undefined[node] = error
+    return _defined(roots, memo, undefined)
 
 
 def substitute_into(
@@ -30,17 +49,52 @@ def substitute_into(
     values = copy_nodes(source, target, replacements.values(), {})
     memo = dict(zip(replacements, values, strict=True))
     changed = set(memo)
+    undefined: dict[int, ExpressionError] = {}
     for node in source.reachable(roots):
         if node in changed:
             continue
         old = source.operands(node)
+        if undefined and not undefined.keys().isdisjoint(old):
+            new = tuple([memo.get(k, -1) for k in old])
+            chosen = _chosen(target, source.ops[node], old, new, undefined)
+            if chosen is None:
+                undefined[node] = next(undefined[k] for k in old if k in undefined)
+                continue
+            memo[node] = chosen
+            changed.add(node)
+            continue
         if changed.isdisjoint(old):
             memo[node] = copy_node(source, target, node, memo)
             continue
         datum = copied_datum(source, target, node)
-        memo[node] = make(target, source.ops[node], tuple([memo[k] for k in old]), datum)
+        try:
+            memo[node] = make(target, source.ops[node], tuple([memo[k] for k in old]), datum)
+        except ExpressionError as error:
+            undefined[node] = error
         changed.add(node)
-    return [memo[root] for root in roots]
+    return _defined(roots, memo, undefined)
+
+
+def _chosen(
+    graph: Graph, code: int, old: Sequence[int], new: Sequence[int], undefined: Mapping[int, ExpressionError]
+) -> int | None:
+    """Return what a choice takes where its condition is decided and that has a value, else None."""
+    if code != SELECT or old[0] in undefined:
+        return None
+    decided = graph.number(new[0])
+    if decided is None:
+        return None
+    place = 1 if decided else 2
+    return None if old[place] in undefined else new[place]
+
+
+def _defined(
+    roots: Sequence[int], memo: Mapping[int, int], undefined: Mapping[int, ExpressionError]
+) -> list[int]:
+    for root in roots:
+        if root in undefined:
+            raise undefined[root]
+    return [memo.get(root, root) for root in roots]
 
 
 def symbols_of(graph: Graph, roots: Iterable[int]) -> list[int]:

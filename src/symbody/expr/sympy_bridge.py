@@ -51,6 +51,8 @@ SympyMatrix: TypeAlias = sp.Matrix
 # and a nest of 5,000 sines or roots, built without its rules, takes under a second.
 _FUNCTION_HEIGHT: Final = 4
 _HEIGHT: Final = 30
+# Bits of a power of a number that is computed; the graph keeps half as many.
+_LONGEST: Final = 1024
 # What SymPy looks into most eagerly counts for several levels.
 _STEEP: Final = frozenset({op.SINH, op.COSH, op.TANH, op.SQRT, op.POW})
 
@@ -218,6 +220,8 @@ class _Writer:
         except Exception:  # the rules cannot be relied on: some recurse, some assert what does not hold
             result = plan.build(operands, False)
         hash(result)  # kept by SymPy; asked for later, at the top, it would recurse all the way down
+        if _is_kept_power(result):  # the rules of what it stands in would compute it
+            return result, max(height, _HEIGHT) + plan.step
         return result, height + plan.step if result.args else 0
 
     def _plan(self, node: int) -> _Plan:
@@ -329,12 +333,28 @@ def _total(factors: Sequence[Exact], parts: Sequence[sp.Basic], rules: bool) -> 
 def _powers(exponents: Sequence[int], parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
     # SymPy would take powers of choices inside, and all their conditions apart.
     rules = rules and not any(isinstance(part.as_base_exp()[0], sp.Piecewise) for part in parts)
+    rules = rules and not any(map(_is_long_power, parts, exponents))
     factors = [
         part if exponent == 1 else sp.Pow(part, sp.Integer(exponent), evaluate=rules)
         for exponent, part in zip(exponents, parts, strict=True)
         if exponent
     ]
     return factors[0] if len(factors) == 1 else sp.Mul(*factors, evaluate=rules)
+
+
+def _is_long_power(base: sp.Basic, exponent: int) -> bool:
+    """Return whether a power of a number has digits that nobody wants: SymPy would compute all of them."""
+    if not base.is_Rational:
+        return False
+    return max(abs(base.p).bit_length(), base.q.bit_length()) * abs(exponent) > _LONGEST
+
+
+def _is_kept_power(thing: sp.Basic) -> bool:
+    """Return whether something is a power of a number that was not computed, or a product of such."""
+    return any(
+        isinstance(part, sp.Pow) and part.base.is_Rational and part.exp.is_Integer
+        for part in (thing, *thing.args)
+    )
 
 
 def _fused(parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:

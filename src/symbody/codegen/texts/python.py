@@ -62,9 +62,15 @@ _EXPRESSIONS: Final = {
     op.FMA: "{0} * {1} + {2}",  # NumPy has none
 }
 
-# What the text itself uses; names that begin with an underscore are never given to inputs.
+# What the text itself uses, and may come to use of Python; names that begin with an underscore are never
+# given to inputs.
+_BUILTINS: Final = """
+    abs all any bool dict enumerate filter float int isinstance len list map max min object range reversed
+    round set slice sorted str sum super tuple type zip ArithmeticError TypeError ValueError ZeroDivisionError
+""".split()
 _RESERVED: Final = frozenset(
-    {*keyword.kwlist, *keyword.softkwlist, *_WORDS, "np", "math", "namedtuple", "Outputs", "batch", "out"}
+    {*keyword.kwlist, *keyword.softkwlist, *_BUILTINS, *_WORDS}
+    | {"np", "math", "namedtuple", "Outputs", "batch", "out"}
 )
 _RESERVED_FORM: Final = re.compile(r"z\d+(_\d+)?")
 
