@@ -47,7 +47,9 @@ def swing(t: float, length: float) -> float:
     ],
     ids=["projection", "partition", "stiff", "ggl"],
 )
-def test_a_rod_of_any_length_swings_the_same_way(length: float, options: dict[str, Any], bound: float) -> None:
+def test_a_rod_of_any_length_swings_the_same_way(
+    length: float, options: dict[str, Any], bound: float
+) -> None:
     end = 10 * float(np.sqrt(length / GRAVITY))
     run = sb.simulate(rod(length), end, {"theta": START}, **options)
     assert run.success
