@@ -74,7 +74,7 @@ def simulate(
         Tolerance of the local error, relative to each coordinate and speed.
     atol : float, optional
         Absolute tolerance of each [m, rad, m/s, rad/s]; by default 1e-10 of what counts as large in the
-        mechanism: its largest length or 1 rad, and that over the span of the motion.
+        mechanism: its largest length or 1 rad, and that over its time, see `analysis.scales.Scales`.
     scales : mapping of "length", "time", "mass" to float, optional
         What counts as large [m, s, kg] where it shall not follow from the model.
     progress : bool or callable, optional
