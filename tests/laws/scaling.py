@@ -2,7 +2,8 @@
 
 The numbers of a random mechanism are its parameters here, and arguments of one compiled function: no text of a
 decimal stands between them and the motion. Factors that are powers of two (of four for masses, whose square
-roots the solver takes) change no digit of anything; other factors change rounding alone.
+roots the solver takes) change no digit of anything; other factors change rounding alone. So do factors of two
+where coordinates have no mass: `solve_saddle` begins their scales with that of the heaviest one, in kg or kg m^2.
 """
 
 from __future__ import annotations
@@ -74,6 +75,13 @@ def scaled_sweep(
     )  # fmt: skip
     factors = np.array([factor(eqs.units.get(name), units) for name in eqs.state_names])
     return found, found.x[0].T / factors
+
+
+def has_massless(eqs: sb.EquationSet) -> bool:
+    """Whether joints keep coordinates of their own beside those of bodies: these have no mass."""
+    bodies = tuple(f"{body.name}_" for body in eqs.model.bodies)
+    own = [name.startswith(bodies) for name in eqs.coordinate_names]
+    return any(own) and not all(own)
 
 
 def formed(seed: int, tree: TreeChoice) -> sb.EquationSet:

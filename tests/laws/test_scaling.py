@@ -8,8 +8,10 @@ from collections.abc import Iterable
 import numpy as np
 import pytest
 
+import symbody as sb
 from tests.laws.parts import Units
-from tests.laws.scaling import ONE, formed, is_scalable, scaled_sweep
+from tests.laws.rotations import Array
+from tests.laws.scaling import ONE, formed, has_massless, is_scalable, scaled_sweep
 from tests.laws.tally import chunks, name_of
 
 SHARE = 0.3  # of the mechanism's unit of time
@@ -28,6 +30,15 @@ def powers_of_ten(rng: random.Random) -> Units:
     return Units(10.0 ** rng.randint(-9, 6), 10.0 ** rng.randint(-6, 6), 10.0 ** rng.randint(-6, 4))
 
 
+def assert_alike(seed: int, *motions: tuple[sb.Sweep, Array]) -> None:
+    """Ends in the first units are apart by what the errors of all steps explain, unless both stopped on the way."""
+    (first, x), (other, y) = motions
+    if first.status[0].success:
+        steps = first.counts[0, 0] + other.counts[0, 0]
+        apart = float(np.abs(y - x).max() / max(1.0, np.abs(x).max()))
+        assert apart <= GROWTH * RTOL * steps, (seed, apart)
+
+
 def check(seeds: Iterable[int]) -> int:
     """Scale each mechanism by powers of two and of ten; return how many there were."""
     count = 0
@@ -37,21 +48,21 @@ def check(seeds: Iterable[int]) -> int:
         first, x = scaled_sweep(eqs, seed, ONE, SHARE, lanes=lanes, rtol=RTOL)
         same, y = scaled_sweep(eqs, seed, powers_of_two(rng), SHARE, rtol=RTOL)
         assert same.status == first.status, seed
-        np.testing.assert_array_equal(y, x, err_msg=f"{seed}")
-        np.testing.assert_array_equal(same.counts, first.counts, err_msg=f"{seed}")
+        if has_massless(eqs):
+            assert_alike(seed, (first, x), (same, y))
+        else:
+            np.testing.assert_array_equal(y, x, err_msg=f"{seed}")
+            np.testing.assert_array_equal(same.counts, first.counts, err_msg=f"{seed}")
         other, z = scaled_sweep(eqs, seed, powers_of_ten(rng), SHARE, rtol=RTOL)
         assert other.status == first.status, seed
-        if first.status[0].success:
-            steps = first.counts[0, 0] + other.counts[0, 0]
-            apart = float(np.abs(z - x).max() / max(1.0, np.abs(x).max()))
-            assert apart <= GROWTH * RTOL * steps, (seed, apart)
+        assert_alike(seed, (first, x), (other, z))
         count += 1
     return count
 
 
 def test_scaled_mechanisms_move_as_before() -> None:
-    # Two trees, a planar and a spatial loop, joint and absolute coordinates.
-    assert check((0, 3, 5, 8)) == 4
+    # A spatial loop in joint coordinates, a tree in absolute ones.
+    assert check((5, 14)) == 2
 
 
 @pytest.mark.exhaustive

@@ -85,12 +85,12 @@ def test_without_any_length_a_note_names_the_cure() -> None:
 
 @pytest.mark.parametrize("length", LENGTHS)
 def test_tolerances_are_shares_of_sizes_unless_they_are_given(length: float) -> None:
-    # 1e-10 of the length (half of it is the frame's offset) or 1 rad, and of that over the span for speeds.
+    # 1e-10 of the length (half of it is the frame's offset) or 1 rad, and of that over sqrt(length / g).
     eqs = rod(length)
     known, at_rest = mechanism_scales(eqs, {}).over(2.0, 1e5), np.zeros(len(eqs.state_names))
     found = dict(zip(eqs.state_names, known.tolerances(eqs, at_rest), strict=True))
-    span = 1e5 - 2.0
-    expected = {"m": length / 2, "m/s": length / 2 / span, "rad/s": 1 / span}
+    time = np.sqrt(length / 2 / GRAVITY)
+    expected = {"m": length / 2, "m/s": length / 2 / time, "rad/s": 1 / time}
     for name, value in found.items():
         assert value == pytest.approx(1e-10 * expected.get(eqs.units.get(name, ""), 1.0), rel=1e-12), name
     assert (known.tolerances(eqs, at_rest, 0.25) == 0.25).all()

@@ -32,6 +32,8 @@ USUAL_SHARE: Final = 1e-10
 # Sizes of coordinates and speeds are at least this share of the largest first value in the same unit: the
 # rounding of that value, 1e-16 of it, is a hundredth of what is tolerated then.
 RESOLVED: Final = 1e-4
+# Motions without gravity are taken to last ten times as long as what happens in them.
+TIME_OF_SPAN: Final = 0.1
 # Where equations without a unit are looked at: this share of the mechanism's size from zero.
 _SPREAD: Final = 0.5
 _UNITS: Final = {"length": "m", "time": "s", "mass": "kg"}
@@ -47,14 +49,11 @@ class Scales:
         The largest length of its geometry [m]: offsets of frames, distances, radii, pitches, free lengths of
         springs, places of curves; without any the largest displacement at first; else 1.
     time : float
-        ``sqrt(length / gravity)`` [s]; without gravity the span of a motion, else 1.
+        ``sqrt(length / gravity)`` [s]; without gravity a tenth of the span of a motion, else 1.
     mass : float
         The largest mass of a body [kg], or moment of inertia over the square of the length; 1 without any.
     equations : mapping of name to float
         What a constraint is measured by, by the name of its multiplier, if it has a unit of its own.
-    span : float
-        Length of a motion, or the time if that is longer [s]: errors of speeds come to errors of positions
-        until its end.
     has_length, has_time : bool
         Whether these were given or found in the model.
     """
@@ -63,7 +62,6 @@ class Scales:
     time: float = 1.0
     mass: float = 1.0
     equations: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
-    span: float = 1.0
     has_length: bool = False
     has_time: bool = False
 
@@ -102,16 +100,13 @@ class Scales:
         """
         if atol is not None:
             return np.full(x.size, atol)
-        lengths, spans = np.array([self.length]), np.array([self.span])
-        return np.asarray(state_tolerances(eqs, lengths, spans, x[np.newaxis])[0])
+        lengths, times = np.array([self.length]), np.array([self.time])
+        return np.asarray(state_tolerances(eqs, lengths, times, x[np.newaxis])[0])
 
     def over(self, start: float, end: float) -> Scales:
         """Return the scales of a motion between two times."""
-        length = abs(end - start)
-        if length == 0.0:
-            return self
-        time = self.time if self.has_time else length
-        return replace(self, time=time, span=max(length, time))
+        span = abs(end - start)
+        return self if self.has_time or span == 0.0 else replace(self, time=TIME_OF_SPAN * span)
 
     def notes(self, eqs: EquationSet) -> tuple[str, ...]:
         """Return what was assumed, if it matters."""
@@ -157,23 +152,23 @@ def mechanism_scales(
     fallen = math.sqrt(scales.length / gravity) if gravity else 1.0
     scales = replace(scales, time=told.get("time", fallen), has_time="time" in told or gravity > 0.0)
     mass = told.get("mass", _mass(eqs, parameters, scales.length)) or 1.0
-    return replace(scales, mass=mass, span=scales.time, equations=_equations(eqs, parameters, scales))
+    return replace(scales, mass=mass, equations=_equations(eqs, parameters, scales))
 
 
-def state_tolerances(eqs: EquationSet, lengths: Floats, spans: Floats, x: Floats) -> Floats:
+def state_tolerances(eqs: EquationSet, lengths: Floats, times: Floats, x: Floats) -> Floats:
     """Return the absolute tolerances of all speeds and coordinates where none is given.
 
     Parameters
     ----------
-    lengths, spans : (N,) arrays
-        Length and span of the `Scales` of N motions.
+    lengths, times : (N,) arrays
+        Length and time of the `Scales` of N motions.
     x : (N, n_u + n_q) array
         Their first states.
     """
     sizes = np.ones_like(x)
     units = np.array([eqs.units.get(name, "") for name in eqs.state_names], dtype=np.str_)
     n_u = len(eqs.speed_names)
-    sizes[:, :n_u] /= spans[:, np.newaxis]
+    sizes[:, :n_u] /= times[:, np.newaxis]
     sizes[:, (units == "m/s") | (units == "m")] *= lengths[:, np.newaxis]
     for unit in ("m/s", "rad/s", "m", "rad"):
         places = units == unit

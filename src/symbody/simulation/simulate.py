@@ -75,7 +75,7 @@ def simulate(
         Where one changes the state, both states are samples, of `times` only the one after.
     rtol, atol : float
         Tolerances of the local error, relative and absolute; by default atol is 1e-10 of the mechanism's
-        largest length or of 1 rad, for speeds over the span of the motion.
+        largest length or of 1 rad, for speeds over its time; see `analysis.scales.Scales`.
     scales : mapping of "length", "time", "mass" to float, optional
         What counts as large [m, s, kg] where it shall not follow from the model.
     progress : bool or callable, optional

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.scales import (
+    TIME_OF_SPAN,
     Scales,
     are_lengths,
     checked_scales,
@@ -32,8 +33,8 @@ class CaseScales:
 
     Attributes
     ----------
-    lengths, times, spans : (cases,) arrays
-        As in `Scales` [m, s, s].
+    lengths, times : (cases,) arrays
+        As in `Scales` [m, s].
     equations : mapping of name to (cases,) array
         As in `Scales`.
     """
@@ -41,13 +42,12 @@ class CaseScales:
     eqs: EquationSet
     lengths: Floats
     times: Floats
-    spans: Floats
     equations: Mapping[str, Floats]
 
     def of_case(self, k: int) -> Scales:
         """Return the scales of one case."""
         own = {name: float(sizes[k]) for name, sizes in self.equations.items()}
-        return Scales(float(self.lengths[k]), float(self.times[k]), span=float(self.spans[k]), equations=own)
+        return Scales(float(self.lengths[k]), float(self.times[k]), equations=own)
 
     def constraints(self) -> Floats:
         """Return what each constraint on positions is measured by, (cases, n_h)."""
@@ -68,7 +68,7 @@ class CaseScales:
         """Return the absolute tolerance of each speed and coordinate, (cases, n)."""
         if atol is not None:
             return np.full_like(states, atol)
-        return state_tolerances(self.eqs, self.lengths, self.spans, np.nan_to_num(states))
+        return state_tolerances(self.eqs, self.lengths, self.times, np.nan_to_num(states))
 
 
 def case_scales(
@@ -94,12 +94,12 @@ def case_scales(
         lengths = np.full(table.count, told["length"])
     pulls = case_values(eqs, table, numbered(eqs.model.gravity))
     gravity = np.sqrt(sum((pull**2 for pull in pulls.values()), np.zeros(table.count)))
-    length = abs(span[1] - span[0]) or 1.0
+    usual = TIME_OF_SPAN * abs(span[1] - span[0]) or 1.0
     falls = gravity > 0.0
-    times = np.where(falls, np.sqrt(lengths / np.where(falls, gravity, 1.0)), length)
+    times = np.where(falls, np.sqrt(lengths / np.where(falls, gravity, 1.0)), usual)
     if "time" in told:
         times = np.full(table.count, told["time"])
-    return CaseScales(eqs, lengths, times, np.maximum(times, length), _equations(eqs, table, lengths))
+    return CaseScales(eqs, lengths, times, _equations(eqs, table, lengths))
 
 
 def case_values(eqs: EquationSet, table: CaseTable, formulas: Mapping[str, Value]) -> dict[str, Floats]:
