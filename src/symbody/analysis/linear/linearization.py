@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from symbody.analysis.linear.modes import Mode, Spectrum, spectrum
 from symbody.analysis.state import State
 from symbody.errors import AssemblyError, EnvironmentFault, Problem
+from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 
@@ -64,7 +65,7 @@ class Linearization:
     _speeds: int = field(default=0, repr=False)
     _noise: float = field(default=1.0, repr=False)
     # Made on first request, a pure function of A.
-    _spectrum: list[Spectrum] = field(default_factory=list, repr=False)
+    _spectrum: SingleFlight[None, Spectrum] = field(default_factory=SingleFlight, repr=False)
 
     def __iter__(self) -> Iterator[Floats]:
         """Return A, B, C, D one after the other."""
@@ -97,10 +98,8 @@ class Linearization:
 
     @property
     def _found(self) -> Spectrum:
-        if not self._spectrum:
-            coordinates = len(self.state_names) - self._speeds
-            self._spectrum.append(spectrum(self.A, self.state_names, coordinates, self._noise))
-        return self._spectrum[0]
+        coordinates = len(self.state_names) - self._speeds
+        return self._spectrum.get(None, lambda: spectrum(self.A, self.state_names, coordinates, self._noise))
 
     def recover(self, deviations: Mapping[str, float] | ArrayLike) -> dict[str, Floats]:
         """Return the deviations of all speeds and coordinates, dependent ones too, by name.

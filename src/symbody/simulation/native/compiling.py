@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Final
 
 from numba.core import event
+from numba.core.compiler_lock import global_compiler_lock
+
+# Its hook for forks has to be there first: later ones act earlier, and numba takes its lock before LLVM's.
+import symbody.codegen.llvm.machine  # noqa: F401
 
 # What numba tells of each function that it does not find on the disk, around its compilation.
 _EVENT: Final = "numba:compile"
 _LOOPS: Final = f"{__package__}."
+
+if os.name == "posix":  # a fork waits for a compilation, whose lock would stay held in the copy for ever
+    os.register_at_fork(
+        before=global_compiler_lock.acquire,
+        after_in_parent=global_compiler_lock.release,
+        after_in_child=global_compiler_lock.release,
+    )
 
 
 @contextmanager
