@@ -260,8 +260,16 @@ class Formed:
 
     def with_rows(self, rows: tuple[Row, ...]) -> Formed:
         """Return the same equations under other constraints."""
-        caches = ("solved", "_wrenches", "_names", "_free", "_released")
-        return replace(self, rows=rows, resistances=[], **{name: SingleFlight() for name in caches})
+        return replace(
+            self,
+            rows=rows,
+            solved=SingleFlight(),
+            resistances=[],
+            _wrenches=SingleFlight(),
+            _names=SingleFlight(),
+            _free=SingleFlight(),
+            _released=SingleFlight(),
+        )
 
     def own_rest(self, row: Row) -> Expr:
         """Return the rest of a row as it is in all speeds: what it demands of them."""

@@ -62,12 +62,13 @@ def _code() -> bytes:
     key = written_by() and written_by() + environment().encode()
     known = read_module(key)
     if known is None:
-        known = Module(tuple(object_codes([_text()], THOROUGH)), 0, calls_runtime=False)
+        known = Module(tuple(object_codes([text()], THOROUGH)), 0, calls_runtime=False)
         store_module(key, known)
     return known.codes[0]
 
 
-def _text() -> str:
+def text() -> str:
+    """Return the functions as LLVM text."""
     module = ir.Module("symbody_runtime")
     for define in (define_sincos, define_solve_saddle):
         define(module).linkage = "external"
