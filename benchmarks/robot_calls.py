@@ -102,7 +102,7 @@ class Compiled:
 
 
 class OnSubnormals:
-    """Symbody's functions with a scratch of the least number there is: arithmetic with it takes 150 cycles."""
+    """Symbody's functions with the least number there is in their scratch, which slows arithmetic down."""
 
     name = "scratch of 5e-324"
 

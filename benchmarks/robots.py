@@ -4,8 +4,10 @@ One call after another in compiled loops, as a program in C sees it; the same ca
 state; and batches on one core. In brackets stands how many times symbody's time of the same round an engine
 takes: the median of the rounds, then the least and the greatest.
 
-Symbody's time stands a second time with a scratch that holds subnormal numbers before each round: what is left
-of other calculations in memory must make no difference. All are given the tree alone, without damping and friction, which the recursions of Pinocchio leave out. What
+Symbody's time stands a second time with subnormal numbers in the scratch before each round: what other
+calculations left in memory must make no difference.
+
+All are given the tree alone, without damping and friction, which the recursions of Pinocchio leave out. What
 a table compares is computed by all at the same states first; what differs is not timed. Pinocchio fills half
 of the mass matrix, and derives along tangents where symbody has a column for each component of a quaternion.
 """
