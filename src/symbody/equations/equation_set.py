@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -63,6 +63,16 @@ class EquationSet:
         default_factory=lambda: SingleFlight(_MOST_VALUES), repr=False
     )
     identity: bytes = field(default=b"", repr=False)
+    # Forms the same equations in another process, where that is less than to hand them over.
+    _again: Callable[[], EquationSet] | None = field(default=None, repr=False)
+
+    def __reduce__(self) -> tuple[Callable[..., EquationSet], tuple[object, ...]]:
+        if self._again is not None:
+            return self._again, ()
+        return EquationSet, (self.model, self.formed, self.notes, self.further)
+
+    def __deepcopy__(self, memo: object) -> EquationSet:
+        return self  # nothing of it can be changed
 
     def __repr__(self) -> str:
         numbers = {"coordinate": self.formed.q, "speed": self.formed.u, "constraint": self.formed.rows}

@@ -1,7 +1,7 @@
 """How the compiled loops are kept on the disk, and who wants to know when numba compiles them.
 
 numba reads what it has kept without looking whether it is whole: a file cut short stops every later process,
-and one wrong bit crashes it. Here each file is checked before; one that is wrong, or cannot be written, is done
+and one wrong bit crashes it. Here each file is checked before. One that is wrong or cannot be written is done
 without.
 """
 
