@@ -4,6 +4,9 @@ One call after another in compiled loops, as a program in C sees it; the same ca
 state; and batches on one core. In brackets stands how many times symbody's time of the same round an engine
 takes: the median of the rounds, then the least and the greatest.
 
+Symbody's time stands a second time with subnormal numbers in the scratch before each round: what other
+calculations left in memory must make no difference.
+
 All are given the tree alone, without damping and friction, which the recursions of Pinocchio leave out. What
 a table compares is computed by all at the same states first; what differs is not timed. Pinocchio fills half
 of the mass matrix, and derives along tangents where symbody has a column for each component of a quaternion.
@@ -32,6 +35,7 @@ from benchmarks.robot_calls import (
     Caller,
     Compiled,
     InCpp,
+    OnSubnormals,
     casadi_c,
     cpp_program,
     median_of_passes,
@@ -88,7 +92,7 @@ def tables(
     notes = [f"{count} states, {settings.rounds} rounds", *dict.fromkeys(notes)]
     yield Table(
         "robots, one call in compiled loops",
-        ("task", "symbody", *LOOPS, "difference"),
+        ("task", "symbody", OnSubnormals.name, *LOOPS, "difference"),
         tuple(rows[0]),
         tuple(notes),
     )
@@ -108,7 +112,7 @@ class RobotBench:
         pin = import_module("pinocchio") if peers and find_spec("pinocchio") else None
         self.states = robot_states(path, robot, pin, count)
         self.ours = Compiled(self.states)
-        self.loops: list[Caller] = [self.ours]
+        self.loops: list[Caller] = [self.ours, OnSubnormals(self.ours)]
         if c_compiler() is None:
             self.loops = []
             self._note("compiled loops are left out: there is no C compiler")
@@ -155,7 +159,8 @@ class RobotBench:
             cells = [self._cell(loops, peer, task) for peer in LOOPS]
             difference = difference_text(max(worst)) if worst else ""
             if "symbody" in loops:
-                first.append((label, _time(loops["symbody"][task]), *cells, difference))
+                subnormal = ratio_cell(loops[OnSubnormals.name][task], loops["symbody"][task])
+                first.append((label, _time(loops["symbody"][task]), subnormal, *cells, difference))
             cells = [self._cell(python, peer, task) for peer in PYTHON]
             second.append((label, _time(python["symbody"][task]), *cells))
             if task in batches["symbody"]:

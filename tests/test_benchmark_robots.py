@@ -28,7 +28,7 @@ def test_robots_are_measured_without_peers() -> None:
     assert [row[0] for row in loops.rows] == ([] if named else tasks)
     assert [row[0] for row in python.rows] == tasks
     assert [row[0] for row in batches.rows] == tasks
-    assert all(row[1] and not any(row[2:]) for row in loops.rows)
+    assert all(row[1] and row[2] and not any(row[3:]) for row in loops.rows)
     assert "absent is not installed: no_such/robot.urdf" in loops.notes
 
 

@@ -3,6 +3,8 @@
 One file for each, named after a hash of everything it follows from. It begins with a hash of the rest: a file
 that was cut or changed is thrown away and made again. Only files in a folder of the user's own are read.
 Whatever fails here is as if nothing had been stored: a home that cannot be written to is no error.
+
+`read_sealed` and `write_sealed` do so with a file at any place.
 """
 
 from __future__ import annotations
@@ -46,17 +48,10 @@ def stored(key: bytes) -> bytes | None:
     if place is None or not _is_own(place):
         return None
     path = _path(place, key)
-    try:
-        found = path.read_bytes()
-    except OSError:
-        return None
-    content = found[_DIGEST:]
-    if found[:_DIGEST] != _digest(key, content):
+    content = read_sealed(path, key)
+    if content is not None:
         with suppress(OSError):
-            path.unlink()
-        return None
-    with suppress(OSError):
-        os.utime(path)  # it was used now
+            os.utime(path)  # it was used now
     return content
 
 
@@ -69,17 +64,53 @@ def store(key: bytes, content: bytes) -> None:
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
         if not _is_own(place):
             return
-        handle, name = tempfile.mkstemp(dir=place)
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(_digest(key, content) + content)
-            path = _path(place, key)
-            os.replace(name, path)
-        except OSError:
-            Path(name).unlink(missing_ok=True)
-            raise
+        path = _path(place, key)
+        write_sealed(path, key, content)
         if int(path.name[:4], 16) % EVERY == 0:
             _evict(place)
+
+
+def read_sealed(path: Path, key: bytes, owners: frozenset[int] | None = None) -> bytes | None:
+    """Return what `write_sealed` wrote; None, and the file is deleted, if it is not that.
+
+    Parameters
+    ----------
+    key : bytes
+        What it was written under.
+    owners : set of int, optional
+        The users whose files are read, if nobody else can write to these; by default those of anybody.
+    """
+    try:
+        with path.open("rb") as file:
+            if owners is not None and not _belongs(os.fstat(file.fileno()), owners):
+                return None
+            found = file.read()  # all of it from one open file, whatever takes its place meanwhile
+    except OSError:
+        return None
+    content = found[_DIGEST:]
+    if found[:_DIGEST] == _digest(key, content):
+        return content
+    with suppress(OSError):
+        path.unlink()
+    return None
+
+
+def write_sealed(path: Path, key: bytes, content: bytes) -> None:
+    """Write a file so that nobody ever sees a part of it.
+
+    Raises
+    ------
+    OSError
+        If that cannot be done.
+    """
+    handle, name = tempfile.mkstemp(dir=path.parent)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(_digest(key, content) + content)
+        os.replace(name, path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
 
 
 def _is_own(place: Path) -> bool:
@@ -90,7 +121,11 @@ def _is_own(place: Path) -> bool:
         status = place.stat()
     except OSError:
         return False
-    return status.st_uid == os.geteuid() and not status.st_mode & 0o022
+    return _belongs(status, frozenset({os.geteuid()}))
+
+
+def _belongs(status: os.stat_result, owners: frozenset[int]) -> bool:
+    return sys.platform == "win32" or (status.st_uid in owners and not status.st_mode & 0o022)
 
 
 def _evict(place: Path) -> None:

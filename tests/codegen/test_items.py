@@ -132,11 +132,13 @@ def test_results_of_one_program_are_read_where_they_lie() -> None:
     nodes = tuple(value.index for value in second[0])
     sequence = build_sequence(graph, [Roots("o", (7,), nodes)], places)
     plan = plan_pieces(sequence)
-    items = plan_items(sequence, plan.needed, plan.outputs, plan.work_size)
+    items = plan_items(sequence, plan.needed, plan.outputs, plan.work_size, 4)
     one, two = items.maps.values()
     assert two.own == [one.results]
     assert [place for place, _ in two.stores] == list(two.shared)  # nothing else is moved
     assert two.outputs == {0: 0} and len(items.put) == 7  # and go out as they are
+    # The eighth number of the first row is set to zero; what follows from it is left with the seven results.
+    assert one.zeros == [(one.own[0] + 7, 1)] and two.zeros == []
 
 
 def test_stored_sequences_keep_their_programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

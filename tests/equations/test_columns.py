@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
+from symbody.analysis.derivatives import with_outputs
 from symbody.codegen.compile import form_sequence
 from symbody.equations.recursive.chains import TOGETHER, chains
 from symbody.equations.recursive.recursion import Recursion
@@ -86,8 +87,8 @@ def derivatives(eqs: sb.EquationSet, by: list[str]) -> tuple[sb.CompiledFunction
     symbols = [symbol for word in by for symbol in groups[word]]
     rows = acceleration_slopes(formed, symbols)
     name = f"{' '.join(by)} one by one"  # sequences are kept by their names
-    eqs._roots[name] = Roots(name, (len(formed.u), len(symbols)), tuple(x.index for row in rows for x in row))
-    return sb.compile(eqs, f"d udot/d({', '.join(by)})"), sb.compile(eqs, name)
+    roots = Roots(name, (len(formed.u), len(symbols)), tuple(x.index for row in rows for x in row))
+    return sb.compile(eqs, f"d udot/d({', '.join(by)})"), sb.compile(with_outputs(eqs, [roots]), name)
 
 
 def states(eqs: sb.EquationSet, seed: int, count: int = 5) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import symbody as sb
+from symbody.analysis.derivatives import with_outputs
 from symbody.codegen.compile import form_sequence
 from symbody.equations.recursive.recursion import Recursion
 from symbody.equations.solving.slopes import acceleration_slopes, inverse_dynamics
-from symbody.expr.expression import Expr
 from symbody.expr.folding import fold_constants
 from symbody.expr.rewrite import substitute
 from symbody.expr.sequence import Roots
@@ -187,11 +187,12 @@ def test_slopes_are_the_derivatives_of_the_accelerations() -> None:
     formed = eqs.formed
     by = [*formed.u, *formed.q]
     rows = acceleration_slopes(formed, by)
-    eqs._roots["slopes"] = Roots("slopes", (6, 12), tuple(x.index for row in rows for x in row))
-    slopes, f = sb.compile(eqs, "slopes"), sb.compile(eqs, "udot")
+    slopes = Roots("slopes", (6, 12), tuple(x.index for row in rows for x in row))
+    eqs = with_outputs(eqs, [slopes])
+    f = sb.compile(eqs, "udot")
     rng = np.random.default_rng(3)
     u, q = rng.uniform(-1, 1, 6), rng.uniform(-1, 1, 6)
-    found = slopes(0.0, q, u)
+    found = sb.compile(eqs, "slopes")(0.0, q, u)
     h = 1e-6
     for k in range(12):
         step = h * np.eye(12)[k]
@@ -214,7 +215,7 @@ def test_inverse_dynamics_is_what_the_equations_lack() -> None:
             )
         )
         nodes = substitute(formed.graph, [x.index for x in missing], udot)
-        eqs._roots["missing"] = Roots("missing", (6,), tuple(Expr(formed.graph, n).index for n in nodes))
+        eqs = with_outputs(eqs, [Roots("missing", (6,), tuple(nodes))])
         rng = np.random.default_rng(4)
         q, u = rng.uniform(-1, 1, 6), rng.uniform(-1, 1, 6)
         scale = np.abs(sb.compile(eqs, "forcing")(0.0, q, u)).max()

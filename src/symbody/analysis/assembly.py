@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
 from typing import Final
 
@@ -143,14 +144,21 @@ def _assembled(
     q = found.q
     guessed = {name: value for name, value in known.items() if name not in positions and name not in rates}
     u = consistent_speeds(task, q, rates, guessed)
-
-    def others() -> list[State]:
-        attempts = _others(task, start, positions, q, within)
-        return [
-            task.state(b.q, consistent_speeds(task, b.q, rates, guessed), start, guessed) for b in attempts
-        ]
-
+    others = partial(_other_states, task, start, positions, q, within, rates, guessed)
     return task.state(q, u, start, guessed, others)
+
+
+def _other_states(
+    task: Closure,
+    start: Floats,
+    fixed: Mapping[str, float],
+    q: Floats,
+    ranges: Ranges,
+    rates: Mapping[str, float],
+    guess: Mapping[str, float],
+) -> list[State]:
+    attempts = _others(task, start, fixed, q, ranges)
+    return [task.state(b.q, consistent_speeds(task, b.q, rates, guess), start, guess) for b in attempts]
 
 
 def _guessed(eqs: EquationSet, guess: Mapping[str, Value] | None) -> dict[str, Value]:

@@ -17,6 +17,7 @@ from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, SimulationError
 from symbody.manifold import ConstraintManifold
+from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 
@@ -65,8 +66,10 @@ class Closure:
     mechanism: Scales = Scales()
     size: float = 1.0
     # Functions already compiled; they follow from the fields above.
-    _functions: dict[str | tuple[str, ...], CompiledFunction] = field(default_factory=dict, repr=False)
-    _fours: list[list[list[int]]] = field(default_factory=list, repr=False)
+    _functions: SingleFlight[str | tuple[str, ...], CompiledFunction] = field(
+        default_factory=SingleFlight, repr=False
+    )
+    _fours: SingleFlight[None, list[list[int]]] = field(default_factory=SingleFlight, repr=False)
 
     @property
     def is_tree(self) -> bool:
@@ -87,11 +90,13 @@ class Closure:
     def function(self, outputs: str | Sequence[str]) -> CompiledFunction:
         """Return a compiled function of t, q and u."""
         key = outputs if isinstance(outputs, str) else tuple(outputs)
-        if key not in self._functions:
+
+        def compiled() -> CompiledFunction:
             inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
             sequence = form_sequence(self.eqs, outputs, self.parameters, (), inputs)
-            self._functions[key] = CompiledFunction(*sequence, quick=True)
-        return self._functions[key]
+            return CompiledFunction(*sequence, quick=True)
+
+        return self._functions.get(key, compiled)
 
     def parted(self, wanted: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
         """Return what is wanted of positions, and of velocities."""
@@ -295,10 +300,10 @@ class Closure:
 
     def quaternions(self) -> list[list[int]]:
         """Return the places of each quaternion in q."""
-        if not self._fours:
-            names = self.eqs.coordinate_names
-            self._fours.append([[names.index(name) for name in four] for four in self.eqs.quaternions])
-        return self._fours[0]
+        names = self.eqs.coordinate_names
+        return self._fours.get(
+            None, lambda: [[names.index(name) for name in four] for four in self.eqs.quaternions]
+        )
 
     def _is_angle(self, name: str) -> bool:
         return name in self.angles

@@ -11,6 +11,7 @@ from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.single_flight import SingleFlight
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,16 +43,16 @@ class State:
     inputs: Mapping[str, Value] = field(default_factory=dict, repr=False)
     # Finds the branches; they are looked for on first request.
     _others: Callable[[], Iterable[State]] = field(default=tuple, repr=False)
-    _branches: list[State] = field(default_factory=list, repr=False)
+    _branches: SingleFlight[None, tuple[State, ...]] = field(default_factory=SingleFlight, repr=False)
     # Compiled functions of these equations, parameters and inputs: all branches share them.
-    _functions: dict[str | tuple[str, ...], CompiledFunction] = field(default_factory=dict, repr=False)
+    _functions: SingleFlight[str | tuple[str, ...], CompiledFunction] = field(
+        default_factory=SingleFlight, repr=False
+    )
 
     @property
     def branches(self) -> tuple[State, ...]:
         """Other assemblies with the same fixed values, nearest to the guess first; there may be more."""
-        if not self._branches:
-            self._branches.extend(self._others())
-        return tuple(self._branches)
+        return self._branches.get(None, lambda: tuple(self._others()))
 
     @checked_arguments
     def __getitem__(self, name: str) -> float | np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
@@ -65,9 +66,12 @@ class State:
         for values in (self.q, self.u, self.udot, self.multipliers):
             if name in values:
                 return values[name]
-        if name not in self._functions:
+
+        def compiled() -> CompiledFunction:
             inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
             sequence = form_sequence(self.eqs, name, self.parameters, (), inputs)
-            self._functions[name] = CompiledFunction(*sequence, quick=True)
-        value = np.asarray(self._functions[name](self.t, list(self.q.values()), list(self.u.values())))
+            return CompiledFunction(*sequence, quick=True)
+
+        function = self._functions.get(name, compiled)
+        value = np.asarray(function(self.t, list(self.q.values()), list(self.u.values())))
         return float(value) if value.ndim == 0 else value

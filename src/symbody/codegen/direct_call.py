@@ -11,13 +11,14 @@ import math
 import sys
 import sysconfig
 from collections.abc import Callable
-from functools import cache, partial
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
 
 from symbody.codegen.llvm.direct import ARGUMENTS, NAME, SETTINGS, direct
 from symbody.codegen.native_call import NativeCall
+from symbody.single_flight import once
 
 # About 100 us.
 _LONGEST: Final = 400_000
@@ -59,13 +60,12 @@ class DirectCall:
         None where there is no such call.
     """
 
-    __slots__ = ("_kept", "call")
+    __slots__ = ("call",)
 
     def __init__(self, native: NativeCall, sizes: dict[str, int], shape: tuple[int, ...]) -> None:
         self.call: Callable[..., Any] | None = None
         work = np.empty(native.native.work_size)
         make_result = np.empty(shape).copy if math.prod(shape) <= _COPIED else partial(np.empty, shape)
-        self._kept = (native, work, make_result)
         if not available() or native.sequence.operation_count > _LONGEST:
             return
         known = {
@@ -78,12 +78,14 @@ class DirectCall:
             **{f"size_{group}": sizes[group] for group in ARGUMENTS[1:]},
         }
         settings = np.array([known[name] for name in SETTINGS], dtype=np.int64)
+        method = _Method(NAME.encode(), direct().address, _FASTCALL, None)
         new = ctypes.pythonapi.PyCFunction_NewEx
-        new.restype, new.argtypes = ctypes.py_object, (ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p)
-        self.call = new(ctypes.addressof(_method()), settings, None)
+        new.restype, new.argtypes = ctypes.py_object, (ctypes.c_void_p, ctypes.py_object, ctypes.py_object)
+        # What stands for the module is freed last: the call itself keeps alive all that it reads by address.
+        self.call = new(ctypes.addressof(method), settings, (native, work, make_result, method, direct()))
 
 
-@cache
+@once
 def available() -> bool:
     """Return whether objects lie in memory here as the native code expects them."""
     return (
@@ -95,12 +97,7 @@ def available() -> bool:
     )
 
 
-@cache
-def _method() -> _Method:
-    return _Method(NAME.encode(), direct().address, _FASTCALL, None)
-
-
-@cache
+@once
 def _of_python() -> dict[str, int]:
     """Return addresses of objects that live as long as the interpreter, and of its functions."""
     objects = {

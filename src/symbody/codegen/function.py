@@ -20,6 +20,7 @@ from symbody.expr.deadline import begin
 from symbody.expr.folding import fold_constants
 from symbody.expr.program import written_out
 from symbody.expr.sequence import Sequence
+from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 _WORDS: Final = {"q": "coordinates", "u": "speeds", "r": "inputs", "p": "parameters", "t": "time"}
@@ -74,7 +75,7 @@ class CompiledFunction:
         sizes["c"] = 0 if self._head is None else self._head.sequence.output_size
         self._single = SinglePoint(self._tail, sizes)
         # Made by the first call at a point.
-        self._direct: DirectCall | None = None
+        self._direct: SingleFlight[None, DirectCall] = SingleFlight()
         self._at_point: Callable[..., Any] | None = None
 
     def __call__(
@@ -114,10 +115,9 @@ class CompiledFunction:
             if found is not None:
                 return found if self._result is None else self._taken_apart(found)
         if self._head is None and self._filled(t, q, u, r, p):
-            if self._direct is None:
-                self._direct = self._made_direct()
-                self._at_point = self._direct.call
             self._check_out(out, ())
+            if self._at_point is None:
+                self._at_point = self._direct.get(None, self._made_direct).call
             return self._shaped(self._single.run().copy(), (), out)
         given = {group: self._checked(group, x) for group, x in zip("qurp", (q, u, r, p), strict=True)}
         given["t"] = self._checked("t", t)

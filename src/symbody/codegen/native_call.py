@@ -17,6 +17,7 @@ from symbody.codegen.llvm.machine import lanes as widest
 from symbody.codegen.llvm.native import NativeFunction, compile_sequence
 from symbody.errors import Problem, SimulationError
 from symbody.expr.sequence import Kernel, Sequence
+from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 GROUPS: Final = ("t", "q", "u", "r", "p", "c")
@@ -60,7 +61,7 @@ class NativeCall:
         self.sequence = sequence
         self.native: NativeFunction = compile_sequence(sequence, quick=quick)
         self._points_left = {None: _POINTS_THAT_PAY, True: 0, False: sys.maxsize}[lanes]
-        self._in_lanes: NativeFunction | None = None
+        self._in_lanes: SingleFlight[None, NativeFunction] = SingleFlight()
         self._work = sequence.operation_count + sum(_kernel_work(kernel) for kernel in sequence.kernels)
 
     def __call__(self, given: Mapping[str, Floats], batch: tuple[int, ...], threads: int = 1) -> Floats:
@@ -94,9 +95,7 @@ class NativeCall:
 
     def in_lanes(self) -> NativeFunction:
         """Return the code for several points at once, compiled when it is first asked for."""
-        if self._in_lanes is None:
-            self._in_lanes = compile_sequence(self.sequence, in_lanes=True)
-        return self._in_lanes
+        return self._in_lanes.get(None, lambda: compile_sequence(self.sequence, in_lanes=True))
 
     def _run(self, start: int, stop: int, points: _Points, lanes: NativeFunction | None) -> int:
         """Compute some of the points and return the first status that is not 0."""

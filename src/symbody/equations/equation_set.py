@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -23,6 +23,7 @@ from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Roots, Sequence
 from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.model.model import Model
+from symbody.single_flight import SingleFlight
 
 # Values of parameters for which equations are kept.
 _MOST_VALUES: Final = 8
@@ -44,6 +45,8 @@ class EquationSet:
         when this is read.
     notes : tuple of str
         Every choice that was made, with its reason.
+    further : mapping of name to Roots
+        Outputs beside those that every set of equations has.
     identity : bytes
         A hash of all that the equations follow from; empty if that cannot be told.
     """
@@ -51,13 +54,26 @@ class EquationSet:
     model: Model
     _given: Formed | Deferred
     notes: tuple[str, ...] = ()
+    further: Mapping[str, Roots] = field(default_factory=dict, repr=False)
     # Roots and formulas already made; pure functions of `formed`, so they cannot go stale.
-    _roots: dict[str, Roots] = field(default_factory=dict, repr=False)
-    _code_roots: dict[str, Roots] = field(default_factory=dict, repr=False)
-    _textbook: list[Textbook] = field(default_factory=list, repr=False)
-    _noise_program: list[Sequence] = field(default_factory=list, repr=False)
-    _for_values: dict[tuple[float | None, ...], EquationSet] = field(default_factory=dict, repr=False)
+    _roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
+    _code_roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
+    _textbook: SingleFlight[None, Textbook] = field(default_factory=SingleFlight, repr=False)
+    _noise_program: SingleFlight[None, Sequence] = field(default_factory=SingleFlight, repr=False)
+    _for_values: SingleFlight[tuple[float | None, ...], EquationSet] = field(
+        default_factory=lambda: SingleFlight(_MOST_VALUES), repr=False
+    )
     identity: bytes = field(default=b"", repr=False)
+    # Forms the same equations in another process, where that is less than to hand them over.
+    _again: Callable[[], EquationSet] | None = field(default=None, repr=False)
+
+    def __reduce__(self) -> tuple[Callable[..., EquationSet], tuple[object, ...]]:
+        if self._again is not None:
+            return self._again, ()
+        return EquationSet, (self.model, self.formed, self.notes, self.further)
+
+    def __deepcopy__(self, memo: object) -> EquationSet:
+        return self  # nothing of it can be changed
 
     def __repr__(self) -> str:
         numbers = {"coordinate": self.formed.q, "speed": self.formed.u, "constraint": self.formed.rows}
@@ -272,34 +288,33 @@ class EquationSet:
             If a constraint on parameters alone excludes these values.
         """
         key = tuple(parameters.get(symbol.name) for symbol in self.formed.parameters)
-        if key not in self._for_values:
+
+        def without() -> EquationSet:
             check_idle(self.formed, parameters)
-            if not self._noise_program:
-                self._noise_program.append(noise_program(self.formed))
-            formed = without_noise(self.formed, parameters, self._noise_program[0])
-            found = self if formed is self.formed else EquationSet(self.model, formed, self.notes)
-            while len(self._for_values) >= _MOST_VALUES:  # the oldest go
-                del self._for_values[next(iter(self._for_values))]
-            self._for_values[key] = found
-        return self._for_values[key]
+            program = self._noise_program.get(None, lambda: noise_program(self.formed))
+            formed = without_noise(self.formed, parameters, program)
+            return self if formed is self.formed else EquationSet(self.model, formed, self.notes)
+
+        return self._for_values.get(key, without)
 
     @property
     def textbook(self) -> Textbook:
         """The equations as formulas: short ones are formed anew for reading, in the same graph."""
-        if not self._textbook:
-            formed = self.formed
-            if len(formed.u) <= MOST_SPEEDS and formed.formed_again is not None:
-                formed = formed.formed_again(formed.graph, spread=True)
-            elif len(formed.u) <= MOST_SPEEDS:
-                formed = form(
-                    formed.topology,
-                    formed.graph,
-                    formed.formulation,
-                    spread=True,
-                    dependent=formed.dependent_names,
-                )
-            self._textbook.append(Textbook(formed))
-        return self._textbook[0]
+        return self._textbook.get(None, self._for_reading)
+
+    def _for_reading(self) -> Textbook:
+        formed = self.formed
+        if len(formed.u) <= MOST_SPEEDS and formed.formed_again is not None:
+            formed = formed.formed_again(formed.graph, spread=True)
+        elif len(formed.u) <= MOST_SPEEDS:
+            formed = form(
+                formed.topology,
+                formed.graph,
+                formed.formulation,
+                spread=True,
+                dependent=formed.dependent_names,
+            )
+        return Textbook(formed)
 
     @checked_arguments
     def operation_count(self, *outputs: str) -> int:
@@ -310,21 +325,16 @@ class EquationSet:
     @checked_arguments
     def roots(self, name: str) -> Roots:
         """Return the roots of an output in the expression graph; see `evaluable_roots`."""
-        found = self._roots.get(name)
-        if found is None:
-            found = evaluable_roots(self.formed, name)
-            self._roots[name] = found
-        return found
+        if name in self.further:
+            return self.further[name]
+        return self._roots.get(name, lambda: evaluable_roots(self.formed, name))
 
     @checked_arguments
     def code_roots(self, name: str) -> Roots:
         """Return the roots of an output for machine code: derivatives as programs for several columns."""
         if asked_derivative(name) is None:
             return self.roots(name)
-        found = self._code_roots.get(name)
-        if found is None:
-            found = self._code_roots[name] = code_roots(self.formed, name)
-        return found
+        return self._code_roots.get(name, lambda: code_roots(self.formed, name))
 
     @checked_arguments
     def frame_motion(

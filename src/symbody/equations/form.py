@@ -82,10 +82,11 @@ def form_equations(
         make = partial(_formed, model, formulation, tree, dependent_speeds)
         return in_time(time_limit, "forming the equations", _LESS, make)
 
+    again = partial(form_equations, model, formulation, tree=tree, dependent_speeds=dependent_speeds)
     if notes is not None:  # nothing was wrong with them, so they can wait
         check_limit(time_limit)
-        return EquationSet(model, Deferred(lambda: formed()[0]), notes, identity=equations)
-    return EquationSet(model, *formed(), identity=equations)
+        return EquationSet(model, Deferred(lambda: formed()[0]), notes, identity=equations, _again=again)
+    return EquationSet(model, *formed(), identity=equations, _again=again)
 
 
 def _no_model(given: object) -> Problem:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Protocol
 
 from symbody.equations.constraints.rolling import enter_contact
@@ -33,6 +34,7 @@ from symbody.graph.topology import Topology
 from symbody.model.constraints import Rolling
 from symbody.model.element import Address, address_of
 from symbody.model.lookup import places_of
+from symbody.single_flight import SingleFlight
 
 
 class FormedAgain(Protocol):
@@ -97,12 +99,14 @@ class Formed:
     angles: frozenset[str] = frozenset()
     formed_again: FormedAgain | None = None
     # Made on first request; a pure function of the fields above, so it cannot go stale.
-    _wrenches: dict[str, Wrench] = field(default_factory=dict, repr=False)
-    _names: list[Names] = field(default_factory=list, repr=False)
-    solved: list[tuple[list[Expr], list[Expr]]] = field(default_factory=list, repr=False)
+    _wrenches: SingleFlight[None, Mapping[str, Wrench]] = field(default_factory=SingleFlight, repr=False)
+    _names: SingleFlight[None, Names] = field(default_factory=SingleFlight, repr=False)
+    solved: SingleFlight[None, tuple[list[Expr], list[Expr]]] = field(
+        default_factory=SingleFlight, repr=False
+    )
     resistances: list[Resistance] = field(default_factory=list, repr=False)
-    _free: list[Solution] = field(default_factory=list, repr=False)
-    _released: dict[str, Expr] = field(default_factory=dict, repr=False)
+    _free: SingleFlight[None, Solution] = field(default_factory=SingleFlight, repr=False)
+    _released: SingleFlight[None, Mapping[str, Expr]] = field(default_factory=SingleFlight, repr=False)
 
     @property
     def graph(self) -> Graph:
@@ -143,11 +147,11 @@ class Formed:
     @property
     def released(self) -> Mapping[str, Expr]:
         """The multipliers of rows eliminated, in u', the other multipliers and friction efforts."""
-        if self.elimination is not None and not self._released:
-            # Rows that were silenced have no slopes, and their multipliers are 0.
-            others = [row.name for row in self.rows if row.slopes]
-            self._released.update(self.elimination.multipliers(others))
-        return self._released
+        if self.elimination is None:
+            return {}
+        # Rows that were silenced have no slopes, and their multipliers are 0.
+        others = [row.name for row in self.rows if row.slopes]
+        return self._released.get(None, partial(self.elimination.multipliers, others))
 
     @property
     def rows_and_multipliers(self) -> list[tuple[Row, Expr]]:
@@ -166,22 +170,23 @@ class Formed:
     @property
     def wrenches(self) -> Mapping[str, Wrench]:
         """The total wrench of every joint in terms of u' and the multipliers."""
-        if not self._wrenches:
-            rows = self.rows_and_multipliers
-            cut = [*row_wrenches(rows), *self._measured_drives(), *self._couplings()]
-            free = self.free_bodies
-            if isinstance(self.projection, Recursion):
-                rates = zip(self.expressions(self.u), self.u, strict=True)
-                udot = {u.index: symbol(self.graph, name.derivative) for u, name in rates}
-                found = recursive_wrenches(self.projection, self.names, udot, summed(cut))
-            elif free is None:
-                found = joint_wrenches(self.topology, self.kinematics, self.bodies, self.loads.loads, cut)
-            else:
-                found = dict.fromkeys((joint.name for joint in self.topology.joints), NOTHING)
-                found |= summed([*cut, *free.wrenches.items()])
-            contacts = [pair for pair in rows if pair[0].element in self.topology.contacts]
-            self._wrenches.update(found | summed(row_wrenches(contacts)))
-        return self._wrenches
+        return self._wrenches.get(None, self._form_wrenches)
+
+    def _form_wrenches(self) -> Mapping[str, Wrench]:
+        rows = self.rows_and_multipliers
+        cut = [*row_wrenches(rows), *self._measured_drives(), *self._couplings()]
+        free = self.free_bodies
+        if isinstance(self.projection, Recursion):
+            rates = zip(self.expressions(self.u), self.u, strict=True)
+            udot = {u.index: symbol(self.graph, name.derivative) for u, name in rates}
+            found = recursive_wrenches(self.projection, self.names, udot, summed(cut))
+        elif free is None:
+            found = joint_wrenches(self.topology, self.kinematics, self.bodies, self.loads.loads, cut)
+        else:
+            found = dict.fromkeys((joint.name for joint in self.topology.joints), NOTHING)
+            found |= summed([*cut, *free.wrenches.items()])
+        contacts = [pair for pair in rows if pair[0].element in self.topology.contacts]
+        return found | summed(row_wrenches(contacts))
 
     @property
     def free_bodies(self) -> Solution | None:
@@ -194,21 +199,21 @@ class Formed:
             return None
         if self.elimination is not None or not self.uses:
             return None
-        if not self._free:
-            free = FreeBodies(
-                topology=self.topology,
-                kinematics=self.kinematics,
-                uses=self.uses,
-                shifts={use.joint.name: joint_shift(self.names, use.joint) for use in self.uses},
-                bodies=self.bodies,
-                loads=self.loads.loads,
-                rotors=tuple(self.armatures.values()),
-                rows=self.rows,
-                within=dict(self._measured_efforts()),
-                coupled={row.name: tuple(self._coupled(row)) for row in self.rows if row.shares},
-            )
-            self._free.append(free.solved())
-        return self._free[0]
+        return self._free.get(None, self._solve_free_bodies)
+
+    def _solve_free_bodies(self) -> Solution:
+        return FreeBodies(
+            topology=self.topology,
+            kinematics=self.kinematics,
+            uses=self.uses,
+            shifts={use.joint.name: joint_shift(self.names, use.joint) for use in self.uses},
+            bodies=self.bodies,
+            loads=self.loads.loads,
+            rotors=tuple(self.armatures.values()),
+            rows=self.rows,
+            within=dict(self._measured_efforts()),
+            coupled={row.name: tuple(self._coupled(row)) for row in self.rows if row.shares},
+        ).solved()
 
     def _measured_efforts(self) -> Iterator[tuple[str, tuple[str, Wrench]]]:
         """Return what a unit effort along each measured coordinate does."""
@@ -256,7 +261,14 @@ class Formed:
     def with_rows(self, rows: tuple[Row, ...]) -> Formed:
         """Return the same equations under other constraints."""
         return replace(
-            self, rows=rows, solved=[], resistances=[], _wrenches={}, _names=[], _free=[], _released={}
+            self,
+            rows=rows,
+            solved=SingleFlight(),
+            resistances=[],
+            _wrenches=SingleFlight(),
+            _names=SingleFlight(),
+            _free=SingleFlight(),
+            _released=SingleFlight(),
         )
 
     def own_rest(self, row: Row) -> Expr:
@@ -270,15 +282,16 @@ class Formed:
     @property
     def readable_names(self) -> Names:
         """The names with multipliers, and all coordinates of cut joints, measured on first request."""
-        if not self._names:
-            multipliers = zip(self.multipliers, self.expressions(self.multipliers), strict=True)
-            values = {symbol.label: value for symbol, value in multipliers} | dict(self.released)
-            pivots = {} if self.elimination is None else self.elimination.pivots
-            names = self.names.with_values(values | dict(pivots))
-            for use in self.uses:
-                names = names.with_values(measured_coordinates(names, self.kinematics, use))
-            self._names.append(names)
-        return self._names[0]
+        return self._names.get(None, self._form_names)
+
+    def _form_names(self) -> Names:
+        multipliers = zip(self.multipliers, self.expressions(self.multipliers), strict=True)
+        values = {symbol.label: value for symbol, value in multipliers} | dict(self.released)
+        pivots = {} if self.elimination is None else self.elimination.pivots
+        names = self.names.with_values(values | dict(pivots))
+        for use in self.uses:
+            names = names.with_values(measured_coordinates(names, self.kinematics, use))
+        return names
 
     def frame(self, name: str) -> str:
         """Return the frame of kinematics that an address means.

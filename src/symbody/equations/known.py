@@ -11,7 +11,6 @@ import os
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cache
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from typing import Final
@@ -19,6 +18,7 @@ from typing import Final
 from symbody.equations.formed import Formed
 from symbody.model.content import content_of
 from symbody.model.model import Model
+from symbody.single_flight import SingleFlight, once
 from symbody.storage import folder, store, stored
 
 # The rooms that equations and sequences are made in, and the packages that decide something there.
@@ -31,14 +31,12 @@ class Deferred:
     """Equations that are formed when they are first asked for."""
 
     form: Callable[[], Formed]
-    _made: list[Formed] = field(default_factory=list, repr=False)
+    _made: SingleFlight[None, Formed] = field(default_factory=SingleFlight, repr=False)
 
     @property
     def formed(self) -> Formed:
         """The equations; two threads that ask at once get the same."""
-        if not self._made:
-            self._made.append(self.form())
-        return self._made[0]
+        return self._made.get(None, self.form)
 
 
 def identity(model: Model, *choices: object) -> bytes:
@@ -67,7 +65,7 @@ def _key(equations: bytes) -> bytes:
     return b"notes\n" + equations
 
 
-@cache
+@once
 def _sources() -> bytes:
     """Return a hash of the files that equations are made by; empty if they cannot be read."""
     package = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))

@@ -13,18 +13,19 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Iterable, Mapping
+from copy import copy
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
 from hashlib import blake2b
 from numbers import Integral
-from threading import RLock
-from typing import Protocol
+from typing import Final, Protocol
 from weakref import WeakKeyDictionary
 
 from symbody.errors import ExpressionError, Problem
 from symbody.expr.deadline import TICK, check
 from symbody.expr.opcodes import ARITY, CALL, FLOAT, MAP, NEG, PI, PICK, RATIONAL, SADDLE, SYMBOL
+from symbody.single_flight import fork_safe_lock
 
 # int is used for whole numbers: arithmetic on it is several times faster than on Fraction.
 Exact = int | Fraction
@@ -104,6 +105,13 @@ class Kernel:
     m: int
 
 
+# All of a graph but its lock, and what was copied from other living graphs.
+_PICKLED: Final = (
+    "_index", "_symbol_index", "_whole", "constants", "functions", "hashes", "kernels", "left",
+    "operand_tuples", "ops", "programs", "right", "symbols",
+)  # fmt: skip
+
+
 class Graph:
     """Append-only arena of hash-consed nodes, owned by one derivation.
 
@@ -130,9 +138,19 @@ class Graph:
         self._symbol_index: dict[Symbol, int] = {}
         self._whole: dict[int, int] = {}  # nodes of whole numbers, the constants most asked for
         self._copies: WeakKeyDictionary[Graph, dict[int, int]] = WeakKeyDictionary()
-        self._lock = RLock()
+        self._lock = fork_safe_lock()
         for value in (0, 1, 2):  # so that node i is the constant i: the folding rules rely on it
             self.constant(value)
+
+    def __getstate__(self) -> dict[str, object]:
+        with self._lock:
+            return {name: copy(getattr(self, name)) for name in _PICKLED}
+
+    def __setstate__(self, state: Mapping[str, object]) -> None:
+        for name, value in state.items():
+            setattr(self, name, value)
+        self._copies = WeakKeyDictionary()
+        self._lock = fork_safe_lock()
 
     def __len__(self) -> int:
         return len(self.ops)

@@ -17,6 +17,7 @@ from symbody.model.joint import InTrees, Joint
 from symbody.model.joints import Free
 from symbody.model.model import Model
 from symbody.model.naming import GROUND
+from symbody.single_flight import SingleFlight
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,16 +40,18 @@ class Topology:
     translation: SpanningTree
     notes: tuple[str, ...]
     # The joints, and all that connects frames, by name; filled on first use.
-    _named: dict[str, Joint] = field(default_factory=dict, init=False, compare=False, repr=False)
-    _links: dict[str, Joint | Contact] = field(default_factory=dict, init=False, compare=False, repr=False)
+    _named: SingleFlight[None, dict[str, Joint]] = field(
+        default_factory=SingleFlight, init=False, compare=False, repr=False
+    )
+    _links: SingleFlight[None, dict[str, Joint | Contact]] = field(
+        default_factory=SingleFlight, init=False, compare=False, repr=False
+    )
     # Names of the joints in each tree, filled on first use too: it is asked for each joint.
     _inside: dict[str, frozenset[str]] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def joint(self, name: str) -> Joint:
         """Return the joint called `name`."""
-        if not self._named:
-            self._named.update((joint.name, joint) for joint in self.joints)
-        return self._named[name]
+        return self._named.get(None, lambda: {joint.name: joint for joint in self.joints})[name]
 
     @property
     def contacts(self) -> Mapping[str, Contact]:
@@ -57,10 +60,10 @@ class Topology:
 
     def link(self, name: str) -> Joint | Contact | None:
         """Return what is called `name` and connects two frames, if it does."""
-        if not self._links:
-            self._links.update(self.contacts)
-            self._links.update((joint.name, joint) for joint in self.joints)
-        return self._links.get(name)
+        return self._links.get(None, self._form_links).get(name)
+
+    def _form_links(self) -> dict[str, Joint | Contact]:
+        return {**self.contacts, **{joint.name: joint for joint in self.joints}}
 
     @property
     def turning(self) -> frozenset[str]:

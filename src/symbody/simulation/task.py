@@ -20,6 +20,7 @@ from symbody.simulation.events.events import Event
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import PROJECTED
 from symbody.simulation.native.dense_output import DenseOutput
+from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 
@@ -35,18 +36,20 @@ class Task:
     laws: InputLaws
     scales: Scales
     # Functions already compiled; they follow from the fields above.
-    _functions: dict[tuple[EquationSet, tuple[str, ...], bool, bool], CompiledFunction] = field(
-        default_factory=dict, repr=False, compare=False
+    _functions: SingleFlight[tuple[EquationSet, tuple[str, ...], bool, bool], CompiledFunction] = field(
+        default_factory=SingleFlight, repr=False, compare=False
     )
 
     def compiled(self, outputs: str | Sequence[str], *, quick: bool = False) -> CompiledFunction:
         """Return a function of t, q and u, and of the inputs that are asked for; `quick` for few calls."""
         is_one = isinstance(outputs, str)
         key = (self.eqs, (outputs,) if isinstance(outputs, str) else tuple(outputs), is_one, quick)
-        if key not in self._functions:
+
+        def compiled() -> CompiledFunction:
             sequence = form_sequence(self.eqs, outputs, self.parameters, (), self.laws.formulas)
-            self._functions[key] = CompiledFunction(*sequence, quick=quick)
-        return self._functions[key]
+            return CompiledFunction(*sequence, quick=quick)
+
+        return self._functions.get(key, compiled)
 
     def evaluated(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
         """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""

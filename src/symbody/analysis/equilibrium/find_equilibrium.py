@@ -7,7 +7,8 @@ balance together with the constraints, from the guess and from starts about it, 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -24,6 +25,7 @@ from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, SimulationError, nearest
+from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 
@@ -52,14 +54,12 @@ class Equilibrium(State):
     """
 
     notes: tuple[str, ...] = ()
-    _linear: list[Linearization] = field(default_factory=list, repr=False)
+    _linear: SingleFlight[None, Linearization] = field(default_factory=SingleFlight, repr=False)
 
     @property
     def linearization(self) -> Linearization:
         """The equations of small deviations from it."""
-        if not self._linear:
-            self._linear.append(linearize(self.eqs, self))
-        return self._linear[0]
+        return self._linear.get(None, lambda: linearize(self.eqs, self))
 
     @property
     def verdict(self) -> str:
@@ -117,8 +117,7 @@ def find_equilibrium(
     search.check_at_rest()
     found = search.equilibria()
     states = [_state(search, rest, unknowns) for rest in found]
-    states[0]._branches.extend(states[1:])
-    return states[0]
+    return replace(states[0], _others=partial(tuple, states[1:]))
 
 
 def _check(eqs: EquationSet, unknowns: Sequence[str], fixed: Mapping[str, Value]) -> None:

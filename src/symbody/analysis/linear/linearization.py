@@ -14,6 +14,7 @@ from symbody.analysis.linear.modes import Mode, Spectrum, spectrum
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
 from symbody.errors import AssemblyError, EnvironmentFault, Problem
+from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 
@@ -65,7 +66,7 @@ class Linearization:
     _speeds: int = field(default=0, repr=False)
     _noise: float = field(default=1.0, repr=False)
     # Made on first request, a pure function of A.
-    _spectrum: list[Spectrum] = field(default_factory=list, repr=False)
+    _spectrum: SingleFlight[None, Spectrum] = field(default_factory=SingleFlight, repr=False)
 
     def __iter__(self) -> Iterator[Floats]:
         """Return A, B, C, D one after the other."""
@@ -98,10 +99,8 @@ class Linearization:
 
     @property
     def _found(self) -> Spectrum:
-        if not self._spectrum:
-            coordinates = len(self.state_names) - self._speeds
-            self._spectrum.append(spectrum(self.A, self.state_names, coordinates, self._noise))
-        return self._spectrum[0]
+        coordinates = len(self.state_names) - self._speeds
+        return self._spectrum.get(None, lambda: spectrum(self.A, self.state_names, coordinates, self._noise))
 
     @checked_arguments
     def recover(self, deviations: Mapping[str, float] | ArrayLike) -> dict[str, Floats]:

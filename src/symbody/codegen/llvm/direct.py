@@ -8,13 +8,13 @@ is not made for it leaves to the caller, by returning None.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cache
 from typing import Final
 
 import llvmlite.binding as binding
 
 from symbody.codegen.llvm.machine import SMALL, THOROUGH, environment, object_codes, target_machine
 from symbody.codegen.llvm.stored_module import Module, read_module, store_module, written_by
+from symbody.single_flight import once
 
 NAME: Final = "symbody_direct"
 ARGUMENTS: Final = ("t", "q", "u", "r", "p")
@@ -47,7 +47,7 @@ class Direct:
         self.address = int(self._library[NAME])
 
 
-@cache
+@once
 def direct() -> Direct:
     """Return the function, ready to be called."""
     return Direct()

@@ -3,6 +3,9 @@
 Row by row of the numbers that items have, the items stand side by side in the work array, so that a register
 takes several of them. What one program leaves is read by the next where it lies. Where a function computes
 several points at once, its lanes are points, and items come one after the other.
+
+The last register of a row reaches over its end. What it reads there decides nothing but how long arithmetic
+takes, which is long where the caller's memory holds subnormal numbers: it is set to zero before.
 """
 
 from __future__ import annotations
@@ -40,6 +43,8 @@ class Items:
         From one row of results to the next.
     stores : sequence of (place, value)
         What has to be put in place before, but for computed values, which are put there at once.
+    zeros : sequence of (place, size)
+        What registers read over the ends of rows, and nothing before has written.
     outputs : mapping of row to place
         Rows of results that are wanted nowhere but, as they are, from such a place on in the output.
     """
@@ -51,6 +56,7 @@ class Items:
     results: int
     room: int
     stores: Numbers[tuple[int, int]]
+    zeros: Numbers[tuple[int, int]]
     outputs: Mapping[int, int]
 
 
@@ -80,15 +86,17 @@ class ItemPlan:
 
 
 def plan_items(
-    sequence: Sequence, needed: Numbers[bool], outputs: Mapping[int, Numbers[int]], start: int
+    sequence: Sequence, needed: Numbers[bool], outputs: Mapping[int, Numbers[int]], start: int, width: int
 ) -> ItemPlan:
     """Return places from `start` on for what the programs of a sequence read and leave.
 
     Parameters
     ----------
     outputs : mapping of value to places in the output
+    width : int
+        Items in a register; 1 where registers hold points.
     """
-    planner = _Planner(sequence, start, *_put_out(sequence, needed, outputs))
+    planner = _Planner(sequence, start, width, *_put_out(sequence, needed, outputs))
     for k, operation in enumerate(sequence.operations):
         if needed[k] and operation.op == op.MAP:
             planner.place(k)
@@ -127,9 +135,16 @@ class _Planner:
     """Gives each number one place, whoever reads it."""
 
     def __init__(
-        self, sequence: Sequence, start: int, rows: Mapping[int, Mapping[int, int]], put: frozenset[int]
+        self,
+        sequence: Sequence,
+        start: int,
+        width: int,
+        rows: Mapping[int, Mapping[int, int]],
+        put: frozenset[int],
     ) -> None:
         self._outputs = rows
+        self._width = width
+        self._written: set[int] = set()
         self.put = put
         self._sequence = sequence
         self._rows: dict[tuple[int, ...], int] = {}
@@ -153,8 +168,12 @@ class _Planner:
             self._row(operands[first : first + count], room, stores)
             for first in range(start, len(operands), count)
         ]
+        zeros = [gap for first in own for gap in self._unwritten(first, self._in_registers(count))]
         self._align()
-        results = self._taken(program.output_size * room)
+        # The last register of a part of the last row may reach over its end.
+        results = self._taken(program.output_size * room + _ROOM)
+        for first in range(results, results + program.output_size * room, room):
+            self._written.update(range(first, first + self._in_registers(count)))
         self.maps[k] = Items(
             self._programs[operation.datum],
             count,
@@ -163,6 +182,7 @@ class _Planner:
             results,
             room,
             stores,
+            zeros,
             self._outputs.get(k, {}),
         )
 
@@ -176,12 +196,27 @@ class _Planner:
             if room > 1:
                 self._align()
             self._rows[values] = start = self._taken(room)
+            self._written.update(range(start, start + len(values)))
             for place, value in enumerate(values, start):
                 if self._sequence.operations[value].op in _GIVEN:
                     stores.append((place, value))
                 else:
                     self.read.setdefault(value, []).append(place)
         return self._rows[values]
+
+    def _in_registers(self, count: int) -> int:
+        """Return how many numbers are read or written with a row of so many."""
+        return -(-count // self._width) * self._width
+
+    def _unwritten(self, first: int, size: int) -> Iterator[tuple[int, int]]:
+        """Yield the places, run by run, that were not written; they count as written from now on."""
+        start = first
+        for place in range(first, first + size + 1):
+            if place == first + size or place in self._written:
+                if place > start:
+                    yield start, place - start
+                start = place + 1
+        self._written.update(range(first, first + size))
 
     def _align(self) -> None:
         self.end = -(-self.end // _ROOM) * _ROOM

@@ -7,7 +7,6 @@ import os
 import sys
 from collections.abc import Sequence as Items
 from concurrent.futures import Future, ThreadPoolExecutor
-from functools import cache
 from typing import Final
 
 import llvmlite
@@ -15,11 +14,30 @@ import llvmlite.binding as binding
 from llvmlite.binding import ffi
 
 from symbody.expr.deadline import check
+from symbody.single_flight import fork_safe_lock, once
 
 # The small code model reaches constants relative to the instruction, where the one for code anywhere in
 # memory loads a 64-bit address before each. It wants code and constants within 2 GB of each other, which
 # JITLink grants; LLVM has no finished JITLink for Windows.
 SMALL: Final = sys.platform != "win32"
+
+# Held while several modules are compiled outside the lock of llvmlite.
+_EMITTING: Final = fork_safe_lock()
+
+
+def _begin_fork() -> None:
+    """Wait until LLVM is at rest: what it holds while it compiles would be held in the copy for ever."""
+    _EMITTING.acquire()
+    ffi.lib._lock.__enter__()
+
+
+def _end_fork() -> None:
+    ffi.lib._lock.__exit__()
+    _EMITTING.release()
+
+
+if os.name == "posix":
+    os.register_at_fork(before=_begin_fork, after_in_parent=_end_fork, after_in_child=_end_fork)
 
 # LLVM's levels. With 0 it takes 0.3 to 0.5 of the time and calls take 1.5 to 3 times as long; so 1 pays from
 # about 100,000 evaluations on.
@@ -27,7 +45,7 @@ QUICK: Final = 0
 THOROUGH: Final = 1
 
 
-@cache
+@once
 def lanes() -> int:
     """Return how many doubles the widest registers of this processor hold, at least 2."""
     features = binding.get_host_cpu_features()
@@ -38,7 +56,8 @@ def object_codes(texts: Items[str], level: int) -> list[bytes]:
     """Return the object code of each module; several are compiled at once."""
     if len(texts) < 2:
         return [_object_code(text, level) for text in texts]
-    with ThreadPoolExecutor(min(len(texts), os.cpu_count() or 1)) as pool:
+    initialize()
+    with _EMITTING, ThreadPoolExecutor(min(len(texts), os.cpu_count() or 1)) as pool:
         waiting = [pool.submit(_object_code_unlocked, text, level) for text in texts]
         try:
             return [_in_time(piece) for piece in waiting]
@@ -66,14 +85,14 @@ def target_machine(level: int = THOROUGH) -> binding.TargetMachine:
     )
 
 
-@cache
+@once
 def initialize() -> None:
     """Make LLVM ready for this processor, once in a process."""
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
 
 
-@cache
+@once
 def environment() -> str:
     """Return what object code depends on besides its text."""
     features = binding.get_host_cpu_features().flatten()

@@ -106,7 +106,7 @@ def compile_sequence(
     refuse_user_functions(sequence)
     constant_values(sequence)  # refuses those that are too large
     level = QUICK if quick else THOROUGH
-    key = key_of(sequence, piece_size, level, width)
+    key = key_of(sequence, piece_size, level, width, lanes())
     module, text = None if keep_ir else read_module(key), ""
     if module is None:
         module, text = _made(sequence, piece_size, level, width)
@@ -129,7 +129,7 @@ def _made(sequence: Sequence, piece_size: int, level: int, width: int) -> tuple[
     inner = ordered(sequence)
     check()
     plan = plan_pieces(inner, piece_size)
-    items = plan_items(inner, plan.needed, plan.outputs, plan.work_size)
+    items = plan_items(inner, plan.needed, plan.outputs, plan.work_size, lanes() if width == 1 else 1)
     begin("writing LLVM's text")
     sizes = {group: sequence.group_size(group) for group in GROUPS} | {"out": sequence.output_size}
     texts = _module_texts(inner, plan, items, sizes, width)

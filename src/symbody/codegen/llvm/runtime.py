@@ -5,7 +5,6 @@ Lanes hold the same quantity of several points side by side: entry k of an array
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Final
 
 import llvmlite.binding as binding
@@ -17,6 +16,7 @@ from symbody.codegen.llvm.saddle import NAME as SADDLE_NAME
 from symbody.codegen.llvm.saddle import STATUS, define_solve_saddle, define_solve_saddles
 from symbody.codegen.llvm.stored_module import Module, read_module, store_module, written_by
 from symbody.codegen.llvm.trig import SINCOS_NAME, define_lane_sincos, define_sincos
+from symbody.single_flight import once
 
 GATHER: Final = "symbody_gather"
 SCATTER: Final = "symbody_scatter"
@@ -52,7 +52,7 @@ class Runtime:
         self.addresses = {name: int(self._library[name]) for name in names}
 
 
-@cache
+@once
 def runtime() -> Runtime:
     """Return the functions, ready to be called."""
     return Runtime()
@@ -62,12 +62,13 @@ def _code() -> bytes:
     key = written_by() and written_by() + environment().encode()
     known = read_module(key)
     if known is None:
-        known = Module(tuple(object_codes([_text()], THOROUGH)), 0, calls_runtime=False)
+        known = Module(tuple(object_codes([text()], THOROUGH)), 0, calls_runtime=False)
         store_module(key, known)
     return known.codes[0]
 
 
-def _text() -> str:
+def text() -> str:
+    """Return the functions as LLVM text."""
     module = ir.Module("symbody_runtime")
     for define in (define_sincos, define_solve_saddle):
         define(module).linkage = "external"

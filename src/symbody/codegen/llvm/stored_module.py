@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 from array import array
 from dataclasses import dataclass
-from functools import cache
 from hashlib import sha256
 from itertools import accumulate, pairwise
 from pathlib import Path
@@ -19,6 +18,7 @@ from symbody.codegen.llvm.machine import environment
 from symbody.expr.opcodes import NAMES
 from symbody.expr.saddle_factors import CUT_FACTOR, EPSILON, EXPONENT_LIMIT, LIGHTEST, PIVOT_SHARE
 from symbody.expr.sequence import Sequence
+from symbody.single_flight import once
 from symbody.storage import store, stored
 
 
@@ -87,7 +87,7 @@ def store_module(key: bytes, module: Module) -> None:
         store(key, json.dumps(told).encode() + b"\n" + b"".join(module.codes))
 
 
-@cache
+@once
 def written_by() -> bytes:
     """Return a hash of the files and numbers that texts are written by; nothing if they cannot be read."""
     here = Path(__file__).parent

@@ -99,6 +99,9 @@ class _PieceWriter:
             self._store("work", place, self._operand(value))
             if count % BLOCK == 0:
                 self._begin_block()
+        for place, size in items.zeros:
+            address = self._address("work", place)
+            self._lines.append(f"store <{size} x double> zeroinitializer, ptr {address}, align 8")
         self._begin_block()
         before, after = f"b{self._blocks}", f"b{self._blocks + 1}"
         self._lines.extend(program_lines(items, f"m{k}", before, after, self._beside, self._words.width))

@@ -34,6 +34,9 @@ class Waiting(dict[str, V]):
                 self._finds[step][1]()
         return dict.__getitem__(self, steps[0])
 
+    def __reduce__(self) -> tuple[type[Waiting[V]], tuple[dict[str, V]]]:
+        return type(self), ({name: self[name] for name in self},)
+
     def __contains__(self, name: object) -> bool:
         return dict.__contains__(self, name) or name in self._finds
 

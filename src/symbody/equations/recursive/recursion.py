@@ -24,6 +24,7 @@ from symbody.expr.expression import Expr, number
 from symbody.expr.graph import Graph
 from symbody.expr.rewrite import operation_count
 from symbody.graph.topology import Topology
+from symbody.single_flight import SingleFlight
 from symbody.vectors.matrix import Triple
 
 # Composite bodies are not even tried where their entries and elimination are estimated to cost this
@@ -59,11 +60,11 @@ class Recursion:
     rotors: tuple[Rotor, ...]
     method: str = ""
     # Made on first request; pure functions of the fields above, so they cannot go stale.
-    _rows: list[list[dict[int, Expr]]] = field(default_factory=list, repr=False)
-    _factors: list[Factors] = field(default_factory=list, repr=False)
-    _freed: list[list[list[Freed]]] = field(default_factory=list, repr=False)
-    _forcing: list[tuple[Expr, ...]] = field(default_factory=list, repr=False)
-    _chosen: list[str] = field(default_factory=list, repr=False)
+    _rows: SingleFlight[None, list[dict[int, Expr]]] = field(default_factory=SingleFlight, repr=False)
+    _factors: SingleFlight[None, Factors] = field(default_factory=SingleFlight, repr=False)
+    _freed: SingleFlight[None, list[list[Freed]]] = field(default_factory=SingleFlight, repr=False)
+    _forcing: SingleFlight[None, tuple[Expr, ...]] = field(default_factory=SingleFlight, repr=False)
+    _chosen: SingleFlight[None, str] = field(default_factory=SingleFlight, repr=False)
 
     @property
     def graph(self) -> Graph:
@@ -73,9 +74,7 @@ class Recursion:
     @property
     def mass_matrix(self) -> tuple[tuple[Expr, ...], ...]:
         """M in the order of the speeds."""
-        if not self._rows:
-            self._rows.append(mass_rows(self.light, self._rows_of, self.rotor_entries()))
-        rows, place = self._rows[0], self._rows_of
+        rows, place = self._mass_rows(), self._rows_of
         order = [place[u] for u in self.kinematics.speeds]
         zero = number(self.graph, 0)
 
@@ -87,14 +86,17 @@ class Recursion:
     @property
     def forcing(self) -> tuple[Expr, ...]:
         """F in the order of the speeds."""
-        if not self._forcing:
-            needed, zero = self.needed(), number(self.graph, 0)
-            found = [
-                effort - needed.get(u, zero)
-                for u, effort in zip(self.kinematics.speeds, self._efforts(), strict=True)
-            ]
-            self._forcing.append(tuple(found))
-        return self._forcing[0]
+        return self._forcing.get(None, self._form_forcing)
+
+    def _form_forcing(self) -> tuple[Expr, ...]:
+        needed, zero = self.needed(), number(self.graph, 0)
+        return tuple(
+            effort - needed.get(u, zero)
+            for u, effort in zip(self.kinematics.speeds, self._efforts(), strict=True)
+        )
+
+    def _mass_rows(self) -> list[dict[int, Expr]]:
+        return self._rows.get(None, lambda: mass_rows(self.light, self._rows_of, self.rotor_entries()))
 
     def needed(self, udot: Mapping[int, Expr] | None = None) -> dict[int, Expr]:
         """Return the force along each speed that accelerations need, less loads on bodies; by default u' = 0.
@@ -131,9 +133,8 @@ class Recursion:
 
     def solve(self, forces: Sequence[Expr]) -> Solution:
         """Return u' with ``M u' = forces``, and the pivots, in the order of the speeds."""
-        if not self._chosen:
-            self._chosen.append(self.method or self._cheaper(forces))
-        return self._solve_by(self._chosen[0], forces)
+        method = self._chosen.get(None, lambda: self.method or self._cheaper(forces))
+        return self._solve_by(method, forces)
 
     def solve_columns(self, columns: Sequence[Sequence[Expr]]) -> list[list[Expr]]:
         """Return u' with ``M u' = column`` for many columns; by other operations than `solve`."""
@@ -154,7 +155,7 @@ class Recursion:
     @property
     def chosen(self) -> str:
         """The method that `solve` takes; empty before it was asked."""
-        return self._chosen[0] if self._chosen else ""
+        return self._chosen.peek(None) or ""
 
     def _cheaper(self, forces: Sequence[Expr]) -> str:
         """Return the method with fewer operations."""
@@ -175,23 +176,20 @@ class Recursion:
     def _solve_by(self, method: str, forces: Sequence[Expr]) -> Solution:
         speeds = self.kinematics.speeds
         if method == "articulated":
-            if not self._freed:
-                own = {one: inertia for (one, _), inertia in self.rotor_entries().items()}
-                self._freed.append(freed(self.light, own))
-            motions = self._freed[0]
+            motions = self._freed.get(None, self._free_joints)
             found = accelerations(self.light, motions, dict(zip(speeds, forces, strict=True)))
             pivots = {motion.column.speed: motion.pivot for link in motions for motion in link}
             return Solution([found[u] for u in speeds], [pivots[u] for u in speeds])
-        if not self._factors:
-            if not self._rows:
-                self._rows.append(mass_rows(self.light, self._rows_of, self.rotor_entries()))
-            self._factors.append(factors(self._rows[0]))
-        place = self._rows_of
+        decomposed, place = self._factors.get(None, lambda: factors(self._mass_rows())), self._rows_of
         right = [forces[0]] * len(place) if forces else []
         for u, force in zip(speeds, forces, strict=True):
             right[place[u]] = force
-        x = solved(self._factors[0], right)
-        return Solution([x[place[u]] for u in speeds], [self._factors[0].pivots[place[u]] for u in speeds])
+        x = solved(decomposed, right)
+        return Solution([x[place[u]] for u in speeds], [decomposed.pivots[place[u]] for u in speeds])
+
+    def _free_joints(self) -> list[list[Freed]]:
+        own = {one: inertia for (one, _), inertia in self.rotor_entries().items()}
+        return freed(self.light, own)
 
     def rotor_entries(self) -> dict[tuple[int, int], Expr]:
         """Return what rotors add to the mass matrix, by pairs of speeds."""

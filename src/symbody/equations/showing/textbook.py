@@ -18,6 +18,7 @@ from symbody.expr.printing.definitions import EXPAND_LIMIT
 from symbody.expr.rewrite import tree_sizes
 from symbody.expr.sequence import Roots
 from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
+from symbody.single_flight import SingleFlight
 from symbody.vectors.vector import components
 
 # Equations in more speeds than this are not formed for reading.
@@ -51,19 +52,19 @@ class Textbook:
 
     formed: Formed
     # Made on first request; pure functions of `formed`, so they cannot go stale.
-    _roots: dict[str, Roots] = field(default_factory=dict, repr=False)
-    _matrices: dict[str, SympyMatrix] = field(default_factory=dict, repr=False)
-    _closed: list[ClosedForms] = field(default_factory=list, repr=False)
+    _roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
+    _matrices: SingleFlight[str, SympyMatrix] = field(default_factory=SingleFlight, repr=False)
+    _closed: SingleFlight[None, ClosedForms] = field(default_factory=SingleFlight, repr=False)
 
     def matrix(self, name: str) -> SympyMatrix:
         """Return an output; written out if it is short, else in the symbols of `definitions`."""
-        if name not in self._matrices:
+
+        def written() -> SympyMatrix:
             if self._is_long(name):
-                self._matrices.update(self._long.matrices)
-            else:
-                roots = self.side(name)
-                self._matrices[name] = closed_forms(self.formed.graph, [roots], EXPAND_LIMIT).matrices[name]
-        return self._matrices[name].copy()
+                return self._long.matrices[name]
+            return closed_forms(self.formed.graph, [self.side(name)], EXPAND_LIMIT).matrices[name]
+
+        return self._matrices.get(name, written).copy()
 
     def derivatives(self, name: str) -> SympyMatrix:
         """Return an output that is not among those shown together.
@@ -92,11 +93,13 @@ class Textbook:
     @property
     def _long(self) -> ClosedForms:
         """All long formulas together, so that they share one list of definitions."""
-        if not self._closed:
+
+        def written() -> ClosedForms:
             names = [name for name in _SHOWN + _SIDES if self._is_long(name)]
             outputs = [self.side(name) for name in names]
-            self._closed.append(closed_forms(self.formed.graph, outputs, EXPAND_LIMIT))
-        return self._closed[0]
+            return closed_forms(self.formed.graph, outputs, EXPAND_LIMIT)
+
+        return self._closed.get(None, written)
 
     def _is_long(self, name: str) -> bool:
         return max(tree_sizes(self.formed.graph, self.side(name).nodes), default=0) > EXPAND_LIMIT
@@ -113,10 +116,12 @@ class Textbook:
 
     def readable(self, name: str) -> Roots:
         """Return the roots of an output in the form in which people read it; the same values."""
-        if name not in self._roots:
+
+        def read() -> Roots:
             roots = output_roots(self.formed, name)
-            self._roots[name] = Roots(name, roots.shape, tuple(readable(self.formed.graph, roots.nodes)))
-        return self._roots[name]
+            return Roots(name, roots.shape, tuple(readable(self.formed.graph, roots.nodes)))
+
+        return self._roots.get(name, read)
 
     @property
     def inertial(self) -> Roots:

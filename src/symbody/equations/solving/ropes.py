@@ -10,6 +10,7 @@ from symbody.equations.kinematics.row import Row
 from symbody.expr.expression import number, symbol
 from symbody.expr.graph import Kind, Symbol
 from symbody.model.constraints import Distance
+from symbody.single_flight import SingleFlight
 
 
 def ropes(formed: Formed) -> tuple[str, ...]:
@@ -56,7 +57,7 @@ def with_words(formed: Formed, words: Mapping[str, str]) -> Formed:
     for row in formed.rows:
         if row.element in words:
             values[words[row.element]] = symbol(formed.graph, Symbol(row.name, Kind.MULTIPLIER))
-    return replace(formed, names=formed.names.with_values(values), _names=[])
+    return replace(formed, names=formed.names.with_values(values), _names=SingleFlight())
 
 
 def rope_rows(formed: Formed, names: Collection[str]) -> list[int]:

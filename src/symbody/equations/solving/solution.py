@@ -26,16 +26,17 @@ def solve(formed: Formed) -> tuple[list[Expr], list[Expr]]:
     FormulationError
         If there are no constraints and no mass resists some speed, naming it.
     """
-    if not formed.solved:
-        linear = partial(_solve_linear, formed)
-        free = formed.free_bodies
-        if free is not None:
-            formed.solved.append((free.udot, free.multipliers))
-        elif formed.friction:
-            formed.solved.append(solve_with_friction(formed, linear))
-        else:
-            formed.solved.append(linear(formed.projection.forcing, [row.gamma for row in formed.rows]))
-    return formed.solved[0]
+    return formed.solved.get(None, partial(_solution, formed))
+
+
+def _solution(formed: Formed) -> tuple[list[Expr], list[Expr]]:
+    linear = partial(_solve_linear, formed)
+    free = formed.free_bodies
+    if free is not None:
+        return free.udot, free.multipliers
+    if formed.friction:
+        return solve_with_friction(formed, linear)
+    return linear(formed.projection.forcing, [row.gamma for row in formed.rows])
 
 
 def resistance(formed: Formed) -> Resistance:

@@ -6,13 +6,15 @@ on Mathematical Software 31 (2005).
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping
 from contextlib import redirect_stdout
 from functools import partial
+from importlib import import_module
 from io import StringIO
+from threading import get_ident
 from typing import Final, Protocol, TypeVar
 
-import lazy_loader
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,9 +22,7 @@ from symbody.errors import EnvironmentFault, Problem, SimulationError
 from symbody.simulation.methods.stepping import NODES, SHARES, Failure, Step
 from symbody.simulation.native.loop import EPSILON
 from symbody.simulation.status import Status
-
-# Loaded when the first stiff motion is asked for: most are not.
-sksundae = lazy_loader.load("sksundae")
+from symbody.single_flight import fork_safe_lock
 
 Floats = NDArray[np.float64]
 Answer = TypeVar("Answer")
@@ -37,6 +37,9 @@ VERDICTS: Final[Mapping[int, Status]] = {
     -6: Status.SINGULAR,
     -7: Status.SINGULAR,
 }
+
+# What a process prints to is one for all threads: one of them replaces it at a time.
+_PRINTING: Final = fork_safe_lock()
 
 # A solver that has to start anew after every step, so many times, does not get on.
 PATIENT: Final = 50
@@ -214,16 +217,30 @@ def guarded(function: Callable[[], Answer]) -> Answer:
     SimulationError
         With what it printed, if it fails otherwise than by a flag.
     """
-    printed = StringIO()
+    printed = None
     try:
-        with redirect_stdout(printed):
+        with _PRINTING, redirect_stdout(_Printed()) as printed:
             return function()
     except (RuntimeError, ValueError, TypeError) as error:
-        why = printed.getvalue().strip()
+        why = printed.getvalue().strip() if printed else ""
         raise SimulationError(
             Problem("simulation.sundials", "integrator", f"SUNDIALS does not start: {error}", why,
                     "check rtol, atol, max_order and max_step, or use sb.Explicit()")
         ) from error  # fmt: skip
+
+
+class _Printed(StringIO):
+    """What this thread prints; what others print meanwhile goes where it belongs."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._thread, self._usual = get_ident(), sys.stdout
+
+    def write(self, text: str) -> int:
+        """Write text here, or for another thread to the usual place."""
+        if get_ident() == self._thread or self._usual is None:
+            return super().write(text)
+        return self._usual.write(text)
 
 
 def solver_class(kind: str) -> Callable[..., Solver]:
@@ -234,8 +251,8 @@ def solver_class(kind: str) -> Callable[..., Solver]:
     EnvironmentFault
         If scikit-sundae is not installed.
     """
-    try:
-        found: Callable[..., Solver] = sksundae.cvode.CVODE if kind == "CVODE" else sksundae.ida.IDA
+    try:  # here, as most motions are not stiff
+        found: Callable[..., Solver] = getattr(import_module(f"sksundae.{kind.lower()}"), kind)
     except ImportError as error:
         raise EnvironmentFault(
             Problem("simulation.no_sundials", "integrator", f"{kind} is not installed", str(error),

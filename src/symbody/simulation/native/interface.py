@@ -6,6 +6,7 @@ The cache of the compiled loop does not see a change of this file: renew `loop.S
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -13,6 +14,8 @@ from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
+
+from symbody.simulation.native.compiling import LoopCache
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -172,12 +175,11 @@ class Record(NamedTuple):
 
 def compiled(function: Function) -> Function:
     """Compile at the first call, without the lock of the interpreter, and keep the result on disk."""
-    result: Function
-    try:
-        result = njit(cache=True, nogil=True, error_model="numpy")(function)
-    except RuntimeError:  # no folder to keep it in: a read-only installation without a home
-        result = njit(nogil=True, error_model="numpy")(function)
-    return result
+    result = njit(nogil=True, error_model="numpy")(function)
+    with suppress(RuntimeError):  # no folder to keep it in: a read-only installation without a home
+        result._cache = LoopCache(function)
+    kept: Function = result
+    return kept
 
 
 def inlined(function: Function) -> Function:

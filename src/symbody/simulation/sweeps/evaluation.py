@@ -12,6 +12,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.sweeps.case_table import CaseTable
+from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 
@@ -23,7 +24,7 @@ class Evaluation:
     eqs: EquationSet
     table: CaseTable
     laws: InputLaws
-    _functions: dict[str, CompiledFunction] = field(default_factory=dict, repr=False)
+    _functions: SingleFlight[str, CompiledFunction] = field(default_factory=SingleFlight, repr=False)
 
     def of(self, name: str, t: Floats, x: Floats) -> Floats:
         """Return an output with cases first and time last; x is (cases, n, N)."""
@@ -44,11 +45,14 @@ class Evaluation:
         return np.unwrap(values) if name in self.eqs.measured_angles else np.moveaxis(values, 0, -1)
 
     def _at(self, name: str, t: Floats, q: Floats, u: Floats, p: Floats) -> Floats:
-        if name not in self._functions:
+
+        def compiled() -> CompiledFunction:
             table = self.table
             sequence = form_sequence(
                 self.eqs, name, table.fixed_parameters, table.parameter_names, self.laws.formulas
             )
-            self._functions[name] = CompiledFunction(*sequence, quick=True)
-        found: Floats = self._functions[name](t, q, u, self.laws.values(t, q.T, u.T), p)
+            return CompiledFunction(*sequence, quick=True)
+
+        function = self._functions.get(name, compiled)
+        found: Floats = function(t, q, u, self.laws.values(t, q.T, u.T), p)
         return np.broadcast_to(found, (t.size, *found.shape[1:])) if found.ndim else np.full(t.size, found)
