@@ -346,7 +346,7 @@ def _is_long_power(base: sp.Basic, exponent: int) -> bool:
     """Return whether a power of a number has digits that nobody wants: SymPy would compute all of them."""
     if not base.is_Rational:
         return False
-    return max(abs(base.p).bit_length(), base.q.bit_length()) * abs(exponent) > _LONGEST
+    return bool(max(abs(base.p).bit_length(), base.q.bit_length()) * abs(exponent) > _LONGEST)
 
 
 def _is_kept_power(thing: sp.Basic) -> bool:
