@@ -58,6 +58,36 @@ def test_a_rod_of_any_length_swings_the_same_way(
     assert run.constraint_violation.max() < 1e-7
 
 
+@pytest.mark.parametrize("length", LENGTHS)
+@pytest.mark.parametrize("integrator", [None, sb.Stiff()], ids=["explicit", "stiff"])
+def test_a_distance_is_a_length_of_the_mechanism(length: float, integrator: Any) -> None:
+    # The rod is a constraint, and no frame has an offset. A point on it is a pendulum of w^2 = g / L, which is
+    # the swing of a uniform rod of 3/2 that length.
+    mass = sb.Cartesian("mass", "ground", sb.Body("Mass", 1), coordinates=("x", "y", "z"))
+    link = sb.Distance("link", "ground", "Mass", value=length)
+    eqs = sb.form_equations(sb.Model("pendulum", [mass, link], gravity=(0, -GRAVITY, 0)))
+    guess = {"x": length * np.sin(START), "y": -length * np.cos(START)}
+    end = 10 * float(np.sqrt(length / GRAVITY))
+    run = sb.simulate(eqs, end, guess=guess, integrator=integrator)
+    # As above; and closed to 1e-10, as it is said to be.
+    assert run["x"][-1] / length == pytest.approx(np.sin(swing(end, 1.5 * length)), abs=5e-7)
+    assert np.hypot(run["x"], run["y"]) / length == pytest.approx(1.0, abs=1e-10)
+    assert run.constraint_violation.max() <= 1e-10
+
+
+@pytest.mark.parametrize("depth", LENGTHS)
+def test_an_equilibrium_takes_its_length_from_the_guess(depth: float) -> None:
+    # A spring of force -m g (y / d)^3 carries the weight, which pulls along y, at y = d; its slope there, 3 m g / d, gives 1e-9 for
+    # the balance of forces to 1e-9 a third of that in y / d.
+    law = f"{-GRAVITY!r}*(y/{depth!r})^3"
+    mass = sb.Prismatic(
+        "mass", "ground", sb.Body("Mass", 1), axis="y", coordinate="y", force=sb.Drive(law=law)
+    )
+    eqs = sb.form_equations(sb.Model("hung", [mass], gravity=(0, GRAVITY, 0)))
+    found = sb.find_equilibrium(eqs, {"y": 0.5 * depth})
+    assert found["y"] / depth == pytest.approx(1.0, abs=1e-9)
+
+
 @pytest.mark.parametrize("amplitude", LENGTHS)
 @pytest.mark.parametrize("tree", [None, "absolute"])
 def test_an_oscillator_without_lengths_takes_that_of_its_start(amplitude: float, tree: Any) -> None:

@@ -294,7 +294,7 @@ def _state(search: _Search, rest: Rest, unknowns: Sequence[str]) -> Equilibrium:
     if held:
         task = closure(eqs, task.parameters, {**task.inputs, **held}, task.t, task.mechanism)
     state = task.state(rest.q, np.zeros(len(eqs.speed_names)), search.start, {})
-    notes = []
+    notes = list(task.mechanism.notes(eqs))
     loose = search.free_directions(rest)
     if loose.shape[1]:
         free = [name for name in eqs.coordinate_names if name not in search.fixed]
