@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from symbody.analysis.ropes import rope_assumptions
 from symbody.arguments import checked_arguments
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, CompileError, FormulationError, ModelError, Problem, nearest
@@ -39,6 +40,8 @@ class PositionSolutions:
         In the order in which they were asked for.
     branches : tuple of mapping of coordinate to expression
         One for each way to assemble the mechanism.
+    notes : tuple of str
+        Ropes that are taken as taut.
     """
 
     dependent: tuple[SympyExpr, ...]
@@ -48,6 +51,7 @@ class PositionSolutions:
     _values: tuple[tuple[int, ...], ...] = field(repr=False)
     _names: tuple[str, ...] = field(repr=False)
     _model: Model | None = field(repr=False)
+    notes: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         """Return the number of branches."""
@@ -171,7 +175,9 @@ def solve_positions(
         no closed form is found, or none within the time.
     """
     names = [_name(item) for item in dependent]
+    notes: tuple[str, ...] = ()
     if isinstance(constraints, EquationSet):
+        notes = rope_assumptions(constraints)
         model, graph = constraints.model, constraints.formed.graph
         rows = [row.value.index for row in constraints.formed.holonomic]
     else:
@@ -198,7 +204,7 @@ def solve_positions(
         dict(zip(coordinates, formulas[k * width : (k + 1) * width], strict=True)) for k in range(len(found))
     )
     return PositionSolutions(
-        coordinates, branches, graph, tuple(rows), tuple(map(tuple, found)), tuple(names), model
+        coordinates, branches, graph, tuple(rows), tuple(map(tuple, found)), tuple(names), model, notes
     )
 
 

@@ -10,7 +10,7 @@ Hubbard, Multibody Syst. Dyn. 33 (2015), 143-161).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -21,6 +21,7 @@ from symbody.analysis.linear.independence import Basis, basis
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.slopes import Slopes, slopes
 from symbody.analysis.linear.variations import rotations
+from symbody.analysis.one_sided import settled
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
@@ -77,7 +78,10 @@ def linearize(
     """
     state = _state(eqs, at, parameters, inputs, t)
     listed = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+    sides = settled(eqs, state)
+    eqs, state = sides.eqs, sides.state
     found = slopes(eqs, state, listed)
+    found = replace(found, kinks=(*sides.notes, *found.kinks))
     space = basis(eqs, state, found, independent, _checked(eqs, state, cyclic))
     point = _Point(eqs, state, found, space, tuple(cyclic))
     return point.linearization()
