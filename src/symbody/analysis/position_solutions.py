@@ -7,9 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from symbody.analysis.distinct_positions import Formulas, distinct
 from symbody.analysis.ropes import rope_assumptions
 from symbody.arguments import checked_arguments
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.showing.frame_motion import frame_motion_entries
 from symbody.errors import AssemblyError, CompileError, FormulationError, ModelError, Problem, nearest
 from symbody.expr.closed_form import readable
 from symbody.expr.evaluate import evaluate_sequence
@@ -196,6 +198,7 @@ def solve_positions(
                     "the equations contradict each other, depend on each other, or have no solution by roots "
                     "and arcs", "take other dependent coordinates, or assemble with numbers")
         )  # fmt: skip
+    found = [found[k] for k in distinct(_formulas(constraints, graph, rows, unknowns, found))]
     shown = readable(graph, [node for row in found for node in row])
     formulas = to_sympy(graph, shown)
     coordinates = tuple(to_sympy(graph, unknowns))
@@ -206,6 +209,27 @@ def solve_positions(
     return PositionSolutions(
         coordinates, branches, graph, tuple(rows), tuple(map(tuple, found)), tuple(names), model, notes
     )
+
+
+def _formulas(
+    constraints: EquationSet | Sequence[SympyExpr | SympyEquation],
+    graph: Graph,
+    rows: Sequence[int],
+    unknowns: Sequence[int],
+    found: Sequence[Sequence[int]],
+) -> Formulas:
+    """Return what tells the solutions apart: the placements of bodies where these are known."""
+    placements: tuple[int, ...] = ()
+    values: dict[str, float] = {}
+    if isinstance(constraints, EquationSet):
+        formed = constraints.formed
+        names = [body.name for body in constraints.model.bodies if body.name in formed.kinematics.velocities]
+        frames = [frame_motion_entries(formed, kind, name, "ground")[1] for name in names for kind in "rR"]
+        placements = tuple(entry.index for entries in frames for entry in entries)
+        values = _parameters(constraints.model, {})
+    turning = _turning(graph, (*rows, *placements))
+    solutions = tuple(tuple(solution) for solution in found)
+    return Formulas(graph, tuple(rows), tuple(unknowns), turning, solutions, placements, values)
 
 
 def _unknowns(graph: Graph, rows: Sequence[int], names: Sequence[str]) -> list[int]:
@@ -262,6 +286,10 @@ def _numbers(graph: Graph, nodes: Sequence[int], known: Mapping[str, float]) -> 
 
 def _periodic(graph: Graph, rows: Sequence[int], names: Sequence[str]) -> set[str]:
     """Return the names of coordinates that stand inside sines and cosines."""
+    return {graph.symbols[graph.left[node]].label for node in _turning(graph, rows)}.intersection(names)
+
+
+def _turning(graph: Graph, rows: Sequence[int]) -> frozenset[int]:
+    """Return the symbols that stand inside sines and cosines."""
     inside = [node for node in graph.reachable(rows) if graph.ops[node] in (SIN, COS, TAN)]
-    angles = symbols_of(graph, [graph.left[node] for node in inside])
-    return {graph.symbols[graph.left[node]].label for node in angles}.intersection(names)
+    return frozenset(symbols_of(graph, [graph.left[node] for node in inside]))

@@ -145,8 +145,8 @@ class Search:
         if not self._is_closed(rest):
             return rest
         cut = _BESIDE * float(np.sqrt(max(rest.open, _RESOLVED)))
-        bearing = rest.shares[: rest.bearing]
-        if not ((bearing > LOADED) & (bearing < cut)).any():
+        bearing = rest.shares[rest.shares > LOADED] if rest.bearing is None else rest.shares[: rest.bearing]
+        if (bearing >= cut).all():
             return rest
         return self.newton(rest.q, int((bearing >= cut).sum()))
 
