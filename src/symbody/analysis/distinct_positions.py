@@ -1,10 +1,10 @@
 """`distinct`: of closed forms of the same coordinates, those that each give a pose that no other gives.
 
-Formulas that differ may give equal poses: SymPy finds roots of squared equations more than once, and angles of
-a ball joint, or an angle and a length, have two sets of values for one placement. So the formulas are
-evaluated at random values of what they depend on, and compared by the placements of all bodies, or by the
-coordinates and the directions of angles. A root is known to its rounding over the smallest singular value of
-the equations about it, and is compared to that.
+Formulas that differ may give equal poses: SymPy finds roots of squared equations more than once, and angles
+of a ball joint have two sets of values for one placement. So the formulas are evaluated at random values of
+what they depend on, and compared by the placements of all bodies, or by the coordinates and the directions of
+angles. A root is known to its rounding over the smallest singular value of the equations about it, and is
+compared to that.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from symbody.expr.calculus import jacobian
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Graph, Kind
 from symbody.expr.rewrite import symbols_of
-from symbody.expr.sequence import Input, Roots, Sequence as Program, build_sequence
+from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.sequence import Sequence as Program
 
 Floats = NDArray[np.float64]
 
@@ -126,7 +127,9 @@ class _Samples:
         return graph.symbols[graph.left[node]].label
 
     def _program(self, nodes: list[int], order: Mapping[int, Input]) -> Program:
-        return build_sequence(self._formulas.graph, [Roots("values", (len(nodes),), tuple(nodes))], dict(order))
+        return build_sequence(
+            self._formulas.graph, [Roots("values", (len(nodes),), tuple(nodes))], dict(order)
+        )
 
     def _drawn(self, random: np.random.Generator) -> Floats:
         """Return values of all symbols, 0 for the unknowns."""

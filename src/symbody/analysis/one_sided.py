@@ -1,4 +1,4 @@
-"""`settled`: which ropes pull and which dry joints stick at a state, so that all that is assumed of them holds.
+"""`settled`: which ropes pull and which dry joints stick at a state, so that all that is assumed holds.
 
 A rope at its length pulls, or its ends do not move apart; a joint at rest is held within its static limit, or
 slips in its direction. Of all combinations the first that fits is taken, held elements before loose ones, as
@@ -30,8 +30,8 @@ Modes = dict[str, int]
 _SLACK: Final = 2  # beside the modes of joints: sticking and the signs of slipping
 _TAUT: Final = 3
 _MOST_TRIED: Final = 81  # modes of four joints at rest
-_REST: Final = 1e-9  # of speeds: slower is at rest
-_EDGE: Final = 1e-9  # of the largest force, and of accelerations: less is nothing
+_REST: Final = 1e-9  # of the largest speed, or the mechanism's own: slower is at rest
+_EDGE: Final = 1e-9  # of the largest force and acceleration, in units of the mechanism: less is nothing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,6 +84,7 @@ class _Search:
     state: State
     q: Floats
     u: Floats
+    length: float
     ropes: frozenset[str]
     ways: Mapping[str, tuple[int | None, ...]]
 
@@ -104,8 +105,8 @@ class _Search:
         notes, edges, fits = [], [], True
         for name, mode in modes.items():
             surplus, note = self._surplus(state, name, mode)
-            is_force = mode in (STICKS, _TAUT)
-            limit = _EDGE * scales[0 if is_force else 1]
+            limit = _EDGE * (scales[0] / self.unit(name) if mode in (STICKS, _TAUT) else
+                             scales[1] * self.unit(name))  # fmt: skip
             has_choice = len(self.ways[name]) > 1
             fits &= not has_choice or bool(surplus >= -limit)
             notes.append(note)
@@ -135,11 +136,17 @@ class _Search:
                 f"joint {name} sticks, {reserve:.6g} below its static limit: it is held, and every place "
                 "where it sticks is an equilibrium along it"
             )
-        coordinate = self._coordinate(name)
+        coordinate = self.coordinate(name)
         way = "forward" if mode > 0 else "backward"
         return mode * float(state[f"{coordinate}_ddot"]), f"joint {name} begins to slip {way}"
 
-    def _coordinate(self, joint: str) -> str:
+    def unit(self, name: str) -> float:
+        """Return what counts as a large displacement of an element: a length, or 1 for an angle."""
+        slides = name in self.ropes or self.eqs.units.get(self.coordinate(name)) == "m"
+        return self.length if slides else 1.0
+
+    def coordinate(self, joint: str) -> str:
+        """Return the coordinate along which a joint slips."""
         return next(law.coordinate for law in self.eqs.formed.friction if law.joint.name == joint)
 
     def _element(self, name: str) -> str:
@@ -147,9 +154,11 @@ class _Search:
 
     @staticmethod
     def _scales(task: Closure, state: State) -> tuple[float, float]:
-        """Return the largest force and the largest acceleration of a state."""
-        forces = [*state.multipliers.values(), *np.ravel(state["forcing"]).tolist()]
-        return max(map(abs, forces), default=0.0), max(map(abs, state.udot.values()), default=0.0)
+        """Return the largest work of a force [J] and the largest acceleration [1/s^2], in sizes."""
+        work = np.abs(np.ravel(state["forcing"])) * task.speed_sizes
+        reactions = np.abs(list(state.multipliers.values())) * task.mechanism.constraints(task.eqs)
+        rates = np.abs(list(state.udot.values())) / task.speed_sizes
+        return max(work.max(initial=0.0), reactions.max(initial=0.0)), float(rates.max(initial=0.0))
 
 
 def _search(eqs: EquationSet, state: State) -> _Search:
@@ -157,19 +166,18 @@ def _search(eqs: EquationSet, state: State) -> _Search:
     q, u = (np.array(list(values.values())) for values in (state.q, state.u))
     cords, joints = ropes(eqs.formed), switching_joints(eqs.formed)
     ways: dict[str, tuple[int | None, ...]] = {}
-    small = _REST * max(1.0, float(np.abs(u).max(initial=0.0)))
+    if not cords and not joints:
+        return _Search(eqs, state, q, u, 1.0, frozenset(), ways)
+    task = closure(with_taut(eqs, ()), state.parameters, state.inputs, state.t)
+    small = _REST * float(np.abs(u / task.speed_sizes).max(initial=1.0 / task.mechanism.time))
     if cords:
-        task = closure(with_taut(eqs, ()), state.parameters, state.inputs, state.t)
         rows = {row.element for row in eqs.formed.rows}
         for name, share in slackness(task, q).items():
             rate = float(task.function(f"rope_slack_dot {name}")(task.t, q, u))
-            at_length = name in rows and share <= AT_LENGTH and abs(rate) <= small
+            at_length = name in rows and share <= AT_LENGTH and abs(rate) <= small * task.mechanism.length
             ways[name] = (_TAUT, _SLACK) if at_length else (_SLACK,)
-    ways |= {name: _joint_ways(eqs, state, name, small) for name in joints}
-    return _Search(eqs, state, q, u, frozenset(cords), ways)
-
-
-def _joint_ways(eqs: EquationSet, state: State, name: str, small: float) -> tuple[int | None, ...]:
-    """Return the modes of a joint with dry friction."""
-    coordinate = next(law.coordinate for law in eqs.formed.friction if law.joint.name == name)
-    return (STICKS, 1, -1) if abs(float(state[f"{coordinate}_dot"])) <= small else (None,)
+    search = _Search(eqs, state, q, u, task.mechanism.length, frozenset(cords), ways)
+    for name in joints:
+        rate = abs(float(state[f"{search.coordinate(name)}_dot"]))
+        ways[name] = (STICKS, 1, -1) if rate <= small * search.unit(name) else (None,)
+    return search

@@ -75,7 +75,9 @@ def slackness(task: Closure, q: Floats) -> dict[str, float]:
     words = [f"{word} {name}" for name in names for word in _MEASURES]
     values = np.ravel(task.function(words)(task.t, q, np.zeros(len(task.eqs.speed_names))))
     pairs = zip(values[::2].tolist(), values[1::2].tolist(), strict=True)
-    return {name: slack / max(abs(length), 1e-300) for name, (slack, length) in zip(names, pairs, strict=True)}
+    return {
+        name: slack / max(abs(length), 1e-300) for name, (slack, length) in zip(names, pairs, strict=True)
+    }
 
 
 def equations_at(

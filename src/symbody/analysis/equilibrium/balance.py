@@ -195,7 +195,8 @@ class _Loads:
     def __init__(self, columns: Floats, bearing: int | None) -> None:
         self._left, singular, self._right = np.linalg.svd(columns, full_matrices=False)
         self.shares = np.asarray(singular / singular.max(initial=1e-300))
-        self._count = int((self.shares > LOADED).sum()) if bearing is None else bearing
+        least = LOADED if bearing is None else _ROUNDING
+        self._count = min(int((self.shares > least).sum()), len(self.shares) if bearing is None else bearing)
         self._singular = singular[: self._count]
 
     def fit(self, wanted: Floats) -> Floats:

@@ -13,20 +13,23 @@ from numpy.typing import NDArray
 from symbody.analysis.assembly import assemble
 from symbody.analysis.closure import Closure, closure
 from symbody.analysis.equilibrium.continuation import continued
-from symbody.analysis.equilibrium.search import STARTS, Search
+from symbody.analysis.equilibrium.search import STARTS
 from symbody.analysis.equilibrium.taut_search import Candidate, TautSearch
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.linearize import linearize
+from symbody.analysis.one_sided import settled
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import AssemblyError, Problem, nearest
+from symbody.equations.solving.sticking import switching_joints
+from symbody.errors import AssemblyError, Problem, SimulationError, nearest
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 
+_STUCK: Final = 1e-9  # of the largest term of the balance: forces that friction leaves
 _VERDICTS: Final = {"stable": True, "unstable": False}
 
 
@@ -114,7 +117,13 @@ def find_equilibrium(
     task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, known)
     searches = TautSearch(task, tuple(unknowns), np.array(list(first.q.values())), frozenset(fixed or ()))
     searches.nearest_set().check_at_rest()
-    found = _different(task, searches)
+    try:
+        found = _different(task, searches)
+    except AssemblyError:
+        stuck = None if unknowns else _stuck(searches)
+        if stuck is None:
+            raise
+        return stuck
     states = [_state(candidate, unknowns) for candidate in found]
     return replace(states[0], _others=partial(tuple, states[1:]))
 
@@ -156,6 +165,27 @@ def _different(task: Closure, searches: TautSearch) -> list[Candidate]:
     return found
 
 
+def _why(attempts: Sequence[Candidate]) -> Problem:
+    """Say what is left of the forces where least is left."""
+    finite = [one for one in attempts if np.isfinite(one.rest.merit)]
+    eqs = attempts[0].search.task.eqs
+    if not finite:
+        what = "the forces are not finite"
+    else:
+        best = min(finite, key=lambda one: one.rest.merit)
+        rest, search = best.rest, best.search
+        k = int(np.argmax(np.abs(rest.left))) if rest.left.size else 0
+        name = eqs.speed_names[k]
+        unit = "N" if eqs.units.get(name) == "m/s" else "N m"
+        force = rest.left[k] * search.balance.largest(search.start) / search.balance.sizes[k]
+        place = ", ".join(f"{q} = {x:.4g}" for q, x in zip(eqs.coordinate_names, rest.q, strict=True))
+        left = best.fault or f"along {name} {force:.4g} {unit} are not balanced"
+        what = f"{left}, where least is left ({place})"
+    dry = "; friction at rest was taken as 0" if switching_joints(eqs.formed) else ""
+    return Problem(
+        "equilibrium.none", eqs.model.name, what, f"{STARTS} starts about the guess were tried{dry}",
+        "hold what moves by a joint, a spring or an unknown input, or give guess= nearer to a balance",
+    )  # fmt: skip
 
 
 def _singular(task: Closure, q: Floats) -> Problem:
@@ -181,6 +211,28 @@ def _state(candidate: Candidate, unknowns: Sequence[str]) -> Equilibrium:
         notes.append(f"forces or motions depend on time: they are frozen at t = {task.t:g} s")
     if eqs.formed.friction:
         notes.append("friction is 0 at rest: sticking holds more configurations than this")
+    edges = (*candidate.edges, *(settled(eqs, state).edges if switching_joints(eqs.formed) else ()))
+    return _equilibrium(state, notes, "undecided" if edges else further.doubt)
+
+
+def _stuck(searches: TautSearch) -> Equilibrium | None:
+    """Return the guess as an equilibrium if dry joints hold it there; None if they do not."""
+    search = searches.nearest_set()
+    task, eqs = search.task, search.task.eqs
+    if not switching_joints(eqs.formed):
+        return None
+    still = np.zeros(len(eqs.speed_names))
+    try:
+        sides = settled(eqs, task.state(search.start, still, search.start, {}))
+    except (AssemblyError, SimulationError):
+        return None
+    left = np.asarray(sides.state["mass_matrix"]) @ list(sides.state.udot.values()) * task.speed_sizes
+    if not float(np.abs(left).max(initial=0.0)) <= _STUCK * search.balance.largest(search.start):
+        return None
+    note = "friction holds the guess, though forces balance nowhere without it: places about it are held, too"
+    return _equilibrium(sides.state, [note, *sides.notes], "undecided" if sides.edges else "")
+
+
+def _equilibrium(state: State, notes: Sequence[str], doubt: str) -> Equilibrium:
     known = {entry.name: getattr(state, entry.name) for entry in fields(State)}
-    doubt = "undecided" if candidate.edges else further.doubt
     return Equilibrium(**known, notes=tuple(notes), _doubt=doubt)

@@ -3,9 +3,9 @@
 Newton steps of least length (Nocedal & Wright 2006, section 10.3) on the forces that multipliers cannot
 balance together with the constraints. About a configuration at which branches cross the constraints have
 other directions off the manifold than on any branch of it, by as little as the square root of what they are
-closed to, and multipliers beyond all bounds balance whatever force there. So a configuration counts as what it
-is up to that: directions of the Jacobian below the root of what is open bear no load, and forces must do no
-work along any of those that are left.
+closed to, and multipliers beyond all bounds balance whatever force there. So a configuration counts as what
+it is up to that: loads with singular values below the root of what is open bear nothing, and forces must do
+no work along any direction that is left.
 """
 
 from __future__ import annotations
@@ -169,7 +169,7 @@ class Search:
         return int((rest.shares > RANK).sum())
 
     def _generic_count(self) -> int | None:
-        """Return how many loads are independent on the branch of the guess; None where all are, or no matter."""
+        """Return how many loads are independent on the branch of the guess; None where it is not closed."""
         if not self._generic:
             places = [] if self.task.is_tree else self._beside(self.start)
             self._generic.append(max(map(self._count_at, places), default=None))

@@ -86,7 +86,9 @@ class TautSearch:
         good: list[Candidate] = []
         others: list[Candidate] = []
         for start in starts:
-            taut = self._at_length(start, 0.0) if start is not self.start else self._at_length(start, AT_LENGTH)
+            taut = (
+                self._at_length(start, 0.0) if start is not self.start else self._at_length(start, AT_LENGTH)
+            )
             self._sort(self._settled(start, taut), good, others)
         if not good and self.names:
             for taut in self._sets():
@@ -136,7 +138,8 @@ class TautSearch:
             return Candidate(search, rest)
         pulls, slack = self._pulls(search, rest, taut), slackness(self.task, rest.q)
         longer = [name for name in self.names if name not in taut and slack[name] < -AT_LENGTH]
-        limit = _LITTLE * float(np.abs(rest.multipliers).max(initial=0.0))
+        work = np.abs(rest.multipliers) * search.balance.scales
+        limit = _LITTLE * float(work.max(initial=0.0)) / search.task.mechanism.length
         pushing = [name for name, pull in pulls.items() if pull < -limit]
         fault = ", ".join(
             [f"rope {name} would have to push by {-pulls[name]:.4g} N" for name in pushing]
@@ -144,7 +147,9 @@ class TautSearch:
         )
         edges = [name for name, pull in pulls.items() if abs(pull) <= limit]
         edges += [name for name in self.names if name not in taut and abs(slack[name]) <= AT_LENGTH]
-        notes = [f"rope {name} is taut with {pull:.6g} N" for name, pull in pulls.items() if name not in edges]
+        notes = [
+            f"rope {name} is taut with {pull:.6g} N" for name, pull in pulls.items() if name not in edges
+        ]
         notes += [f"rope {name} is slack" for name in self.names if slack[name] > AT_LENGTH]
         notes += [
             f"rope {name} is at its length without tension: small deviations on one side only make it pull, "
@@ -154,7 +159,7 @@ class TautSearch:
         return Candidate(search, rest, tuple(notes), tuple(edges), fault)
 
     def _change(self, candidate: Candidate, taut: frozenset[str]) -> frozenset[str] | None:
-        """Return the ropes to be taut next: without the one that pushes most, or with those that are longer."""
+        """Return the ropes to be taut next: with those longer, or without the one that pushes most."""
         search, rest = candidate.search, candidate.rest
         pulls = self._pulls(search, rest, taut)
         longer = self._at_length(rest.q, -AT_LENGTH) - taut

@@ -193,7 +193,8 @@ def check_driven(driven: Follower, s: float, q: Floats, notes: tuple[str, ...] =
         names = ", ".join(driven.driven) or "nothing"
         raise UsageError(
             Problem("kinematics.freedoms_left", "over",
-                    f"with {names} driven {left} more can move freely", "; ".join(("positions do not follow from these", *notes)),
+                    f"with {names} driven {left} more can move freely",
+                    "; ".join(("positions do not follow from these", *notes)),
                     "lead further coordinates, or hold them: over={..., 'name': value}")
         )  # fmt: skip
 
@@ -215,7 +216,9 @@ def _ended(
     why = "it would have to be longer" if rope else "it is a limit of what is driven"
     note = f"{element}: no position follows beyond {told}; {why}"
     done = {name: np.append(x[: q.shape[1]], limits[name]) for name, x in values.items()}
-    return Positions(driven.eqs.coordinate_names, np.column_stack([q, last]), done, limits, joint, (*notes, note))
+    return Positions(
+        driven.eqs.coordinate_names, np.column_stack([q, last]), done, limits, joint, (*notes, note)
+    )
 
 
 def _values(over: Mapping[str, ArrayLike]) -> dict[str, Floats]:
