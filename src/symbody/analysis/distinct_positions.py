@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 _SAMPLES: Final = 12
 _TRIALS: Final = 240
 _SPREAD: Final = 0.1  # of the values of parameters
-_CLOSED: Final = 1e-9
+_CLOSED: Final = 1e-7  # of the terms of a row: a root of a squared equation is open by far more
 _ROUNDING: Final = 1e3 * float(np.finfo(float).eps)  # of the terms of long formulas
 _NEAREST: Final = 1e-9
 _FARTHEST: Final = 1e-3  # of what a root that is nearly double is still compared to
@@ -50,9 +50,11 @@ class Formulas:
     solutions : tuple of tuple of int
         Each with one node for every unknown.
     placements : tuple of int
-        What tells one pose from another, in all symbols; empty: the unknowns themselves do.
+        Of each body place (3) and rotation matrix (9), in all symbols; empty: the unknowns tell poses apart.
     values : mapping of name to float
         Of parameters, about which values are drawn.
+    length : float or None
+        What counts as a large length [m]; None: the largest of the values drawn that are no angles.
     """
 
     graph: Graph
@@ -62,6 +64,7 @@ class Formulas:
     solutions: tuple[tuple[int, ...], ...]
     placements: tuple[int, ...] = ()
     values: Mapping[str, float] | None = None
+    length: float | None = None
 
 
 def distinct(formulas: Formulas) -> list[int]:
@@ -135,7 +138,7 @@ class _Samples:
         """Return values of all symbols, 0 for the unknowns."""
         graph, given = self._formulas.graph, self._formulas.values or {}
         drawn = np.zeros(self._width)
-        size = max((abs(x) for x in given.values()), default=2.0) or 1.0
+        size = 2.0 * (self._formulas.length or 1.0)
         for node in self._known:
             kind, name = graph.symbols[graph.left[node]].kind, self._label(node)
             if name in given:
@@ -164,20 +167,31 @@ class _Samples:
         formulas, n, m = self._formulas, len(own), len(self._formulas.rows)
         full = drawn.copy()
         full[[self._places[node] for node in formulas.unknowns]] = own
-        size = max(1.0, float(np.abs(full).max(initial=0.0)))
+        length = self._length(drawn)
         values = self._numbers(self._checked, full)
-        open_by = float(np.abs(values[:m]).max(initial=0.0))
-        slopes = values[m : m + m * n].reshape(m, n)
-        if not np.isfinite(values).all() or open_by > 1e2 * _CLOSED * size**2:
+        if not np.isfinite(values).all():
             return None
-        least = float(np.linalg.svd(slopes, compute_uv=False)[-1])
-        radius = (open_by + _ROUNDING * size**2) / max(least, 1e-300)
         turning = np.array([node in formulas.angles for node in formulas.unknowns], dtype=np.bool_)
+        slopes = values[m : m + m * n].reshape(m, n) * np.where(turning, 1.0, length)
+        terms = np.abs(slopes).max(axis=1, initial=0.0)
+        terms[terms == 0.0] = 1.0
+        open_by = np.abs(values[:m]) / terms
+        if (open_by > _CLOSED).any():
+            return None
+        least = float(np.linalg.svd(slopes / terms[:, np.newaxis], compute_uv=False)[-1])
+        radius = (float(open_by.max(initial=0.0)) + _ROUNDING) / max(least, 1e-300)
         if formulas.placements:
-            place = values[m + m * n :] / size
+            place = values[m + m * n :].reshape(-1, 12) / ([length] * 3 + [1.0] * 9)
         else:
-            place = np.concatenate([np.cos(own[turning]), np.sin(own[turning]), own[~turning] / size])
-        return _Pose(place, min(max(radius, _NEAREST), _FARTHEST))
+            place = np.concatenate([np.cos(own[turning]), np.sin(own[turning]), own[~turning] / length])
+        return _Pose(np.ravel(place), min(max(radius, _NEAREST), _FARTHEST))
+
+    def _length(self, drawn: Floats) -> float:
+        """Return what counts as a large length."""
+        if self._formulas.length is not None:
+            return self._formulas.length
+        lengths = [drawn[self._places[node]] for node in self._known if node not in self._formulas.angles]
+        return max(map(abs, lengths), default=1.0) or 1.0
 
     def _numbers(self, program: Program, values: Floats) -> Floats:
         found = evaluate_sequence(program, {"q": values.tolist()})[0]

@@ -10,6 +10,7 @@ from typing import Final
 from symbody.analysis.distinct_positions import Formulas, distinct
 from symbody.analysis.ropes import rope_assumptions
 from symbody.arguments import checked_arguments
+from symbody.analysis.scales import mechanism_scales
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.showing.frame_motion import frame_motion_entries
 from symbody.errors import AssemblyError, CompileError, FormulationError, ModelError, Problem, nearest
@@ -221,15 +222,17 @@ def _formulas(
     """Return what tells the solutions apart: the placements of bodies where these are known."""
     placements: tuple[int, ...] = ()
     values: dict[str, float] = {}
+    length = None
     if isinstance(constraints, EquationSet):
         formed = constraints.formed
         names = [body.name for body in constraints.model.bodies if body.name in formed.kinematics.velocities]
         frames = [frame_motion_entries(formed, kind, name, "ground")[1] for name in names for kind in "rR"]
         placements = tuple(entry.index for entries in frames for entry in entries)
         values = _parameters(constraints.model, {})
+        length = mechanism_scales(constraints, {}).length if values else None
     turning = _turning(graph, (*rows, *placements))
     solutions = tuple(tuple(solution) for solution in found)
-    return Formulas(graph, tuple(rows), tuple(unknowns), turning, solutions, placements, values)
+    return Formulas(graph, tuple(rows), tuple(unknowns), turning, solutions, placements, values, length)
 
 
 def _unknowns(graph: Graph, rows: Sequence[int], names: Sequence[str]) -> list[int]:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from symbody.analysis.assembly import assembled_configuration
 from symbody.analysis.closure import closure
 from symbody.analysis.named_values import refuse_unknown
-from symbody.arguments import checked_arguments
 from symbody.analysis.ropes import rope_assumptions
+from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.freedoms.mobility import count_freedoms, generic_point
