@@ -9,8 +9,8 @@ from typing import Final
 
 from symbody.analysis.distinct_positions import Formulas, distinct
 from symbody.analysis.ropes import rope_assumptions
-from symbody.arguments import checked_arguments
 from symbody.analysis.scales import mechanism_scales
+from symbody.arguments import checked_arguments
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.showing.frame_motion import frame_motion_entries
 from symbody.errors import AssemblyError, CompileError, FormulationError, ModelError, Problem, nearest
