@@ -38,7 +38,7 @@ def test_row_92_no_inputs_and_no_outputs() -> None:
 
 
 def test_row_93_friction_at_rest() -> None:
-    """The smooth law has its steep slope mu m g / v0 there; the law that sticks has none and says so."""
+    """The smooth law has its steep slope mu m g / v0 there; under the law that sticks the block is held."""
     smooth = sb.linearize(block(sb.Friction(mu=0.3, v0=0.01)))
     assert smooth.A[0, 0] == pytest.approx(-0.3 * 9.81 / 0.01, rel=1e-9)
     rest = sb.find_equilibrium(block(sb.Friction(mu=0.3, v0=0.01)))
@@ -46,7 +46,8 @@ def test_row_93_friction_at_rest() -> None:
     sticking = sb.find_equilibrium(block(sb.Friction(mu=0.3)))
     assert any("sticking holds more configurations" in note for note in sticking.notes)
     for lin in (sb.linearize(block(sb.Friction(mu=0.3))), sticking.linearization):
-        assert any("the friction of joint slide changes over" in note for note in lin.notes)
+        assert any("joint slide sticks, 5.886 below" in note for note in lin.notes)  # mu m g
+        assert lin.state_names == ("x",) and lin.A[0, 0] == 0.0
     sliding = sb.linearize(block(sb.Friction(mu=0.3)), {"x_dot": 1.0})
     assert not any("changes over" in note for note in (*sliding.notes, *smooth.notes))
 

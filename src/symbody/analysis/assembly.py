@@ -101,10 +101,10 @@ def assemble(
     checked_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
     checked_pairs(ranges or {})
     if not ropes(eqs.formed):
-        return _assembled(eqs, fixed, guess, parameters, inputs, t, ranges, scales)
+        return assemble_taut(eqs, fixed, guess, parameters, inputs, t, ranges, scales)
 
     def attempt(equations: EquationSet, values: Mapping[str, float]) -> State:
-        return _assembled(equations, values, guess, parameters, inputs, t, ranges, scales)
+        return assemble_taut(equations, values, guess, parameters, inputs, t, ranges, scales)
 
     known = named_values(eqs, _guessed(eqs, guess), parameters, strict=set(guess or ()))
     wanted = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
@@ -113,17 +113,17 @@ def assemble(
     return assembled_with_ropes(eqs, wanted, known, attempt, lambda held: closure(held, *values, t, own))
 
 
-def _assembled(
+def assemble_taut(
     eqs: EquationSet,
     fixed: Mapping[str, Value] | None,
     guess: Mapping[str, Value] | None,
     parameters: Mapping[str, Value] | None,
-    inputs: Mapping[str, Value] | None,
-    t: float,
-    ranges: Mapping[str, tuple[Value, Value]] | None,
-    scales: Mapping[str, float] | None,
+    inputs: Mapping[str, Value] | None = None,
+    t: float = 0.0,
+    ranges: Mapping[str, tuple[Value, Value]] | None = None,
+    scales: Mapping[str, float] | None = None,
 ) -> State:
-    """Return a state in which all constraints of some equations hold."""
+    """Return a state in which all constraints hold, those of ropes too; otherwise as `assemble`."""
     known = named_values(eqs, _guessed(eqs, guess), parameters, strict=set(guess or ()))
     wanted = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     own = mechanism_scales(eqs, dict(parameters or {}), scales, {**known, **wanted})

@@ -194,8 +194,8 @@ class Closure:
         """Return whether no joint is closed with opposite axes."""
         return bool((self.constraints(self.t, q, np.zeros(len(self.eqs.speed_names))).alignment > 0.0).all())
 
-    def differs(self, a: Floats, b: Floats) -> bool:
-        """Return whether two sets of coordinates are different configurations."""
+    def differs(self, a: Floats, b: Floats, tolerance: float = 1e-5) -> bool:
+        """Return whether two sets of coordinates are different configurations, by more than a tolerance."""
         apart = (a - b) / self.sizes
         for k, name in enumerate(self.eqs.coordinate_names):
             if self._is_angle(name):
@@ -203,7 +203,7 @@ class Closure:
         for places in self.quaternions():
             if a[places] @ b[places] < 0.0:
                 apart[places] = a[places] + b[places]
-        return bool(np.abs(apart).max(initial=0.0) > 1e-5)
+        return bool(np.abs(apart).max(initial=0.0) > tolerance)
 
     def is_isolated(self, q: Floats, fixed: Mapping[str, float]) -> bool:
         """Return whether the conditions leave no free motion at a configuration."""

@@ -7,8 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from symbody.analysis.distinct_positions import Formulas, distinct
+from symbody.analysis.ropes import rope_assumptions
+from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.showing.frame_motion import frame_motion_entries
 from symbody.errors import AssemblyError, CompileError, FormulationError, ModelError, Problem, nearest
 from symbody.expr.closed_form import readable
 from symbody.expr.evaluate import evaluate_sequence
@@ -39,6 +43,8 @@ class PositionSolutions:
         In the order in which they were asked for.
     branches : tuple of mapping of coordinate to expression
         One for each way to assemble the mechanism.
+    notes : tuple of str
+        Ropes that are taken as taut.
     """
 
     dependent: tuple[SympyExpr, ...]
@@ -48,6 +54,7 @@ class PositionSolutions:
     _values: tuple[tuple[int, ...], ...] = field(repr=False)
     _names: tuple[str, ...] = field(repr=False)
     _model: Model | None = field(repr=False)
+    notes: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         """Return the number of branches."""
@@ -171,7 +178,9 @@ def solve_positions(
         no closed form is found, or none within the time.
     """
     names = [_name(item) for item in dependent]
+    notes: tuple[str, ...] = ()
     if isinstance(constraints, EquationSet):
+        notes = rope_assumptions(constraints)
         model, graph = constraints.model, constraints.formed.graph
         rows = [row.value.index for row in constraints.formed.holonomic]
     else:
@@ -190,6 +199,7 @@ def solve_positions(
                     "the equations contradict each other, depend on each other, or have no solution by roots "
                     "and arcs", "take other dependent coordinates, or assemble with numbers")
         )  # fmt: skip
+    found = [found[k] for k in distinct(_formulas(constraints, graph, rows, unknowns, found))]
     shown = readable(graph, [node for row in found for node in row])
     formulas = to_sympy(graph, shown)
     coordinates = tuple(to_sympy(graph, unknowns))
@@ -198,8 +208,31 @@ def solve_positions(
         dict(zip(coordinates, formulas[k * width : (k + 1) * width], strict=True)) for k in range(len(found))
     )
     return PositionSolutions(
-        coordinates, branches, graph, tuple(rows), tuple(map(tuple, found)), tuple(names), model
+        coordinates, branches, graph, tuple(rows), tuple(map(tuple, found)), tuple(names), model, notes
     )
+
+
+def _formulas(
+    constraints: EquationSet | Sequence[SympyExpr | SympyEquation],
+    graph: Graph,
+    rows: Sequence[int],
+    unknowns: Sequence[int],
+    found: Sequence[Sequence[int]],
+) -> Formulas:
+    """Return what tells the solutions apart: the placements of bodies where these are known."""
+    placements: tuple[int, ...] = ()
+    values: dict[str, float] = {}
+    length = None
+    if isinstance(constraints, EquationSet):
+        formed = constraints.formed
+        names = [body.name for body in constraints.model.bodies if body.name in formed.kinematics.velocities]
+        frames = [frame_motion_entries(formed, kind, name, "ground")[1] for name in names for kind in "rR"]
+        placements = tuple(entry.index for entries in frames for entry in entries)
+        values = _parameters(constraints.model, {})
+        length = mechanism_scales(constraints, {}).length if values else None
+    turning = _turning(graph, (*rows, *placements))
+    solutions = tuple(tuple(solution) for solution in found)
+    return Formulas(graph, tuple(rows), tuple(unknowns), turning, solutions, placements, values, length)
 
 
 def _unknowns(graph: Graph, rows: Sequence[int], names: Sequence[str]) -> list[int]:
@@ -256,6 +289,10 @@ def _numbers(graph: Graph, nodes: Sequence[int], known: Mapping[str, float]) -> 
 
 def _periodic(graph: Graph, rows: Sequence[int], names: Sequence[str]) -> set[str]:
     """Return the names of coordinates that stand inside sines and cosines."""
+    return {graph.symbols[graph.left[node]].label for node in _turning(graph, rows)}.intersection(names)
+
+
+def _turning(graph: Graph, rows: Sequence[int]) -> frozenset[int]:
+    """Return the symbols that stand inside sines and cosines."""
     inside = [node for node in graph.reachable(rows) if graph.ops[node] in (SIN, COS, TAN)]
-    angles = symbols_of(graph, [graph.left[node] for node in inside])
-    return {graph.symbols[graph.left[node]].label for node in angles}.intersection(names)
+    return frozenset(symbols_of(graph, [graph.left[node] for node in inside]))

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from symbody.analysis.assembly import assembled_configuration
 from symbody.analysis.closure import closure
 from symbody.analysis.named_values import refuse_unknown
+from symbody.analysis.ropes import rope_assumptions
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
@@ -41,7 +42,8 @@ class Redundancy:
     instantaneous : int or None
         Independent speeds at the guess itself, where these are not as many.
     notes : tuple of str
-        Where the two counts differ, where branches of several dimensions meet, and what stays undecided.
+        Where the two counts differ, where branches of several dimensions meet, and what stays undecided;
+        ropes that are taken as taut.
     """
 
     degrees_of_freedom: int
@@ -95,5 +97,5 @@ def redundancy(
         tuple(names[k] for k in sorted(kept)),
         tuple(name for k, name in enumerate(names) if k not in kept),
         None if count.instantaneous == count.degrees_of_freedom else count.instantaneous,
-        count.notes,
+        (*count.notes, *rope_assumptions(eqs)),
     )

@@ -1,4 +1,7 @@
-"""Assembly of mechanisms with ropes: which of them are constraints of a state, and which are slack."""
+"""Ropes of a configuration or a state: which of them are constraints, and which are slack.
+
+Kinematic analyses take ropes at their length as constraints (`equations_at`), assembly those that pull.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +12,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import Closure
+from symbody.analysis.closure import Closure, closure
 from symbody.analysis.state import State
 from symbody.analysis.velocities import consistent_speeds
+from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes, slackened
 from symbody.errors import AssemblyError, Problem
@@ -22,6 +26,8 @@ Attempt = Callable[[EquationSet, Mapping[str, float]], State]
 
 AT_LENGTH: Final = 2e-9  # of its length: a rope that is closer to it is taut
 _STEADY: Final = 1e-9  # of speeds: ends that move apart more slowly do not part
+LOOSE: Final = 1e-7  # of its length: what assembly and continuation leave of a rope that is taut
+_MEASURES: Final = ("rope_slack", "rope_length")
 
 
 def assembled_with_ropes(
@@ -55,23 +61,82 @@ def assembled_with_ropes(
     return replace(found, moved=places | dict(found.moved))
 
 
-def _held(eqs: EquationSet, names: Collection[str]) -> EquationSet:
-    """Return equations in which only some of the ropes are constraints."""
+def with_taut(eqs: EquationSet, names: Collection[str]) -> EquationSet:
+    """Return equations in which only the ropes named are constraints; the others are slack."""
     slack = [name for name in ropes(eqs.formed) if name not in names]
-    return EquationSet(eqs.model, slackened(eqs.formed, slack), eqs.notes)
+    return EquationSet(eqs.model, slackened(eqs.formed, slack), eqs.notes) if slack else eqs
+
+
+def slackness(task: Closure, q: Floats) -> dict[str, float]:
+    """Return by how much each rope is longer than the distance of its ends, over its length."""
+    names = ropes(task.eqs.formed)
+    if not names:
+        return {}
+    words = [f"{word} {name}" for name in names for word in _MEASURES]
+    values = np.ravel(task.function(words)(task.t, q, np.zeros(len(task.eqs.speed_names))))
+    pairs = zip(values[::2].tolist(), values[1::2].tolist(), strict=True)
+    return {
+        name: slack / max(abs(length), 1e-300) for name, (slack, length) in zip(names, pairs, strict=True)
+    }
+
+
+def equations_at(
+    eqs: EquationSet, q: Floats, parameters: Mapping[str, Value], t: float
+) -> tuple[EquationSet, tuple[str, ...]]:
+    """Return equations with the ropes at their length at a configuration as constraints, and notes on it.
+
+    Positions alone do not tell whether a rope at its length pulls; it is taken to.
+    """
+    if not ropes(eqs.formed):
+        return eqs, ()
+    shares = slackness(closure(with_taut(eqs, ()), parameters, {}, t), q)
+    taut = [name for name, share in shares.items() if share <= AT_LENGTH]
+    notes = tuple(
+        f"rope {name} is at its length and taken as taut, whatever its tension"
+        if name in taut
+        else f"rope {name} is slack here, by {share:.3g} of its length: it constrains nothing"
+        for name, share in shares.items()
+    )
+    return with_taut(eqs, taut), notes
+
+
+def rope_assumptions(eqs: EquationSet) -> tuple[str, ...]:
+    """Return what an analysis of all configurations assumes of ropes."""
+    rows = {row.element for row in eqs.formed.rows}
+    return tuple(f"rope {name} is taken as taut" for name in ropes(eqs.formed) if name in rows)
+
+
+def ropes_out_of_place(eqs: EquationSet, task: Closure, q: Floats) -> str:
+    """Return in words which ropes are not as these equations have them, where one would be; else nothing.
+
+    Parameters
+    ----------
+    eqs : EquationSet
+        With taut ropes as constraints and without those that are slack.
+    task : Closure
+        Measures the ropes.
+    """
+    taut = {row.element for row in eqs.formed.rows}
+    found = []
+    for name, share in slackness(task, q).items():
+        if name in taut and share > LOOSE:
+            found.append(f"rope {name} is slack, by {share:.3g} of its length")
+        elif share < -LOOSE:
+            found.append(f"the ends of rope {name} are farther apart than it is long")
+    return ", ".join(found)
 
 
 def _placed(eqs: EquationSet, fixed: Mapping[str, float], attempt: Attempt) -> State:
     """Return a state in which no rope is longer than it is; its speeds do not matter."""
     taut: list[str] = []
-    state = attempt(_held(eqs, taut), fixed)
+    state = attempt(with_taut(eqs, taut), fixed)
     while True:
         longer = [name for name in ropes(eqs.formed) if name not in taut and _is_longer(state, name)]
         if not longer:
             return state
         taut += longer
         try:
-            state = attempt(_held(eqs, taut), fixed)
+            state = attempt(with_taut(eqs, taut), fixed)
         except AssemblyError as error:
             problems = [_too_short(state, name, error) for name in longer]
             raise AssemblyError(*problems) from error
@@ -107,7 +172,7 @@ class _Speeds:
         u, apart = self._speeds(near)
         taut = [name for name in near if abs(apart[name]) <= _STEADY]
         while True:
-            task = self.closed(_held(self.eqs, taut))
+            task = self.closed(with_taut(self.eqs, taut))
             result = task.state(self.q, u, self.q, self._guessed(task))
             pushes = {name: -float(result[f"rope_tension {name}"]) for name in taut}
             worst = max(pushes, key=lambda name: pushes[name], default="")
@@ -132,7 +197,7 @@ class _Speeds:
                 refused.add(longer[0])
 
     def _consistent(self, taut: list[str]) -> Floats:
-        task = self.closed(_held(self.eqs, taut))
+        task = self.closed(with_taut(self.eqs, taut))
         return consistent_speeds(task, self.q, self.rates, self._guessed(task))
 
     def _guessed(self, task: Closure) -> dict[str, float]:
@@ -141,7 +206,7 @@ class _Speeds:
 
     def _apart(self, names: list[str], u: Floats) -> dict[str, float]:
         """Return the rates at which ends move apart, over the largest speed or the mechanism's own."""
-        task = self.closed(_held(self.eqs, ()))
+        task = self.closed(with_taut(self.eqs, ()))
         known, rates = task.mechanism, np.abs(u / task.speed_sizes)
         fast = known.length * float(rates.max(initial=1.0 / known.time))
         rates_of = {name: float(task.function(f"rope_slack_dot {name}")(task.t, self.q, u)) for name in names}

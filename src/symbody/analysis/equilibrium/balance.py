@@ -29,7 +29,8 @@ Floats = NDArray[np.float64]
 _FORCES: Final = "rest forces"
 _SLOPES: Final = "rest slopes"
 _SHARES: Final = "rest shares"
-_SMALL: Final = 1e-10  # of the largest singular value: directions in which nothing changes
+LOADED: Final = 1e-9  # of the largest singular value of the loads: less is rounding, and bears nothing
+_CROSSING: Final = 1e-7  # of the largest term, where branches cross: as well as the place is known
 _BALANCED: Final = 1e-9  # of the terms of an equation
 _ROUNDING: Final = 1e-13  # of the largest term of all equations
 
@@ -48,6 +49,10 @@ class Rest:
         All equations that are to vanish, and their derivatives by q in units of sizes.
     terms : (n_u,) array
         What the forces are small against.
+    shares : (n,) array
+        Singular values of what unit multipliers and unknown inputs do, over the largest.
+    bearing : int or None
+        How many of these bear loads, if that is given.
     """
 
     q: Floats
@@ -57,6 +62,13 @@ class Rest:
     rows: Floats
     values: Floats
     terms: Floats
+    shares: Floats
+    bearing: int | None
+
+    @property
+    def open(self) -> float:
+        """By how much the constraints are open, in sizes."""
+        return float(np.abs(self.values[self.left.size :]).max(initial=0.0))
 
     @property
     def merit(self) -> float:
@@ -66,7 +78,8 @@ class Rest:
     @property
     def is_balanced(self) -> bool:
         """Whether the forces are in balance up to rounding."""
-        return bool((np.abs(self.left) <= _BALANCED * self.terms + _ROUNDING).all())
+        rounding = _ROUNDING if self.bearing is None else _CROSSING
+        return bool((np.abs(self.left) <= _BALANCED * self.terms + rounding).all())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,6 +96,8 @@ class Balance:
         How many inputs are unknown.
     sizes : (n_u,) array
         What counts as a large displacement along each speed.
+    scales : (n_c,) array
+        What the constraints are measured by.
     timed : bool
         Whether the forces depend on time.
     """
@@ -91,6 +106,7 @@ class Balance:
     function: CompiledFunction
     unknowns: int
     sizes: Floats
+    scales: Floats
     timed: bool
 
     def largest(self, q: Floats) -> float:
@@ -100,23 +116,35 @@ class Balance:
         forces = np.abs(found[0]) * self.sizes
         return max(float(slopes.max(initial=0.0)), float(forces.max(initial=0.0))) or 1.0
 
-    def rest(self, q: Floats, inputs: Floats, largest: float) -> Rest:
-        """Return what is left at a configuration, with the best multipliers and unknown inputs."""
+    def rest(self, q: Floats, inputs: Floats, largest: float, bearing: int | None = None) -> Rest:
+        """Return what is left at a configuration, with the best multipliers and unknown inputs.
+
+        Parameters
+        ----------
+        largest : float
+            The unit of work [J].
+        bearing : int, optional
+            How many singular values of the loads count, the largest first; by default all but rounding.
+        """
         none = np.zeros(len(self.task.eqs.multiplier_names))
         scale = self.sizes / largest
         first = self._called(q, inputs, none)
         shares = np.hstack([first[3].T, first[2]]) * scale[:, np.newaxis]
         weights = np.linalg.norm(shares, axis=0)
+        # Rows of J are of order 1 in their scales: one that is less is nearly none, as where branches cross.
+        weights[: none.size] = self.scales / largest
         weights[weights == 0.0] = 1.0
-        fit = np.linalg.lstsq(shares / weights, -first[0] * scale, rcond=_SMALL)[0] / weights
+        loads = _Loads(shares / weights, bearing)
+        fit = loads.fit(-first[0] * scale) / weights
         multipliers, inputs = fit[: none.size], inputs + fit[none.size :]
         found = self._called(q, inputs, multipliers)
         left = found[0] * scale
         slopes = found[1] * scale[:, np.newaxis]
         open_values, open_rows = self.task.residuals(q, {})
-        rows = np.vstack([_outside(shares / weights, slopes), open_rows]) * self.task.sizes
+        rows = np.vstack([loads.outside(slopes), open_rows]) * self.task.sizes
         terms = np.abs(shares) @ np.abs(fit) + np.abs(slopes) @ self.task.sizes
-        return Rest(q, inputs, multipliers, left, rows, np.concatenate([left, open_values]), terms)
+        return Rest(q, inputs, multipliers, left, rows, np.concatenate([left, open_values]), terms,
+                    loads.shares, bearing)  # fmt: skip
 
     def _called(self, q: Floats, inputs: Floats, multipliers: Floats) -> Any:
         """Return forces, their derivatives by q and by unknown inputs, and J."""
@@ -142,7 +170,7 @@ def balance(task: Closure, unknowns: Sequence[str]) -> Balance:
     function = CompiledFunction(*form_sequence(wider, words, task.parameters, (), given))
     graph = eqs.formed.graph
     timed = graph.symbol(TIME) in symbols_of(graph, [*forces, *eqs.roots("constraints").nodes])
-    return Balance(task, function, len(own), task.speed_sizes, timed)
+    return Balance(task, function, len(own), task.speed_sizes, task.mechanism.constraints(eqs), timed)
 
 
 def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], dict[str, Symbol]]:
@@ -161,10 +189,22 @@ def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], di
     return substitute(graph, with_laws(eqs, totals, given), quiet), pulls
 
 
-def _outside(columns: Floats, rows: Floats) -> Floats:
-    """Return the part of rows that the columns cannot balance."""
-    if not columns.size:
-        return rows
-    left, singular, _ = np.linalg.svd(columns, full_matrices=False)
-    kept = left[:, singular > _SMALL * singular.max(initial=1e-300)]
-    return np.asarray(rows - kept @ (kept.T @ rows))
+class _Loads:
+    """What unit multipliers and unknown inputs do, as columns, by singular values."""
+
+    def __init__(self, columns: Floats, bearing: int | None) -> None:
+        self._left, singular, self._right = np.linalg.svd(columns, full_matrices=False)
+        self.shares = np.asarray(singular / singular.max(initial=1e-300))
+        least = LOADED if bearing is None else _ROUNDING
+        self._count = min(int((self.shares > least).sum()), len(self.shares) if bearing is None else bearing)
+        self._singular = singular[: self._count]
+
+    def fit(self, wanted: Floats) -> Floats:
+        """Return the least loads that come nearest to what is wanted."""
+        k = self._count
+        return np.asarray(self._right[:k].T @ ((self._left[:, :k].T @ wanted) / self._singular))
+
+    def outside(self, rows: Floats) -> Floats:
+        """Return the part of rows that no loads balance."""
+        kept = self._left[:, : self._count]
+        return np.asarray(rows - kept @ (kept.T @ rows))

@@ -1,8 +1,4 @@
-"""`find_equilibrium`: configurations at which nothing moves, the nearest to a guess first.
-
-Newton steps of least length (Nocedal & Wright 2006, section 10.3) on the forces that multipliers cannot
-balance together with the constraints, from the guess and from starts about it, the same at every call.
-"""
+"""`find_equilibrium`: configurations at which nothing moves, the nearest to a guess first."""
 
 from __future__ import annotations
 
@@ -14,32 +10,26 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import CLOSED, assemble
+from symbody.analysis.assembly import assemble
 from symbody.analysis.closure import Closure, closure
-from symbody.analysis.equilibrium.balance import Balance, Rest, balance
+from symbody.analysis.equilibrium.continuation import continued
+from symbody.analysis.equilibrium.search import STARTS
+from symbody.analysis.equilibrium.taut_search import Candidate, TautSearch
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.linearize import linearize
+from symbody.analysis.one_sided import settled
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.sticking import switching_joints
 from symbody.errors import AssemblyError, Problem, SimulationError, nearest
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 
-_STARTS: Final = 24
-_STEPS: Final = 60
-# How often a step is halved: what does not help by then ends in a valley without equilibrium; where all
-# equations hold to rounding, steps only polish.
-_HALVINGS: Final = 12
-_POLISHED: Final = 1e-12
-_POLISHINGS: Final = 2
-_DECREASE: Final = 1e-3  # of what a full step promises (Nocedal & Wright 2006, equation 3.4)
-_MOVING: Final = 1e-9
-_SMALL: Final = 1e-10  # of the largest singular value: directions in which nothing changes
-_FLAT: Final = 1e-8  # the same, at an equilibrium
+_STUCK: Final = 1e-9  # of the largest term of the balance: forces that friction leaves
 _VERDICTS: Final = {"stable": True, "unstable": False}
 
 
@@ -54,6 +44,8 @@ class Equilibrium(State):
     """
 
     notes: tuple[str, ...] = ()
+    # Why linear equations do not tell whether it is stable; empty where they may.
+    _doubt: str = field(default="", repr=False)
     _linear: SingleFlight[None, Linearization] = field(default_factory=SingleFlight, repr=False)
 
     @property
@@ -63,8 +55,16 @@ class Equilibrium(State):
 
     @property
     def verdict(self) -> str:
-        """What linear equations say: "stable", "unstable", "drifting" or "marginal"; see `Linearization`."""
-        return self.linearization.verdict
+        """What is known of small deviations: the verdict of the linear equations, see `Linearization`.
+
+        "critical" where the stiffness vanishes along a direction in which equilibria do not go on: terms of
+        higher order decide, unless something else grows. "undecided" where there are no linear equations:
+        where branches cross, or an element may as well be slack as taut.
+        """
+        if self._doubt == "undecided":
+            return self._doubt
+        found = self.linearization.verdict
+        return self._doubt if self._doubt and found != "unstable" else found
 
     @property
     def stable(self) -> bool | None:
@@ -85,6 +85,8 @@ def find_equilibrium(
     scales: Mapping[str, float] | None = None,
 ) -> Equilibrium:
     """Return the equilibrium nearest to a guess, with others found as its ``branches``.
+
+    Ropes pull or are slack, whatever holds there: none pushes, and none is longer than it is.
 
     Parameters
     ----------
@@ -113,10 +115,16 @@ def find_equilibrium(
     _check(eqs, unknowns, fixed or {})
     known = mechanism_scales(eqs, dict(parameters or {}), scales, first.q)
     task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, known)
-    search = _Search(balance(task, unknowns), np.array(list(first.q.values())), frozenset(fixed or ()))
-    search.check_at_rest()
-    found = search.equilibria()
-    states = [_state(search, rest, unknowns) for rest in found]
+    searches = TautSearch(task, tuple(unknowns), np.array(list(first.q.values())), frozenset(fixed or ()))
+    searches.nearest_set().check_at_rest()
+    try:
+        found = _different(task, searches)
+    except AssemblyError:
+        stuck = None if unknowns else _stuck(searches)
+        if stuck is None:
+            raise
+        return stuck
+    states = [_state(candidate, unknowns) for candidate in found]
     return replace(states[0], _others=partial(tuple, states[1:]))
 
 
@@ -134,148 +142,50 @@ def _check(eqs: EquationSet, unknowns: Sequence[str], fixed: Mapping[str, Value]
         raise AssemblyError(*problems)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Search:
-    """Where to look for equilibria from."""
+def _different(task: Closure, searches: TautSearch) -> list[Candidate]:
+    """Return different equilibria, the nearest first.
 
-    balance: Balance
-    start: Floats
-    fixed: frozenset[str]
+    Raises
+    ------
+    AssemblyError
+        If there is none.
+    """
+    candidates, others = searches.candidates()
+    regular = [one for one in candidates if one.search.is_regular(one.rest)]
+    good = sorted(regular, key=lambda one: one.search.distance(one.rest))
+    if candidates and not good:
+        raise AssemblyError(_singular(task, candidates[0].rest.q))
+    if not good:
+        raise AssemblyError(_why(others))
+    found = [good[0]]
+    for one in good[1:]:
+        isolated = one.search.flat_directions(one.rest).shape[1] == 0
+        if isolated and all(task.differs(one.rest.q, other.rest.q) for other in found):
+            found.append(one)
+    return found
 
-    @property
-    def task(self) -> Closure:
-        """The constraints."""
-        return self.balance.task
 
-    def check_at_rest(self) -> None:
-        """Refuse constraints that demand motion.
-
-        Raises
-        ------
-        AssemblyError
-            Naming the rows.
-        """
-        task = self.task
-        drift = task.velocity_rows(self.start, {})[1] / task.mechanism.constraints(task.eqs)
-        fast = _MOVING / task.mechanism.time
-        moving = [name for name, b in zip(task.eqs.multiplier_names, drift, strict=True) if abs(b) > fast]
-        if moving:
-            raise AssemblyError(
-                Problem("equilibrium.moving", ", ".join(moving), "these constraints demand motion",
-                        f"they depend on time, at t = {task.t:g} s with rates", "give a t at which they rest")
-            )  # fmt: skip
-
-    def equilibria(self) -> list[Rest]:
-        """Return different equilibria, the nearest first.
-
-        Raises
-        ------
-        AssemblyError
-            If there is none.
-        """
-        largest = self.balance.largest(self.start)
-        attempts = [self._newton(q, largest) for q in self._starts()]
-        turned = [self._unwound(rest, largest) for rest in attempts if self._is_good(rest)]
-        good = sorted(filter(self._is_regular, turned), key=self._distance)
-        if turned and not good:
-            raise AssemblyError(_singular(self.task, turned[0].q))
-        if not good:
-            raise AssemblyError(self._why(attempts, largest))
-        found = [good[0]]
-        for rest in good[1:]:
-            isolated = self.free_directions(rest).shape[1] == 0
-            if isolated and all(self.task.differs(rest.q, other.q) for other in found):
-                found.append(rest)
-        return found
-
-    def free_directions(self, rest: Rest) -> Floats:
-        """Return the directions of q in which equilibria continue, as columns."""
-        rows = rest.rows[:, self.task.free(dict.fromkeys(self.fixed, 0.0))]
-        if not rows.shape[1]:
-            return rows[:0]
-        singular, right = np.linalg.svd(rows)[1:]
-        count = int((singular > _FLAT * singular.max(initial=1e-300)).sum())
-        return np.asarray(right[count:].T)
-
-    def _is_good(self, rest: Rest) -> bool:
-        opened = np.abs(rest.values[rest.left.size :]).max(initial=0.0)
-        return rest.is_balanced and opened <= CLOSED * self.task.size and self.task.is_aligned(rest.q)
-
-    def _is_regular(self, rest: Rest) -> bool:
-        """Return whether accelerations exist: where angles are singular, forces along them vanish anyway."""
-        still = np.zeros(len(self.task.eqs.speed_names))
-        try:
-            return bool(np.isfinite(self.task.function("udot")(self.task.t, rest.q, still)).all())
-        except SimulationError:
-            return False
-
-    def _unwound(self, rest: Rest, largest: float) -> Rest:
-        """Return an equilibrium without full turns from the guess, unless springs tell these apart."""
-        angles = [name in self.task.angles for name in self.task.eqs.coordinate_names]
-        turns = np.where(angles, np.round((rest.q - self.start) / (2 * np.pi)), 0.0)
-        if not turns.any():
-            return rest
-        moved = self.balance.rest(rest.q - 2 * np.pi * turns, rest.inputs, largest)
-        return moved if self._is_good(moved) else rest
-
-    def _starts(self) -> list[Floats]:
-        random = np.random.default_rng(1)
-        free = self.task.free(dict.fromkeys(self.fixed, 0.0))
-        starts = [self.start]
-        for k in range(1, _STARTS):
-            moved = self.start.copy()
-            moved[free] += 0.1 * 1.2**k * random.standard_normal(int(free.sum())) * self.task.sizes[free]
-            starts.append(self.task.normalized(moved))
-        return starts
-
-    def _newton(self, q: Floats, largest: float) -> Rest:
-        """Return where steps of least length lead."""
-        free = self.task.free(dict.fromkeys(self.fixed, 0.0))
-        sizes = self.task.sizes
-        rest = self.balance.rest(q, np.zeros(self.balance.unknowns), largest)
-        for _ in range(_STEPS):
-            if not (np.isfinite(rest.merit) and np.isfinite(rest.rows).all()) or rest.merit == 0.0:
-                break
-            step = np.linalg.lstsq(rest.rows[:, free], -rest.values, rcond=_SMALL)[0]
-            share = min(1.0, 1.0 / max(float(np.abs(step).max(initial=0.0)), 1e-300))
-            for _ in range(_HALVINGS if rest.merit > _POLISHED else _POLISHINGS):
-                moved = rest.q.copy()
-                moved[free] += share * step * sizes[free]
-                tried = self.balance.rest(self.task.normalized(moved), rest.inputs, largest)
-                if tried.merit < (1.0 - _DECREASE * share) * rest.merit:
-                    break
-                share /= 2.0
-            else:
-                break
-            rest = tried
-        return rest
-
-    def _distance(self, rest: Rest) -> float:
-        """Return how far an equilibrium is from the guess, the same way for both signs of a quaternion."""
-        apart = (rest.q - self.start) / self.task.sizes
-        for places in self.task.quaternions():
-            if rest.q[places] @ self.start[places] < 0.0:
-                apart[places] = rest.q[places] + self.start[places]
-        return float(np.linalg.norm(apart))
-
-    def _why(self, attempts: list[Rest], largest: float) -> Problem:
-        """Say what is left of the forces where least is left."""
-        finite = [rest for rest in attempts if np.isfinite(rest.merit)]
-        eqs = self.task.eqs
-        if not finite:
-            what = "the forces are not finite"
-        else:
-            best = min(finite, key=lambda rest: rest.merit)
-            k = int(np.argmax(np.abs(best.left))) if best.left.size else 0
-            name = eqs.speed_names[k]
-            unit = "N" if eqs.units.get(name) == "m/s" else "N m"
-            force = best.left[k] * largest / self.balance.sizes[k]
-            place = ", ".join(f"{q} = {x:.4g}" for q, x in zip(eqs.coordinate_names, best.q, strict=True))
-            what = f"along {name} {force:.4g} {unit} are not balanced, where least is left ({place})"
-        return Problem(
-            "equilibrium.none", eqs.model.name, what, f"{_STARTS} starts about the guess were tried",
-            "hold what moves by a joint, a spring or an unknown input, or give guess= nearer to a balance",
-        )  # fmt: skip
+def _why(attempts: Sequence[Candidate]) -> Problem:
+    """Say what is left of the forces where least is left."""
+    finite = [one for one in attempts if np.isfinite(one.rest.merit)]
+    eqs = attempts[0].search.task.eqs
+    if not finite:
+        what = "the forces are not finite"
+    else:
+        best = min(finite, key=lambda one: one.rest.merit)
+        rest, search = best.rest, best.search
+        k = int(np.argmax(np.abs(rest.left))) if rest.left.size else 0
+        name = eqs.speed_names[k]
+        unit = "N" if eqs.units.get(name) == "m/s" else "N m"
+        force = rest.left[k] * search.balance.largest(search.start) / search.balance.sizes[k]
+        place = ", ".join(f"{q} = {x:.4g}" for q, x in zip(eqs.coordinate_names, rest.q, strict=True))
+        left = best.fault or f"along {name} {force:.4g} {unit} are not balanced"
+        what = f"{left}, where least is left ({place})"
+    dry = "; friction at rest was taken as 0" if switching_joints(eqs.formed) else ""
+    return Problem(
+        "equilibrium.none", eqs.model.name, what, f"{STARTS} starts about the guess were tried{dry}",
+        "hold what moves by a joint, a spring or an unknown input, or give guess= nearer to a balance",
+    )  # fmt: skip
 
 
 def _singular(task: Closure, q: Floats) -> Problem:
@@ -287,26 +197,42 @@ def _singular(task: Closure, q: Floats) -> Problem:
     )  # fmt: skip
 
 
-def _state(search: _Search, rest: Rest, unknowns: Sequence[str]) -> Equilibrium:
+def _state(candidate: Candidate, unknowns: Sequence[str]) -> Equilibrium:
+    search, rest = candidate.search, candidate.rest
     task, eqs = search.task, search.task.eqs
     order = [name for name in eqs.input_names if name in unknowns]
     held = dict(zip(order, rest.inputs.tolist(), strict=True))
     if held:
         task = closure(eqs, task.parameters, {**task.inputs, **held}, task.t, task.mechanism)
     state = task.state(rest.q, np.zeros(len(eqs.speed_names)), search.start, {})
-    notes = list(task.mechanism.notes(eqs))
-    loose = search.free_directions(rest)
-    if loose.shape[1]:
-        free = [name for name in eqs.coordinate_names if name not in search.fixed]
-        shares = np.abs(loose).max(axis=1)
-        names = [name for name, share in zip(free, shares, strict=True) if share > _FLAT * shares.max()]
-        notes.append(
-            f"equilibria form a continuum of {loose.shape[1]} dimension(s) along {', '.join(names)}: "
-            "the one nearest to the guess by the shortest steps is given"
-        )
+    further = continued(search, rest)
+    notes = [*task.mechanism.notes(eqs), *further.notes, *candidate.notes]
     if search.balance.timed:
         notes.append(f"forces or motions depend on time: they are frozen at t = {task.t:g} s")
     if eqs.formed.friction:
         notes.append("friction is 0 at rest: sticking holds more configurations than this")
+    edges = (*candidate.edges, *(settled(eqs, state).edges if switching_joints(eqs.formed) else ()))
+    return _equilibrium(state, notes, "undecided" if edges else further.doubt)
+
+
+def _stuck(searches: TautSearch) -> Equilibrium | None:
+    """Return the guess as an equilibrium if dry joints hold it there; None if they do not."""
+    search = searches.nearest_set()
+    task, eqs = search.task, search.task.eqs
+    if not switching_joints(eqs.formed):
+        return None
+    still = np.zeros(len(eqs.speed_names))
+    try:
+        sides = settled(eqs, task.state(search.start, still, search.start, {}))
+    except (AssemblyError, SimulationError):
+        return None
+    left = np.asarray(sides.state["mass_matrix"]) @ list(sides.state.udot.values()) * task.speed_sizes
+    if not float(np.abs(left).max(initial=0.0)) <= _STUCK * search.balance.largest(search.start):
+        return None
+    note = "friction holds the guess, though forces balance nowhere without it: places about it are held, too"
+    return _equilibrium(sides.state, [note, *sides.notes], "undecided" if sides.edges else "")
+
+
+def _equilibrium(state: State, notes: Sequence[str], doubt: str) -> Equilibrium:
     known = {entry.name: getattr(state, entry.name) for entry in fields(State)}
-    return Equilibrium(**known, notes=tuple(notes))
+    return Equilibrium(**known, notes=tuple(notes), _doubt=doubt)

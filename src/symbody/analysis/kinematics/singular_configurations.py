@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, minimize_scalar
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.assembly import assemble, assemble_taut
 from symbody.analysis.kinematics.curve import Curve, Point
 from symbody.analysis.kinematics.follower import Follower, Law, follower
 from symbody.analysis.kinematics.held import joint_of
@@ -27,6 +27,7 @@ from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError, Problem, UsageError
 
 Floats = NDArray[np.float64]
@@ -171,11 +172,12 @@ class _Search:
         self, guess: Mapping[str, Value] | None, parameters: Mapping[str, Value] | None
     ) -> Iterator[State]:
         eqs, failed, count = self.ratios.eqs, [], 0
+        complete = assemble_taut if ropes(eqs.formed) else assemble
         for k in range(_STARTS):
             # Off the middle and the ends, where mechanisms like to be singular.
             value = self.ends[0] + (self.ends[1] - self.ends[0]) * (k + 0.382) / _STARTS
             try:
-                state = assemble(eqs, {self.along: value, **self.held}, guess, parameters)
+                state = complete(eqs, {self.along: value, **self.held}, guess, parameters)
             except AssemblyError as error:
                 failed.append(error)
                 continue
@@ -254,7 +256,8 @@ class _Search:
             return
         k = eqs.coordinate_names.index(self.along)
         value, near = point.q[k], _SAME * self.mechanism.sizes[k]
-        if not self.ends[0] - near <= value <= self.ends[1] + near:
+        inside = self.ends[0] - near <= value <= self.ends[1] + near
+        if not inside or self.ratios.ropes_out_of_place(point.q):
             return
         kept, block = self._blocks(point.q)
         ranks = [

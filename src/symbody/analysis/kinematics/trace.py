@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.analysis.assembly import assemble
+from symbody.analysis.closure import Closure, closure
 from symbody.analysis.kinematics.follower import Follower, Law, follower
 from symbody.analysis.kinematics.held import element_of
+from symbody.analysis.ropes import LOOSE, equations_at, slackness
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
     import pandas
 
 Floats = NDArray[np.float64]
+
+_EXACT: Final = 1e-10  # of the path: where on it a rope is at its length
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,9 +42,9 @@ class Positions:
     limits : mapping of coordinate to float
         Empty if all values were reached; else where the driven coordinates stood at the dead end.
     joint : str
-        The joint that moves fastest at the dead end; empty if there is none.
+        The joint that moves fastest at the dead end; empty if there is none, or a rope ends the path.
     notes : tuple of str
-        What happened there.
+        What happened there, and which ropes are taken as taut.
     """
 
     coordinate_names: tuple[str, ...]
@@ -125,24 +129,58 @@ def trace_positions(
         If the loops do not close at the first values.
     """
     values = _values(over)
-    driven = follower(eqs, {}, _laws(values), dict(parameters or {}), lambda _: t)
+    given = dict(parameters or {})
+    driven = follower(eqs, {}, _laws(values), given, lambda _: t)
     state = assemble(eqs, {name: float(x[0]) for name, x in values.items()}, guess, parameters, None, t)
     q = np.array(list(state.q.values()))
+    held, notes = equations_at(eqs, q, given, t)
+    if held is not eqs:
+        driven = follower(held, {}, _laws(values), given, lambda _: t)
     closer = driven.closed(0.0, q)
     q = q if closer is None else closer
-    check_driven(driven, 0.0, q)
+    check_driven(driven, 0.0, q, notes)
+    loose = _Slack(driven, closure(held, given, {}, t) if notes else None)
     count = len(next(iter(values.values())))
     columns, reached = [q], 0.0
     for k in range(1, count):
+        before = q
         reached, q = driven.reached(float(k - 1), q, float(k))
-        if reached != k:
-            return _ended(driven, values, np.array(columns).T, reached, q)
+        rope, place, at = loose.ended(float(k - 1), before, reached, q)
+        if rope or reached != k:
+            return _ended(driven, values, np.array(columns).T, place, at, rope, notes)
         columns.append(q)
-    return Positions(eqs.coordinate_names, np.array(columns).T, values, {})
+    return Positions(eqs.coordinate_names, np.array(columns).T, values, {}, notes=notes)
 
 
-def check_driven(driven: Follower, s: float, q: Floats) -> None:
-    """Refuse driven coordinates that leave freedoms.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Slack:
+    """The ropes that are slack on a path; `task` measures them, and is None where there are none."""
+
+    driven: Follower
+    task: Closure | None
+
+    def ended(self, start: float, before: Floats, stop: float, q: Floats) -> tuple[str, float, Floats]:
+        """Return the rope that is at its length first, and where on the path; else no name, and its end."""
+        if self.task is None or self._least(q)[1] >= -LOOSE:
+            return "", stop, q
+        low, high = start, stop
+        while high - low > _EXACT * max(1.0, abs(high)):
+            middle = (low + high) / 2.0
+            place, at = self.driven.reached(start, before, middle)
+            if place == middle and self._least(at)[1] >= 0.0:
+                low = middle
+            else:
+                high = middle
+        return self._least(q)[0], low, self.driven.reached(start, before, low)[1]
+
+    def _least(self, q: Floats) -> tuple[str, float]:
+        """Return the rope with the least slack, and this over its length."""
+        assert self.task is not None
+        return min(slackness(self.task, q).items(), key=lambda pair: pair[1])
+
+
+def check_driven(driven: Follower, s: float, q: Floats, notes: tuple[str, ...] = ()) -> None:
+    """Refuse driven coordinates that leave freedoms, with notes that tell which ropes are slack.
 
     Raises
     ------
@@ -155,20 +193,32 @@ def check_driven(driven: Follower, s: float, q: Floats) -> None:
         names = ", ".join(driven.driven) or "nothing"
         raise UsageError(
             Problem("kinematics.freedoms_left", "over",
-                    f"with {names} driven {left} more can move freely", "positions do not follow from these",
+                    f"with {names} driven {left} more can move freely",
+                    "; ".join(("positions do not follow from these", *notes)),
                     "lead further coordinates, or hold them: over={..., 'name': value}")
         )  # fmt: skip
 
 
-def _ended(driven: Follower, values: Mapping[str, Floats], q: Floats, s: float, last: Floats) -> Positions:
+def _ended(
+    driven: Follower,
+    values: Mapping[str, Floats],
+    q: Floats,
+    s: float,
+    last: Floats,
+    rope: str,
+    notes: tuple[str, ...],
+) -> Positions:
     """Return the positions up to a dead end, which is the last column."""
     limits = driven.asked(s)
-    joint = driven.stuck(s, last)
+    joint = "" if rope else driven.stuck(s, last)
     told = ", ".join(f"{name} = {value:.9g}" for name, value in limits.items())
-    element = element_of(driven.eqs, joint)
-    note = f"{element}: no position follows beyond {told}; it is a limit of what is driven"
+    element = f"rope {rope}" if rope else element_of(driven.eqs, joint)
+    why = "it would have to be longer" if rope else "it is a limit of what is driven"
+    note = f"{element}: no position follows beyond {told}; {why}"
     done = {name: np.append(x[: q.shape[1]], limits[name]) for name, x in values.items()}
-    return Positions(driven.eqs.coordinate_names, np.column_stack([q, last]), done, limits, joint, (note,))
+    return Positions(
+        driven.eqs.coordinate_names, np.column_stack([q, last]), done, limits, joint, (*notes, note)
+    )
 
 
 def _values(over: Mapping[str, ArrayLike]) -> dict[str, Floats]:

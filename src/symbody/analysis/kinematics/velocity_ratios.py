@@ -15,15 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
-from symbody.analysis.assembly import assemble
+from symbody.analysis.assembly import assemble, assemble_taut
+from symbody.analysis.closure import Closure, closure
 from symbody.analysis.kinematics.follower import Follower, follower
 from symbody.analysis.kinematics.held import element_of
 from symbody.analysis.redundancy import redundancy
+from symbody.analysis.ropes import equations_at, ropes_out_of_place
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, SimulationError, UsageError, nearest
 from symbody.expr.sympy_bridge import SympyExpr, SympyMatrix
 
@@ -71,6 +74,8 @@ class VelocityRatios:
     notes: tuple[str, ...]
     _mechanism: Follower = field(repr=False)
     _parameters: Mapping[str, Value] = field(repr=False)
+    # Measures ropes; None where there are none.
+    _ropes: Closure | None = field(default=None, repr=False)
 
     @property
     def dependent_jacobian(self) -> SympyMatrix:
@@ -212,10 +217,35 @@ class VelocityRatios:
         return [self.eqs.speed_names.index(name) for name in names]
 
     def _state(self, state: State | Mapping[str, Value]) -> State:
-        return state if isinstance(state, State) else assemble(self.eqs, state, None, self._parameters)
+        if isinstance(state, State):
+            return state
+        complete = assemble if self._ropes is None else assemble_taut
+        return complete(self.eqs, state, None, self._parameters)
+
+    def ropes_out_of_place(self, q: Floats) -> str:
+        """Return in words which ropes are not taut or slack as the ratios have them at a position."""
+        return "" if self._ropes is None else ropes_out_of_place(self.eqs, self._ropes, q)
+
+    def _check_ropes(self, q: Floats) -> None:
+        """Refuse a position at which other ropes are taut than those of the equations.
+
+        Raises
+        ------
+        SimulationError
+            Naming the ropes.
+        """
+        wrong = self.ropes_out_of_place(q)
+        if wrong:
+            raise SimulationError(
+                Problem("kinematics.rope", f"speeds {', '.join(self.independent)}",
+                        f"{wrong}: these ratios do not hold there",
+                        "they hold for the ropes that are taut where they were formed",
+                        "form them at= a state like this one")
+            )  # fmt: skip
 
     def _tau(self, t: float, q: Floats) -> Floats:
         mechanism = self._mechanism
+        self._check_ropes(q)
         jacobian = mechanism.rows(t, q, np.zeros(mechanism.speed_sizes.size))[0]
         basis = mechanism.freedom(jacobian).basis
         own, others = self._places(self.independent), self._places(self.dependent)
@@ -291,20 +321,21 @@ def velocity_ratios(
         If the loops do not close.
     """
     given = dict(parameters or {})
-    mechanism = follower(eqs, {}, {}, given)
     state = at or assemble(eqs, None, None, parameters)
     q = np.array(list(state.q.values()))
+    eqs, notes = equations_at(eqs, q, given, state.t)
+    mechanism = follower(eqs, {}, {}, given)
     freedoms = redundancy(eqs, given, dict(state.q)) if eqs.multiplier_names else None
     rows = () if freedoms is None else freedoms.kept
     count = len(eqs.speed_names) - len(rows)
-    notes: tuple[str, ...] = ()
     if independent is None:
         chosen = _best(mechanism, eqs, state.t, q, count)
-        notes = (f"independent speeds are {', '.join(chosen)}: from them the others follow best",)
+        notes += (f"independent speeds are {', '.join(chosen)}: from them the others follow best",)
     else:
         chosen = _named(eqs, (independent,) if isinstance(independent, str) else tuple(independent), count)
     others = tuple(name for name in eqs.speed_names if name not in chosen)
-    return VelocityRatios(eqs, chosen, others, rows, notes, mechanism, given)
+    measured = closure(eqs, given, {}, state.t) if ropes(eqs.formed) else None
+    return VelocityRatios(eqs, chosen, others, rows, notes, mechanism, given, measured)
 
 
 def _best(mechanism: Follower, eqs: EquationSet, t: float, q: Floats, count: int) -> tuple[str, ...]:

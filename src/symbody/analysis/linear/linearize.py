@@ -11,7 +11,7 @@ Hubbard, Multibody Syst. Dyn. 33 (2015), 143-161).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -23,6 +23,7 @@ from symbody.analysis.linear.independence import Basis, Selection, basis, select
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.matrices import matrices, rounding
 from symbody.analysis.linear.slopes import SlopeFunction, Slopes, slope_function
+from symbody.analysis.one_sided import settled
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
@@ -76,11 +77,13 @@ def linearize(
     """
     state = _state(eqs, at, parameters, inputs, t)
     listed = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+    sides = settled(eqs, state)
+    eqs, state = sides.eqs, sides.state
     function = slope_function(eqs, state, listed)
     q, u = np.array(list(state.q.values())), np.array(list(state.u.values()))
     found = function.checked_at(q, u)
     selection = select(eqs, state, found, independent, cyclic)
-    notes = check_cyclic(function, q, u, selection, cyclic)
+    notes = (*sides.notes, *check_cyclic(function, q, u, selection, cyclic))
     point = _Point(state, function, found, selection, basis(eqs, q, found, selection))
     return point.linearization(cyclic, notes)
 

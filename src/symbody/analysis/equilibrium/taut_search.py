@@ -1,0 +1,191 @@
+"""`TautSearch`: equilibria of mechanisms with ropes, each with the ropes that are taut there.
+
+A rope pulls at its length or is slack, so an equilibrium is one of the equations with some of the ropes as
+constraints at which none of these pushes and none of the others is longer than it is. From each start ropes
+at their length are taut; those that would push go slack and those that would be longer go taut until all fit
+(an active-set method; Nocedal & Wright 2006, section 16.5). If no start leads there, all sets are tried.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import combinations, islice
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linprog
+
+from symbody.analysis.closure import Closure, closure
+from symbody.analysis.equilibrium.balance import Balance, Rest, balance
+from symbody.analysis.equilibrium.search import Search
+from symbody.analysis.ropes import AT_LENGTH, slackness, with_taut
+from symbody.equations.solving.ropes import rope_rows, ropes
+
+Floats = NDArray[np.float64]
+
+_MOST_SETS: Final = 64
+_FEW_STARTS: Final = 8  # for each set
+_LITTLE: Final = 1e-9  # of the largest multiplier: a tension that is none
+_DEPENDENT: Final = 1e-9  # of the largest singular value
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidate:
+    """A configuration, the equations whose forces were balanced there, and what is to be said of its ropes.
+
+    Attributes
+    ----------
+    notes : tuple of str
+        What the ropes do.
+    edges : tuple of str
+        Ropes that are at their length without tension.
+    fault : str
+        Why it is no equilibrium although the forces balance; else empty.
+    """
+
+    search: Search
+    rest: Rest
+    notes: tuple[str, ...] = ()
+    edges: tuple[str, ...] = ()
+    fault: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TautSearch:
+    """Where to look for equilibria from, with any of the ropes taut; fields as of `Search`."""
+
+    task: Closure
+    unknowns: tuple[str, ...]
+    start: Floats
+    fixed: frozenset[str]
+    _searches: dict[frozenset[str], Search] = field(default_factory=dict)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the ropes."""
+        return ropes(self.task.eqs.formed)
+
+    def of(self, taut: frozenset[str]) -> Search:
+        """Return the search with some of the ropes taut."""
+        if taut not in self._searches:
+            eqs, task = self.task.eqs, self.task
+            held = with_taut(eqs, taut)
+            own = task if held is eqs else closure(held, task.parameters, task.inputs, task.t, task.mechanism)
+            self._searches[taut] = Search(self._balance(own), self.start, self.fixed)
+        return self._searches[taut]
+
+    def nearest_set(self) -> Search:
+        """Return the search with the ropes taut that are at their length at the guess."""
+        return self.of(self._at_length(self.start, AT_LENGTH))
+
+    def candidates(self) -> tuple[list[Candidate], list[Candidate]]:
+        """Return the equilibria that starts lead to, and where other starts end."""
+        starts = self.of(frozenset()).starts()
+        good: list[Candidate] = []
+        others: list[Candidate] = []
+        for start in starts:
+            taut = (
+                self._at_length(start, 0.0) if start is not self.start else self._at_length(start, AT_LENGTH)
+            )
+            self._sort(self._settled(start, taut), good, others)
+        if not good and self.names:
+            for taut in self._sets():
+                for start in starts[:_FEW_STARTS]:
+                    self._sort(self._settled(start, taut), good, others)
+        return good, others
+
+    def _sort(self, found: list[Candidate], good: list[Candidate], others: list[Candidate]) -> None:
+        for one in found:
+            (good if one.search.is_good(one.rest) and not one.fault else others).append(one)
+
+    def _balance(self, task: Closure) -> Balance:
+        return balance(task, self.unknowns)
+
+    def _sets(self) -> Iterator[frozenset[str]]:
+        """Return all sets of ropes, those of many first."""
+        counts = range(len(self.names), -1, -1)
+        return islice((frozenset(c) for n in counts for c in combinations(self.names, n)), _MOST_SETS)
+
+    def _at_length(self, q: Floats, share: float) -> frozenset[str]:
+        """Return the ropes that are not slack by more than a share of their length."""
+        if not self.names:
+            return frozenset()
+        return frozenset(name for name, slack in slackness(self.task, q).items() if slack <= share)
+
+    def _settled(self, start: Floats, taut: frozenset[str]) -> list[Candidate]:
+        """Return where a start leads, with ropes going taut and slack as they must."""
+        seen: set[frozenset[str]] = set()
+        while True:
+            seen.add(taut)
+            search = self.of(taut)
+            found = [self._candidate(search, rest, taut) for rest in search.attempts(start)]
+            if not self.names or not any(search.is_good(one.rest) for one in found):
+                return found
+            best = next(one for one in found if search.is_good(one.rest))
+            change = self._change(best, taut) if best.fault else None
+            if change is None or change in seen:
+                return found
+            taut = change
+
+    def _candidate(self, search: Search, rest: Rest, taut: frozenset[str]) -> Candidate:
+        """Return a configuration with what its ropes do."""
+        if not search.is_good(rest):
+            return Candidate(search, rest)
+        rest = search.unwound(rest)
+        if not self.names:
+            return Candidate(search, rest)
+        pulls, slack = self._pulls(search, rest, taut), slackness(self.task, rest.q)
+        longer = [name for name in self.names if name not in taut and slack[name] < -AT_LENGTH]
+        work = np.abs(rest.multipliers) * search.balance.scales
+        limit = _LITTLE * float(work.max(initial=0.0)) / search.task.mechanism.length
+        pushing = [name for name, pull in pulls.items() if pull < -limit]
+        fault = ", ".join(
+            [f"rope {name} would have to push by {-pulls[name]:.4g} N" for name in pushing]
+            + [f"rope {name} would have to be longer" for name in longer]
+        )
+        edges = [name for name, pull in pulls.items() if abs(pull) <= limit]
+        edges += [name for name in self.names if name not in taut and abs(slack[name]) <= AT_LENGTH]
+        notes = [
+            f"rope {name} is taut with {pull:.6g} N" for name, pull in pulls.items() if name not in edges
+        ]
+        notes += [f"rope {name} is slack" for name in self.names if slack[name] > AT_LENGTH]
+        notes += [
+            f"rope {name} is at its length without tension: small deviations on one side only make it pull, "
+            "and linear equations do not tell whether the equilibrium is stable"
+            for name in edges
+        ]  # fmt: skip
+        return Candidate(search, rest, tuple(notes), tuple(edges), fault)
+
+    def _change(self, candidate: Candidate, taut: frozenset[str]) -> frozenset[str] | None:
+        """Return the ropes to be taut next: with those longer, or without the one that pushes most."""
+        search, rest = candidate.search, candidate.rest
+        pulls = self._pulls(search, rest, taut)
+        longer = self._at_length(rest.q, -AT_LENGTH) - taut
+        if longer:
+            return taut | longer
+        worst = min(pulls, key=lambda name: pulls[name], default="")
+        return taut - {worst} if worst and pulls[worst] < 0.0 else None
+
+    def _pulls(self, search: Search, rest: Rest, taut: frozenset[str]) -> dict[str, float]:
+        """Return the tensions; of those that the forces leave undetermined, the shares that push least."""
+        order = [name for name in self.names if name in taut]
+        places = rope_rows(search.task.eqs.formed, order)
+        tensions = -rest.multipliers[places]
+        if (tensions < 0.0).any():
+            tensions = _least_pushing(tensions, -search.undetermined(rest)[places])
+        return dict(zip(order, tensions.tolist(), strict=True))
+
+
+def _least_pushing(tensions: Floats, freedoms: Floats) -> Floats:
+    """Return tensions ``tensions + freedoms @ y`` of which the least is as large as it can be."""
+    if not freedoms.size or not np.abs(freedoms).max(initial=0.0) > _DEPENDENT:
+        return tensions
+    n, k = freedoms.shape
+    scale = float(np.abs(tensions).max(initial=0.0)) or 1.0
+    cost = np.append(np.zeros(k), -1.0)
+    bounds = [(None, None)] * k + [(None, 1.0)]
+    rows = np.hstack([-freedoms, np.ones((n, 1))])
+    found = linprog(cost, rows, tensions / scale, bounds=bounds)
+    return tensions if found.x is None else np.asarray(tensions + scale * freedoms @ found.x[:k])
