@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -34,15 +34,46 @@ _HANGERS = ("revolute", "prismatic", "spherical", "weld", "planar", "free", "non
 
 def random_mechanism(seed: int, units: Units | None = None) -> Mechanism:
     """The mechanism of a seed; `units` replaces its own, with all ratios kept."""
+    return _accepted(seed, f"{seed}", units, _attempt)
+
+
+def turning_mechanism(seed: int) -> Mechanism:
+    """A small mechanism in which at least one body turns in any direction, in every parametrization of rotations.
+
+    One or two bodies, a third of them with a loop, and loads and constraints as everywhere.
+    """
+    return _accepted(seed, f"turning {seed}", None, _turning)
+
+
+def _accepted(
+    seed: int, name: str, units: Units | None, attempt: Callable[[int, Draws], Mechanism]
+) -> Mechanism:
     rejected: list[str] = []
-    for attempt in range(ATTEMPTS):
-        rng = random.Random(f"{seed}/{attempt}")
+    for number in range(ATTEMPTS):
+        rng = random.Random(f"{name}/{number}")
         own = Units(*(10 ** rng.uniform(-3, 3) for _ in range(3)))
         try:
-            return replace(_attempt(seed, Draws(rng, units or own)), rejected=tuple(rejected))
+            return replace(attempt(seed, Draws(rng, units or own)), rejected=tuple(rejected))
         except Rejection as reason:
             rejected.append(str(reason))
-    raise AssertionError(f"seed {seed}: {Counter(rejected)}")
+    raise AssertionError(f"{name}: {Counter(rejected)}")
+
+
+def _turning(seed: int, draws: Draws) -> Mechanism:
+    rng = draws.rng
+    draft = Draft(draws, t=draws.number(0.1, 2.0) * draws.units.time)
+    draft.add_body(rng.choice(["spherical", "spherical", "free", "none"]))
+    if draws.chance(0.5):
+        draft.add_body(rng.choice(["spherical", "free", "revolute"]))
+    loops = int(bool(draft.joints) and draws.chance(0.5))
+    return _loaded(add_loops(draft, loops) if loops else draft.finished(), seed, "turning", draws)
+
+
+def _loaded(found: Mechanism, seed: int, family: str, draws: Draws) -> Mechanism:
+    """The mechanism under gravity, with drives, springs, loads and constraints."""
+    x, y, z = (draws.number() * draws.units.acceleration if draws.chance(0.85) else 0.0 for _ in range(3))
+    found = replace(found, seed=seed, family=family, gravity=(x, y, z), symbolic=draws.chance(0.5))
+    return add_conditions(add_loads(found, draws), draws)
 
 
 def _attempt(seed: int, draws: Draws) -> Mechanism:
@@ -64,9 +95,7 @@ def _attempt(seed: int, draws: Draws) -> Mechanism:
     for _ in range(rng.choice([0, 0, 1, 2]) if loops and len(draft.bodies) < MOST_BODIES - 1 else 0):
         draft.add_body(rng.choice(_HANGERS))
         found = replace(draft.finished(), loops=found.loops, redundant=found.redundant)
-    x, y, z = (draws.number() * draws.units.acceleration if draws.chance(0.85) else 0.0 for _ in range(3))
-    found = replace(found, seed=seed, family=family, gravity=(x, y, z), symbolic=draws.chance(0.5))
-    return add_conditions(add_loads(found, draws), draws)
+    return _loaded(found, seed, family, draws)
 
 
 def report(mechanisms: Iterable[Mechanism]) -> dict[str, float]:

@@ -7,6 +7,8 @@ independent ones change as the exact accelerations do.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -43,21 +45,23 @@ def out_of(lin: sb.Linearization, column: Array) -> tuple[Array, Array]:
     return du, np.array([dq[name] for name in eqs.coordinate_names])
 
 
-def rates(lin: sb.Linearization, found: dict[str, Array]) -> Array:
-    """The rates of the independent states from (u', q')."""
+def between(lin: sb.Linearization, one: list[Any], other: list[Any]) -> list[Any]:
+    """What the independent states of two motions differ by: numbers, and rotation vectors in end axes of the one."""
     eqs = lin.at.eqs
-    values = dict(zip(eqs.speed_names, found["udot"], strict=True))
-    values |= dict(zip(eqs.coordinate_names, found["qdot"], strict=True))
+    names = (*eqs.speed_names, *eqs.coordinate_names)
+    near, far = ({name: x for name, x in zip(names, motion, strict=True)} for motion in (one, other))
+    found = {name: far[name] - near[name] for name in names}
     joints = {joint.quaternion: joint.name for joint in eqs.formed.topology.joints}
     for four in eqs.quaternions:
-        (w, x, y, z), (dw, dx, dy, dz) = [lin.at.q[n] for n in four], [values[n] for n in four]
+        (w, x, y, z), (a, b, c, d) = [near[n] for n in four], [far[n] for n in four]
         turn = (
-            w * dx - x * dw - y * dz + z * dy,
-            w * dy - y * dw - z * dx + x * dz,
-            w * dz - z * dw - x * dy + y * dx,
+            w * b - x * a - y * d + z * c,
+            w * c - y * a - z * b + x * d,
+            w * d - z * a - x * c + y * b,
         )
-        values |= {f"{joints[four]}_r{axis}": 2 * part for axis, part in zip("xyz", turn, strict=True)}
-    return np.array([values[name] for name in lin.state_names])
+        # 2 sin(angle / 2) along the axis: the rotation vector, up to its cube.
+        found |= {f"{joints[four]}_r{axis}": 2 * part for axis, part in zip("xyz", turn, strict=True)}
+    return [found[name] for name in lin.state_names]
 
 
 def check(seeds: Iterable[int]) -> None:
@@ -71,11 +75,12 @@ def check(seeds: Iterable[int]) -> None:
         at = sb.assemble(eqs, guess=guess, inputs=inputs, t=state.t)
         lin = sb.linearize(eqs, at)
         assert lin.A.shape[0] == len(lin.state_names), seed
-        compare(lin, seed, tally)
+        compare(lin, seed, mechanism.units.time, tally)
     tally.close("A against differences", may_be_empty=True)
 
 
-def compare(lin: sb.Linearization, seed: int, tally: Tally) -> None:
+def compare(lin: sb.Linearization, seed: int, time: float, tally: Tally) -> None:
+    """Enter what A and B differ by from the motions beside that through the state; `time` is a unit of time."""
     eqs, at = lin.at.eqs, lin.at
     f = evaluator(
         eqs, ["udot", "qdot", "lambda", *CONSTRAINTS, "mass_matrix", "forcing", "jacobian", "gamma"]
@@ -87,22 +92,26 @@ def compare(lin: sb.Linearization, seed: int, tally: Tally) -> None:
     length = mechanism_scales(eqs, at.parameters, near=at.q).length
     sizes = np.array([length if eqs.units.get(name) == "m" else 1.0 for name in eqs.coordinate_names])
     full = np.abs(sb.compile(eqs, "A")(t, q, u, np.array(r)))
-    with mpmath.workdps(40):
+    with mpmath.workdps(50):
+        through = Beside(u, q, f.precise(t, q, u, r))
         for k in range(len(lin.state_names)):
             du, dq = out_of(lin, np.eye(len(lin.state_names))[k])
             size = max(np.abs(du).max(initial=0.0), np.abs(dq).max(initial=0.0))
             h = H * lin_size(lin, k)
-            ends = [f.precise(t, q + s * h * dq, u + s * h * du, r) for s in (1, -1)]
-            slopes = {name: (ends[0][name] - ends[1][name]) / (2 * h) for name in ends[0]}
+            ends = [
+                Beside(u + s * h * du, q + s * h * dq, f.precise(t, q + s * h * dq, u + s * h * du, r))
+                for s in (1, -1)
+            ]
+            slopes = slopes_between(ends, h)
             assert size > 0
-            expected = np.array(rates(lin, slopes), dtype=float)
+            expected = rates_between(lin, through, ends, h, time)
             rounded = float(np.max(full @ np.abs(np.concatenate([du, dq])), initial=0.0))
             # Forces are sums of terms a*f(q), with f of angles in radians and lengths over the mechanism's size.
             # Their derivatives are again such terms, as large as the accelerations that they make; where all
             # of them cancel, as about an axis that nothing depends on, their rounding is what is left.
             turned = float(np.max(np.abs(dq) / sizes, initial=0.0))
-            rounded += float(np.abs(ends[0]["udot"].astype(float)).max(initial=0.0)) * turned
-            unit = bound * (free_size(slopes, ends[0]) + rounded)
+            rounded += float(np.abs(ends[0].rates["udot"].astype(float)).max(initial=0.0)) * turned
+            unit = bound * (free_size(slopes, ends[0].rates) + rounded)
             tally.enter(seed, f"A {lin.state_names[k]}", error(lin.A[:, k], expected, unit))
             # Rows of constraints keep their values: assembly closes to 1e-9 at worst, with pivots of 2e-2.
             rates_too = np.abs(dq).max(initial=0.0) * np.abs(u).max(initial=0.0)
@@ -112,10 +121,51 @@ def compare(lin: sb.Linearization, seed: int, tally: Tally) -> None:
                 assert left <= 1e-7 * scale, (seed, name, left, scale)
         for k, name in enumerate(lin.input_names):
             step = [H * (i == k) for i in range(len(r))]
-            ends = [f.precise(t, q, u, [x + s * d for x, d in zip(r, step, strict=True)]) for s in (1, -1)]
-            slopes = {word: (ends[0][word] - ends[1][word]) / (2 * H) for word in ends[0]}
-            expected = np.array(rates(lin, slopes), dtype=float)
-            tally.enter(seed, f"B {name}", error(lin.B[:, k], expected, bound * free_size(slopes, ends[0])))
+            ends = [
+                Beside(u, q, f.precise(t, q, u, [x + s * d for x, d in zip(r, step, strict=True)]))
+                for s in (1, -1)
+            ]
+            slopes = slopes_between(ends, H)
+            expected = rates_between(lin, through, ends, H, time)
+            # The pull of an input whose arms cancel is rounding of what inputs do as a rule.
+            pulled = float(np.abs(through.rates["udot"].astype(float)).max(initial=0.0)) / abs(r[k])
+            unit = bound * (free_size(slopes, ends[0].rates) + pulled)
+            tally.enter(seed, f"B {name}", error(lin.B[:, k], expected, unit))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Beside:
+    """A state with its rates."""
+
+    u: Array
+    q: Array
+    rates: dict[str, Array]
+
+    def after(self, t: Any) -> list[object]:
+        """(u, q) a short time later, to first order."""
+        return [*(self.u + t * self.rates["udot"]), *(self.q + t * self.rates["qdot"])]
+
+
+def rates_between(lin: sb.Linearization, through: Beside, ends: list[Beside], h: Any, time: float) -> Array:
+    """How fast the difference from the motion `through` the state grows, by that of the motions of both ends.
+
+    The derivative of the flow: to first order in time a motion is a line, along which differences of u, q are
+    linear in time, and products of two quaternions quadratic; so the central difference in time is exact.
+    """
+    step = mpmath.mpf(time) / 1000
+    grown = []
+    for t in (step, -step):
+        one, other = (between(lin, through.after(t), end.after(t)) for end in ends)
+        grown.append([(a - b) / (2 * h) for a, b in zip(one, other, strict=True)])
+    return np.array(
+        [(later - earlier) / (2 * step) for later, earlier in zip(*grown, strict=True)], dtype=float
+    )
+
+
+def slopes_between(ends: list[Beside], h: Any) -> dict[str, Array]:
+    """Central differences of everything computed at both ends."""
+    one, other = (end.rates for end in ends)
+    return {name: (one[name] - other[name]) / (2 * h) for name in one}
 
 
 def lin_size(lin: sb.Linearization, k: int) -> float:

@@ -28,50 +28,73 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Basis:
+class Selection:
     """Independent states, speeds first.
 
     Attributes
     ----------
     names : tuple of str
         Of the independent states.
-    speeds : tuple of int
-        Places of the independent speeds in u.
-    sizes : (n,) array
+    speeds, coordinates : Choice
+        Their places in u, and in the coordinates with rotation vectors.
+    u_sizes, q_sizes : (n_u,), (n,) arrays
         What counts as a large deviation of each: 1 for angles, the size of the mechanism [m] for lengths.
-    out, back : arrays
-        d(u, q) for their deviations, (n_u + n_q, n); and back, for those that keep the constraints.
-    all_names, recovery : tuple of str, array
-        All speeds and coordinates, and how their deviations follow.
     notes : tuple of str
         What was chosen.
     """
 
     names: tuple[str, ...]
-    speeds: tuple[int, ...]
-    sizes: Floats
-    out: Floats
-    back: Floats
-    all_names: tuple[str, ...]
-    recovery: Floats
+    speeds: Choice
+    coordinates: Choice
+    u_sizes: Floats
+    q_sizes: Floats
     notes: tuple[str, ...]
 
+    @property
+    def sizes(self) -> Floats:
+        """What counts as a large deviation of each independent state."""
+        return np.concatenate(
+            [self.u_sizes[list(self.speeds.independent)], self.q_sizes[list(self.coordinates.independent)]]
+        )
 
-def basis(
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Basis:
+    """How deviations of all states follow from those of the independent ones, at a state.
+
+    Attributes
+    ----------
+    out, back : arrays
+        d(u, q) for their deviations, (n_u + n_q, n); and back, for those that keep the constraints.
+    turning : (n, n) array
+        What their rates have beside ``back d(u, q)'``, per deviation: axes of rotation vectors turn.
+    all_names, recovery : tuple of str, array
+        All speeds and coordinates, and how their deviations follow.
+    """
+
+    out: Floats
+    back: Floats
+    turning: Floats
+    all_names: tuple[str, ...]
+    recovery: Floats
+
+
+def select(
     eqs: EquationSet,
     state: State,
     found: Slopes,
     asked: Sequence[str] | None,
     cyclic: Collection[str],
-) -> Basis:
-    """Return independent states at a state.
+) -> Selection:
+    """Return which states are independent at a state.
 
     Raises
     ------
     AssemblyError
         If names are unknown, too few or too many, or do not determine the others.
     """
-    turned = rotations(eqs, np.array(list(state.q.values())))
+    turned = _rotations_at(eqs, np.array(list(state.q.values())), found)
+    _check_cyclic_names(turned, cyclic)
     known = mechanism_scales(eqs, state.parameters, near=state.q)
     q_sizes, u_sizes = turned.sizes(known.coordinates(eqs)), known.displacements(eqs)
     coordinates, speeds = _parted(eqs, turned, asked)
@@ -79,10 +102,18 @@ def basis(
     q = _chosen("coordinates", positions * q_sizes, turned.names, coordinates, cyclic, ())
     own = [turned.names[k] for k in q.independent]
     rates = {f"{name}_dot" for name in own}
-    rows = found.jacobian * u_sizes
-    u = _chosen("speeds", rows, eqs.speed_names, speeds, (), rates)
-    R_q, R_u = followed(positions * q_sizes, q, q_sizes), followed(rows, u, u_sizes)
-    bent = found.by_state[len(found.rates) + len(found.outputs) :, len(u_sizes) :] @ turned.out @ R_q
+    u = _chosen("speeds", found.jacobian * u_sizes, eqs.speed_names, speeds, (), rates)
+    names = tuple(eqs.speed_names[k] for k in u.independent) + tuple(own)
+    return Selection(names, u, q, u_sizes, q_sizes, _notes(q, u, names, asked))
+
+
+def basis(eqs: EquationSet, q_values: Floats, found: Slopes, selection: Selection) -> Basis:
+    """Return how all deviations follow from those of independent states at a configuration."""
+    turned = _rotations_at(eqs, q_values, found)
+    q, u, q_sizes, u_sizes = selection.coordinates, selection.speeds, selection.q_sizes, selection.u_sizes
+    positions, rows = found.position_jacobian @ turned.out * q_sizes, found.jacobian * u_sizes
+    R_q, R_u = followed(positions, q, q_sizes), followed(rows, u, u_sizes)
+    bent = found.of_velocity_rows[:, len(u_sizes) :] @ turned.out @ R_q
     W = np.zeros((len(u_sizes), R_q.shape[1]))
     if u.dependent:
         W[list(u.dependent)] = -solved(rows, u, bent) * u_sizes[list(u.dependent), np.newaxis]
@@ -94,12 +125,24 @@ def basis(
             [np.zeros((n_q, len(u_sizes))), turned.back[list(q.independent)]],
         ]
     )
-    names = tuple(eqs.speed_names[k] for k in u.independent) + tuple(own)
-    return Basis(
-        names, u.independent, np.concatenate([u_sizes[list(u.independent)], q_sizes[list(q.independent)]]),
-        np.vstack([recovery[: len(u_sizes)], turned.out @ recovery[len(u_sizes) :]]), back,
-        eqs.speed_names + turned.names, recovery, _notes(q, u, names, asked),
-    )  # fmt: skip
+    turning = np.zeros((n_u + n_q, n_u + n_q))
+    turning[n_u:, n_u:] = turned.turning[list(q.independent)] @ R_q
+    out = np.vstack([recovery[: len(u_sizes)], turned.out @ recovery[len(u_sizes) :]])
+    return Basis(out, back, turning, eqs.speed_names + turned.names, recovery)
+
+
+def _rotations_at(eqs: EquationSet, q: Floats, found: Slopes) -> Rotations:
+    return rotations(eqs, q, found.rates[len(eqs.speed_names) :])
+
+
+def _check_cyclic_names(turned: Rotations, cyclic: Collection[str]) -> None:
+    problems = [
+        Problem("linearize.unknown_name", name, f"there is no coordinate {name!r} to be cyclic", "",
+                nearest(name, turned.names))
+        for name in cyclic if name not in turned.names
+    ]  # fmt: skip
+    if problems:
+        raise AssemblyError(*problems)
 
 
 def _parted(

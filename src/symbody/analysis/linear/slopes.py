@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
-from symbody.analysis.linear.kinks import kink_notes, switches
+from symbody.analysis.linear.kinks import Switch, kink_notes, switches
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.codegen.compile import Value, constant_values, form_sequence
@@ -39,38 +39,97 @@ class Slopes:
         x', speeds first.
     by_state, by_input : arrays
         Of x', the outputs and the conditions on velocities by (u, q), and by the inputs.
-    outputs : tuple of str
-        Names of the scalars among the outputs.
-    inputs : tuple of str
-        Names of the inputs; those given as laws in states are no inputs.
+    outputs : int
+        How many scalars the outputs are.
     jacobian, position_jacobian, mass_matrix : arrays
         J, dPhi/dq, M.
-    timed : bool
-        Whether anything depends on time explicitly.
-    kinks : tuple of str
-        What is not differentiable here.
+    constraints, velocity_constraints : arrays
+        Phi, J u + b.
+    switches : (n,) array
+        Values of what changes over at 0.
     """
 
     rates: Floats
     by_state: Floats
     by_input: Floats
-    outputs: tuple[str, ...]
-    inputs: tuple[str, ...]
+    outputs: int
     jacobian: Floats
     position_jacobian: Floats
     mass_matrix: Floats
-    timed: bool
-    kinks: tuple[str, ...]
+    constraints: Floats
+    velocity_constraints: Floats
+    switches: Floats
+
+    @property
+    def of_rates(self) -> Floats:
+        """Derivatives of x' by (u, q)."""
+        return self.by_state[: len(self.rates)]
+
+    @property
+    def of_outputs(self) -> Floats:
+        """Derivatives of the outputs by (u, q)."""
+        return self.by_state[len(self.rates) : len(self.rates) + self.outputs]
+
+    @property
+    def of_velocity_rows(self) -> Floats:
+        """Derivatives of J u + b by (u, q)."""
+        return self.by_state[len(self.rates) + self.outputs :]
 
 
-def slopes(eqs: EquationSet, state: State, outputs: Sequence[str]) -> Slopes:
-    """Return the derivatives at a state with its parameters, inputs and time.
+@dataclass(frozen=True, slots=True, eq=False)
+class SlopeFunction:
+    """Derivatives as a function of states, at one time and with values of parameters and inputs.
 
-    Raises
-    ------
-    AssemblyError
-        If one of them is infinite or does not exist.
+    Attributes
+    ----------
+    outputs : tuple of str
+        Names of the scalars among the outputs.
+    inputs : tuple of str
+        Names of the inputs; those given as laws in states are no inputs.
+    timed : bool
+        Whether anything depends on time explicitly.
+    nodes : tuple of int
+        x', outputs, and conditions on velocities and positions, with the laws of inputs.
+    switches : tuple of (what, node)
+        What changes over at 0.
+    beside : (n,) array
+        Values of these at a state as far away as the mechanism is large.
     """
+
+    eqs: EquationSet
+    t: float
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
+    timed: bool
+    nodes: tuple[int, ...]
+    switches: tuple[Switch, ...]
+    beside: Floats
+    function: CompiledFunction
+
+    def at(self, q: Floats, u: Floats) -> Slopes:
+        """Return the derivatives at a state."""
+        rates, states, loads, *others = self.function(self.t, q, u)
+        return Slopes(rates, states, loads, len(self.outputs), *others)
+
+    def checked_at(self, q: Floats, u: Floats) -> Slopes:
+        """Return the derivatives at a state.
+
+        Raises
+        ------
+        AssemblyError
+            If one of them is infinite or does not exist.
+        """
+        found = self.at(q, u)
+        _check_finite(self.eqs, found.rates, found.by_state, found.by_input, self.inputs)
+        return found
+
+    def kinks(self, found: Slopes) -> tuple[str, ...]:
+        """Return what is not differentiable at a state."""
+        return kink_notes(self.eqs, self.switches, found.switches, self.beside)
+
+
+def slope_function(eqs: EquationSet, state: State, outputs: Sequence[str]) -> SlopeFunction:
+    """Return the derivatives with the parameters, inputs and time of a state."""
     parameters = state.parameters
     if eqs.multiplier_names:
         eqs = eqs.for_values(constant_values(eqs, {p: p for p in eqs.parameter_names}, parameters))
@@ -84,20 +143,16 @@ def slopes(eqs: EquationSet, state: State, outputs: Sequence[str]) -> Slopes:
     between = switches(eqs, nodes)
     kinks = Roots(_KINKS, (len(between),), tuple(node for _, node in between))
     wider = with_outputs(eqs, [by_state, by_input, kinks])
-    words = ("xdot", _BY_STATE, _BY_INPUT, "jacobian", "position_jacobian", "mass_matrix", _KINKS)
+    words = ("xdot", _BY_STATE, _BY_INPUT, "jacobian", "position_jacobian", "mass_matrix", "constraints",
+             "velocity_constraints", _KINKS)  # fmt: skip
     given = dict.fromkeys(eqs.input_names, 0) | dict(state.inputs)
     function = CompiledFunction(*form_sequence(wider, words, parameters, (), given))
     q, u = np.array(list(state.q.values())), np.array(list(state.u.values()))
-    found = function(state.t, q, u)
-    graph = eqs.formed.graph
-    timed = graph.symbol(TIME) in symbols_of(graph, [*nodes, *eqs.roots("constraints").nodes])
-    rates, states, loads, rows, positions, mass, near = found
+    beside = function(state.t, *_beside(eqs, state, q, u))[-1] if between else np.zeros(0)
+    graph, every = eqs.formed.graph, (*nodes, *eqs.roots("constraints").nodes)
+    timed = graph.symbol(TIME) in symbols_of(graph, every)
     names = tuple(symbol.name for symbol in inputs)
-    _check_finite(eqs, rates, states, loads, names)
-    told = (
-        kink_notes(eqs, between, near, function(state.t, *_beside(eqs, state, q, u))[-1]) if between else ()
-    )
-    return Slopes(rates, states, loads, _scalars(shown), names, rows, positions, mass, timed, told)
+    return SlopeFunction(eqs, state.t, _scalars(shown), names, timed, every, between, beside, function)
 
 
 def _beside(eqs: EquationSet, state: State, q: Floats, u: Floats) -> tuple[Floats, Floats]:

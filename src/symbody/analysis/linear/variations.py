@@ -1,12 +1,20 @@
 """Small deviations of a state that constraints admit: which determine the others, and how.
 
-Near a point the state is x = (u, q), with each quaternion's four numbers replaced by the three components of
-the rotation from the point, in end axes: ``q = q0 (1, delta / 2)``. Constraints demand
+Deviations are differences between two motions at the same time, of u and of q, with each quaternion's four
+numbers replaced by the rotation vector delta from the one attitude to the other, in end axes of the one:
+``e = e* (1, delta / 2)``. Constraints demand
 
     dPhi/dq dq = 0,    J du + d(J u + b)/dq dq = 0,
 
 so all deviations follow from independent ones, ``d(u, q) = R d(u_i, q_i)``; the dependent coordinates are
 those of the largest pivots (Wehage & Haug, J. Mech. Des. 104 (1982), 247-255), each in units of its own size.
+
+The axes of delta turn with the joint's angular velocity Omega: with L the map back, ``delta = L(e*) de``,
+
+    delta' = L(e*) de' + L(e*') de = L(e*) de' - Omega x delta / 2,
+
+and ``L(e*) de'`` is ``d omega - Omega x delta / 2``, with d omega the difference of both angular velocities,
+each in its own end axes. In all, ``delta' = d omega - Omega x delta``.
 """
 
 from __future__ import annotations
@@ -17,7 +25,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr
+from scipy.linalg import block_diag, qr
 
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
@@ -42,26 +50,29 @@ class Rotations:
         dq for deviations of these.
     back : (n, n_q) array
         The deviations for dq on the unit sphere.
+    turning : (n, n) array
+        What their own rates have beside ``back dq'``, per deviation: ``-Omega x`` / 2, as their axes turn.
     """
 
     names: tuple[str, ...]
     out: Floats
     back: Floats
+    turning: Floats
 
     def sizes(self, sizes: Floats) -> Floats:
         """Return what counts as a large deviation of each, from the sizes of q."""
         return np.array([sizes @ (column != 0.0) / max((column != 0.0).sum(), 1) for column in self.out.T])
 
 
-def rotations(eqs: EquationSet, q: Floats) -> Rotations:
-    """Return what stands for quaternions at a configuration."""
+def rotations(eqs: EquationSet, q: Floats, q_dot: Floats) -> Rotations:
+    """Return what stands for quaternions at a configuration that changes at a rate."""
     places = {name: k for k, name in enumerate(eqs.coordinate_names)}
     joints: dict[tuple[str, ...] | None, str] = {
         joint.quaternion: joint.name for joint in eqs.formed.topology.joints
     }
     inside = {name: four for four in eqs.quaternions for name in four}
     names: list[str] = []
-    out, back = [], []
+    out, back, turning = [], [], []
     for name, k in places.items():
         four = inside.get(name)
         if four is None:
@@ -69,15 +80,40 @@ def rotations(eqs: EquationSet, q: Floats) -> Rotations:
             unit = np.eye(len(places))[:, k : k + 1]
             out.append(unit)
             back.append(unit.T)
+            turning.append(np.zeros((1, 1)))
         elif name == four[0]:
             stem = joints.get(four, four[0])
             names += _unused([f"{stem}_r{axis}" for axis in "xyz"], places)
+            own = [places[other] for other in four]
             block = np.zeros((len(places), 3))
-            block[[places[other] for other in four]] = _turns(q[[places[other] for other in four]])
+            block[own] = _turns(q[own])
             out.append(block / 2.0)
             back.append(2.0 * block.T)
+            turning.append(_turns(q_dot[own]).T @ block[own])
     width = np.zeros((len(places), 0))
-    return Rotations(tuple(names), np.hstack([width, *out]), np.vstack([width.T, *back]))
+    empty = np.zeros((0, 0))
+    return Rotations(
+        tuple(names), np.hstack([width, *out]), np.vstack([width.T, *back]), block_diag(empty, *turning)
+    )
+
+
+def moved(eqs: EquationSet, q: Floats, by: Floats) -> Floats:
+    """Return coordinates after finite steps of these, rotation vectors in place of quaternions."""
+    places = {name: k for k, name in enumerate(eqs.coordinate_names)}
+    inside = {name: four for four in eqs.quaternions for name in four}
+    result, at = q.copy(), 0
+    for name, k in places.items():
+        four = inside.get(name)
+        if four is None:
+            result[k] += by[at]
+            at += 1
+        elif name == four[0]:
+            own, turn = [places[other] for other in four], by[at : at + 3] / 2.0
+            half = float(np.linalg.norm(turn))
+            e = np.cos(half) * q[own] + _turns(q[own]) @ turn * np.sinc(half / np.pi)
+            result[own] = e / np.linalg.norm(e)
+            at += 3
+    return result
 
 
 def _unused(names: list[str], taken: Collection[str]) -> list[str]:

@@ -1,0 +1,137 @@
+"""Cyclic coordinates: whether nothing depends on them, by the graph or along the motion that changes them.
+
+A motion is stationary if cyclic coordinates alone change in it. Its linear equations are constant if they are
+the same at all its points, where the columns of the cyclic coordinates vanish. The graph proves that of a
+coordinate that is absent from the equations. What is left is where the symmetry shows only when dependent
+deviations are eliminated, as of the yaw of a bicycle, or at some values, as of a top with two equal moments
+of inertia; there the state is moved along, closed again, and its linear equations are compared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.linear.absence import is_absent
+from symbody.analysis.linear.independence import Selection
+from symbody.analysis.linear.matrices import Matrices
+from symbody.analysis.linear.orbits import PLACES, Orbit, Place, natural_rate, not_cyclic, symbol_node
+from symbody.analysis.linear.slopes import SlopeFunction
+from symbody.errors import AssemblyError
+
+Floats = NDArray[np.float64]
+
+_CLOSED: Final = 1e-9  # of the terms of an entry: what closing loops leaves
+_SWITCHED: Final = 1e-9  # of what conditions change by over the size of the mechanism
+
+
+def check_cyclic(
+    function: SlopeFunction, q: Floats, u: Floats, selection: Selection, cyclic: Sequence[str]
+) -> tuple[str, ...]:
+    """Check that nothing depends on cyclic coordinates, and return what was not proved.
+
+    Raises
+    ------
+    AssemblyError
+        If rates of other states, outputs, or their derivatives change with one of them.
+    """
+    shown = [name for name in dict.fromkeys(cyclic) if not _is_absent(function, name, cyclic)]
+    if not shown:
+        return ()
+    orbit = Orbit(function, selection, tuple(cyclic), tuple(shown))
+    closed = orbit.closed(q, u)
+    start = orbit.place(q, u) if closed is None else orbit.place(*closed)
+    for name in shown:
+        _refuse([name], _with(orbit, start, [name]))
+    for names, step in orbit.directions(start):
+        for place in orbit.places(start, names, step):
+            _refuse(names, [*_with(orbit, place, names), *_between(orbit, start, place)])
+    return (
+        f"that {', '.join(shown)} can be cyclic is concluded from {PLACES} places along the motion, at which "
+        "nothing else changes; the formulas alone do not prove it",
+    )
+
+
+def _refuse(names: Sequence[str], reading: Sequence[str]) -> None:
+    if reading:
+        raise AssemblyError(not_cyclic(names, list(dict.fromkeys(reading))))
+
+
+def _is_absent(function: SlopeFunction, name: str, cyclic: Sequence[str]) -> bool:
+    """Return whether a coordinate is in nothing but the rates of cyclic ones."""
+    eqs = function.eqs
+    if name not in eqs.coordinate_names:
+        return False
+    speeds = len(eqs.speed_names)
+    own = {speeds + k for k, other in enumerate(eqs.coordinate_names) if other in cyclic}
+    read = [node for k, node in enumerate(function.nodes) if k not in own]
+    return is_absent(eqs.formed.graph, read, symbol_node(function, name))
+
+
+def _with(orbit: Orbit, place: Place, names: Sequence[str]) -> list[str]:
+    """Return what changes with cyclic coordinates at a place, to first order."""
+    bounds, kept = _bounds(orbit, place, place), orbit.kept
+    columns = [k for k, name in enumerate(orbit.selection.names) if name in names and name in orbit.shown]
+    rates = np.abs(place.matrices.A) > bounds.A
+    shown = np.abs(place.matrices.C) > bounds.C
+    return [
+        *_rates(orbit, [k for k in kept if rates[k, columns].any()]),
+        *_named(orbit.function.outputs, shown[:, columns].any(axis=1)),
+    ]
+
+
+def _between(orbit: Orbit, start: Place, here: Place) -> list[str]:
+    """Return what is not the same at two places."""
+    bounds, kept = _bounds(orbit, start, here), orbit.kept
+
+    def differs(one: Floats, other: Floats, bound: Floats) -> NDArray[np.bool_]:
+        return np.asarray(~(np.abs(one - other) <= bound))  # what is not a number is not the same either
+
+    one, other = start.matrices, here.matrices
+    A = differs(one.A, other.A, bounds.A)[:, kept]
+    affine, B = differs(one.affine, other.affine, bounds.affine), differs(one.B, other.B, bounds.B)
+    C = differs(one.C, other.C, bounds.C)[:, kept].any(axis=1)
+    D = differs(one.D, other.D, bounds.D).any(axis=1)
+    near, far = start.slopes.switches, here.slopes.switches
+    over = differs(near, far, _SWITCHED * np.maximum(np.abs(near), np.abs(orbit.function.beside - near)))
+    return [
+        *_rates(orbit, [k for k in kept if A[k].any() or affine[k]]),
+        *(f"the effect of {name}" for name in _named(orbit.function.inputs, B[kept].any(axis=0))),
+        *_named(orbit.function.outputs, C | D),
+        *(f"the condition on {what}" for what in _named([what for what, _ in orbit.function.switches], over)),
+    ]
+
+
+def _rates(orbit: Orbit, places: Sequence[int]) -> list[str]:
+    return [f"the rate of {orbit.selection.names[k]}" for k in places]
+
+
+def _named(names: Sequence[str], chosen: NDArray[np.bool_]) -> Iterator[str]:
+    return (name for name, yes in zip(names, chosen, strict=True) if yes)
+
+
+def _bounds(orbit: Orbit, start: Place, here: Place) -> Matrices:
+    """Return how large a difference rounding, and the closing of loops, may make of each entry."""
+    a, b = start.terms, here.terms
+    n, w = len(orbit.selection.speeds.independent), natural_rate(start, orbit.selection)
+    noise = max(start.noise, here.noise)
+    close = noise + (_CLOSED if orbit.selection.coordinates.dependent else 0.0)
+    A, B, C, D = (np.maximum(x, y) for x, y in ((a.A, b.A), (a.B, b.B), (a.C, b.C), (a.D, b.D)))
+    # Rounding of one row gets into all others by the solution for accelerations; their units are the same.
+    powers = np.ones_like(A)
+    powers[:n, :n], powers[:n, n:], powers[n:, n:] = w, w * w, w
+    reach = np.ones(len(A))
+    reach[:n] = np.abs(start.u / orbit.selection.u_sizes)[list(orbit.selection.speeds.independent)]
+    affine = close * (A @ reach + np.maximum(a.affine, b.affine))
+    affine[:n] += noise * w * w
+    affine[n:] += noise * w
+    return Matrices(
+        close * A + noise * powers,
+        close * B + noise * B.max(axis=0, initial=0.0),
+        close * C + noise * C.max(axis=1, keepdims=True, initial=0.0),
+        close * D + noise * D.max(axis=0, initial=0.0),
+        affine,
+    )

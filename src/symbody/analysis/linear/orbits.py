@@ -1,0 +1,179 @@
+"""States that differ in cyclic coordinates alone, reached along the motion in which these change."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.linear.independence import Selection, basis
+from symbody.analysis.linear.matrices import Matrices, matrices, rounding, scaled, term_sizes
+from symbody.analysis.linear.slopes import SlopeFunction, Slopes
+from symbody.analysis.linear.variations import moved, rotations, solved
+from symbody.errors import AssemblyError, Problem
+from symbody.expr.rewrite import symbols_of
+
+Floats = NDArray[np.float64]
+
+ROUNDING: Final = 100.0 * float(np.finfo(float).eps)  # of the terms of a row
+# Three turns and a half, or 22 times the size, in steps that no fraction of a turn is a multiple of.
+PLACES: Final = 60
+_PACE: Final = 0.37
+_STILL: Final = 1e-9  # of the natural rate of the mechanism
+_NEWTON: Final = 12
+_CLOSED: Final = 1e-9  # the last step of closing, of the size of the mechanism
+
+
+def symbol_node(function: SlopeFunction, name: str) -> int:
+    """Return the node of a coordinate."""
+    eqs = function.eqs
+    return eqs.formed.graph.symbol(eqs.formed.q[eqs.coordinate_names.index(name)])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Place:
+    """A state with its linear equations, in units of the sizes of states, and the terms they are sums of.
+
+    Attributes
+    ----------
+    follow : (n, independent) array
+        How steps of all coordinates follow from those of the independent ones.
+    noise : float
+        Rounding relative to the terms.
+    """
+
+    q: Floats
+    u: Floats
+    slopes: Slopes
+    follow: Floats
+    matrices: Matrices
+    terms: Matrices
+    noise: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Orbit:
+    """States that differ in cyclic coordinates alone, and in what follows from them.
+
+    Attributes
+    ----------
+    cyclic, shown : tuple of str
+        All coordinates named, and those that have to be shown to be cyclic.
+    """
+
+    function: SlopeFunction
+    selection: Selection
+    cyclic: tuple[str, ...]
+    shown: tuple[str, ...]
+
+    @property
+    def kept(self) -> list[int]:
+        """Places of the states that are not cyclic."""
+        return [k for k, name in enumerate(self.selection.names) if name not in self.cyclic]
+
+    def place(self, q: Floats, u: Floats) -> Place:
+        """Return the linear equations at a state."""
+        found = self.function.at(q, u)
+        space = basis(self.function.eqs, q, found, self.selection)
+        independent = len(self.selection.speeds.independent)
+        return Place(
+            q, u, found, space.recovery[len(u) :, independent:],
+            scaled(matrices(found, space), self.selection), scaled(term_sizes(found, space), self.selection),
+            ROUNDING * rounding(found, space, self.selection),
+        )  # fmt: skip
+
+    def directions(self, start: Place) -> Iterator[tuple[list[str], Floats]]:
+        """Return steps of the independent coordinates to move along, with the cyclic ones that change.
+
+        First the motion itself; then each coordinate that no constraint couples to others.
+        """
+        names = self.selection.names
+        at = len(self.selection.speeds.independent)
+        rates = start.matrices.affine.copy()
+        rates[[k for k, name in enumerate(names) if name not in self.cyclic]] = 0.0
+        rates[np.abs(rates) <= _STILL * natural_rate(start, self.selection)] = 0.0
+        running = [name for name, rate in zip(names, rates, strict=True) if rate]
+        if not set(running).isdisjoint(self.shown):
+            yield running, (rates / np.abs(rates).max() * self.selection.sizes)[at:]
+        for name in self.shown:
+            if [name] != running and not self._is_coupled(name):
+                k = names.index(name)
+                yield [name], (np.eye(len(names))[k] * self.selection.sizes)[at:]
+
+    def _is_coupled(self, name: str) -> bool:
+        """Return whether a constraint reads a coordinate."""
+        function = self.function
+        eqs, graph = function.eqs, function.eqs.formed.graph
+        free = len(eqs.speed_names) + len(eqs.coordinate_names) + len(function.outputs)
+        read = set(symbols_of(graph, function.nodes[free:]))
+        if name in eqs.coordinate_names:
+            return symbol_node(function, name) in read
+        return any(symbol_node(function, part) in read for four in eqs.quaternions for part in four)
+
+    def places(self, start: Place, names: Sequence[str], step: Floats) -> Iterator[Place]:
+        """Return places along a direction.
+
+        Raises
+        ------
+        AssemblyError
+            If the constraints stop it.
+        """
+        here = start
+        for _ in range(PLACES):
+            by = here.follow @ (_PACE * step)
+            closed = self.closed(moved(self.function.eqs, here.q, by), here.u)
+            if closed is None:
+                raise AssemblyError(not_cyclic(names, ["what the constraints admit"]))
+            here = self.place(*closed)
+            yield here
+
+    def closed(self, q: Floats, u: Floats) -> tuple[Floats, Floats] | None:
+        """Return the nearby state on the constraints with the same independent coordinates and speeds."""
+        eqs, chosen = self.function.eqs, self.selection
+        dependent = list(chosen.coordinates.dependent)
+        for _ in range(_NEWTON):
+            found = self.function.at(q, u)
+            turned = rotations(eqs, q, found.rates[len(u) :])
+            step = np.zeros(len(chosen.q_sizes))
+            if dependent:
+                rows = found.position_jacobian @ turned.out * chosen.q_sizes
+                step[dependent] = -solved(rows, chosen.coordinates, found.constraints[:, np.newaxis])[:, 0]
+            q, open_by = moved(eqs, q, step * chosen.q_sizes), float(np.abs(step).max(initial=0.0))
+            if not open_by > ROUNDING:
+                break
+        if open_by > _CLOSED:
+            return None
+        u = u.copy()
+        own = list(chosen.speeds.dependent)
+        for _ in range(2 if own else 0):
+            missing = self.function.at(q, u).velocity_constraints
+            rows = found.jacobian * chosen.u_sizes
+            u[own] -= solved(rows, chosen.speeds, missing[:, np.newaxis])[:, 0] * chosen.u_sizes[own]
+        return q, u
+
+
+def natural_rate(place: Place, selection: Selection) -> float:
+    """Return the fastest rate that terms have alone [1/s]; those of all columns, as some may vanish."""
+    n, A = len(selection.speeds.independent), place.terms.A
+    quickest = np.abs(place.u / selection.u_sizes).max(initial=0.0)
+    diagonal = max(A[:n, :n].max(initial=0.0), A[n:, n:].max(initial=0.0))
+    return float(max(quickest, diagonal, math.sqrt(A[:n, n:].max(initial=0.0))))
+
+
+def not_cyclic(names: Sequence[str], reading: Sequence[str]) -> Problem:
+    """Return the refusal of coordinates with which something changes."""
+    listed = " and ".join(names)
+    one = len(names) == 1
+    return Problem(
+        "linearize.not_cyclic", f"coordinate {listed}" if one else f"coordinates {listed}",
+        f"{listed} {'is' if one else 'are'} not cyclic: {', '.join(reading)} changes with "
+        f"{'it' if one else 'them'}, here or further on",
+        "only coordinates that nothing depends on can leave the states",
+        "leave it among the states, or linearize about another state"
+        + ("; deviations of attitude are in end axes, in which the joint's speeds should be too: speeds='end'"
+           if any(name[-3:] in ("_rx", "_ry", "_rz") for name in names) else ""),
+    )  # fmt: skip
