@@ -37,12 +37,12 @@ def random_mechanism(seed: int, units: Units | None = None) -> Mechanism:
     return _accepted(seed, f"{seed}", units, _attempt)
 
 
-def turning_mechanism(seed: int) -> Mechanism:
+def turning_mechanism(seed: int, units: Units | None = None) -> Mechanism:
     """A small mechanism in which at least one body turns in any direction, in every parametrization of rotations.
 
     One or two bodies, a third of them with a loop, and loads and constraints as everywhere.
     """
-    return _accepted(seed, f"turning {seed}", None, _turning)
+    return _accepted(seed, f"turning {seed}", units, _turning)
 
 
 def _accepted(

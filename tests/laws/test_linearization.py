@@ -6,7 +6,7 @@ independent ones change as the exact accelerations do.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -45,9 +45,10 @@ def out_of(lin: sb.Linearization, column: Array) -> tuple[Array, Array]:
     return du, np.array([dq[name] for name in eqs.coordinate_names])
 
 
-def between(lin: sb.Linearization, one: list[Any], other: list[Any]) -> list[Any]:
-    """What the independent states of two motions differ by: numbers, and rotation vectors in end axes of the one."""
-    eqs = lin.at.eqs
+def between(
+    eqs: sb.EquationSet, states: Sequence[str], one: Sequence[Any], other: Sequence[Any]
+) -> list[Any]:
+    """What states differ by in two motions, given (u, q): numbers, and rotation vectors in end axes of the one."""
     names = (*eqs.speed_names, *eqs.coordinate_names)
     near, far = ({name: x for name, x in zip(names, motion, strict=True)} for motion in (one, other))
     found = {name: far[name] - near[name] for name in names}
@@ -61,7 +62,7 @@ def between(lin: sb.Linearization, one: list[Any], other: list[Any]) -> list[Any
         )
         # 2 sin(angle / 2) along the axis: the rotation vector, up to its cube.
         found |= {f"{joints[four]}_r{axis}": 2 * part for axis, part in zip("xyz", turn, strict=True)}
-    return [found[name] for name in lin.state_names]
+    return [found[name] for name in states]
 
 
 def check(seeds: Iterable[int]) -> None:
@@ -155,7 +156,7 @@ def rates_between(lin: sb.Linearization, through: Beside, ends: list[Beside], h:
     step = mpmath.mpf(time) / 1000
     grown = []
     for t in (step, -step):
-        one, other = (between(lin, through.after(t), end.after(t)) for end in ends)
+        one, other = (between(lin.at.eqs, lin.state_names, through.after(t), end.after(t)) for end in ends)
         grown.append([(a - b) / (2 * h) for a, b in zip(one, other, strict=True)])
     return np.array(
         [(later - earlier) / (2 * step) for later, earlier in zip(*grown, strict=True)], dtype=float

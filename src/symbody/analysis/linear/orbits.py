@@ -89,7 +89,8 @@ class Orbit:
     def directions(self, start: Place) -> Iterator[tuple[list[str], Floats]]:
         """Return steps of the independent coordinates to move along, with the cyclic ones that change.
 
-        First the motion itself; then each coordinate that no constraint couples to others.
+        First the motion itself; then each coordinate that no constraint couples to others. A rotation vector
+        is moved along by the motion alone: what is resolved in other axes than its own changes with it.
         """
         names = self.selection.names
         at = len(self.selection.speeds.independent)
@@ -100,19 +101,18 @@ class Orbit:
         if not set(running).isdisjoint(self.shown):
             yield running, (rates / np.abs(rates).max() * self.selection.sizes)[at:]
         for name in self.shown:
-            if [name] != running and not self._is_coupled(name):
+            if [name] != running and self._is_alone(name):
                 k = names.index(name)
                 yield [name], (np.eye(len(names))[k] * self.selection.sizes)[at:]
 
-    def _is_coupled(self, name: str) -> bool:
-        """Return whether a constraint reads a coordinate."""
+    def _is_alone(self, name: str) -> bool:
+        """Return whether no constraint reads a coordinate."""
         function = self.function
         eqs, graph = function.eqs, function.eqs.formed.graph
-        free = len(eqs.speed_names) + len(eqs.coordinate_names) + len(function.outputs)
-        read = set(symbols_of(graph, function.nodes[free:]))
-        if name in eqs.coordinate_names:
-            return symbol_node(function, name) in read
-        return any(symbol_node(function, part) in read for four in eqs.quaternions for part in four)
+        if name not in eqs.coordinate_names:
+            return False
+        constrained = len(eqs.speed_names) + len(eqs.coordinate_names) + len(function.outputs)
+        return symbol_node(function, name) not in symbols_of(graph, function.nodes[constrained:])
 
     def places(self, start: Place, names: Sequence[str], step: Floats) -> Iterator[Place]:
         """Return places along a direction.
