@@ -47,7 +47,7 @@ def linearize(
     cyclic: Sequence[str] = (),
     t: float = 0.0,
 ) -> Linearization:
-    """Return the linear equations of small deviations from a state, with exact derivatives.
+    """Return the linear equations of small deviations from the motion through a state, exactly derived.
 
     Parameters
     ----------
@@ -63,8 +63,9 @@ def linearize(
         Coordinates, or coordinates and speeds, that make up the states; all others follow from them. By
         default those are dependent that have the largest pivots, and speeds go with the coordinates.
     cyclic : sequence of str
-        Coordinates that nothing depends on; they leave the states, speeds stay. With them steady motions
-        such as precession or a ride straight on have constant states.
+        Coordinates that nothing depends on, which is checked by the formulas, or along the motion; they leave
+        the states, speeds stay. With them steady motions such as precession or a ride straight on have
+        constant states.
 
     Raises
     ------
