@@ -85,7 +85,7 @@ def check(seeds: Iterable[int]) -> None:
 
 
 def test_disturbed_motions_follow_the_linear_equations() -> None:
-    check((0, 3, 7))
+    check((9, 10, 11))
 
 
 @pytest.mark.exhaustive

@@ -6,7 +6,7 @@ independent ones change as the exact accelerations do.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +18,8 @@ import symbody as sb
 from symbody.analysis.scales import mechanism_scales
 from tests.laws.consistent_states import consistent_state
 from tests.laws.evaluation import EPS, condition, equations, evaluator
-from tests.laws.mechanisms import random_mechanism
+from tests.laws.mechanisms import random_mechanism, turning_mechanism
+from tests.laws.parts import Mechanism
 from tests.laws.rotations import Array
 from tests.laws.tally import Tally, chunks, name_of
 
@@ -65,10 +66,10 @@ def between(
     return [found[name] for name in states]
 
 
-def check(seeds: Iterable[int]) -> None:
+def check(seeds: Iterable[int], make: Callable[[int], Mechanism]) -> None:
     tally = Tally()
     for seed in seeds:
-        mechanism = random_mechanism(seed)
+        mechanism = make(seed)
         state = consistent_state(mechanism)
         eqs = equations(mechanism)
         guess = {name: state.known[name] for name in (*eqs.coordinate_names, *eqs.speed_names)}
@@ -189,10 +190,21 @@ def error(found: Array, expected: Array, bound: float) -> float:
 
 
 def test_linear_equations_follow_from_differences() -> None:
-    check((3, 5))
+    check((3, 5), random_mechanism)
+
+
+def test_linear_equations_of_turning_bodies_follow_from_differences() -> None:
+    """States that move, with all parametrizations of rotations."""
+    check((0, 1, 9, 10), turning_mechanism)
 
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("seeds", chunks(100), ids=name_of)
 def test_linear_equations_follow_from_differences_often(seeds: range) -> None:
-    check(seeds)
+    check(seeds, random_mechanism)
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("seeds", chunks(2000), ids=name_of)
+def test_linear_equations_of_turning_bodies_follow_from_differences_often(seeds: range) -> None:
+    check(seeds, turning_mechanism)

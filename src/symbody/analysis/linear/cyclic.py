@@ -25,7 +25,7 @@ from symbody.errors import AssemblyError
 Floats = NDArray[np.float64]
 
 _CLOSED: Final = 1e-9  # of the terms of an entry: what closing loops leaves
-_SWITCHED: Final = 1e-9  # as of kinks: of coordinates of order 1
+_SWITCHED: Final = 1e-9  # of what conditions change by over the size of the mechanism
 
 
 def check_cyclic(
@@ -79,7 +79,7 @@ def _with(orbit: Orbit, place: Place, names: Sequence[str]) -> list[str]:
     shown = np.abs(place.matrices.C) > bounds.C
     return [
         *_rates(orbit, [k for k in kept if rates[k, columns].any()]),
-        *_named(orbit.function.outputs, shown[:, columns].any(axis=1)),
+        *_named(orbit.function.outputs, _rows(shown[:, columns])),
     ]
 
 
@@ -93,13 +93,13 @@ def _between(orbit: Orbit, start: Place, here: Place) -> list[str]:
     one, other = start.matrices, here.matrices
     A = differs(one.A, other.A, bounds.A)[:, kept]
     affine, B = differs(one.affine, other.affine, bounds.affine), differs(one.B, other.B, bounds.B)
-    C = differs(one.C, other.C, bounds.C)[:, kept].any(axis=1)
-    D = differs(one.D, other.D, bounds.D).any(axis=1)
+    C = _rows(differs(one.C, other.C, bounds.C)[:, kept])
+    D = _rows(differs(one.D, other.D, bounds.D))
     near, far = start.slopes.switches, here.slopes.switches
-    over = differs(near, far, _SWITCHED * np.maximum(1.0, np.abs(near)))
+    over = differs(near, far, _SWITCHED * np.maximum(np.abs(near), np.abs(orbit.function.beside - near)))
     return [
         *_rates(orbit, [k for k in kept if A[k].any() or affine[k]]),
-        *(f"the effect of {name}" for name in _named(orbit.function.inputs, B[kept].any(axis=0))),
+        *(f"the effect of {name}" for name in _named(orbit.function.inputs, _rows(B[kept].T))),
         *_named(orbit.function.outputs, C | D),
         *(f"the condition on {what}" for what in _named([what for what, _ in orbit.function.switches], over)),
     ]
@@ -107,6 +107,11 @@ def _between(orbit: Orbit, start: Place, here: Place) -> list[str]:
 
 def _rates(orbit: Orbit, places: Sequence[int]) -> list[str]:
     return [f"the rate of {orbit.selection.names[k]}" for k in places]
+
+
+def _rows(entries: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return in which rows anything holds."""
+    return np.asarray(entries.any(axis=1))
 
 
 def _named(names: Sequence[str], chosen: NDArray[np.bool_]) -> Iterator[str]:

@@ -135,16 +135,6 @@ def _rotations_at(eqs: EquationSet, q: Floats, found: Slopes) -> Rotations:
     return rotations(eqs, q, found.rates[len(eqs.speed_names) :])
 
 
-def _check_cyclic_names(turned: Rotations, cyclic: Collection[str]) -> None:
-    problems = [
-        Problem("linearize.unknown_name", name, f"there is no coordinate {name!r} to be cyclic", "",
-                nearest(name, turned.names))
-        for name in cyclic if name not in turned.names
-    ]  # fmt: skip
-    if problems:
-        raise AssemblyError(*problems)
-
-
 def _parted(
     eqs: EquationSet, turned: Rotations, asked: Sequence[str] | None
 ) -> tuple[list[str] | None, list[str] | None]:
@@ -162,6 +152,16 @@ def _parted(
     coordinates = [name for name in asked if name in turned.names]
     speeds = [name for name in asked if name in eqs.speed_names]
     return coordinates, speeds or None
+
+
+def _check_cyclic_names(turned: Rotations, cyclic: Collection[str]) -> None:
+    problems = [
+        Problem("linearize.unknown_name", name, f"there is no coordinate {name!r} to be cyclic", "",
+                nearest(name, turned.names))
+        for name in cyclic if name not in turned.names
+    ]  # fmt: skip
+    if problems:
+        raise AssemblyError(*problems)
 
 
 def _chosen(

@@ -30,17 +30,17 @@ class StateSpace(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Linearization:
-    """``x' = affine + A x + B r``, ``y = C x + D r`` for deviations from a state; unpacks as A, B, C, D.
+    """``x' = A x + B r``, ``y = C x + D r`` for deviations from a motion; unpacks as A, B, C, D.
 
     Attributes
     ----------
     A, B, C, D : arrays
         (n, n), (n, n_r), (n_y, n), (n_y, n_r); x are independent speeds, then independent coordinates.
     state_names, input_names, output_names : tuple of str
-        What x, r, y are deviations of. The rotation of a quaternion's joint from the state is
-        ``<joint>_rx, _ry, _rz`` [rad], in end axes.
+        What x, r, y are deviations of. The rotation vector of a quaternion's joint from its attitude in that
+        motion is ``<joint>_rx, _ry, _rz`` [rad], in its end axes there, which turn with it.
     affine : (n,) array
-        x' at the state itself; 0 at an equilibrium or in a stationary motion.
+        What the states change by in that motion itself; 0 at an equilibrium or in a stationary motion.
     is_stationary : bool
         Whether it is, up to rounding.
     at : State

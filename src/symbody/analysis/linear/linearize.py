@@ -11,7 +11,7 @@ Hubbard, Multibody Syst. Dyn. 33 (2015), 143-161).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -48,7 +48,7 @@ def linearize(
     cyclic: Sequence[str] = (),
     t: float = 0.0,
 ) -> Linearization:
-    """Return the linear equations of small deviations from a state, with exact derivatives.
+    """Return the linear equations of small deviations from the motion through a state, exactly derived.
 
     Parameters
     ----------
@@ -64,8 +64,9 @@ def linearize(
         Coordinates, or coordinates and speeds, that make up the states; all others follow from them. By
         default those are dependent that have the largest pivots, and speeds go with the coordinates.
     cyclic : sequence of str
-        Coordinates that nothing depends on; they leave the states, speeds stay. With them steady motions
-        such as precession or a ride straight on have constant states.
+        Coordinates that nothing depends on, which is checked by the formulas, or along the motion; they leave
+        the states, speeds stay. With them steady motions such as precession or a ride straight on have
+        constant states.
 
     Raises
     ------
@@ -145,7 +146,7 @@ class _Point:
         return [k for k in range(len(affine)) if abs(affine[k]) > bounds[k] + least[k]]
 
     def _notes(self, moving: list[int], names: tuple[str, ...], affine: Floats) -> tuple[str, ...]:
-        notes = [*self.selection.notes, *self.function.kinks(self.state, self.slopes)]
+        notes = [*self.selection.notes, *self.function.kinks(self.slopes)]
         eqs = self.function.eqs
         if moving:
             worst = max(moving, key=lambda k: abs(affine[k]))

@@ -167,13 +167,11 @@ def natural_rate(place: Place, selection: Selection) -> float:
 def not_cyclic(names: Sequence[str], reading: Sequence[str]) -> Problem:
     """Return the refusal of coordinates with which something changes."""
     listed = " and ".join(names)
-    one = len(names) == 1
+    verb = "are" if len(names) > 1 else "is"
     return Problem(
-        "linearize.not_cyclic", f"coordinate {listed}" if one else f"coordinates {listed}",
-        f"{listed} {'is' if one else 'are'} not cyclic: {', '.join(reading)} changes with "
-        f"{'it' if one else 'them'}, here or further on",
+        "linearize.not_cyclic", f"coordinate {listed}",
+        f"{listed} {verb} not cyclic: {', '.join(reading)} changes with {listed}, here or further on",
         "only coordinates that nothing depends on can leave the states",
-        "leave it among the states, or linearize about another state"
-        + ("; deviations of attitude are in end axes, in which the joint's speeds should be too: speeds='end'"
-           if any(name[-3:] in ("_rx", "_ry", "_rz") for name in names) else ""),
+        "leave it among the states, or linearize about another state; deviations of attitude go with angular "
+        "velocities in end axes, speeds='end'",
     )  # fmt: skip

@@ -90,6 +90,10 @@ class SlopeFunction:
         Whether anything depends on time explicitly.
     nodes : tuple of int
         x', outputs, and conditions on velocities and positions, with the laws of inputs.
+    switches : tuple of (what, node)
+        What changes over at 0.
+    beside : (n,) array
+        Values of these at a state as far away as the mechanism is large.
     """
 
     eqs: EquationSet
@@ -99,6 +103,7 @@ class SlopeFunction:
     timed: bool
     nodes: tuple[int, ...]
     switches: tuple[Switch, ...]
+    beside: Floats
     function: CompiledFunction
 
     def at(self, q: Floats, u: Floats) -> Slopes:
@@ -118,13 +123,9 @@ class SlopeFunction:
         _check_finite(self.eqs, found.rates, found.by_state, found.by_input, self.inputs)
         return found
 
-    def kinks(self, state: State, found: Slopes) -> tuple[str, ...]:
+    def kinks(self, found: Slopes) -> tuple[str, ...]:
         """Return what is not differentiable at a state."""
-        if not self.switches:
-            return ()
-        q, u = np.array(list(state.q.values())), np.array(list(state.u.values()))
-        beside = self.at(*_beside(self.eqs, state, q, u)).switches
-        return kink_notes(self.eqs, self.switches, found.switches, beside)
+        return kink_notes(self.eqs, self.switches, found.switches, self.beside)
 
 
 def slope_function(eqs: EquationSet, state: State, outputs: Sequence[str]) -> SlopeFunction:
@@ -146,10 +147,12 @@ def slope_function(eqs: EquationSet, state: State, outputs: Sequence[str]) -> Sl
              "velocity_constraints", _KINKS)  # fmt: skip
     given = dict.fromkeys(eqs.input_names, 0) | dict(state.inputs)
     function = CompiledFunction(*form_sequence(wider, words, parameters, (), given))
+    q, u = np.array(list(state.q.values())), np.array(list(state.u.values()))
+    beside = function(state.t, *_beside(eqs, state, q, u))[-1] if between else np.zeros(0)
     graph, every = eqs.formed.graph, (*nodes, *eqs.roots("constraints").nodes)
     timed = graph.symbol(TIME) in symbols_of(graph, every)
     names = tuple(symbol.name for symbol in inputs)
-    return SlopeFunction(eqs, state.t, _scalars(shown), names, timed, every, between, function)
+    return SlopeFunction(eqs, state.t, _scalars(shown), names, timed, every, between, beside, function)
 
 
 def _beside(eqs: EquationSet, state: State, q: Floats, u: Floats) -> tuple[Floats, Floats]:
