@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 import pickle
-import threading
 from concurrent.futures import ThreadPoolExecutor
-from functools import lru_cache
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -21,6 +20,7 @@ from symbody.simulation.native.lanes.cases import Single, run_cases_in_lanes
 from symbody.simulation.native.lanes.steps import ONE, TRIALS, Bundle
 from symbody.simulation.native.run import fresh_memory, method_arrays
 from symbody.simulation.sweeps.job import NOT_STARTED, Job, Part, Records, Signal, blocks
+from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -189,16 +189,15 @@ def run_part(payload: bytes, part: Part, threads: int) -> Records | str:
     return records
 
 
-_LOCK: Final = threading.Lock()  # a part may be computed in several threads of a worker
+# A part may be computed in several threads of a worker.
+_JOBS: Final[SingleFlight[bytes, Job]] = SingleFlight(4)
 
 
 def _job(payload: bytes) -> Job:
     """Return a job whose functions are compiled once in a process."""
-    with _LOCK:
-        return _unpacked(payload)
+    return _JOBS.get(payload, partial(_unpacked, payload))
 
 
-@lru_cache(maxsize=4)
 def _unpacked(payload: bytes) -> Job:
     job = pickle.loads(payload)
     if not isinstance(job, Job):
