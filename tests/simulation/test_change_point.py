@@ -55,12 +55,24 @@ def test_explicit_choices_stand() -> None:
     assert any("sb.Partition() integrates" in note for note in run.notes)
 
 
-def test_a_flat_start_stays_closed() -> None:
-    """There `Partition` lacks a constraint, without which crank and rocker would part."""
+@pytest.mark.parametrize("constraints", [None, sb.Projection(), sb.Partition()])
+def test_a_flat_start_goes_on_along_its_branch(constraints: sb.Projection | sb.Partition | None) -> None:
     start, guess = {"a": 0.0, "a_dot": 8.0, "d_dot": 8.0}, {"b": 0.0, "d": 0.0}
-    run = sb.simulate(parallelogram(), 0.2, start, guess)
+    run = sb.simulate(parallelogram(), 1.5, start, guess, constraints=constraints)
     assert run.success
-    # Equal angles all the way, to the tolerance of the constraints: no step came near another change point.
+    # Equal angles all the way, to the tolerance of the constraints, past three more flat poses.
     assert np.abs(run["a"] - run["d"]).max() < 1e-8 and np.ptp(run["energy"] - run["work"]) < 1e-5
-    alone = sb.simulate(parallelogram(), 0.2, start, guess, constraints=sb.Partition())
-    assert alone.status is sb.Status.SINGULAR and any("change point" in note for note in alone.notes)
+    assert run["a"].max() > 3.0 * np.pi
+
+
+@pytest.mark.parametrize("speeds", [(0.0, 0.0), (8.0, 2.0)])
+def test_what_leaves_the_branch_open_is_no_start(speeds: tuple[float, float]) -> None:
+    """At rest both branches are open; with cranks of 1 m only equal and opposite speeds belong to one."""
+    start = {"a": 0.0, "d": 0.0, "a_dot": speeds[0], "d_dot": speeds[1]}
+    try:
+        run = sb.simulate(parallelogram(), 0.2, start, {"b": 0.0}, constraints=sb.Partition())
+    except sb.AssemblyError as error:
+        assert "singular position" in str(error)
+        return
+    assert run.status is sb.Status.SINGULAR
+    assert any("in several ways" in note for note in run.notes)
