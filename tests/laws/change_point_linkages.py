@@ -90,7 +90,9 @@ class PlaneMechanism:
         """The model, its elements in any order: the trees follow."""
         self.random.shuffle(self.elements)
         gravity = self.point(*self.gravity)
-        return sb.Model("linkage", self.elements, ground=self.ground, gravity=gravity, inputs=list(self.efforts))
+        return sb.Model(
+            "linkage", self.elements, ground=self.ground, gravity=gravity, inputs=list(self.efforts)
+        )
 
     def values(self, y: Sequence[float]) -> dict[str, float]:
         """The joint coordinates and their rates at independent coordinates and speeds."""
@@ -108,7 +110,9 @@ class PlaneMechanism:
         q = list(self.coordinates)
         v = [sp.Symbol(f"{x}_dot") for x in q]
         momenta = sp.Matrix([sp.diff(self.lagrangian, x) for x in v])
-        force = sp.Matrix([sp.diff(self.lagrangian + self.work, x) for x in q]) - momenta.jacobian(q) * sp.Matrix(v)
+        force = sp.Matrix([sp.diff(self.lagrangian + self.work, x) for x in q]) - momenta.jacobian(
+            q
+        ) * sp.Matrix(v)
         function = sp.lambdify((q, v), (momenta.jacobian(v), force), "numpy")
 
         def rates(t: float, y: Floats) -> Floats:
@@ -183,9 +187,7 @@ def slider_crank(made: PlaneMechanism, is_flat: bool) -> list[float]:
     made.hinge("b", "Crank.tip", "Rod.near", turned - A)
     made.hinge("c", "Rod.far", "Slider.pin", -turned)
     made.angles["s"] = x
-    made.elements.append(
-        sb.Prismatic("Guide", "ground", "Slider", axis=made.point(1, 0), coordinate="s")
-    )
+    made.elements.append(sb.Prismatic("Guide", "ground", "Slider", axis=made.point(1, 0), coordinate="s"))
     return [random.choice([pi / 2, -pi / 2]) if is_flat else random.uniform(-3, 3)]
 
 
@@ -208,9 +210,7 @@ def scissor_lift(made: PlaneMechanism, is_flat: bool) -> list[float]:
     made.hinge("a", "ground.foot", "U0.left", A, random.choice([0.0, 2.0]))
     made.hinge("c", "V0.right", "Slider.pin", A)
     made.angles["s"] = 2 * half * sp.cos(A)
-    made.elements.append(
-        sb.Prismatic("Guide", "ground", "Slider", axis=made.point(1, 0), coordinate="s")
-    )
+    made.elements.append(sb.Prismatic("Guide", "ground", "Slider", axis=made.point(1, 0), coordinate="s"))
     return [0.0 if is_flat else random.uniform(-1.2, 1.2)]
 
 

@@ -59,6 +59,10 @@ _STARTS: Final = (
     "the start is a change point, where constraints become dependent and {} finds no way on: leave "
     "constraints out, use sb.Partition(), or start a little beside it"
 )
+_SEVERAL: Final = (
+    "the start is a change point, where the mechanism can go on in several ways, and its velocities are not "
+    "those of one of them: the motion is one of several; start a little beside it, or give other velocities"
+)
 _LOCKED: Final = (
     "some constraints follow from others only where all loops are closed, see sb.redundancy(), so that {} "
     "finds the mechanism locked beside such states: leave constraints out, or use sb.Partition()"
@@ -102,13 +106,16 @@ def run_held(
     moved = run(chosen)
     if moved[0].status not in _JUDGED:
         return moved
-    end = _end_of_branch(task, first, t, moved)
     at = change_point(task, moved[0]) if constraints is None else None
+    is_plain = constraints is None and at is None and moved[0].status.success
+    end = None if is_plain else _end_of_branch(task, first, t, moved)
     if is_replaceable and (end is not None or at is not None):
         raw, notes, watch = run(Partition())
         if raw.status.success:
             why = end.note.format("sb.Projection()") if at is None and end else _CHANGED.format(at)
             return raw, (why, *notes), watch
+        if raw.status is Status.SINGULAR and raw.reached == t:
+            moved = (moved[0], (*moved[1], _SEVERAL), moved[2])
     return moved if end is None else _ended(moved, end, chosen)
 
 
