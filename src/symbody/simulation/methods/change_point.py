@@ -109,11 +109,13 @@ def run_held(
     at = change_point(task, moved[0]) if constraints is None else None
     is_plain = constraints is None and at is None and moved[0].status.success
     end = None if is_plain else _end_of_branch(task, first, t, moved)
-    if is_replaceable and (end is not None or at is not None):
+    reason = "" if end is None else end.note.format("sb.Projection()")
+    if at is not None:
+        reason = _CHANGED.format(at)
+    if is_replaceable and reason:
         raw, notes, watch = run(Partition())
         if raw.status.success:
-            why = end.note.format("sb.Projection()") if at is None and end else _CHANGED.format(at)
-            return raw, (why, *notes), watch
+            return raw, (reason, *notes), watch
         if raw.status is Status.SINGULAR and raw.reached == t:
             moved = (moved[0], (*moved[1], _SEVERAL), moved[2])
     return moved if end is None else _ended(moved, end, chosen)
@@ -262,7 +264,7 @@ class _Passages:
 
     def _beside(self, at: float, limit: float) -> float | None:
         """Return the nearest time towards a limit at which constraints are independent again."""
-        times = at + (limit - at) * 0.5 ** np.arange(_DOUBLINGS - 1, -1, -1)
+        times = at + (limit - at) * np.exp2(-np.arange(_DOUBLINGS - 1.0, -1.0, -1.0))
         clear = np.flatnonzero(self.shares(times) > _BESIDE_IT)
         return float(times[clear[0]]) if clear.size else None
 

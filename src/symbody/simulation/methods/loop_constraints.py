@@ -145,7 +145,7 @@ class LoopConstraints:
     def _called(self, function: Any, t: float | Floats, q: Floats, u: Floats) -> Any:
         if q.ndim > 1:
             return self.task.evaluated(function, np.asarray(t), q.T, u.T)
-        asked = self.task.laws.at(t, q, u) if self.task.laws.asked else np.zeros(0)
+        asked = self.task.laws.at(float(t), q, u) if self.task.laws.asked else np.zeros(0)
         return function(t, q, u, asked)
 
 
@@ -194,7 +194,7 @@ def _along_motion(loops: LoopConstraints, t: float, x: Floats) -> Iterator[tuple
                 yield at, found.q
 
 
-def _count(sizes: Floats) -> int:
+def _count(sizes: NDArray[np.floating[Any]]) -> int:
     """Return how many singular values count."""
     return int((sizes > INDEPENDENT * sizes.max(initial=0.0)).sum())
 
