@@ -55,12 +55,68 @@ def test_explicit_choices_stand() -> None:
     assert any("sb.Partition() integrates" in note for note in run.notes)
 
 
-def test_a_flat_start_stays_closed() -> None:
-    """There `Partition` lacks a constraint, without which crank and rocker would part."""
+@pytest.mark.parametrize("constraints", [None, sb.Projection(), sb.Partition()])
+def test_a_flat_start_goes_on_along_its_branch(constraints: sb.Projection | sb.Partition | None) -> None:
     start, guess = {"a": 0.0, "a_dot": 8.0, "d_dot": 8.0}, {"b": 0.0, "d": 0.0}
-    run = sb.simulate(parallelogram(), 0.2, start, guess)
+    run = sb.simulate(parallelogram(), 1.5, start, guess, constraints=constraints)
     assert run.success
-    # Equal angles all the way, to the tolerance of the constraints: no step came near another change point.
+    # Equal angles all the way, to the tolerance of the constraints, past three more flat poses.
     assert np.abs(run["a"] - run["d"]).max() < 1e-8 and np.ptp(run["energy"] - run["work"]) < 1e-5
-    alone = sb.simulate(parallelogram(), 0.2, start, guess, constraints=sb.Partition())
-    assert alone.status is sb.Status.SINGULAR and any("change point" in note for note in alone.notes)
+    assert run["a"].max() > 3.0 * np.pi
+
+
+@pytest.mark.parametrize("speeds", [(0.0, 0.0), (8.0, 2.0)])
+def test_what_leaves_the_branch_open_is_no_start(speeds: tuple[float, float]) -> None:
+    """At rest both branches are open; with cranks of 1 m only equal and opposite speeds belong to one."""
+    start = {"a": 0.0, "d": 0.0, "a_dot": speeds[0], "d_dot": speeds[1]}
+    try:
+        run = sb.simulate(parallelogram(), 0.2, start, {"b": 0.0}, constraints=sb.Partition())
+    except sb.AssemblyError as error:
+        assert "singular position" in str(error)
+        return
+    assert run.status is sb.Status.SINGULAR
+    assert any("in several ways" in note for note in run.notes)
+
+
+def test_sweeps_stay_on_the_branches_of_their_motions() -> None:
+    """Equal angles in every case: the loop over many cases passes flat poses on either branch."""
+    found = sb.sweep(
+        parallelogram(), 2.0, initial={"a": [1.0, 1.1, 1.2], "a_dot": [6.0, 8.0]}, guess={"b": -1.0, "d": 1.0},
+        times=[0.0, 1.0, 2.0],
+    )  # fmt: skip
+    assert found.success and any("change point" in note for note in found.notes)
+    names = list(found.state_names)
+    assert np.abs(found.x[..., names.index("a"), :] - found.x[..., names.index("d"), :]).max() < 1e-8
+
+
+def test_baumgarte_stops_where_it_leaves_the_branch() -> None:
+    """A rod as long as the crank: the slider at 2 r cos a passes the pivot, where the rod could turn along."""
+    run = sb.simulate(slider_crank(3.0), 2.0, {"theta": 0.5, "theta_dot": 4.0}, constraints=sb.Baumgarte())
+    assert run.status is sb.Status.SINGULAR
+    assert any("change point" in note and "sb.Baumgarte() leaves" in note for note in run.notes)
+    # The rod is turned by -theta as long as the motion is known, to what Baumgarte's terms leave open.
+    assert np.abs(run["beta"] + 2 * run["theta"]).max() < 1e-4
+
+
+@pytest.mark.parametrize("constraints", [None, sb.Projection(), sb.Partition()])
+def test_three_wheels_on_a_rod(constraints: sb.Projection | sb.Partition | None) -> None:
+    """Constraints that follow from others are no change point, whoever looks for them where.
+
+    All wheels turn alike: (3 I + m r^2) a'' = 0 without gravity, so that the speed of 9 rad/s stays.
+    """
+    posts = [0.0, 1.0, 2.5]
+    wheels = [
+        sb.Body(f"W{k}", mass=1, inertia=(0.1, 0.1, 0.1), frames={"tip": sb.Frame(at=(0.5, 0, 0))})
+        for k in range(3)
+    ]
+    pins = {f"p{k}": sb.Frame(at=(x, 0, 0)) for k, x in enumerate(posts)}
+    rod = sb.Body("Rod", mass=2, inertia=(0.2, 0.2, 0.2), frames=pins)
+    joints = [sb.Revolute(f"A{k}", f"ground.p{k}", f"W{k}", coordinate=f"a{k}") for k in range(3)]
+    joints += [sb.Revolute(f"B{k}", f"W{k}.tip", f"Rod.p{k}", coordinate=f"b{k}") for k in range(3)]
+    eqs = sb.form_equations(sb.Model("locomotive", [*wheels, rod, *joints], ground=pins))
+    angles = {"a0": 1.0, "a1": 1.0, "a2": 1.0, "b0": -1.0, "a0_dot": 9.0}
+    run = sb.simulate(eqs, 2.0, angles, {"a1_dot": 9.0, "a2_dot": 9.0}, constraints=constraints)
+    assert run.success, run.notes
+    assert not any("start is a change point" in note for note in run.notes)
+    for k in range(3):  # some thirty steps with 1e-8 of 19 rad each
+        assert np.abs(run[f"a{k}"] - 1.0 - 9.0 * run.t).max() < 1e-5

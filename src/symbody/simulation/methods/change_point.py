@@ -1,34 +1,36 @@
-"""Motions for which `Projection` in the compiled loop is not enough, and `Partition` takes over.
+"""Motions past positions where constraints become dependent, and the choice of what passes them.
 
-Two kinds: constraints that follow from others only where all loops are closed, as in Bennett's linkage, so
-that beside such states the mechanism seems locked; and positions where constraints become dependent (change
-points, such as a flat parallelogram), at which accelerations leave the branch of the motion open.
+Accelerations leave the branch of the motion open there (change points, such as a flat parallelogram's), and
+constraints that follow from others only where all loops are closed, as in Bennett's linkage or where three
+wheels share a rod, seem to lock the mechanism beside such states. `Partition` passes both; other ways to hold
+constraints are judged by what they computed: velocities are continuous on the branch of a motion.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.redundancy import redundancy
 from symbody.analysis.state import State
 from symbody.simulation.events.watching import EventWatch
 from symbody.simulation.methods.choice import Constraints, Integrator
 from symbody.simulation.methods.constraints import Projection
+from symbody.simulation.methods.explicit import Explicit
+from symbody.simulation.methods.loop_constraints import NEAR, LoopConstraints, motion_branch
 from symbody.simulation.methods.partition import Partition
-from symbody.simulation.methods.stiff import Stiff
+from symbody.simulation.native.dense_output import DenseOutput, shortened
 from symbody.simulation.native.run import RawRun
+from symbody.simulation.native.segments import steps_before
 from symbody.simulation.status import Status
 from symbody.simulation.task import Task
 
 Floats = NDArray[np.float64]
 
-# Relative singular values: of rows that follow from others in a state closed to 1e-9, and of rows that no
-# longer do so a step beside it.
-_FOLLOWS: Final = 1e-8
+# Relative singular value of rows that no longer follow from others a step beside the closed configurations.
 _STANDS: Final = 1e-7
 _BESIDE: Final = 1e-2  # rad, or share of the mechanism's size
 # A change point is passed where the smallest singular value falls to this share of its largest, or a motion
@@ -39,17 +41,39 @@ _LOW: Final = 0.5
 _REFINEMENTS: Final = 12
 _PER_REFINEMENT: Final = 9
 _INDEPENDENT: Final = 1e-6
+# Velocities on both sides of a change point are compared where the singular value is this share: some tenths
+# of a radian apart. Extrapolated from one side, with what a parabola leaves, they agree to the cube of that;
+# those of two branches differ by their angle, of order one.
+_BESIDE_IT: Final = 0.03
+_SAME_BRANCH: Final = 0.1
+_DOUBLINGS: Final = 48
 _CHANGED: Final = (
     "at t = {:.6g} s constraints become dependent (change point), where sb.Projection() may take another "
     "branch: sb.Partition() integrates the motion"
+)
+_LEFT: Final = (
+    "at t = {:.6g} s constraints become dependent (change point), where {} leaves the branch of the motion: "
+    "leave constraints out, or use sb.Partition()"
+)
+_STARTS: Final = (
+    "the start is a change point, where constraints become dependent and {} finds no way on: leave "
+    "constraints out, use sb.Partition(), or start a little beside it"
+)
+_SEVERAL: Final = (
+    "the start is a change point, where the mechanism can go on in several ways, and its velocities are not "
+    "those of one of them: the motion is one of several; start a little beside it, or give other velocities"
+)
+_LOCKED: Final = (
+    "some constraints follow from others only where all loops are closed, see sb.redundancy(), so that {} "
+    "finds the mechanism locked beside such states: leave constraints out, or use sb.Partition()"
 )
 _OVERCONSTRAINED: Final = (
     "some constraints follow from others only where all loops are closed, see sb.redundancy(): "
     "sb.Partition() integrates the motion"
 )
-# Ends after which another way is tried: what ran out of steps or was interrupted is not begun again.
-_RETRIED: Final = (Status.SUCCESS, Status.STOPPED, Status.STEP_COLLAPSE, Status.SINGULAR, Status.NOT_FINITE)
-_COLLAPSES: Final = (Status.STEP_COLLAPSE, Status.SINGULAR, Status.NOT_FINITE)
+_COLLAPSES: Final = (Status.STEP_COLLAPSE, Status.SINGULAR, Status.NOT_FINITE, Status.TOO_MANY_STEPS)
+# Ends after which the motion is looked at: one that was interrupted is not begun again.
+_JUDGED: Final = (Status.SUCCESS, Status.STOPPED, *_COLLAPSES)
 
 
 Moved = tuple[RawRun, tuple[str, ...], EventWatch | None]
@@ -72,17 +96,37 @@ def run_held(
     run : callable
         Runs the whole motion, anew at each call; returns its notes and what looked for events, too.
     """
-    if constraints is not None or isinstance(integrator, Stiff):
-        return run(constraints or Projection())
-    if is_overconstrained(task, first, t):
+    chosen = constraints or Projection()
+    if isinstance(chosen, Partition) or not task.eqs.multiplier_names or not task.eqs.speed_names:
+        return run(chosen)
+    is_replaceable = isinstance(chosen, Projection) and isinstance(integrator, Explicit | None)
+    if constraints is None and is_replaceable and is_overconstrained(task, first, t):
         raw, notes, watch = run(Partition())
         return raw, (_OVERCONSTRAINED, *notes), watch
-    moved = run(Projection())
-    at = change_point(task, moved[0]) if moved[0].status in _RETRIED else None
-    if at is None:
+    moved = run(chosen)
+    if moved[0].status not in _JUDGED:
         return moved
-    raw, notes, watch = run(Partition())
-    return (raw, (_CHANGED.format(at), *notes), watch) if raw.status.success else moved
+    at = change_point(task, moved[0]) if constraints is None else None
+    is_plain = constraints is None and at is None and moved[0].status.success
+    end = None if is_plain else _end_of_branch(task, first, t, moved)
+    reason = "" if end is None else end.note.format("sb.Projection()")
+    if at is not None:
+        reason = _CHANGED.format(at)
+    if is_replaceable and reason:
+        raw, notes, watch = run(Partition())
+        if raw.status.success:
+            return raw, (reason, *notes), watch
+        if raw.status is Status.SINGULAR and raw.reached == t:
+            moved = (moved[0], (*moved[1], _SEVERAL), moved[2])
+    return moved if end is None else _ended(moved, end, chosen)
+
+
+def is_change_point(task: Task, first: State, t: float) -> bool:
+    """Return whether constraints are dependent at a state that are not so elsewhere on its branch."""
+    loops = LoopConstraints(task)
+    q = np.array(list(first.q.values()))
+    branch = motion_branch(loops, t, np.array([*first.u.values(), *q]))
+    return branch.speeds > 0 and loops.singular_values(t, q)[branch.speeds - 1] < NEAR * branch.reference
 
 
 def is_overconstrained(task: Task, first: State, t: float) -> bool:
@@ -90,50 +134,139 @@ def is_overconstrained(task: Task, first: State, t: float) -> bool:
     eqs = task.eqs
     if not eqs.multiplier_names or not eqs.speed_names:
         return False
-    rows = _Rows(task)
+    loops = LoopConstraints(task)
     q = np.array(list(first.q.values()))
-    here = rows.scaled(np.array([t]), q[:, np.newaxis])[0]
-    sizes, right = np.linalg.svd(here)[1:]
-    rank = int((sizes > _FOLLOWS * sizes.max(initial=0.0)).sum())
-    if rank == min(here.shape):
+    if not loops.depends(t, q):
         return False
-    motion = (right[rank:].sum(axis=0) * rows.speeds)[:, np.newaxis]
-    rate = task.evaluated(task.compiled("qdot"), np.array([t]), q[:, np.newaxis], motion)[0]
-    beside = q + _BESIDE * rate / max(1.0, float(np.abs(motion / rows.speeds[:, np.newaxis]).max()))
-    there = rows.sizes(np.array([t]), beside[:, np.newaxis])[0]
-    raised = int((there > _STANDS * there.max(initial=0.0)).sum())
-    if raised <= rank:
-        return False
-    # A start at a change point looks alike, but there the rank is lower than elsewhere on the motion.
-    return len(redundancy(eqs, task.parameters, dict(first.q)).kept) < raised
+    branch = motion_branch(loops, t, np.array([*first.u.values(), *q]))
+    # Each coordinate that takes part goes on by an amount of its own: zeros stay, as across a plane.
+    tangents = np.linalg.svd(loops.positions(branch.t, branch.q)[1])[2][branch.positions :]
+    shares = np.linspace(0.5, 1.5, q.size) * tangents.sum(axis=0)
+    sizes = loops.singular_values(branch.t, branch.q + _BESIDE * shares * loops.sizes)
+    return int((sizes > _STANDS * sizes.max(initial=0.0)).sum()) > branch.speeds
 
 
 def change_point(task: Task, raw: RawRun) -> float | None:
     """Return the time of the first change point of a motion, or None."""
-    eqs = task.eqs
-    if not eqs.multiplier_names or not eqs.speed_names or raw.dense_output is None:
+    passages = _passages(task, raw)
+    return None if passages is None else next(passages.times(), passages.end(raw))
+
+
+@dataclass(frozen=True, slots=True)
+class _BranchEnd:
+    """Where a motion ceases to be the one that was asked for; None if its run ended there by itself."""
+
+    t: float | None
+    note: str
+
+
+def _end_of_branch(task: Task, first: State, t: float, moved: Moved) -> _BranchEnd | None:
+    """Return where a motion leaves its branch, or breaks off for constraints that follow from others."""
+    raw, _, watch = moved
+    passages = _passages(task, raw)
+    if passages is not None:
+        happened = [] if watch is None else [event.t for event in watch.occurrences]
+        for at in passages.times():
+            before = passages.jump(at, happened)
+            if before is not None:
+                return _BranchEnd(before, _LEFT.format(at, "{}"))
+    if raw.status.success:
         return None
-    n_u, n = len(eqs.speed_names), len(eqs.state_names)
-    rows, dense, t = _Rows(task), raw.dense_output, raw.dense_output.breaks
-    sizes = rows.sizes(t, dense(t)[n_u:n])
+    if raw.reached == t and is_change_point(task, first, t):
+        return _BranchEnd(None, _STARTS)
+    return _BranchEnd(None, _LOCKED) if is_overconstrained(task, first, t) else None
+
+
+def _ended(moved: Moved, end: _BranchEnd, chosen: Constraints) -> Moved:
+    """Return a run that ends where its motion left the branch, with the reason."""
+    raw, notes, watch = moved
+    notes = (*notes, end.note.format(f"sb.{type(chosen).__name__}()"))
+    dense = raw.dense_output
+    if end.t is None or dense is None:
+        return raw, notes, watch
+    steps = steps_before(dense.breaks, dense.pieces.shape[0], end.t)
+    breaks, pieces = dense.breaks[: steps + 1].copy(), dense.pieces[:steps].copy()
+    share = (end.t - breaks[-2]) / (breaks[-1] - breaks[-2])
+    breaks[-1], pieces[-1] = end.t, shortened(pieces[-1], float(share))
+    direction = 1.0 if dense.breaks[-1] >= dense.breaks[0] else -1.0
+    kept = direction * (raw.t - end.t) <= 0.0
+    cut = replace(
+        raw, t=raw.t[kept], x=raw.x[:, kept], status=Status.SINGULAR, reached=end.t, state=None, kernel=None,
+        dense_output=DenseOutput(breaks, pieces),
+    )  # fmt: skip
+    return cut, notes, watch
+
+
+def _passages(task: Task, raw: RawRun) -> _Passages | None:
+    """Return what finds the change points of a motion; None if it has no constraints that count."""
+    eqs, dense = task.eqs, raw.dense_output
+    if not eqs.multiplier_names or not eqs.speed_names or dense is None:
+        return None
+    loops = LoopConstraints(task)
+    sizes = loops.singular_values(dense.breaks, dense(dense.breaks)[loops.places].T)
     if not np.isfinite(sizes).all():
         return None
     rank = int((sizes > _INDEPENDENT * sizes.max()).sum(axis=1).max())
     if rank == 0:
         return None
     largest = float(sizes[:, rank - 1].max())
+    return _Passages(loops, dense, rank, largest, sizes[:, rank - 1] / largest)
 
-    def shares(at: Floats) -> Floats:
-        """Return the smallest singular value that counts, over its largest on the motion."""
-        found: Floats = rows.sizes(at, dense(at)[n_u:n])[:, rank - 1] / largest
-        return found
 
-    least = sizes[:, rank - 1] / largest
-    for k in _minima(least):
-        at = _dip(shares, float(t[max(k - 1, 0)]), float(t[min(k + 1, t.size - 1)]))
-        if at is not None:
-            return at
-    return float(t[-1]) if raw.status in _COLLAPSES and least[-1] < _STUCK else None
+@dataclass(frozen=True, slots=True, eq=False)
+class _Passages:
+    """A motion with the least singular value that counts, over its largest, at the ends of all steps."""
+
+    loops: LoopConstraints
+    dense: DenseOutput
+    rank: int
+    largest: float
+    least: Floats
+
+    def shares(self, t: Floats) -> Floats:
+        """Return that value at any times."""
+        found: Floats = self.loops.singular_values(t, self.dense(t)[self.loops.places].T)[:, self.rank - 1]
+        return found / self.largest
+
+    def times(self) -> Iterator[float]:
+        """Yield the times of change points."""
+        breaks = self.dense.breaks
+        for k in _minima(self.least):
+            at = _dip(self.shares, float(breaks[max(k - 1, 0)]), float(breaks[min(k + 1, breaks.size - 1)]))
+            if at is not None:
+                yield at
+
+    def end(self, raw: RawRun) -> float | None:
+        """Return the end of the motion if it broke off near a change point."""
+        is_stuck = raw.status in _COLLAPSES and self.least[-1] < _STUCK
+        return float(self.dense.breaks[-1]) if is_stuck else None
+
+    def jump(self, at: float, happened: list[float]) -> float | None:
+        """Return a time shortly before a change point if velocities are others after it, not by an event."""
+        breaks = self.dense.breaks
+        before, after = self._beside(at, float(breaks[0])), self._beside(at, float(breaks[-1]))
+        if before is None and after is not None:  # the motion starts there
+            return float(breaks[0]) if self._differs(after, float(breaks[0]), happened) else None
+        if before is None or after is None or not self._differs(before, after, happened):
+            return None
+        return before
+
+    def _differs(self, near: float, far: float, happened: list[float]) -> bool:
+        """Return whether velocities at one time are not those to which they lead from beyond another one."""
+        times = near + (near - far) * np.array([0.5, 0.25, 0.0])
+        first, last = sorted(map(float, self.dense.breaks[[0, -1]]))
+        if not first <= times[0] <= last or any(min(near, far) <= t <= max(near, far) for t in happened):
+            return False
+        u = self.dense(np.array([*times, far])).T[:, : self.loops.speed_sizes.size] / self.loops.speed_sizes
+        # The parabola through velocities at 0, 1 and 2, at 6.
+        apart = np.abs(np.array([10.0, -24.0, 15.0]) @ u[:3] - u[3]).max()
+        return bool(apart > _SAME_BRANCH * np.abs(u).max())
+
+    def _beside(self, at: float, limit: float) -> float | None:
+        """Return the nearest time towards a limit at which constraints are independent again."""
+        times = at + (limit - at) * np.exp2(-np.arange(_DOUBLINGS - 1.0, -1.0, -1.0))
+        clear = np.flatnonzero(self.shares(times) > _BESIDE_IT)
+        return float(times[clear[0]]) if clear.size else None
 
 
 def _minima(values: Floats) -> list[int]:
@@ -153,26 +286,3 @@ def _dip(shares: Callable[[Floats], Floats], start: float, stop: float) -> float
             return float(inside[best])
         start, stop = float(inside[max(best - 1, 0)]), float(inside[min(best + 1, inside.size - 1)])
     return None
-
-
-class _Rows:
-    """J of a motion with lengths measured by the mechanism's size."""
-
-    def __init__(self, task: Task) -> None:
-        eqs = task.eqs
-        self._task, self._function = task, task.compiled("jacobian")
-        self._scales, self.speeds = task.scales.constraints(eqs), task.scales.displacements(eqs)
-
-    def scaled(self, t: Floats, q: Floats) -> Floats:
-        """Return J at times (N,) with coordinates (n_q, N)."""
-        found = self._task.evaluated(self._function, t, q, np.zeros((self.speeds.size, t.size)))
-        rows: Floats = found / self._scales[:, np.newaxis] * self.speeds
-        return rows
-
-    def sizes(self, t: Floats, q: Floats) -> Floats:
-        """Return the singular values of J, the largest first."""
-        rows = self.scaled(t, q)
-        if not np.isfinite(rows).all():
-            return np.full((t.size, min(rows.shape[1:])), np.nan)
-        found: Floats = np.asarray(np.linalg.svd(rows, compute_uv=False), dtype=np.float64)
-        return found

@@ -7,12 +7,11 @@ of Euler-Lagrange equations with constraints, J. Comput. Appl. Math. 12-13 (1985
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr
 
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
 from symbody.equations.equation_set import EquationSet
@@ -22,6 +21,8 @@ from symbody.expr.expression import Expr
 from symbody.expr.graph import Kind, Symbol
 from symbody.expr.rewrite import substitute
 from symbody.expr.sequence import Roots
+from symbody.simulation.methods.loop_constraints import LoopConstraints, motion_branch
+from symbody.simulation.methods.partition_states import partition_columns
 from symbody.simulation.methods.request import Called, Request
 from symbody.simulation.methods.state_jacobian import inputs_of, without_idle_rows
 from symbody.simulation.methods.stepping import march
@@ -34,8 +35,6 @@ Floats = NDArray[np.float64]
 # Multipliers take no part in the error test: their errors are one and two orders larger in the step. Of what
 # counts as large for each.
 FREE: Final = 1e10
-# Rows whose part independent of the others is smaller than this share are redundant.
-_INDEPENDENT: Final = 1e-8
 # How fast a quaternion returns to unit norm, in the time of the mechanism.
 _NORMING: Final = 3.0
 _RESIDUAL, _SLOPES, _MASS = "ggl residual", "ggl slopes", "mass_matrix"
@@ -80,21 +79,18 @@ def run_ggl(request: Request, method: Stiff) -> tuple[RawRun, tuple[str, ...]]:
         solver.init_step(t, *system.consistent(t, x))
 
     stepper = SundialsStepper(solver, begin, lambda t, x: (x, False), watch, request.state, request.span)
-    return march(stepper, request.course(None)), notes
+    return march(stepper, request.course()), notes
 
 
 def _independent(request: Request, eqs: EquationSet) -> tuple[EquationSet, tuple[str, ...]]:
-    """Return the equations without constraints that follow from the others at the first state."""
-    sizes = request.task.scales.displacements(eqs)
-    rows = request.compiled("jacobian", eqs)(request.span[0], request.state) * sizes
-    lengths = np.linalg.norm(rows, axis=1)
-    triangle, order = qr((rows / lengths[:, np.newaxis]).T, mode="r", pivoting=True)
-    pivots = np.abs(np.diagonal(triangle))
-    kept = sorted(int(k) for k in order[: int((pivots > _INDEPENDENT).sum())])
-    if len(kept) == len(lengths):
+    """Return the equations without constraints that follow from the others on the branch of the motion."""
+    loops = LoopConstraints(replace(request.task, eqs=eqs))
+    branch = motion_branch(loops, request.span[0], request.state)
+    if branch.speeds == len(eqs.formed.rows):
         return eqs, ()
+    kept = partition_columns(loops.speeds(branch.t, branch.q)[0], branch.speeds).rows.tolist()
     dropped = [name for k, name in enumerate(eqs.multiplier_names) if k not in kept]
-    note = f"GGL: {', '.join(dropped)} follow from the other constraints at the first state and are left out"
+    note = f"GGL: {', '.join(dropped)} follow from the other constraints and are left out"
     formed = eqs.formed.with_rows(tuple(eqs.formed.rows[k] for k in kept))
     return EquationSet(eqs.model, formed, eqs.notes), (note,)
 

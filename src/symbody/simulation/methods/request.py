@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -102,16 +102,16 @@ class Request:
         projector = projector_of(function, self.eqs, self.task.scales, method, self.atol)
         return Closing(function, projector, self.rtol, self.tolerances)
 
-    def course(self, closing: Closing | None) -> Course:
-        """Return the course to march; samples are brought onto the constraints by `closing`."""
+    def course(self, closed: Callable[[Floats, Floats], Floats] | None = None) -> Course:
+        """Return the course to march; samples are brought onto the constraints by `closed`."""
         n_u, function = self.n_u, self.task.compiled("power")
 
         def power(t: Floats, x: Floats) -> Floats:
             values: Floats = self.task.evaluated(function, t, x[:, n_u:].T, x[:, :n_u].T)
             return values
 
-        def closed(t: Floats, x: Floats) -> Floats:
-            return x if closing is None else closing.all(t, x)
+        def unchanged(t: Floats, x: Floats) -> Floats:
+            return x
 
         times = None if self.times is None else np.asarray(self.times)
         return Course(
@@ -121,7 +121,7 @@ class Request:
             int(self.max_steps),
             self.progress,
             power,
-            closed,
+            closed or unchanged,
             self.watch,
             self.before,
         )

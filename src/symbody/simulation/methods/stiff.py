@@ -109,7 +109,7 @@ def run_stiff(request: Request, method: Stiff, constraints: Projection | Baumgar
     stepper = SundialsStepper(
         solver, solver.init_step, _Settling(closing, constraints), watch, request.state, request.span, solved
     )
-    return march(stepper, request.course(closing))
+    return march(stepper, request.course(None if closing is None else closing.all))
 
 
 class _Settling:

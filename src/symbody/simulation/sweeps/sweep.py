@@ -18,6 +18,7 @@ from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.errors import SymbodyError
 from symbody.simulation.events.events import Event, checked_events
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
 from symbody.simulation.methods.change_point import is_overconstrained
@@ -141,6 +142,9 @@ class _Order:
         if self._is_overconstrained(part):
             reason = "some constraints follow from others only where all loops are closed"
             return self._one_by_one(records, reason, store, progress)
+        if self._passes_change_point(part):
+            reason = "motions pass change points, where this loop may take another branch"
+            return self._one_by_one(records, reason, store, progress)
         apart = cases_apart(self.eqs, self.table)
         part.states[apart] = np.nan
         tally = _computed(job, part, records, who, store, progress)
@@ -219,6 +223,17 @@ class _Order:
         values, span = self.table.values(case)[0], self.wish.span
         scales = mechanism_scales(self.eqs, values, self.wish.scales, first.q).over(*span)
         return is_overconstrained(Task(self.eqs, values, self.laws, scales), first, span[0])
+
+    def _passes_change_point(self, part: Part) -> bool:
+        """Return whether the motion of the first case that starts meets a change point."""
+        found = state_of(self.eqs, part) if self.eqs.multiplier_names else None
+        if found is None:
+            return False
+        try:
+            run = self._simulated(found[0])
+        except SymbodyError:
+            return False
+        return any("(change point)" in note or "is a change point" in note for note in run.notes)
 
     def _worth_another_try(self, records: Records) -> list[int]:
         """Return cases that `simulate` integrates by another method than the loop over many cases."""
