@@ -14,6 +14,7 @@ from symbody.arguments import checked_arguments
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.showing.frame_motion import frame_motion_entries
 from symbody.errors import AssemblyError, CompileError, FormulationError, ModelError, Problem, nearest
+from symbody.expr.calculus import jacobian
 from symbody.expr.closed_form import readable
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Graph, Kind
@@ -29,7 +30,8 @@ from symbody.expr.sympy_bridge import (
 )
 from symbody.model.model import Model, resolve_parameters
 
-# Open by more, of numbers of order 1, is not an assembly: a root of a squared equation.
+# Open by more, of what rows change by in moves as large as the mechanism, is no assembly: a root of a squared
+# equation.
 _CLOSED: Final = 1e-7
 
 
@@ -79,11 +81,26 @@ class PositionSolutions:
         for nodes in self._values:
             numbers = _numbers(self._graph, nodes, known)
             coordinates = dict(zip(self._names, numbers, strict=True))
-            rows = _numbers(self._graph, self._constraints, {**known, **coordinates})
-            scale = 1.0 + max(map(abs, numbers), default=0.0) ** 2
-            closed = all(math.isfinite(row) and abs(row) <= _CLOSED * scale for row in rows)
-            found.append(coordinates if closed else None)
+            found.append(coordinates if self._is_closed({**known, **coordinates}) else None)
         return tuple(found)
+
+    def _is_closed(self, values: Mapping[str, float]) -> bool:
+        """Return whether the constraints hold, each over its change in large moves."""
+        graph, rows = self._graph, list(self._constraints)
+        symbols = {graph.symbols[graph.left[node]].label: node for node in symbols_of(graph, rows)}
+        turning = _periodic(graph, rows, list(symbols))
+        lengths = [values[name] for name in symbols if name not in turning and name in values]
+        size = max(map(abs, lengths), default=0.0) or 1.0
+        names = [name for name in self._names if name in symbols]
+        slopes = [entry for row in jacobian(graph, rows, [symbols[name] for name in names]) for entry in row]
+        numbers = _numbers(graph, [*rows, *slopes], values)
+        sizes = [1.0 if name in turning else size for name in names]
+        for k, value in enumerate(numbers[: len(rows)]):
+            own = numbers[len(rows) + k * len(names) : len(rows) + (k + 1) * len(names)]
+            scale = max((abs(x) * s for x, s in zip(own, sizes, strict=True)), default=0.0) or size
+            if not abs(value) <= _CLOSED * scale:
+                return False
+        return True
 
     @checked_arguments
     def nearest(
