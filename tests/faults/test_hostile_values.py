@@ -144,6 +144,38 @@ def test_springs_without_length_are_told() -> None:
         assert success or "spring s has length 0" in run.notes[-1]
 
 
+def three_cranks(difference: float) -> sb.EquationSet:
+    """Three equal parallel cranks under a bar, the last longer by a difference."""
+    pins = {f"P{k}": sb.Frame((k - 1, 0, 0)) for k in range(3)}
+    bar = sb.Body("Bar", mass=2, inertia=(0, 0, 1), frames=pins)
+    cranks = []
+    for k, length in enumerate(("r", "r", "r + d")):
+        ends = {"a": sb.Frame((0, f"-({length})/2", 0)), "b": sb.Frame((0, f"({length})/2", 0))}
+        cranks.append(sb.Body(f"C{k}", mass=1, inertia=(0, 0, 0.1), frames=ends))
+    hinges = [
+        sb.Revolute(f"A{k}", ("ground", f"P{k}"), (cranks[k], "a"), coordinate=f"a{k}") for k in range(3)
+    ]
+    hinges += [sb.Revolute(f"B{k}", (cranks[k], "b"), (bar, f"P{k}")) for k in range(3)]
+    return sb.form_equations(
+        sb.Model("three", [bar, *cranks, *hinges], gravity=(0, -9.81, 0), ground=pins,
+                 parameters={"r": 0.5, "d": difference}, initial={f"a{k}": 0.3 for k in range(3)})
+    )  # fmt: skip
+
+
+def test_nearly_redundant_constraints_are_told() -> None:
+    """A third crank longer by 1e-9 m: the loops share what does not close, and no motion keeps them as they are.
+
+    Of the six conditions on the ends of three cranks that stay parallel one follows from the others. The least
+    squares of the gap leave a part of 1e-9 m over the mechanism's 1 m that no motion closes.
+    """
+    run = sb.simulate(three_cranks(1e-9), 0.1)
+    assert not run.success
+    assert "B1, B2 are nearly redundant" in run.notes[-1]
+    share = float(run.notes[-1].partition(" by ")[2].split()[0])
+    assert 1e-11 < share < 1e-9
+    assert sb.simulate(three_cranks(0.0), 0.1).success
+
+
 @pytest.mark.parametrize("speeds", ["start", "end", "twist"])
 def test_speeds_of_cut_joints_are_given_and_measured(speeds: str) -> None:
     """Two hinges to the ground carry a body that a free joint describes too; this one is cut.

@@ -20,6 +20,8 @@ _COLLAPSES: Final = (Status.STEP_COLLAPSE, Status.SINGULAR, Status.NOT_FINITE)
 # Configurations of the motion that are looked at to learn how many constraints are independent.
 _SAMPLES: Final = 7
 _INDEPENDENT: Final = 1e-6
+# Constraints that are redundant close together but for this, of the size of the mechanism.
+_ROUNDING: Final = 1e-13
 # A lock-up is approached like a root: 1e-6 s before it a singular value is still a thousandth.
 _LOST: Final = 1e-3
 # Shares of a unit vector, and of the prescribed velocities, that count.
@@ -32,8 +34,9 @@ def stop_note(task: Task, raw: RawRun) -> str:
     known = f"the motion is known up to t = {raw.reached:.9g} s"
     if raw.status in _COLLAPSES and task.eqs.multiplier_names:
         position = _singular_position(task, raw)
-        if position is not None:
-            return f"{known}; {position.told}"
+        told = _nearly_redundant(task, raw) if position is None else position.told
+        if told:
+            return f"{known}; {told}"
     if raw.status in (Status.SINGULAR, Status.NOT_FINITE):
         told = _massless(task, raw) or _without_direction(task, raw)
         if told:
@@ -86,12 +89,8 @@ def _freedoms(count: int) -> str:
 def _singular_position(task: Task, raw: RawRun) -> _SingularPosition | None:
     """Return the singular position at which a motion ended, if it is one."""
     eqs = task.eqs
-    t, x = _samples(task, raw)
-    n_u, n = len(eqs.speed_names), len(eqs.state_names)
-    function = task.compiled(("jacobian", "velocity_constraints"))
-    rows, drift = task.evaluated(function, t, x[n_u:n], np.zeros((n_u, t.size)))
-    scales, speeds = task.scales.constraints(eqs), task.scales.displacements(eqs)
-    rows = rows / scales[:, np.newaxis] * speeds
+    n_u, scales = len(eqs.speed_names), task.scales.constraints(eqs)
+    rows, drift = _constraint_rows(task, raw)
     if n_u == 0 or not np.isfinite(rows).all():
         return None
     sizes = np.linalg.svd(rows, compute_uv=False)
@@ -112,6 +111,43 @@ def _singular_position(task: Task, raw: RawRun) -> _SingularPosition | None:
         n_u - rank,
         len(lost),
         bool(np.linalg.norm(left[:, lost].T @ demand) > _DEMANDED * np.linalg.norm(demand)),
+    )
+
+
+def _constraint_rows(task: Task, raw: RawRun) -> tuple[Floats, Floats]:
+    """Return the constraints on velocities along the motion, without units, and what they demand."""
+    eqs = task.eqs
+    t, x = _samples(task, raw)
+    n_u, n = len(eqs.speed_names), len(eqs.state_names)
+    function = task.compiled(("jacobian", "velocity_constraints"))
+    rows, drift = task.evaluated(function, t, x[n_u:n], np.zeros((n_u, t.size)))
+    scales, speeds = task.scales.constraints(eqs), task.scales.displacements(eqs)
+    return rows / scales[:, np.newaxis] * speeds, drift
+
+
+def _nearly_redundant(task: Task, raw: RawRun) -> str:
+    """Return which constraints follow from others in direction, but not in value, where a motion ended."""
+    eqs = task.eqs
+    rows, _ = _constraint_rows(task, raw)
+    count = len(eqs.formed.holonomic)
+    if not (rows.size and count and np.isfinite(rows[-1]).all()):
+        return ""
+    t, x = _samples(task, raw)
+    n_u, n = len(eqs.speed_names), len(eqs.state_names)
+    values = task.evaluated(task.compiled("constraints"), t[-1:], x[n_u:n, -1:], x[:n_u, -1:])[0]
+    left, sizes, _ = np.linalg.svd(rows[-1][:count])
+    rank = int((sizes > _INDEPENDENT * sizes[0]).sum())
+    open_by = left[:, rank:].T @ (values[:count] / task.scales.constraints(eqs)[:count])
+    largest = float(np.abs(open_by).max(initial=0.0))
+    if not largest > _ROUNDING:
+        return ""
+    taking = np.abs(left[:, rank:] @ open_by) / np.linalg.norm(open_by)
+    own = zip(eqs.formed.rows, taking, strict=False)
+    joints = ", ".join(dict.fromkeys(row.element for row, part in own if part > _TAKES_PART))
+    return (
+        f"there the constraints of joints {joints} are nearly redundant: any motion that one allows the "
+        f"others allow too, but they do not close together, by {largest:.1e} of the mechanism's size; make "
+        "lengths that are to be equal the same to the last digit, or leave one of these joints out"
     )
 
 
