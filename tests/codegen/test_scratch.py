@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import struct
+import subprocess
 from collections.abc import Sequence as Items
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,11 +14,14 @@ import symbody as sb
 from symbody.codegen.llvm import native
 from symbody.codegen.llvm.machine import lanes
 from symbody.codegen.llvm.native import NativeFunction, compile_sequence
+from symbody.codegen.texts.c import generate
+from symbody.expr.program import written_out
 from symbody.expr.sequence import Sequence
 from tests.codegen.native import BATCH, GROUPS, SIGNATURE, doubles
 from tests.codegen.scratch_reads import Watched, watched
 from tests.codegen.sequences import EXACT, TRIGONOMETRIC, Inputs, random_sequence
 from tests.codegen.test_items import points, random_programs
+from tests.codegen.texts.test_c import PLAIN, STRICT, load, needs_gcc
 from tests.equations.test_columns import random_tree
 
 # Of quiet and of signalling NaNs, the least subnormal number, those of whole numbers and of addresses, the greatest.
@@ -116,6 +121,29 @@ def test_the_watch_sees_what_is_read_too_early() -> None:
     function = watched(case[0], leave_out="zeroinitializer, ptr %work")
     called(function, *case, function.work)
     assert function.unwritten and function.reads[0] > 0
+
+
+@needs_gcc
+@pytest.mark.parametrize("kind", ["plain", "programs"])
+def test_c_text_depends_on_nothing_that_memory_held(kind: str, tmp_path: Path) -> None:
+    """Neither on the caller's scratch, nor on what its own variables were before: gcc fills these."""
+    version = subprocess.run(["gcc", "-dumpversion"], capture_output=True, text=True, check=True).stdout
+    if int(version.partition(".")[0]) < 12:
+        pytest.skip("gcc 12 is the first that fills variables")
+    sequence, given = CASES[kind](3)
+    found = set()
+    for init in ("pattern", "zero"):
+        (tmp_path / init).mkdir()
+        text = generate(written_out(sequence), piece_size=100)
+        library = load(text, tmp_path / init, *STRICT, *PLAIN, f"-ftrivial-auto-var-init={init}")
+        work = doubles([0.0] * library.f_work_size())
+        groups = [doubles(given[group]) if group in given else None for group in GROUPS]
+        for pattern in PATTERNS:
+            fill(work, pattern)
+            out = doubles([0.0] * sequence.output_size)
+            assert SIGNATURE(("f", library))(*groups, out, work) == 0
+            found.add(bytes(out))
+    assert len(found) == 1
 
 
 @pytest.mark.exhaustive
