@@ -373,7 +373,10 @@ def _exist(u: Floats, solved: Any, sizes: Floats, held: float) -> bool:
     fastest = float(np.abs(u / sizes).max(initial=0.0))
     largest = slopes * (fastest * fastest)  # infinite rather than a fault
     wanted = np.abs(jacobian) @ np.abs(udot) + np.abs(gamma) + largest
-    # A row whose accelerations vanish holds nothing but the rounding of the others.
-    rounding = udot.size * np.finfo(float).eps * max(held, float(np.abs(udot).max(initial=0.0)))
+    # A row whose accelerations vanish holds nothing but the rounding of the others, and of the velocities
+    # that cancel in its gamma: at a change point nothing else may be left of the row itself.
+    eps = udot.size * np.finfo(float).eps
+    rounding = slopes * eps * max(held, float(np.abs(udot).max(initial=0.0)))
+    rounding = rounding + eps * float(largest.max(initial=0.0))
     apart: Floats = np.abs(jacobian @ udot - gamma)
-    return not (apart > _CONSISTENT * wanted + slopes * rounding + 1e-300).any()
+    return not (apart > _CONSISTENT * wanted + rounding + 1e-300).any()
