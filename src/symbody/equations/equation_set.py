@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Final
 
 from symbody.arguments import checked_arguments
 from symbody.equations.formed import Formed
 from symbody.equations.forming import form
+from symbody.equations.freedoms.always_undetermined import always_undetermined
 from symbody.equations.freedoms.mobility import Mobility, mobility
 from symbody.equations.known import Deferred
 from symbody.equations.showing.derivative_outputs import asked_derivative
@@ -59,6 +61,7 @@ class EquationSet:
     _roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
     _code_roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
     _textbook: SingleFlight[None, Textbook] = field(default_factory=SingleFlight, repr=False)
+    _undetermined: SingleFlight[None, tuple[str, ...]] = field(default_factory=SingleFlight, repr=False)
     _noise_program: SingleFlight[None, Sequence] = field(default_factory=SingleFlight, repr=False)
     _for_values: SingleFlight[tuple[float | None, ...], EquationSet] = field(
         default_factory=lambda: SingleFlight(_MOST_VALUES), repr=False
@@ -270,6 +273,16 @@ class EquationSet:
         """Degrees of freedom, those at the initial values for an instant, and notes on both."""
         return mobility(self.formed)
 
+    @property
+    def undetermined_reactions(self) -> tuple[str, ...]:
+        """Outputs that do not follow from the motion, whatever the values of the parameters.
+
+        They are components of reactions, "reaction J Fz", and efforts that hold motions, "effort J": those of
+        loops with redundant constraints. As outputs they have the share of least norm. What values of the
+        parameters leave undetermined beside them stands in `redundancy` and in the notes of a run.
+        """
+        return self._undetermined.get(None, partial(always_undetermined, self.formed))
+
     @checked_arguments
     def for_values(self, parameters: Mapping[str, float]) -> EquationSet:
         """Return these equations with the constraints that some values of the parameters fulfil set to 0 = 0.
@@ -366,6 +379,9 @@ class EquationSet:
     @checked_arguments
     def reaction(self, joint: str, on: str = "", at: str = "", frame: str = "") -> Reaction:
         """Return the reaction of a joint as formulas in q, u, their derivatives and the multipliers.
+
+        Where constraints hold identically their multipliers ``lambda_<joint>_<k>`` are among them: any values
+        fit the motion. The output "reaction J" has those of least norm.
 
         Parameters
         ----------
