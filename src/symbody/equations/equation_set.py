@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Final
 
 from symbody.arguments import checked_arguments
 from symbody.equations.formed import Formed
 from symbody.equations.forming import form
+from symbody.equations.freedoms.always_undetermined import always_undetermined
 from symbody.equations.freedoms.mobility import Mobility, mobility
 from symbody.equations.known import Deferred
 from symbody.equations.showing.derivative_outputs import asked_derivative
@@ -59,6 +61,7 @@ class EquationSet:
     _roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
     _code_roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
     _textbook: SingleFlight[None, Textbook] = field(default_factory=SingleFlight, repr=False)
+    _undetermined: SingleFlight[None, tuple[str, ...]] = field(default_factory=SingleFlight, repr=False)
     _noise_program: SingleFlight[None, Sequence] = field(default_factory=SingleFlight, repr=False)
     _for_values: SingleFlight[tuple[float | None, ...], EquationSet] = field(
         default_factory=lambda: SingleFlight(_MOST_VALUES), repr=False
@@ -247,28 +250,35 @@ class EquationSet:
     @property
     def independent_speeds(self) -> tuple[SympyExpr, ...]:
         """Speeds that determine all others on the branch of the initial values, the earliest possible."""
-        return self._symbols(tuple(self.formed.u[k] for k in mobility(self.formed).independent_speeds))
+        return self._symbols(tuple(self.formed.u[k] for k in self.mobility.independent_speeds))
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Dimension of the branch of the initial values, with the model's values of the parameters.
-
-        Where the initial values do not close the loops, the branch is that of the nearest configuration that
-        does. `mobility` has the instantaneous count beside it, which differs at change points.
-
-        Raises
-        ------
-        AssemblyError
-            If the loops do not close from any of several starts.
-        ModelError
-            If a parameter that a loop needs has no value.
-        """
-        return mobility(self.formed).degrees_of_freedom
+        """Dimension of the branch of the initial values; see `mobility`."""
+        return self.mobility.degrees_of_freedom
 
     @property
     def mobility(self) -> Mobility:
-        """Degrees of freedom, those at the initial values for an instant, and notes on both."""
+        """Degrees of freedom for the model's values, those for an instant at a change point, and notes.
+
+        Where the initial values do not close the loops, the nearest configuration that does counts.
+
+        Raises
+        ------
+        AssemblyError, ModelError
+            If the loops do not close from any of several starts, or a parameter has no value.
+        """
         return mobility(self.formed)
+
+    @property
+    def undetermined_reactions(self) -> tuple[str, ...]:
+        """Outputs that do not follow from the motion, whatever the values of the parameters.
+
+        Components of reactions, "reaction J Fz", and efforts that hold motions, "effort J", of loops with
+        redundant constraints. As outputs they have the share of least norm. What values of the parameters
+        leave undetermined beside them stands in `redundancy` and in the notes of a run.
+        """
+        return self._undetermined.get(None, partial(always_undetermined, self.formed))
 
     @checked_arguments
     def for_values(self, parameters: Mapping[str, float]) -> EquationSet:
@@ -307,13 +317,8 @@ class EquationSet:
         if len(formed.u) <= MOST_SPEEDS and formed.formed_again is not None:
             formed = formed.formed_again(formed.graph, spread=True)
         elif len(formed.u) <= MOST_SPEEDS:
-            formed = form(
-                formed.topology,
-                formed.graph,
-                formed.formulation,
-                spread=True,
-                dependent=formed.dependent_names,
-            )
+            graph, how, dependent = formed.graph, formed.formulation, formed.dependent_names
+            formed = form(formed.topology, graph, how, spread=True, dependent=dependent)
         return Textbook(formed)
 
     @checked_arguments
@@ -366,6 +371,9 @@ class EquationSet:
     @checked_arguments
     def reaction(self, joint: str, on: str = "", at: str = "", frame: str = "") -> Reaction:
         """Return the reaction of a joint as formulas in q, u, their derivatives and the multipliers.
+
+        Where constraints hold identically their multipliers ``lambda_<joint>_<k>`` are among them: any values
+        fit the motion. The output "reaction J" has those of least norm.
 
         Parameters
         ----------

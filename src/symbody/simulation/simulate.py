@@ -12,12 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symbody.analysis.assembly import assemble
+from symbody.analysis.redundancy import undetermined_at
 from symbody.analysis.scales import USUAL_SHARE, mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.undetermined import identically_undetermined, share_notes
 from symbody.simulation.events.events import Event, checked_events
 from symbody.simulation.events.watching import EventWatch
 from symbody.simulation.inputs.input_laws import AskingFunction, InputLaws, Law, input_laws
@@ -93,15 +95,27 @@ def simulate(
     chosen, laws = checked_events(events, eqs), input_laws(eqs.input_names, inputs or {}, span)
     held = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
-    values = dict(parameters or {})
-    known = mechanism_scales(eqs, values, scales, first.q).over(*span)
-    task = Task(held, values, laws, known)
+    known = mechanism_scales(eqs, dict(parameters or {}), scales, first.q).over(*span)
+    task = Task(held, dict(parameters or {}), laws, known)
     notes = (*_notes(eqs, inputs or {}, laws), *(known.notes(eqs) if atol is None else ()))
     move = partial(_moved, integrator=integrator, constraints=constraints, notes=notes)
     go = partial(run_switching, move=move) if switches(eqs.formed) else move
     with told(progress, "motion") as tell:
         wanted = partial(Request, times=times, rtol=rtol, atol=atol, max_steps=max_steps, progress=tell)
-        return go(task, first, span, wanted, chosen)
+        run = go(task, first, span, wanted, chosen)
+    return replace(run, notes=(*run.notes, *_undetermined(eqs, first, run))) if run.t.size else run
+
+
+def _undetermined(eqs: EquationSet, first: State, run: Trajectory) -> tuple[str, ...]:
+    """Return what is noted of reactions that do not follow from a motion with these values of parameters."""
+    if not (first.has_dependent_constraints or eqs.formed.friction):
+        return ()
+    always = identically_undetermined(eqs.formed)
+    if not first.has_dependent_constraints:
+        return share_notes(eqs.formed, always)[1:]
+    places = sorted({0, len(run.t) // 2, len(run.t) - 1})
+    names = undetermined_at(eqs, first.parameters, [(float(run.t[k]), run.q[:, k]) for k in places])
+    return share_notes(eqs.formed, [name for name in names if name not in always], " in this motion")
 
 
 def _moved(

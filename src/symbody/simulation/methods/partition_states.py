@@ -235,7 +235,7 @@ class PartitionStates:
             if len(key) == len(formed.rows):
                 self._functions[key] = self._request.compiled("xdot")
             else:
-                chosen = formed.with_rows(tuple(formed.rows[k] for k in key))
+                chosen = formed.with_independent(key)
                 eqs = EquationSet(self._eqs.model, chosen, self._eqs.notes)
                 self._functions[key] = self._request.compiled("xdot", eqs)
         return np.asarray(self._functions[key](t, x), dtype=np.float64)
