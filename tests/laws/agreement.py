@@ -63,9 +63,8 @@ def acceleration_error(mechanism: Mechanism, state: State, one: Outcome, two: Ou
 
 
 def reaction_error(mechanism: Mechanism, one: Outcome, two: Outcome) -> float | None:
-    """The same for reactions, moments divided by the unit of length; None where they are not unique."""
-    unique = mechanism.redundant == 0 and all(o.condition.rank == o.condition.rows for o in (one, two))
-    if not unique or not one.reactions:
+    """The same for reactions, moments divided by the unit of length; undetermined ones have one share."""
+    if not one.reactions:
         return None
     weights = np.array([1.0] * 3 + [1 / mechanism.units.length] * 3)
     size = max(np.abs(r * weights).max() for r in one.reactions.values())

@@ -93,13 +93,12 @@ def _relative(gap: Array, scale: float, rounding: float) -> float:
 
 
 def _reactions(mechanism: Mechanism, one: Derived, two: Derived, rounding: float) -> float | None:
-    """The difference of reactions, moments divided by the unit of length; None where they are not unique.
+    """The difference of reactions, moments divided by the unit of length; undetermined ones have one share.
 
     Reactions have a condition of their own: where motions prescribe all accelerations, these are exact while
     multipliers still come from an ill-conditioned balance.
     """
-    unique = mechanism.redundant == 0 and one.condition.rank == one.condition.rows
-    if not unique or not one.reactions:
+    if not one.reactions:
         return None
     weights = np.array([1.0] * 3 + [1 / mechanism.units.length] * 3)
     size = max(np.abs(wrench * weights).max() for wrench in one.reactions.values())

@@ -16,7 +16,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, SimulationError
-from symbody.manifold import ConstraintManifold
+from symbody.manifold import ConstraintManifold, rank
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
@@ -254,6 +254,7 @@ class Closure:
             self.inputs,
             others,
             _functions=self._functions,
+            _dependent=_dependent(solved.jacobian),
         )
 
     def _accelerations(self, q: Floats, u: Floats) -> Any:
@@ -377,3 +378,8 @@ def _exist(u: Floats, solved: Any, sizes: Floats, held: float) -> bool:
     rounding = udot.size * np.finfo(float).eps * max(held, float(np.abs(udot).max(initial=0.0)))
     apart: Floats = np.abs(jacobian @ udot - gamma)
     return not (apart > _CONSISTENT * wanted + slopes * rounding + 1e-300).any()
+
+
+def _dependent(rows: Floats) -> int:
+    """Return how many rows follow from the others; those of zeros are not among them."""
+    return int(np.abs(rows).max(axis=1, initial=0.0).astype(bool).sum()) - rank(rows)

@@ -8,19 +8,20 @@ the first bears the load.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from symbody.analysis.assembly import assembled_configuration
 from symbody.analysis.closure import closure
 from symbody.analysis.named_values import refuse_unknown
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.compile import Value, constant_values
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.freedoms.mobility import count_freedoms, generic_point
+from symbody.equations.solving.undetermined import generic, in_order, undetermined
 from symbody.errors import AssemblyError, Problem
 from symbody.manifold import explore_branch, independent_rows
 
@@ -42,6 +43,9 @@ class Redundancy:
         Independent speeds at the guess itself, where these are not as many.
     notes : tuple of str
         Where the two counts differ, where branches of several dimensions meet, and what stays undecided.
+    undetermined : tuple of str
+        Outputs that do not follow from the motion: components of reactions, "reaction J Fz", and efforts that
+        hold motions, "effort J". They get the share of least norm.
     """
 
     degrees_of_freedom: int
@@ -49,6 +53,7 @@ class Redundancy:
     dropped: tuple[str, ...]
     instantaneous: int | None = None
     notes: tuple[str, ...] = ()
+    undetermined: tuple[str, ...] = field(default=(), compare=False)
 
 
 @checked_arguments
@@ -72,7 +77,9 @@ def redundancy(
     refuse_unknown(eqs, guess or ())
     task = closure(eqs, dict(parameters or {}), {}, 0.0)
     if task.is_tree:
-        return Redundancy(len(eqs.speed_names), (), ())
+        somewhere = task.normalized(np.linspace(0.2, 0.8, len(eqs.coordinate_names)))
+        names = undetermined_at(eqs, parameters or {}, [(0.0, somewhere)]) if eqs.formed.redundant else ()
+        return Redundancy(len(eqs.speed_names), (), (), undetermined=names)
     q = assembled_configuration(task, guess or {}, parameters)
     if q is None:
         raise AssemblyError(
@@ -96,4 +103,22 @@ def redundancy(
         tuple(name for k, name in enumerate(names) if k not in kept),
         None if count.instantaneous == count.degrees_of_freedom else count.instantaneous,
         count.notes,
+        undetermined_at(eqs, parameters or {}, [(0.0, point) for point in branch.points]),
     )
+
+
+def undetermined_at(
+    eqs: EquationSet, parameters: Mapping[str, Value], places: Iterable[tuple[float, ArrayLike]]
+) -> tuple[str, ...]:
+    """Return the outputs that do not follow from the motion at those configurations that are not singular.
+
+    Parameters
+    ----------
+    places : iterable of (t, (n_q,) array)
+        On which the loops close.
+    """
+    values = constant_values(eqs, {name: name for name in eqs.parameter_names}, parameters)
+    formed = eqs.for_values(values).formed
+    others = {"p": [values[name] for name in eqs.parameter_names], "r": [0.0] * len(formed.inputs)}
+    points = [{"t": [t], "q": np.asarray(q, dtype=np.float64).tolist(), **others} for t, q in places]
+    return in_order(formed, generic(undetermined(formed, points)).names)

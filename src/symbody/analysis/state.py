@@ -48,6 +48,13 @@ class State:
     _functions: SingleFlight[str | tuple[str, ...], CompiledFunction] = field(
         default_factory=SingleFlight, repr=False
     )
+    # How many constraints follow from the others here.
+    _dependent: int = field(default=0, repr=False)
+
+    @property
+    def has_dependent_constraints(self) -> bool:
+        """Whether constraints follow from the others here, beside those that hold identically."""
+        return self._dependent > 0
 
     @property
     def branches(self) -> tuple[State, ...]:

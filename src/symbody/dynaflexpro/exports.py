@@ -9,7 +9,7 @@ from symbody.dynaflexpro.stabilization import checked_pair, stabilized
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.showing.textbook import Reaction
 from symbody.expr.closed_form import closed_forms
-from symbody.expr.graph import TIME
+from symbody.expr.graph import TIME, Kind, Symbol
 from symbody.expr.printing.definitions import EXPAND_LIMIT
 from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, symbol_to_sympy, to_sympy
 
@@ -199,8 +199,15 @@ class ModelEquations:
         return motion.subs(dict(given)).doit() if given else motion
 
     def GetReaction(self, joint: str, on: str = "", at: str = "", ref: str = "") -> Reaction:
-        """Return force and moment of a joint on its end body; see `EquationSet.reaction`."""
-        return self.equations.reaction(joint, on, at, ref)
+        """Return force and moment of a joint on its end body in `vLambda`; see `EquationSet.reaction`.
+
+        Multipliers of constraints that hold identically, which any values fit, are 0 here.
+        """
+        found = self.equations.reaction(joint, on, at, ref)
+        formed = self.equations.formed
+        symbols = [formed.graph.symbol(Symbol(row.name, Kind.MULTIPLIER)) for row in formed.redundant]
+        idle = dict.fromkeys(to_sympy(formed.graph, symbols), 0)
+        return Reaction(found.force.subs(idle), found.moment.subs(idle)) if idle else found
 
     def GetParams(self) -> list[SympyExpr]:
         """Return the parameters."""

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Final
 
 from symbody.arguments import checked_arguments
 from symbody.equations.formed import Formed
 from symbody.equations.forming import form
+from symbody.equations.freedoms.always_undetermined import always_undetermined
 from symbody.equations.freedoms.mobility import Mobility, mobility
 from symbody.equations.known import Deferred
 from symbody.equations.showing.derivative_outputs import asked_derivative
@@ -59,6 +61,7 @@ class EquationSet:
     _roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
     _code_roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
     _textbook: SingleFlight[None, Textbook] = field(default_factory=SingleFlight, repr=False)
+    _undetermined: SingleFlight[None, tuple[str, ...]] = field(default_factory=SingleFlight, repr=False)
     _noise_program: SingleFlight[None, Sequence] = field(default_factory=SingleFlight, repr=False)
     _for_values: SingleFlight[tuple[float | None, ...], EquationSet] = field(
         default_factory=lambda: SingleFlight(_MOST_VALUES), repr=False
@@ -270,6 +273,11 @@ class EquationSet:
         """Degrees of freedom, those at the initial values for an instant, and notes on both."""
         return mobility(self.formed)
 
+    @property
+    def undetermined_reactions(self) -> tuple[str, ...]:
+        """Outputs that follow from no motion, whatever the parameters; they get the share of least norm."""
+        return self._undetermined.get(None, partial(always_undetermined, self.formed))
+
     @checked_arguments
     def for_values(self, parameters: Mapping[str, float]) -> EquationSet:
         """Return these equations with the constraints that some values of the parameters fulfil set to 0 = 0.
@@ -365,7 +373,7 @@ class EquationSet:
 
     @checked_arguments
     def reaction(self, joint: str, on: str = "", at: str = "", frame: str = "") -> Reaction:
-        """Return the reaction of a joint as formulas in q, u, their derivatives and the multipliers.
+        """Return the reaction of a joint in q, u, u' and the multipliers, those of redundant rows too.
 
         Parameters
         ----------

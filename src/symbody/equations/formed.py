@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Protocol
 
 from symbody.equations.constraints.rolling import enter_contact
-from symbody.equations.dynamics.balance import NOTHING, Wrench
+from symbody.equations.dynamics.balance import NOTHING, Wrench, balanced
 from symbody.equations.dynamics.inertia import Inertia, Rotor
 from symbody.equations.dynamics.projection import Projection
 from symbody.equations.dynamics.reactions import drive_wrench, joint_wrenches, row_wrenches, summed
@@ -70,6 +70,8 @@ class Formed:
         What made some speeds functions of the others; their rows are not among `rows`.
     slack : tuple of Row
         Rows of ropes that are slack; they are not among `rows`.
+    redundant : tuple of Row
+        Rows that follow from `rows` and are not among them; they bear loads too, see `solving.self_stress`.
     angles : frozenset of str
         Coordinates placed by hand that whole turns change nothing of; those of joints are known by these.
     formed_again : callable or None
@@ -96,6 +98,7 @@ class Formed:
     formulation: Formulation = VIRTUAL_WORK
     elimination: Elimination | None = None
     slack: tuple[Row, ...] = ()
+    redundant: tuple[Row, ...] = ()
     angles: frozenset[str] = frozenset()
     formed_again: FormedAgain | None = None
     # Made on first request; a pure function of the fields above, so it cannot go stale.
@@ -105,6 +108,7 @@ class Formed:
         default_factory=SingleFlight, repr=False
     )
     resistances: list[Resistance] = field(default_factory=list, repr=False)
+    self_stress: SingleFlight[None, object] = field(default_factory=SingleFlight, repr=False)
     _free: SingleFlight[None, Solution] = field(default_factory=SingleFlight, repr=False)
     _released: SingleFlight[None, Mapping[str, Expr]] = field(default_factory=SingleFlight, repr=False)
 
@@ -161,6 +165,13 @@ class Formed:
         return [*found, *((row, self.released[row.name]) for row in tied)]
 
     @property
+    def bearing_rows(self) -> list[tuple[Row, Expr]]:
+        """All constraints that bear loads, redundant ones too, each with its multiplier."""
+        symbols = tuple(Symbol(row.name, Kind.MULTIPLIER) for row in self.redundant)
+        spare = zip(self.redundant, self.expressions(symbols), strict=True)
+        return [*self.rows_and_multipliers, *spare]
+
+    @property
     def position_jacobian(self) -> list[list[Expr]]:
         """The derivatives of Phi by q, one row a holonomic constraint."""
         by = [q.index for q in self.expressions(self.q)]
@@ -169,12 +180,12 @@ class Formed:
 
     @property
     def wrenches(self) -> Mapping[str, Wrench]:
-        """The total wrench of every joint in terms of u' and the multipliers."""
+        """The total wrench of every joint in terms of u' and the multipliers, of redundant rows too."""
         return self._wrenches.get(None, self._form_wrenches)
 
     def _form_wrenches(self) -> Mapping[str, Wrench]:
-        rows = self.rows_and_multipliers
-        cut = [*row_wrenches(rows), *self._measured_drives(), *self._couplings()]
+        rows = self.bearing_rows
+        cut = [*row_wrenches(rows), *self._measured_drives(), *self._couplings(rows)]
         free = self.free_bodies
         if isinstance(self.projection, Recursion):
             rates = zip(self.expressions(self.u), self.u, strict=True)
@@ -184,7 +195,7 @@ class Formed:
             found = joint_wrenches(self.topology, self.kinematics, self.bodies, self.loads.loads, cut)
         else:
             found = dict.fromkeys((joint.name for joint in self.topology.joints), NOTHING)
-            found |= summed([*cut, *free.wrenches.items()])
+            found |= summed([*cut, *free.wrenches.items(), *self._carried(free.multipliers)])
         contacts = [pair for pair in rows if pair[0].element in self.topology.contacts]
         return found | summed(row_wrenches(contacts))
 
@@ -243,9 +254,26 @@ class Formed:
                     effort = effort + rubbing[coordinate].effort
                 yield joint.name, drive_wrench(names, kinematics, joint, coordinate, effort)
 
-    def _couplings(self) -> Iterator[tuple[str, Wrench]]:
+    def _carried(self, solution: Sequence[Expr]) -> Iterator[tuple[str, Wrench]]:
+        """Return what branches carry more where multipliers differ from those of their wrenches."""
+        pairs = self.bearing_rows
+        found = [*solution, *(Expr(self.graph, 0) for _ in self.redundant)]
+        more = [(row, symbol - value) for (row, symbol), value in zip(pairs, found, strict=True)]
+        cut = summed([*row_wrenches(more), *self._couplings(more)])
+        for name, wrench in balanced(self.topology, self.kinematics, {}, cut).items():
+            own = cut.get(name, NOTHING)
+            yield name, Wrench(wrench.force - own.force, wrench.moment - own.moment)
+
+    def static_wrenches(self) -> dict[str, Wrench]:
+        """Return the total wrench of every joint if multipliers alone act, on bodies that need nothing."""
+        rows = self.bearing_rows
+        cut = summed([*row_wrenches(rows), *self._couplings(rows)])
+        found = dict.fromkeys((joint.name for joint in self.topology.joints), NOTHING)
+        return found | cut | balanced(self.topology, self.kinematics, {}, cut)
+
+    def _couplings(self, rows: Sequence[tuple[Row, Expr]]) -> Iterator[tuple[str, Wrench]]:
         """Return the wrenches of constraints written in coordinates that are not variables."""
-        for row, multiplier in self.rows_and_multipliers:
+        for row, multiplier in rows:
             for joint, share in self._coupled(row):
                 yield joint, Wrench(share.force * multiplier, share.moment * multiplier)
 
@@ -258,18 +286,27 @@ class Formed:
                     wrench = drive_wrench(self.names, self.kinematics, use.joint, coordinate, share)
                     yield use.joint.name, wrench
 
-    def with_rows(self, rows: tuple[Row, ...]) -> Formed:
+    def with_rows(self, rows: tuple[Row, ...], redundant: tuple[Row, ...] | None = None) -> Formed:
         """Return the same equations under other constraints."""
         return replace(
             self,
             rows=rows,
+            redundant=self.redundant if redundant is None else redundant,
             solved=SingleFlight(),
             resistances=[],
+            self_stress=SingleFlight(),
             _wrenches=SingleFlight(),
             _names=SingleFlight(),
             _free=SingleFlight(),
             _released=SingleFlight(),
         )
+
+    def with_independent(self, kept: Iterable[int]) -> Formed:
+        """Return the equations without rows that follow from those kept; they still bear loads."""
+        places = set(kept)
+        rows = tuple(row for k, row in enumerate(self.rows) if k in places)
+        others = tuple(row for k, row in enumerate(self.rows) if k not in places)
+        return self.with_rows(rows, (*self.redundant, *others))
 
     def own_rest(self, row: Row) -> Expr:
         """Return the rest of a row as it is in all speeds: what it demands of them."""

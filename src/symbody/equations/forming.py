@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import Final
 
 from symbody.equations.constraints.closings import alignments
 from symbody.equations.constraints.rows import form_rows
@@ -33,12 +34,16 @@ from symbody.equations.loads.friction import form_friction
 from symbody.equations.loads.loads import form_loads
 from symbody.equations.recursive.formulating import form_recursion
 from symbody.equations.recursive.recursion import Recursion
+from symbody.equations.solving.undetermined import identically_undetermined, share_notes
 from symbody.expr.deadline import begin
 from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.expr.printing.text import to_text
 from symbody.graph.topology import Topology
 from symbody.model.constraints import Distance
 from symbody.model.model import Model
+
+# Outputs that redundant constraints leave undetermined stand in the notes of mechanisms of so many joints.
+_MOST_LISTED: Final = 40
 
 
 def form(
@@ -90,11 +95,16 @@ def form(
         if is_read(use, read):
             names = names.with_values(measured_coordinates(names, kinematics, use))
     begin("constraints")
-    rows, notes = form_rows(topology, names, kinematics, uses)
+    found = form_rows(topology, names, kinematics, uses)
+    rows, notes = found.rows, found.notes + fallback
     if differentiates(formulation):
         rows = differentiated_rows(kinematics, rows)
-    notes += fallback
     formed = _formed(formulation, topology, names, uses, variables, kinematics, rows, notes)
+    formed = replace(formed, redundant=tuple(found.redundant))
+    if found.redundant and not spread:
+        told = identically_undetermined(formed) if len(uses) <= _MOST_LISTED else ()
+        shares = share_notes(formed, told)
+        notes, formed = notes + shares, replace(formed, notes=formed.notes + shares)
     return _without_dependent(formed, dependent, notes) if dependent else formed
 
 
@@ -106,7 +116,7 @@ def _without_dependent(formed: Formed, dependent: Sequence[str], notes: tuple[st
     holding = {law.holding: (formed.kinematics.slopes(law.rate), law.rate * 0) for law in formed.friction}
     found = replace(found, given={**found.given, **holding})
     variables = found.variables(formed.variables)
-    return _formed(
+    reduced = _formed(
         formed.formulation,
         formed.topology,
         found.names(formed.names),
@@ -117,6 +127,7 @@ def _without_dependent(formed: Formed, dependent: Sequence[str], notes: tuple[st
         notes + elimination_notes(found),
         found,
     )
+    return replace(reduced, redundant=formed.redundant)
 
 
 def _formed(

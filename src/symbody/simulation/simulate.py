@@ -12,12 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symbody.analysis.assembly import assemble
+from symbody.analysis.redundancy import undetermined_at
 from symbody.analysis.scales import USUAL_SHARE, mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.undetermined import identically_undetermined, share_notes
 from symbody.simulation.events.events import Event, checked_events
 from symbody.simulation.events.watching import EventWatch
 from symbody.simulation.inputs.input_laws import AskingFunction, InputLaws, Law, input_laws
@@ -101,7 +103,22 @@ def simulate(
     go = partial(run_switching, move=move) if switches(eqs.formed) else move
     with told(progress, "motion") as tell:
         wanted = partial(Request, times=times, rtol=rtol, atol=atol, max_steps=max_steps, progress=tell)
-        return go(task, first, span, wanted, chosen)
+        return _with_undetermined(go(task, first, span, wanted, chosen), first)
+
+
+def _with_undetermined(run: Trajectory, first: State) -> Trajectory:
+    """Return a run with notes of reactions that do not follow from it with these values of parameters."""
+    eqs = first.eqs
+    if not run.t.size or not (first.has_dependent_constraints or eqs.formed.friction):
+        return run
+    always = identically_undetermined(eqs.formed)
+    if first.has_dependent_constraints:
+        places = sorted({0, len(run.t) // 2, len(run.t) - 1})
+        names = undetermined_at(eqs, first.parameters, [(float(run.t[k]), run.q[:, k]) for k in places])
+        notes = share_notes(eqs.formed, [x for x in names if x not in always], " in this motion")
+    else:
+        notes = share_notes(eqs.formed, always)[1:]
+    return replace(run, notes=(*run.notes, *notes))
 
 
 def _moved(

@@ -1,9 +1,10 @@
-"""All constraints of a mechanism, without those that say nothing."""
+"""All constraints of a mechanism; those that hold identically are set apart."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 from symbody.equations.constraints.closings import closing_rows, motion_rows
 from symbody.equations.constraints.conditions import condition_rows
@@ -13,6 +14,7 @@ from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.row import Row
 from symbody.equations.kinematics.variables import Use
 from symbody.errors import FormulationError, Problem
+from symbody.expr.expression import Expr
 from symbody.expr.fingerprint import vanishing
 from symbody.expr.graph import Graph, Kind
 from symbody.expr.printing.text import to_text
@@ -20,12 +22,29 @@ from symbody.expr.rewrite import dependence, tree_size
 from symbody.graph.topology import Topology
 
 _SHORT: Final = 40
+# Of the largest offset of a frame; sums of lengths typed with 17 digits are far below, gaps far above.
+_ROUNDING: Final = 1e-14
 
 
-def form_rows(
-    topology: Topology, names: Names, kinematics: Kinematics, uses: Sequence[Use]
-) -> tuple[list[Row], tuple[str, ...]]:
-    """Return the constraints without those that hold identically, holonomic ones first; and remarks.
+class FormedRows(NamedTuple):
+    """The constraints of a mechanism.
+
+    Attributes
+    ----------
+    rows : list of Row
+        Without those that hold identically, holonomic ones first.
+    redundant : list of Row
+        Those that hold identically, without slopes: nothing follows from them, but they bear loads.
+    notes : tuple of str
+    """
+
+    rows: list[Row]
+    redundant: list[Row]
+    notes: tuple[str, ...]
+
+
+def form_rows(topology: Topology, names: Names, kinematics: Kinematics, uses: Sequence[Use]) -> FormedRows:
+    """Return the constraints of a mechanism.
 
     Raises
     ------
@@ -41,13 +60,19 @@ def form_rows(
     for condition in topology.model.constraints:
         rows += condition_rows(names, kinematics, condition)
     rows.sort(key=lambda row: not row.is_holonomic)
-    gone = _holding(kinematics.graph, rows)
+    rounding = _ROUNDING * _size(topology)
+    gone = [
+        zero or _is_rounding(row, rounding)
+        for row, zero in zip(rows, _holding(kinematics.graph, rows), strict=True)
+    ]
     kept = [row for row, zero in zip(rows, gone, strict=True) if not zero]
     problems = list(_impossible(topology, kinematics.graph, kept, uses))
     if problems:
         raise FormulationError(*problems)
     lost = [row for row, zero in zip(rows, gone, strict=True) if zero]
-    return kept, (*_dropped(topology, lost), *_integrable(kinematics, kept))
+    zero = Expr(kinematics.graph, 0)
+    redundant = [replace(row, slopes={}, rest=zero, gamma=zero) for row in lost]
+    return FormedRows(kept, redundant, (*_dropped(topology, lost), *_integrable(kinematics, kept)))
 
 
 def _holding(graph: Graph, rows: Sequence[Row]) -> list[bool]:
@@ -55,6 +80,21 @@ def _holding(graph: Graph, rows: Sequence[Row]) -> list[bool]:
     parts = [[row.value] if row.is_holonomic else [row.rest, *row.slopes.values()] for row in rows]
     zero = iter(vanishing(graph, [x.index for group in parts for x in group]))
     return [all([next(zero) for _ in group]) for group in parts]
+
+
+def _is_rounding(row: Row, rounding: float) -> bool:
+    """Return whether a closing equation is a constant that is 0 but for the digits lengths are typed with."""
+    number = row.value.number
+    limit = _ROUNDING if row.force.is_zero else rounding
+    return isinstance(number, float) and row.is_holonomic and abs(number) <= limit
+
+
+def _size(topology: Topology) -> float:
+    """Return the largest offset of a frame that is a number [m]."""
+    model = topology.model
+    frames = [*model.ground.values(), *(frame for body in model.bodies for frame in body.frames.values())]
+    known = (x.constant() for frame in frames for x in frame.at)
+    return max((abs(float(x)) for x in known if x is not None), default=0.0)
 
 
 def _impossible(

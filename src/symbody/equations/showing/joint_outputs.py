@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Final
 
 from symbody.equations.dynamics.balance import NOTHING, Wrench
@@ -17,10 +17,12 @@ from symbody.expr.graph import Kind, Symbol
 from symbody.model.constraints import Rolling
 from symbody.vectors.vector import components, cross
 
-_ENTRIES: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+ENTRIES: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 
 
-def reaction_wrench(formed: Formed, joint: str, on: str = "", at: str = "") -> Wrench:
+def reaction_wrench(
+    formed: Formed, joint: str, on: str = "", at: str = "", totals: Mapping[str, Wrench] | None = None
+) -> Wrench:
     """Return the reaction of a joint in terms of u' and the multipliers.
 
     Parameters
@@ -29,6 +31,8 @@ def reaction_wrench(formed: Formed, joint: str, on: str = "", at: str = "") -> W
         The body it acts on; the end body by default.
     at : str, optional
         The frame whose origin the moment is about; by default the end frame, or the point of contact.
+    totals : mapping of joint to Wrench, optional
+        The total wrenches; by default those of the motion.
 
     Raises
     ------
@@ -41,7 +45,7 @@ def reaction_wrench(formed: Formed, joint: str, on: str = "", at: str = "") -> W
             Problem("equations.unknown_joint", f"joint {joint}", f"no joint or constraint {joint!r} connects "
                     "two bodies", "", nearest(joint, formed.wrenches))
         )  # fmt: skip
-    found = formed.wrenches.get(joint, NOTHING)
+    found = (formed.wrenches if totals is None else totals).get(joint, NOTHING)
     if joint not in formed.topology.contacts:
         found = reaction(formed.names, formed.kinematics, formed.topology.joint(joint), found)
     at = joint if isinstance(owner, Rolling) and not at else at
@@ -67,15 +71,28 @@ def reaction_output(formed: Formed, rest: str) -> tuple[tuple[int, ...], list[Ex
     """Return the output "reaction J", (6,), or one entry "reaction J Fx"; see `reaction_axes`."""
     words = output_words(rest, formed.wrenches)
     name, entry = words[0], words[1] if len(words) == 2 else ""
-    if len(words) > 2 or (entry and entry not in _ENTRIES):
+    if len(words) > 2 or (entry and entry not in ENTRIES):
         raise FormulationError(
             Problem("equations.reaction_words", f"reaction {rest}", f"{rest!r} does not name a reaction", "",
-                    f'write "reaction JOINT" or "reaction JOINT ENTRY" with one of {", ".join(_ENTRIES)}')
+                    f'write "reaction JOINT" or "reaction JOINT ENTRY" with one of {", ".join(ENTRIES)}')
         )  # fmt: skip
-    wrench, axes = reaction_wrench(formed, name), reaction_axes(formed, name)
+    values = reaction_entries(formed, name)
+    return ((), [values[ENTRIES.index(entry)]]) if entry else ((6,), values)
+
+
+def reaction_entries(formed: Formed, name: str, totals: Mapping[str, Wrench] | None = None) -> list[Expr]:
+    """Return the six components of a reaction in terms of u' and the multipliers."""
+    wrench, axes = reaction_wrench(formed, name, totals=totals), reaction_axes(formed, name)
     tree = formed.kinematics.tree
-    values = [*components(tree, wrench.force, axes), *components(tree, wrench.moment, axes)]
-    return ((), [values[_ENTRIES.index(entry)]]) if entry else ((6,), values)
+    return [*components(tree, wrench.force, axes), *components(tree, wrench.moment, axes)]
+
+
+def prescribed_efforts(
+    formed: Formed, totals: Mapping[str, Wrench] | None = None
+) -> Iterator[tuple[str, str, Expr]]:
+    """Return the name of each effort that holds a prescribed coordinate, the coordinate, and the effort."""
+    for name, (use, coordinate) in _prescribed(formed):
+        yield name, coordinate, _held(formed, use, coordinate, totals)
 
 
 def joint_effort(formed: Formed, rest: str) -> Expr:
@@ -127,10 +144,10 @@ def _prescribed(formed: Formed) -> Iterator[tuple[str, tuple[Use, str]]]:
             yield effort_name(use.joint, coordinate), (use, coordinate)
 
 
-def _held(formed: Formed, use: Use, coordinate: str) -> Expr:
+def _held(formed: Formed, use: Use, coordinate: str, totals: Mapping[str, Wrench] | None = None) -> Expr:
     """Return the effort that holds a prescribed coordinate: the joint's wrench along it, and its rotor."""
     joint, names, kinematics = use.joint, formed.names, formed.kinematics
-    total = formed.wrenches[joint.name]
+    total = (formed.wrenches if totals is None else totals)[joint.name]
     effort = effort_along(names, kinematics, joint, coordinate, total)
     if coordinate in joint.armature:
         rotor = names.expression(joint.armature[coordinate], f"joint {joint.name}")
@@ -138,7 +155,7 @@ def _held(formed: Formed, use: Use, coordinate: str) -> Expr:
     for law in formed.friction:
         if law.joint.name == joint.name:
             effort = effort - law.effort
-    for row, multiplier in formed.rows_and_multipliers:
+    for row, multiplier in formed.bearing_rows:
         if coordinate in row.shares:
             effort = effort - row.shares[coordinate] * multiplier
     return effort

@@ -23,6 +23,7 @@ from symbody.equations.solving.projection import (
     velocity_residual,
 )
 from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.self_stress import with_shares
 from symbody.equations.solving.slopes import inverse_dynamics
 from symbody.equations.solving.solution import resistance, solve, solved
 from symbody.errors import ExpressionError, FormulationError, Problem, nearest
@@ -56,7 +57,7 @@ def output_roots(formed: Formed, name: str) -> Roots:
     first, _, rest = name.partition(" ")
     if first in _ABOUT and rest:
         shape, values = _ABOUT[first](formed, rest)
-        return _roots(name, shape, solved(formed, values))
+        return _roots(name, shape, solved(formed, with_shares(formed, values)))
     try:
         value = formed.readable_names.expression(Formula.of(name))
     except (ExpressionError, FormulationError) as error:

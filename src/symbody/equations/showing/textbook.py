@@ -163,8 +163,9 @@ class Textbook:
         wrench = reaction_wrench(self.formed, joint, on, at)
         tree = self.formed.kinematics.tree
         axes = self.formed.frame(frame) if frame else reaction_axes(self.formed, joint)
-        force = self._matrix("force", (3, 1), components(tree, wrench.force, axes))
-        moment = self._matrix("moment", (3, 1), components(tree, wrench.moment, axes))
+        entries = [*components(tree, wrench.force, axes), *components(tree, wrench.moment, axes)]
+        force = self._matrix("force", (3, 1), entries[:3])
+        moment = self._matrix("moment", (3, 1), entries[3:])
         return Reaction(force, moment)
 
     def _matrix(self, name: str, shape: tuple[int, ...], values: Sequence[Expr]) -> SympyMatrix:

@@ -21,6 +21,7 @@ from symbody.equations.formed import Formed
 from symbody.equations.kinematics.joint_axes import free_directions, perpendiculars
 from symbody.equations.kinematics.variables import turns_of
 from symbody.equations.loads.friction import FrictionLaw, Resistance
+from symbody.equations.solving.self_stress import multiplier_nodes, self_stress
 from symbody.expr.calculus import linear_coefficients
 from symbody.expr.expression import Expr, maximum, minimum, number, sqrt
 from symbody.expr.graph import Symbol
@@ -43,13 +44,20 @@ def solve_with_friction(formed: Formed, linear: Linear) -> tuple[list[Expr], lis
 
 
 class _Solver:
-    """One solution; vectors over all unknowns are ordered u', multipliers, friction efforts."""
+    """One solution; vectors over all unknowns are ordered u', multipliers, friction efforts, shares.
+
+    Shares are what the multipliers of all rows that bear loads differ by for reactions of least norm.
+    """
 
     def __init__(self, formed: Formed, linear: Linear) -> None:
         self.formed, self.linear = formed, linear
         self.graph = formed.graph
         self.laws = formed.friction
         self.zero = number(self.graph, 0)
+        self.unknowns = [self.graph.symbol(symbol) for symbol in unknown_symbols(formed)]
+        stress = self_stress(formed) if any(law.reads_reaction for law in self.laws) else None
+        self.stress = stress if stress and stress.blocks else None
+        self.loads = self._affine([x.index for x in self.stress.values(formed)] if self.stress else [])
         self.coupled = [
             k for k, law in enumerate(self.laws)
             if law.reads_reaction and not law.sticks and not (law.slip * law.strength).is_zero
@@ -64,11 +72,11 @@ class _Solver:
     def solution(self) -> tuple[list[Expr], list[Expr]]:
         """Return u' and the multipliers."""
         given = [self._given(law) for law in self.laws]
-        base = self._base(given)
+        base = self._with_shares(self._base(given), is_whole=True)
         if not self.coupled:
             return self._finished(base, {}, [], [])
         weights = [-(self.laws[k].slip * self.laws[k].strength) for k in self.coupled]
-        responses = [self._response(k) for k in self.coupled]
+        responses = [self._with_shares(self._response(k), is_whole=False) for k in self.coupled]
         parts = [self._reaction_parts(self.laws[k], base, responses) for k in self.coupled]
         start = [first for first, _ in parts]
         change = [[_scaled(a, c) for a, c in zip(rest, weights, strict=True)] for _, rest in parts]
@@ -108,14 +116,29 @@ class _Solver:
         self, law: FrictionLaw, base: list[Expr], responses: list[list[Expr]]
     ) -> tuple[list[Expr], list[list[Expr]]]:
         """Return a joint's reaction without coupled friction, and what each unit of it adds."""
-        unknowns = [self.graph.symbol(symbol) for symbol in unknown_symbols(self.formed)]
-        nodes = [part.index for part in across(self.formed, law)]
-        matrix, rest = linear_coefficients(self.graph, nodes, unknowns)
-        rows = [[Expr(self.graph, slope) for slope in row] for row in matrix]
-        first = [
-            Expr(self.graph, node) + self._product(row, base) for node, row in zip(rest, rows, strict=True)
-        ]
+        rows, rest = self._affine([part.index for part in across(self.formed, law)])
+        first = [x + self._product(row, base) for x, row in zip(rest, rows, strict=True)]
         return first, [[self._product(row, response) for row in rows] for response in responses]
+
+    def _affine(self, nodes: Sequence[int]) -> tuple[list[list[Expr]], list[Expr]]:
+        """Return the coefficients of expressions in all unknowns, and what is left without them."""
+        redundant = multiplier_nodes(self.formed)[len(self.formed.rows) :] if self.stress else []
+        matrix, rest = linear_coefficients(self.graph, nodes, [*self.unknowns, *redundant])
+        n, m, end = len(self.formed.u), len(self.formed.rows), len(self.unknowns)
+        rows = [[Expr(self.graph, slope) for slope in row] for row in matrix]
+        if self.stress:
+            rows = [[*row[:end], *row[n : n + m], *row[end:]] for row in rows]
+        return rows, [Expr(self.graph, node) for node in rest]
+
+    def _with_shares(self, found: list[Expr], *, is_whole: bool) -> list[Expr]:
+        """Return unknowns, or what is linear in them, with the shares that belong to them."""
+        if self.stress is None:
+            return found
+        idle = [self.zero] * len(self.stress.rows)
+        values = [self._product(row, [*found, *idle]) for row in self.loads[0]]
+        if is_whole:
+            values = [x + y for x, y in zip(self.loads[1], values, strict=True)]
+        return [*found, *self.stress.shares(values)]
 
     def _product(self, row: list[Expr], column: list[Expr]) -> Expr:
         total = self.zero
@@ -146,11 +169,14 @@ class _Solver:
         self, found: list[Expr], normals: dict[int, Expr], residuals: list[Expr], margins: list[Expr]
     ) -> tuple[list[Expr], list[Expr]]:
         """Write down what friction is, return the rest."""
-        n, m = len(self.formed.u), len(self.formed.rows)
-        nodes = {
-            self.graph.symbol(symbol): value.index
-            for symbol, value in zip(unknown_symbols(self.formed), found, strict=True)
-        }
+        n, m, end = len(self.formed.u), len(self.formed.rows), len(self.unknowns)
+        nodes = {node: value.index for node, value in zip(self.unknowns, found[:end], strict=True)}
+        if self.stress:
+            shared = [
+                *(x + y for x, y in zip(found[n : n + m], found[end:], strict=False)),
+                *found[end + m :],
+            ]
+            nodes |= {k: x.index for k, x in zip(multiplier_nodes(self.formed), shared, strict=True)}
         one = number(self.graph, 1)
         for k, law in enumerate(self.laws):
             if k not in normals and law.reads_reaction:
@@ -158,7 +184,7 @@ class _Solver:
                 normals[k] = _length([Expr(self.graph, node) for node in parts])
         self.formed.resistances.append(
             Resistance(
-                efforts=found[n + m :],
+                efforts=found[n + m : end],
                 normals=[normals.get(k, one) for k in range(len(self.laws))],
                 residuals=self._placed(residuals, self.zero),
                 margins=self._placed(margins, one),

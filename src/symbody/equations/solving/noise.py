@@ -17,7 +17,7 @@ from symbody.equations.kinematics.row import Row
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, number
 from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
-from symbody.vectors.vector import cross, dot
+from symbody.vectors.vector import dot
 
 _POINTS: Final = 3
 # Of the motions a row compares. Axes typed with 10 digits still count as what they mean; no mechanism works
@@ -56,7 +56,7 @@ def noise_program(formed: Formed) -> Sequence:
         for k, pair in enumerate(pairs)
         for word, values in zip(("slopes", "squares"), pair, strict=True)
     ]
-    return build_sequence(formed.graph, roots, _places(formed), merge=False, contract=False)
+    return build_sequence(formed.graph, roots, input_places(formed), merge=False, contract=False)
 
 
 def _silent(formed: Formed, program: Sequence, parameters: Mapping[str, float]) -> list[bool]:
@@ -64,7 +64,7 @@ def _silent(formed: Formed, program: Sequence, parameters: Mapping[str, float]) 
     silent = [True] * len(formed.rows)
     random = Random(3)
     for _ in range(_POINTS):
-        values = evaluate_sequence(program, _point(formed, parameters, random))
+        values = evaluate_sequence(program, random_point(formed, parameters, random))
         for k in range(len(silent)):
             slopes, squares = values[2 * k], values[2 * k + 1]
             limits = (_NOISE * max(float(square), 0.0) ** 0.5 for square in squares)
@@ -83,14 +83,23 @@ def _slopes_and_squares(formed: Formed, row: Row) -> tuple[list[Expr], list[Expr
     w, w_end = kinematics.angular_velocities[start], kinematics.angular_velocities[end]
     v, v_end = kinematics.velocities[start], kinematics.velocities[end]
     arm = kinematics.arm(start, end)
+    # Where a frame stands on the axis its body turns about, what cancels is a turn times a lever.
+    levers = [
+        (w, arm),
+        (w, kinematics.arm(link.start.body, start)),
+        (w_end, kinematics.arm(link.end.body, end)),
+    ]
+    turned = [(part, dot(tree, lever, lever)) for part, lever in levers]
     # A moment beside a force has the length of a lever; alone it stands for an angle.
     lever = number(formed.graph, 1) if row.force.is_zero else dot(tree, row.moment, row.moment)
     slopes, squares = [], []
     for u, slope in row.slopes.items():
         square = Expr(formed.graph, 0)
         if not row.force.is_zero:
-            for part in (v.partial(u), v_end.partial(u), cross(tree, w.partial(u), arm)):
+            for part in (v.partial(u), v_end.partial(u)):
                 square = square + dot(tree, part, part)
+            for spin, length in turned:
+                square = square + dot(tree, spin.partial(u), spin.partial(u)) * length
         if not row.moment.is_zero:
             for part in (w.partial(u), w_end.partial(u)):
                 square = square + dot(tree, part, part) * lever
@@ -99,7 +108,8 @@ def _slopes_and_squares(formed: Formed, row: Row) -> tuple[list[Expr], list[Expr
     return slopes, squares
 
 
-def _places(formed: Formed) -> dict[int, Input]:
+def input_places(formed: Formed) -> dict[int, Input]:
+    """Return where coordinates, parameters, inputs and time stand among the inputs of a sequence."""
     graph = formed.graph
     places = {graph.symbol(q): Input(q.label, "q", k) for k, q in enumerate(formed.q)}
     places |= {graph.symbol(p): Input(p.name, "p", k) for k, p in enumerate(formed.parameters)}
@@ -108,7 +118,8 @@ def _places(formed: Formed) -> dict[int, Input]:
     return places
 
 
-def _point(formed: Formed, parameters: Mapping[str, float], random: Random) -> dict[str, list[float]]:
+def random_point(formed: Formed, parameters: Mapping[str, float], random: Random) -> dict[str, list[float]]:
+    """Return random coordinates and time, and values of parameters where none is given."""
     q = [random.uniform(-1.5, 1.5) for _ in formed.q]
     place = {formed.graph.symbol(symbol): k for k, symbol in enumerate(formed.q)}
     for quaternion in formed.variables.quaternions:

@@ -14,7 +14,7 @@ from symbody.equations.solving.friction import solve_with_friction, unknown_symb
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr, saddle_entry
 from symbody.expr.fingerprint import vanishing
-from symbody.expr.graph import Kernel
+from symbody.expr.graph import Kernel, Kind, Symbol
 from symbody.expr.rewrite import substitute
 
 
@@ -48,14 +48,18 @@ def resistance(formed: Formed) -> Resistance:
 
 
 def solved(formed: Formed, values: Sequence[Expr]) -> list[Expr]:
-    """Return expressions with u', the multipliers and friction efforts replaced by the solution."""
+    """Return expressions with u', the multipliers and friction efforts replaced by the solution.
+
+    The multipliers of redundant rows are 0; `with_shares` puts those of least norm in their place.
+    """
     graph = formed.graph
-    symbols = unknown_symbols(formed)
+    symbols = [*unknown_symbols(formed), *(Symbol(row.name, Kind.MULTIPLIER) for row in formed.redundant)]
     nodes = {graph.symbol(symbol): k for k, symbol in enumerate(symbols)}
     if nodes.keys().isdisjoint(graph.reachable([value.index for value in values])):
         return list(values)
     udot, multipliers = solve(formed)
-    solution = [*udot, *multipliers, *resistance(formed).efforts]
+    idle = [Expr(graph, 0)] * len(formed.redundant)
+    solution = [*udot, *multipliers, *resistance(formed).efforts, *idle]
     replacements = {node: solution[k].index for node, k in nodes.items()}
     found = substitute(graph, [value.index for value in values], replacements)
     return [Expr(graph, node) for node in found]

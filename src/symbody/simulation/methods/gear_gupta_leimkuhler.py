@@ -95,7 +95,7 @@ def _independent(request: Request, eqs: EquationSet) -> tuple[EquationSet, tuple
         return eqs, ()
     dropped = [name for k, name in enumerate(eqs.multiplier_names) if k not in kept]
     note = f"GGL: {', '.join(dropped)} follow from the other constraints at the first state and are left out"
-    formed = eqs.formed.with_rows(tuple(eqs.formed.rows[k] for k in kept))
+    formed = eqs.formed.with_independent(kept)
     return EquationSet(eqs.model, formed, eqs.notes), (note,)
 
 

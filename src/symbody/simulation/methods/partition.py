@@ -205,7 +205,7 @@ class _Mechanism:
             if len(key) == len(formed.rows):
                 self._rates[key] = self._request.compiled("xdot")
             else:
-                chosen = formed.with_rows(tuple(formed.rows[k] for k in key))
+                chosen = formed.with_independent(key)
                 eqs = EquationSet(self._eqs.model, chosen, self._eqs.notes)
                 self._rates[key] = self._request.compiled("xdot", eqs)
         found: Floats = self._rates[key](t, x)

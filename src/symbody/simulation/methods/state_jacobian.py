@@ -22,8 +22,9 @@ def without_idle_rows(eqs: EquationSet, parameters: Mapping[str, Value]) -> Equa
         return eqs
     values = constant_values(eqs, {name: name for name in eqs.parameter_names}, parameters)
     formed = eqs.for_values(values).formed
-    rows = tuple(row for row in formed.rows if any(not slope.is_zero for slope in row.slopes.values()))
-    return EquationSet(eqs.model, formed.with_rows(rows), eqs.notes)
+    moving = [any(not slope.is_zero for slope in row.slopes.values()) for row in formed.rows]
+    kept = [k for k, is_moving in enumerate(moving) if is_moving]
+    return EquationSet(eqs.model, formed.with_independent(kept), eqs.notes)
 
 
 def with_state_jacobian(

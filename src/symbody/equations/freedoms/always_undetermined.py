@@ -1,0 +1,54 @@
+"""Outputs that constraints leave undetermined whatever the values of the parameters."""
+
+from __future__ import annotations
+
+from random import Random
+from typing import Final
+
+from symbody.equations.formed import Formed
+from symbody.equations.forming import form
+from symbody.equations.freedoms.mobility import assembled_values
+from symbody.equations.solving.noise import random_point
+from symbody.equations.solving.undetermined import generic, identically_undetermined, in_order, undetermined
+from symbody.errors import AssemblyError, ModelError
+from symbody.expr.graph import Graph
+from symbody.graph.topology import choose_topology
+from symbody.model.model import resolve_parameters
+
+_POINTS: Final = 2
+_ROUNDING: Final = 1e-9  # of axes typed with 10 digits; see `solving.noise`
+
+
+def always_undetermined(formed: Formed) -> tuple[str, ...]:
+    """Return the outputs that do not follow from the motion, whatever the values of the parameters.
+
+    They are those that share constraints which hold identically in the coordinates of the joints, and those
+    that share constraints which depend on each other for random values and, where the loops close with the
+    values of the model, there too.
+    """
+    if formed.formed_again is not None or not (formed.rows or formed.redundant):
+        return ()
+    formed = _by_joints(formed)
+    certain = identically_undetermined(formed)
+    random = Random(7)
+    points = [random_point(formed, {}, random) for _ in range(_POINTS)]
+    everywhere = frozenset.intersection(*(one.names for one in undetermined(formed, points, _ROUNDING)))
+    if everywhere.issubset(certain):
+        return certain
+    try:
+        values = resolve_parameters(formed.topology.model)
+        closed = assembled_values(formed, [symbol.label for symbol in formed.q])
+    except (AssemblyError, ModelError):
+        return certain
+    own = [float(values[symbol.name]) for symbol in formed.parameters]
+    others = {"p": own, "r": [0.0] * len(formed.inputs), "t": [0.0]}
+    found = undetermined(formed, [{"q": [x for (x,) in q], **others} for q in closed])
+    return in_order(formed, {*certain, *(everywhere & generic(found).names)})
+
+
+def _by_joints(formed: Formed) -> Formed:
+    """Return equations of the same mechanism in coordinates of joints."""
+    topology, own = choose_topology(formed.topology.model, "joints"), formed.topology
+    if (topology.rotation, topology.translation) == (own.rotation, own.translation):
+        return formed
+    return form(topology, Graph())

@@ -1,0 +1,181 @@
+"""Which components of reactions follow from the motion, and which share in no determined way.
+
+With the components ``r + B nu``, ``J^T nu = 0`` of `self_stress`, a component is undetermined where its row
+of B does not vanish on the null space of J^T. Part of that is seen on the graph: constraints that hold
+identically have columns of zeros in J^T. The rest is counted at configurations.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from functools import partial
+from itertools import groupby
+from random import Random
+from typing import Final, NamedTuple
+
+from symbody.equations.formed import Formed
+from symbody.equations.solving.noise import input_places, random_point
+from symbody.equations.solving.self_stress import Block, Component, SelfStress, self_stress
+from symbody.expr.evaluate import evaluate_sequence
+from symbody.expr.sequence import Roots, build_sequence
+
+# Assembly leaves 1e-10 of the mechanism's size; a pose one twentieth of a radian off leaves far more.
+_DEPENDENT: Final = 1e-6
+_NEGLIGIBLE: Final = 1e-6  # of the largest component, which is at most 1
+_ROUNDS: Final = 2  # orthogonalized twice is enough (Golub & Van Loan 2013, section 5.2.9)
+_FORCES: Final = ("Fx", "Fy", "Fz")
+
+
+class Undetermined(NamedTuple):
+    """What one configuration leaves open.
+
+    Attributes
+    ----------
+    redundant : int
+        Constraints that follow from the others.
+    names : frozenset of str
+        Outputs that do not follow from the motion: "reaction J Fx", "effort J".
+    """
+
+    redundant: int
+    names: frozenset[str]
+
+
+def identically_undetermined(formed: Formed) -> tuple[str, ...]:
+    """Return the outputs that share constraints which hold identically in the coordinates of a mechanism."""
+    stress = self_stress(formed)
+    return stress.always.get(None, partial(_always, formed, stress))
+
+
+def _always(formed: Formed, stress: SelfStress) -> tuple[str, ...]:
+    blocks = []
+    for block in stress.blocks:
+        idle = [k for k in range(len(block.rows)) if all(row[k].is_zero for row in block.slopes)]
+        if idle:
+            parts = [{place: tuple(row[k] for k in idle) for place, row in rows.items()}
+                     for rows in (block.changes, block.weighted)]  # fmt: skip
+            blocks.append(Block(tuple(block.rows[k] for k in idle), (), *parts))
+    if not blocks:
+        return ()
+    (found,) = _undetermined(formed, blocks, [random_point(formed, {}, Random(7))], _DEPENDENT)
+    return in_order(formed, found.names)
+
+
+def undetermined(
+    formed: Formed, points: Iterable[Mapping[str, Sequence[float]]], cut: float = _DEPENDENT
+) -> list[Undetermined]:
+    """Return what each of some configurations leaves open.
+
+    Parameters
+    ----------
+    points : iterable of mapping
+        Values of q, parameters p, inputs r and t, on which the loops close.
+    cut : float
+        Of the length of a row of J^T: what is left of it beyond others counts as rounding below.
+    """
+    return _undetermined(formed, self_stress(formed).blocks, points, cut)
+
+
+def _undetermined(
+    formed: Formed, blocks: Sequence[Block], points: Iterable[Mapping[str, Sequence[float]]], cut: float
+) -> list[Undetermined]:
+    roots = []
+    for k, block in enumerate(blocks):
+        for word, rows in (("slopes", block.slopes), ("changes", block.changes.values()),
+                           ("weighted", block.weighted.values())):  # fmt: skip
+            nodes = tuple(entry.index for row in rows for entry in row)
+            roots.append(Roots(f"{word} {k}", (len(nodes),), nodes))
+    program = build_sequence(formed.graph, roots, input_places(formed))
+    components, found = self_stress(formed).components, []
+    for point in points:
+        values = [[float(x) for x in group] for group in evaluate_sequence(program, point)]
+        found.append(_undetermined_at(components, blocks, values, cut))
+    return found
+
+
+def generic(found: Sequence[Undetermined]) -> Undetermined:
+    """Return what those configurations leave open that are no singular ones."""
+    least = min(one.redundant for one in found)
+    return Undetermined(least, frozenset().union(*(one.names for one in found if one.redundant == least)))
+
+
+def in_order(formed: Formed, names: Collection[str]) -> tuple[str, ...]:
+    """Return outputs in the order of the joints, without those that have no name."""
+    listed = dict.fromkeys(component.name for component in self_stress(formed).components)
+    outputs = (name for name in listed if not name.startswith("lambda_"))
+    return tuple(name for name in outputs if name in names)
+
+
+def share_notes(formed: Formed, names: Sequence[str], where: str = "") -> tuple[str, ...]:
+    """Return what is said of outputs that do not follow from the motion, and of friction that reads them."""
+    if not names:
+        return ()
+    notes = [
+        f"redundant constraints leave undetermined{where}: {_listed(names)}; they get the share of least norm"
+    ]
+    forces = {f"reaction {law.joint.name} {entry}" for law in formed.friction for entry in _FORCES
+              if law.reads_reaction}  # fmt: skip
+    rubbing = dict.fromkeys(name.rpartition(" ")[0].partition(" ")[2] for name in names if name in forces)
+    if rubbing:
+        notes.append(
+            f"friction of {', '.join(rubbing)} follows from reactions that are undetermined: it is that of "
+            "their share of least norm"
+        )
+    return tuple(notes)
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return outputs as text: the entries of one reaction together."""
+    pairs = [name.rpartition(" ") if name.startswith("reaction ") else (name, "", "") for name in names]
+    groups = groupby(pairs, key=lambda pair: pair[0])
+    return "; ".join(f"{owner} {', '.join(entry for *_, entry in group)}".rstrip() for owner, group in groups)
+
+
+def _undetermined_at(
+    components: Sequence[Component], blocks: Sequence[Block], values: Sequence[Sequence[float]], cut: float
+) -> Undetermined:
+    count, names = 0, set()
+    for k, block in enumerate(blocks):
+        n = len(block.rows)
+        slopes, changes, weighted = (list(_rows(group, n)) for group in values[3 * k : 3 * k + 3])
+        pairs = list(zip(changes, weighted, strict=True))
+        sizes = [math.sqrt(sum(b[i] * w[i] for b, w in pairs)) or 1.0 for i in range(n)]
+        basis = _orthonormal([[x / size for x, size in zip(row, sizes, strict=True)] for row in slopes], cut)
+        count += n - len(basis)
+        for place, (row, other) in zip(block.changes, pairs, strict=True):
+            scaled = [math.sqrt(x * y) / size for x, y, size in zip(row, other, sizes, strict=True)]
+            signed = [math.copysign(x, y) for x, y in zip(scaled, row, strict=True)]
+            if math.hypot(*_beside(signed, basis)) > _NEGLIGIBLE:
+                names.add(components[place].name)
+    return Undetermined(count, frozenset(names))
+
+
+def _rows(values: Sequence[float], n: int) -> Iterator[list[float]]:
+    return (list(values[k : k + n]) for k in range(0, len(values), n))
+
+
+def _orthonormal(rows: Iterable[list[float]], cut: float) -> list[list[float]]:
+    """Return an orthonormal basis of rows, the longest beside those taken first."""
+    lengths = ((math.hypot(*row), row) for row in rows)
+    left = [[x / length for x in row] for length, row in lengths if length > 0.0]
+    basis: list[list[float]] = []
+    while left:
+        beside = [_beside(row, basis) for row in left]
+        k = max(range(len(left)), key=lambda i: math.hypot(*beside[i]))
+        length = math.hypot(*beside[k])
+        if not length > cut:
+            break
+        basis.append([x / length for x in beside[k]])
+        del left[k]
+    return basis
+
+
+def _beside(row: list[float], basis: Iterable[list[float]]) -> list[float]:
+    """Return the part of a row that is perpendicular to a basis."""
+    vectors = list(basis)
+    for _ in range(_ROUNDS):
+        for unit in vectors:
+            share = sum(x * y for x, y in zip(unit, row, strict=True))
+            row = [x - share * y for x, y in zip(row, unit, strict=True)]
+    return row
