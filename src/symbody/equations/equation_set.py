@@ -370,7 +370,7 @@ class EquationSet:
 
     @checked_arguments
     def reaction(self, joint: str, on: str = "", at: str = "", frame: str = "") -> Reaction:
-        """Return the reaction of a joint as formulas in q, u, their derivatives and the multipliers.
+        """Return the reaction of a joint in q, u, u' and the multipliers, those of redundant rows too.
 
         Where constraints hold identically their multipliers ``lambda_<joint>_<k>`` are among them: any values
         fit the motion. The output "reaction J" has those of least norm.
