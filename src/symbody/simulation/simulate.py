@@ -26,6 +26,7 @@ from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.question import checked_question
 from symbody.simulation.methods.request import Request
 from symbody.simulation.modes.dependent_speeds import pivot_events, pivots_judged
+from symbody.simulation.modes.impulses import run_struck
 from symbody.simulation.modes.painleve import judged
 from symbody.simulation.modes.switching import run_switching, switches
 from symbody.simulation.native.dense_output import DenseOutput
@@ -88,7 +89,7 @@ def simulate(
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0])
     notes = _notes(eqs, inputs or {}, laws)
     move = partial(_moved, integrator=integrator, constraints=constraints, notes=notes)
-    go = partial(run_switching, move=move) if switches(eqs.formed) else move
+    go = partial(run_switching if switches(eqs.formed) else run_struck, move=move)
     with told(progress, "motion") as tell:
         wanted = partial(Request, times=times, rtol=rtol, atol=atol, max_steps=max_steps, progress=tell)
         return go(task, first, span, wanted, chosen)
@@ -125,7 +126,8 @@ def _run(
 ) -> tuple[RawRun, tuple[str, ...], EventWatch | None]:
     """Return the run by the integrator chosen, what to note about it, and what looked for events."""
     x = np.array([*first.u.values(), *first.q.values(), 0.0])
-    request = wanted(task=task, x0=x, span=span, watch=None)
+    bounds = task.breakpoints(span, [str(event.expression) for event in events])
+    request = wanted(task=task, x0=x, span=span, watch=None, breakpoints=bounds)
     projector, closing = _projector(task, constraints, request.atol)
     if isinstance(integrator, FixedStep):  # however far a step went, there is no shorter one
         projector = projector._replace(limit=math.inf)
@@ -133,7 +135,7 @@ def _run(
     request = replace(request, watch=watch)
     run = partial(integrate, t_span=span, times=request.times, projector=projector, watch=watch)
     atol = [*x[:-1] * 0.0 + request.atol, _work_tolerance(task, first, span[0], request)]
-    run = partial(run, rtol=request.rtol, atol=atol, max_steps=request.max_steps)
+    run = partial(run, rtol=request.rtol, atol=atol, max_steps=request.max_steps, breakpoints=bounds)
 
     def explicit(method: Explicit | FixedStep, stop: bool) -> RawRun:
         return _integrated(
@@ -142,7 +144,7 @@ def _run(
 
     raw, notes = run_chosen(request, integrator, constraints, explicit)
     del closing  # it had to live as long as the loop that calls it
-    return raw, notes, watch
+    return raw, (*notes, *bounds.notes(integrator.step if isinstance(integrator, FixedStep) else None)), watch
 
 
 def _work_tolerance(task: Task, first: State, t: float, request: Request) -> float:

@@ -12,12 +12,15 @@ from numpy.typing import NDArray
 
 from symbody.analysis.closure import constraint_scales
 from symbody.codegen.compile import Value, form_sequence
-from symbody.codegen.function import CompiledFunction
+from symbody.codegen.function import CompiledFunction, Signature
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
 from symbody.expr.evaluate import evaluate_sequence
+from symbody.expr.sequence import Sequence as Program
 from symbody.simulation.events.events import Event
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.inputs.time_functions import time_functions
 from symbody.simulation.methods.constraints import PROJECTED
 from symbody.simulation.native.dense_output import DenseOutput
 
@@ -37,15 +40,41 @@ class Task:
     _functions: dict[tuple[EquationSet, tuple[str, ...], bool, bool], CompiledFunction] = field(
         default_factory=dict, repr=False, compare=False
     )
+    _sequences: dict[tuple[EquationSet, tuple[str, ...]], tuple[Program, Signature]] = field(
+        default_factory=dict, repr=False, compare=False
+    )
+    _breakpoints: dict[tuple[EquationSet, tuple[str, ...]], tuple[list[float], Breakpoints]] = field(
+        default_factory=dict, repr=False, compare=False
+    )
 
     def compiled(self, outputs: str | Sequence[str], *, quick: bool = False) -> CompiledFunction:
         """Return a function of t, q and u, and of the inputs that are asked for; `quick` for few calls."""
         is_one = isinstance(outputs, str)
         key = (self.eqs, (outputs,) if isinstance(outputs, str) else tuple(outputs), is_one, quick)
         if key not in self._functions:
-            sequence = form_sequence(self.eqs, outputs, self.parameters, (), self.laws.formulas)
-            self._functions[key] = CompiledFunction(*sequence, quick=quick)
+            self._functions[key] = CompiledFunction(*self._formed(outputs), quick=quick)
         return self._functions[key]
+
+    def _formed(self, outputs: str | Sequence[str]) -> tuple[Program, Signature]:
+        names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+        if (self.eqs, names) not in self._sequences:
+            self._sequences[self.eqs, names] = form_sequence(
+                self.eqs, outputs, self.parameters, (), self.laws.formulas
+            )
+        return self._sequences[self.eqs, names]
+
+    def breakpoints(self, span: tuple[float, float], watched: Sequence[str] = ()) -> Breakpoints:
+        """Return where what depends on time alone changes, in the equations and in expressions `watched`."""
+        found = NO_BREAKPOINTS
+        for outputs in (("xdot", "power"), tuple(watched)):
+            key = self.eqs, outputs
+            if outputs and (key not in self._breakpoints or not _holds(self._breakpoints[key][0], span)):
+                functions = time_functions(self._formed(outputs)[0], self.laws.tables)
+                pieces = NO_BREAKPOINTS if functions is None else find_breakpoints(functions, span)[0]
+                self._breakpoints[key] = sorted(span), pieces
+            if outputs:
+                found = found.united(self._breakpoints[key][1])
+        return found
 
     def evaluated(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
         """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""
@@ -62,6 +91,11 @@ class Task:
     def is_closed(self) -> bool:
         """Whether states have to be projected."""
         return bool(self.eqs.multiplier_names or self.eqs.quaternions)
+
+
+def _holds(known: Sequence[float], span: tuple[float, float]) -> bool:
+    """Return whether a span lies in one that is known."""
+    return known[0] <= min(span) and max(span) <= known[1]
 
 
 @dataclass(frozen=True, slots=True)

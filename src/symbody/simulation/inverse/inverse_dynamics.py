@@ -95,7 +95,7 @@ def _trajectory(
 ) -> Trajectory:
     """Return the motion with the inputs found, and what follows from both."""
     eqs, known = solver.eqs, solver.laws
-    laws = FoundLaws(known.formulas, known.asked, known.notes, solver, {_key(samples): r})
+    laws = FoundLaws(known.formulas, known.asked, known.notes, known.tables, solver, {_key(samples): r})
     evaluate = Evaluator(Task(eqs, solver.path.parameters, laws), None)
     power = evaluate("power", samples.t, samples.q, samples.u)
     count = samples.t.size

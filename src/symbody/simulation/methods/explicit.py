@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.errors import Problem, UsageError
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.interface import Goal, Projector, RightHandSide
 from symbody.simulation.native.loop import EPSILON
@@ -51,7 +53,8 @@ class Explicit:
     order : int
         8 (the default, for smooth motions and tight tolerances) or 5.
     max_step : float, optional
-        Longest step [s]; give it where a short pulse or a fast input could fall between two steps.
+        Longest step [s]; give it where a Python function as input is short or fast, which cannot be looked
+        at before the motion.
     first_step : float, optional
         First step [s]; by default it follows from the first accelerations.
 
@@ -102,6 +105,7 @@ def integrate(
     progress: Progress | None = None,
     projector: Projector = NOTHING_TO_PROJECT,
     watch: Watch | None = None,
+    breakpoints: Breakpoints = NO_BREAKPOINTS,
 ) -> RawRun:
     """Integrate ``x' = f(t, x)``, x = (u, q), f given by its address; t_span [s] may run backwards.
 
@@ -125,6 +129,8 @@ def integrate(
         Brings each accepted step and each sample back onto the constraints.
     watch : Watch, optional
         May cut the run between two slices; needs `dense`.
+    breakpoints : Breakpoints
+        Where what depends on time alone changes; they bound the steps, unless these have one length.
 
     Raises
     ------
@@ -132,7 +138,9 @@ def integrate(
         What does not fit: shapes, tolerances, times outside the span, more samples than the memory holds.
     """
     (start, end), x = checked_span(t_span), _checked_state(x0, n_u + n_q)
-    goal = _goal(start, end, method, checked_rtol(rtol), checked_atol(atol, x.size))
+    bounds = NO_BREAKPOINTS if isinstance(method, FixedStep) else breakpoints
+    longest = math.inf if method.max_step is None else float(method.max_step)
+    goal = goal_of((start, end), checked_rtol(rtol), checked_atol(atol, x.size), longest, [bounds])
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
     tableau = method.tableau
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
@@ -142,9 +150,29 @@ def integrate(
     return drive(run, record, 0.0 if method.first_step is None else float(method.first_step), progress, watch)
 
 
-def _goal(start: float, end: float, method: Explicit | FixedStep, rtol: float, atol: Floats) -> Goal:
-    max_step = math.inf if method.max_step is None else float(method.max_step)
-    return Goal(end, 1.0 if end >= start else -1.0, rtol, atol, max_step, 0, False)
+def goal_of(
+    span: tuple[float, float],
+    rtol: float,
+    atol: Floats,
+    max_step: float,
+    breakpoints: Sequence[Breakpoints],
+) -> Goal:
+    """Return the goal of a motion over a span, with the breakpoints of each case."""
+    direction = 1.0 if span[1] >= span[0] else -1.0
+    along = [own.along(direction) for own in breakpoints]
+    return Goal(
+        span[1],
+        direction,
+        rtol,
+        atol,
+        max_step,
+        0,
+        False,
+        np.concatenate([times for times, _, _ in along]),
+        np.concatenate([longest for _, longest, _ in along]),
+        np.concatenate([jumps for _, _, jumps in along]),
+        max(own.margin for own in breakpoints),
+    )
 
 
 def _usage(where: str, what: str, fix: str, why: str = "") -> UsageError:

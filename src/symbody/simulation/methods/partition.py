@@ -219,6 +219,7 @@ class _PartitionStepper:
         self._request, self._worst, self._explicit = request, method.worst, explicit
         self._mechanism = _Mechanism(request)
         self._x, (self._t, self._end) = request.state, request.span
+        self._ends = request.step_ends()
         self._watch = Watch(self._derivative)
         self.changes, self.rejected = 0, 0
         self._positions, self._speeds = self._mechanism.choose(self._t, self._x[request.n_u :])
@@ -234,10 +235,14 @@ class _PartitionStepper:
         """Take one step; the dependent coordinates inside it are solved for."""
         if self.is_open:
             return Failure(Status.SINGULAR)
+        begin, stop, end = self._ends(self._t)
+        if begin != self._t:  # what depends on time has jumped
+            self._begin(None)
         for _ in range(_TRIALS):
             solver, before = self._solver, self._watch.evaluations
             if not np.isfinite(solver.f).all():
                 return self._watch.failure(0)
+            solver.max_step = min(self._longest, max(abs(stop - solver.t), _SHORTEST * EPSILON * abs(stop)))
             solver.step()
             self.rejected += (self._watch.evaluations - before) // solver.n_stages
             if solver.status == "failed":
@@ -249,6 +254,8 @@ class _PartitionStepper:
                 self._accept(solver, nodes[-1])
                 if length <= _SHORTEST * EPSILON * abs(self._t) and self._t != self._end:
                     return Failure(Status.STEP_COLLAPSE)
+                if abs(self._t - stop) <= self._ends.goal.margin:
+                    self._t = end
                 return Step(self._t, nodes)
             self._begin(0.25 * abs(solver.t - self._t))
         return Failure(Status.STEP_COLLAPSE)
@@ -300,12 +307,17 @@ class _PartitionStepper:
 
     def _begin(self, first_step: float | None) -> None:
         """Start DOP853 from the present state."""
-        longest = np.inf if self._explicit.max_step is None else float(self._explicit.max_step)
+        longest = self._longest
+        begin, _, _ = self._ends(self._t)
         rest = abs(self._end - self._t)
         self._solver = DOP853(
-            self._watch, self._t, self._x.copy(), self._end, max_step=longest, rtol=self._request.rtol,
+            self._watch, begin, self._x.copy(), self._end, max_step=longest, rtol=self._request.rtol,
             atol=self._request.atol, first_step=None if first_step is None else min(first_step, rest),
         )  # fmt: skip
+
+    @property
+    def _longest(self) -> float:
+        return np.inf if self._explicit.max_step is None else float(self._explicit.max_step)
 
     def _derivative(self, t: float, y: Floats) -> Floats:
         x = self._mechanism.state(t, y, self._positions, self._speeds)

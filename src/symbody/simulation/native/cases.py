@@ -21,10 +21,10 @@ from symbody.simulation.native.interface import (
     inlined,
 )
 from symbody.simulation.native.loop import advance, begin
-from symbody.simulation.native.places import RUNNING, STATE_OLD, TIME
+from symbody.simulation.native.places import FIRST_BREAK, NEXT_BREAK, RUNNING, STATE_OLD, TIME
 
 # A test says what it has to be.
-SOURCES: Final = "ca2c1e099e8b3f03"
+SOURCES: Final = "634b0e63539ed3b2"
 # Steps between two looks at whether the run is to stop.
 _SLICE: Final = 1000
 
@@ -42,6 +42,8 @@ class Cases(NamedTuple):
         The same of the projector; without columns if nothing is projected.
     scales, sizes : (cases, constraints), (cases, n_q) arrays
         As in `Projector`.
+    first_breaks : (cases,) array of int
+        Where the breakpoints of each begin, see `Goal`.
     """
 
     states: Floats
@@ -51,6 +53,7 @@ class Cases(NamedTuple):
     projector_constants: Floats
     scales: Floats
     sizes: Floats
+    first_breaks: Integers
 
 
 class Outcome(NamedTuple):
@@ -109,6 +112,7 @@ def prepare(rhs: RightHandSide, memory: Memory, cases: Cases, k: int, start: flo
     memory.real[:] = 0.0
     memory.real[TIME] = start
     memory.counts[:] = 0
+    memory.counts[FIRST_BREAK] = memory.counts[NEXT_BREAK] = cases.first_breaks[k]
 
 
 @inlined

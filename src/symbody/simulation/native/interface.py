@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Places = NDArray[np.uintp]
+Flags = NDArray[np.bool_]
 Function = TypeVar("Function", bound=Callable[..., object])
 
 
@@ -113,7 +114,20 @@ class Method(NamedTuple):
 
 
 class Goal(NamedTuple):
-    """What a run is to reach, and how carefully."""
+    """What a run is to reach, how carefully, and what bounds its steps.
+
+    Attributes
+    ----------
+    breaks : (m,) array
+        Times where the pieces of `inputs.breakpoints` meet, in the order of the motion; those of every motion
+        end with an infinite one [s].
+    longest : (m,) array
+        How long a step may be that enters the piece before each [s].
+    jumps : (m,) array of bool
+        Whether what depends on time jumps there, so that a step has to end before and another begin behind.
+    margin : float
+        A jump happens within so much of its time [s].
+    """
 
     t_end: float
     direction: float
@@ -122,6 +136,10 @@ class Goal(NamedTuple):
     max_step: float
     max_trials: int
     stop_when_stiff: bool
+    breaks: Floats
+    longest: Floats
+    jumps: Flags
+    margin: float
 
 
 class Memory(NamedTuple):

@@ -13,7 +13,9 @@ from symbody.analysis.closure import Closure, are_lengths, offsets
 from symbody.codegen.compile import Value, form_sequence, form_values
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import AssemblyError, Problem, SymbodyError, nearest
+from symbody.errors import AssemblyError, CompileError, Problem, SymbodyError, nearest
+from symbody.expr.language.formula import Formula
+from symbody.model.model import Model, value_problems
 from symbody.simulation.sweeps.case_table import CaseTable
 
 Floats = NDArray[np.float64]
@@ -63,10 +65,48 @@ def first_states(
     offset = values.of(offsets(eqs))
     sizes = np.max(np.abs(list(offset.values()) or [np.zeros(table.count)]), axis=0)
     sizes = np.where(sizes > 0.0, sizes, 1.0)
+    impossible = impossible_cases(eqs, table)
     states = _of_tree(eqs, table.count, known, fixed)
-    if states is not None:
-        return FirstStates(states, sizes, {})
-    return _Assembler(eqs, table, inputs, t).all(known, fixed, sizes)
+    if states is None:
+        return _Assembler(eqs, table, inputs, t).all(known, fixed, sizes, impossible)
+    states[list(impossible)] = np.nan
+    return FirstStates(states, sizes, impossible)
+
+
+def impossible_cases(eqs: EquationSet, table: CaseTable) -> dict[int, str]:
+    """Return the cases in which masses or inertias are none, and why."""
+    model = eqs.model
+    if not isinstance(model, Model) or not table.parameter_names:
+        return {}
+    formulas: dict[str, Formula] = {}
+    for k, body in enumerate(model.bodies):
+        for name, own in (("mass", (body.mass,)), ("inertia", body.inertia), ("products", body.products)):
+            formulas |= {f"{name} {k} {i}": formula for i, formula in enumerate(own)}
+    armatures = [formula for joint in model.joints for formula in joint.armature.values()]
+    formulas |= {f"armature {k}": formula for k, formula in enumerate(armatures)}
+    values = _Values(eqs, table).of(formulas)
+    doubtful = np.zeros(table.count, dtype=np.bool_)
+    for name, column in values.items():
+        if name.startswith(("mass", "armature")):
+            doubtful |= column < 0.0
+    for k in range(len(model.bodies)):
+        three = [[values[f"{name} {k} {i}"] for i in range(3)] for name in ("inertia", "products")]
+        doubtful |= _is_doubtful(np.array(three[0]), np.array(three[1]))
+    notes = {}
+    for k in np.flatnonzero(doubtful).tolist():
+        problems = value_problems(model, table.values(k)[0])
+        if problems:
+            notes[k] = str(CompileError(*problems))
+    return notes
+
+
+def _is_doubtful(moments: Floats, products: Floats) -> NDArray[np.bool_]:
+    """Return whether tensors, (3, cases) each, may be impossible: a moment is negative, or too large."""
+    x, y, z = products
+    rows = [[moments[0], x, y], [x, moments[1], z], [y, z, moments[2]]]
+    tensors = np.moveaxis(np.array(rows), 2, 0)
+    principal = np.linalg.eigvalsh(np.where(np.isfinite(tensors), tensors, 0.0))
+    return np.asarray((principal[:, 0] < 0.0) | (principal[:, 0] + principal[:, 1] < principal[:, 2]))
 
 
 def projection_sizes(eqs: EquationSet, sizes: Floats) -> tuple[Floats, Floats]:
@@ -152,12 +192,20 @@ class _Assembler:
         sequence = form_sequence(eqs, _CLOSING, table.fixed_parameters, table.parameter_names, given)
         self._function = CompiledFunction(*sequence, quick=True)
 
-    def all(self, known: Mapping[str, Floats], fixed: Mapping[str, Floats], sizes: Floats) -> FirstStates:
-        """Return the first states of all cases."""
-        table, notes = self._table, {}
+    def all(
+        self,
+        known: Mapping[str, Floats],
+        fixed: Mapping[str, Floats],
+        sizes: Floats,
+        impossible: Mapping[int, str],
+    ) -> FirstStates:
+        """Return the first states of all cases but those that are impossible."""
+        table, notes = self._table, dict(impossible)
         states = np.full((table.count, len(self._eqs.state_names)), np.nan)
         scales, coordinates = projection_sizes(self._eqs, sizes)
         for k in range(table.count):
+            if k in impossible:
+                continue
             task = Closure(
                 self._eqs,
                 table.values(k)[0],
