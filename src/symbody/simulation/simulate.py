@@ -33,7 +33,7 @@ from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.interface import Projector
 from symbody.simulation.progress import told
 from symbody.simulation.results.singular_angles import singular_passages
-from symbody.simulation.results.stop_note import stop_note
+from symbody.simulation.results.stop_note import idle_notes, stop_note
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
 from symbody.simulation.task import Evaluator, EventFunctions, Task
@@ -87,7 +87,8 @@ def simulate(
     held = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
     task = Task(held, dict(parameters or {}), laws)
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0])
-    notes = _notes(eqs, inputs or {}, laws)
+    state = np.array([*first.u.values(), *first.q.values()])
+    notes = (*_notes(eqs, inputs or {}, laws), *idle_notes(task, state, span[0]))
     move = partial(_moved, integrator=integrator, constraints=constraints, notes=notes)
     go = partial(run_switching if switches(eqs.formed) else run_struck, move=move)
     with told(progress, "motion") as tell:

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.closure import constraint_scales, mechanism_size
+from symbody.codegen.compile import constant_values
 from symbody.codegen.massless import massless_problem, massless_speeds
+from symbody.model.model import Model
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.status import Status
 from symbody.simulation.task import Task
@@ -25,6 +27,7 @@ _LOST: Final = 1e-3
 # Shares of a unit vector, and of the prescribed velocities, that count.
 _TAKES_PART: Final = 0.1
 _DEMANDED: Final = 1e-2
+_TWO: Final = 2  # coordinates of a rotation that cannot spin about every axis
 
 
 def stop_note(task: Task, raw: RawRun) -> str:
@@ -129,6 +132,41 @@ def _massless(task: Task, raw: RawRun) -> str:
         return ""
     problem = massless_problem("", [eqs.speed_names[k] for k in places], eqs.coordinate_names)
     return f"there {problem.what}; {problem.fix}"
+
+
+def idle_notes(task: Task, x: Floats, t: float) -> tuple[str, ...]:
+    """Return which speeds no inertia resists at a first state x = (u, q): a rod that spins about itself."""
+    eqs = task.eqs
+    if not eqs.speed_names or not _has_rods(task):
+        return ()
+    n_u = len(eqs.speed_names)
+    function = task.compiled(("mass_matrix", "jacobian"), quick=True)
+    mass, rows = function(t, x[n_u:], x[:n_u], task.laws.at(t, x[n_u:], x[:n_u]))
+    names = [eqs.speed_names[k] for k in massless_speeds(mass, rows)]
+    if not names:
+        return ()
+    return (
+        f"no mass or inertia resists a motion of {', '.join(names)}: how it goes on follows from the choice of "
+        "speeds, not from mechanics; give the body an inertia about each axis, or do not use it",
+    )
+
+
+def _has_rods(task: Task) -> bool:
+    """Return whether a body has no inertia about one of its axes, planar bodies left out."""
+    model = task.eqs.model
+    if not isinstance(model, Model):
+        return False
+    spherical = {
+        body for joint in model.joints if len(joint.rotation_coordinates) > _TWO
+        for body in (joint.start.body, joint.end.body)
+    }  # fmt: skip
+    formulas = {f"{k} {i}": formula for k, body in enumerate(model.bodies) for i, formula in enumerate(body.inertia)}
+    values = constant_values(task.eqs, formulas, task.parameters)
+    for k, body in enumerate(model.bodies):
+        zeros = sum(values[f"{k} {i}"] == 0.0 for i in range(3))
+        if zeros == 1 or (zeros > 1 and body.name in spherical):
+            return True
+    return False
 
 
 def _samples(task: Task, raw: RawRun) -> tuple[Floats, Floats]:
