@@ -32,6 +32,7 @@ _ROUNDED: Final = 1e-12
 _JUMP: Final = 1e-9
 _DEEPEST: Final = 40  # halvings of the span
 _MOST_PIECES: Final = 4096  # of one span
+_WIDENINGS: Final = 16
 _MOST_WHOLE: Final = 4096  # whole numbers that a rounded value passes
 
 
@@ -47,7 +48,7 @@ class Breakpoints:
         How long a step may be that enters each piece [s].
     jumps : (m,) array of bool
         Whether values jump there.
-    margin : float
+    margins : (m,) array
         A jump happens within so much of its time [s].
     is_complete : bool
         Whether all changes were found.
@@ -56,16 +57,17 @@ class Breakpoints:
     times: Floats
     longest: Floats
     jumps: Flags
-    margin: float
+    margins: Floats
     is_complete: bool = True
 
-    def along(self, direction: float) -> tuple[Floats, Floats, Flags]:
-        """Return times, longest steps and jumps in the order of a motion, with an end that is never reached."""
+    def along(self, direction: float) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return times, longest steps, jumps and margins in the order of a motion; the last time is never."""
         step = 1 if direction > 0.0 else -1
         return (
             np.append(self.times[::step], direction * np.inf),
             self.longest[::step].copy(),
-            np.append(self.jumps[::step], False),
+            np.append(self.jumps[::step], 0.0),
+            np.append(self.margins[::step], 0.0),
         )
 
     def notes(self, step: float | None) -> tuple[str, ...]:
@@ -93,23 +95,27 @@ class Breakpoints:
         inside = np.concatenate([times[:1] - 1.0, between, times[-1:] + 1.0]) if times.size else np.zeros(1)
         longest = [own.longest[np.searchsorted(own.times, inside)] for own in (self, other)]
         jumps = [np.isin(times, own.times[own.jumps]) for own in (self, other)]
+        margins = np.zeros_like(times)
+        for own in (self, other):
+            places = np.searchsorted(times, own.times)
+            margins[places] = np.maximum(margins[places], own.margins)
         return Breakpoints(
             times,
             np.minimum(*longest),
             jumps[0] | jumps[1],
-            max(self.margin, other.margin),
+            margins,
             self.is_complete and other.is_complete,
         )
 
 
 # One piece that allows any step.
-NO_BREAKPOINTS: Final = Breakpoints(np.zeros(0), np.full(1, np.inf), np.zeros(0, dtype=np.bool_), 0.0)
+NO_BREAKPOINTS: Final = Breakpoints(np.zeros(0), np.full(1, np.inf), np.zeros(0, dtype=np.bool_), np.zeros(0))
 
 
 def find_breakpoints(
     functions: TimeFunctions, span: tuple[float, float], parameters: Floats | None = None
 ) -> list[Breakpoints]:
-    """Return the pieces of a span, for each row of free parameters (cases, n_p), by default for one without."""
+    """Return the pieces of a span for each row of free parameters (cases, n_p), by default one without."""
     p = np.zeros((1, 0)) if parameters is None else parameters
     if span[0] == span[1]:
         return [NO_BREAKPOINTS] * len(p)
@@ -154,7 +160,7 @@ class _Search:
         self._known, self._open = functions.known_switches, functions.open_switches
         rows = len(functions.operations) + self._open.size
         self._least, self._most = np.full((self._cases, rows), np.inf), np.full((self._cases, rows), -np.inf)
-        self._cuts: list[tuple[Floats, Places]] = []
+        self._cuts: list[tuple[Floats, Places, Floats]] = []
         self._leaves: list[_Pieces] = []
         self._is_complete = True
 
@@ -162,7 +168,8 @@ class _Search:
         """Divide the spans."""
         everything = np.arange(self._cases)
         whole = _Pieces(np.full(self._cases, self._start), np.full(self._cases, self._end), everything)
-        pieces = self._cut(whole, *self._known_times())
+        times, cases = self._known_times()
+        pieces = self._cut(whole, times, cases, np.full(times.size, self.margin))
         for _ in range(_DEEPEST):
             if not pieces.start.size:
                 return
@@ -177,7 +184,7 @@ class _Search:
         values = self._values(t, pieces.case)
         differences = values[len(self._functions.operations) :]
         symbols = self._symbols(differences)
-        times, cases = self._crossed(t, symbols, pieces.case)
+        times, cases, widths = self._crossed(t, symbols, pieces.case)
         is_cut = (symbols[:, :, 1:] != symbols[:, :, :-1]).any(axis=(0, 2))
         with np.errstate(all="ignore"):
             rough = ~is_cut & self._is_rough(values, pieces)
@@ -189,7 +196,7 @@ class _Search:
         self._leaves.append(pieces.chosen(~is_cut & ~divided))
         parts = [pieces.chosen(divided).halves()]
         if is_cut.any():
-            parts.append(self._cut(pieces.chosen(is_cut), times, cases))
+            parts.append(self._cut(pieces.chosen(is_cut), times, cases, widths))
         return joined(parts)
 
     def _values(self, t: Floats, case: Places, only: Places | None = None) -> Floats:
@@ -228,8 +235,8 @@ class _Search:
             found.append((times, np.repeat(everything, table.jumps.size)))
         return np.concatenate([times for times, _ in found]), np.concatenate([cases for _, cases in found])
 
-    def _crossed(self, t: Floats, symbols: Floats, case: Places) -> tuple[Floats, Places]:
-        """Return where open switches change between samples, by bisection: times and cases."""
+    def _crossed(self, t: Floats, symbols: Floats, case: Places) -> tuple[Floats, Places, Floats]:
+        """Return where open switches change between samples, by bisection: times, cases, and widths."""
         switch, piece, node = np.nonzero(symbols[:, :, 1:] != symbols[:, :, :-1])
         low, high = t[piece, node].copy(), t[piece, node + 1].copy()
         target = symbols[switch, piece, node]
@@ -241,22 +248,41 @@ class _Search:
             low, high = np.where(found == target, middle, low), np.where(found == target, high, middle)
             if (high - low <= 0.25 * self.margin).all():
                 break
-        return 0.5 * (low + high), case[piece]
+        times = 0.5 * (low + high)
+        return times, case[piece], self._widths(times, case[piece], switch)
 
-    def _cut(self, pieces: _Pieces, times: Floats, cases: Places) -> _Pieces:
-        """Return the parts of pieces between some times, a margin away from these."""
+    def _widths(self, t: Floats, case: Places, switch: Places) -> Floats:
+        """Return how far beside its time a switch has changed whatever its operands are rounded by."""
+        functions, own = self._functions, np.arange(t.size)
+        counts, n = functions.counts(self._open)[switch], len(functions.operations)
+        operands = [np.array([functions.operations[k].operands[i] for k in self._open]) for i in (0, -1)]
+        width = np.full(t.size, self.margin)
+        for _ in range(_WIDENINGS if t.size else 0):
+            beside = np.stack([t - width, t + width], axis=1)
+            values = self._values(beside, case, functions.before_open)
+            d = values[n:][switch, own]
+            d = np.where(counts[:, np.newaxis], d - np.round(d.mean(axis=1, keepdims=True)), d)
+            size = np.maximum(*(np.abs(values[places[switch], own]).max(axis=1) for places in operands))
+            is_clear = np.abs(d).min(axis=1) > _ROUNDINGS * EPSILON * size
+            if is_clear.all():
+                break
+            width = np.where(is_clear, width, 2.0 * width)
+        return width
+
+    def _cut(self, pieces: _Pieces, times: Floats, cases: Places, widths: Floats) -> _Pieces:
+        """Return the parts of pieces between some times, a width away from these."""
         order = np.lexsort((times, cases))
-        times, cases = times[order], cases[order]
+        times, cases, widths = times[order], cases[order], widths[order]
         is_new = np.ones(times.size, dtype=np.bool_)
-        is_new[1:] = (np.diff(times) > 4.0 * self.margin) | (np.diff(cases) != 0)
-        times, cases = times[is_new], cases[is_new]
-        inside = (times > self._start + 4.0 * self.margin) & (times < self._end - 4.0 * self.margin)
-        self._cuts.append((times[inside], cases[inside]))
+        is_new[1:] = (np.diff(times) > 4.0 * widths[1:]) | (np.diff(cases) != 0)
+        times, cases, widths = times[is_new], cases[is_new], widths[is_new]
+        inside = (times > self._start + 4.0 * widths) & (times < self._end - 4.0 * widths)
+        self._cuts.append((times[inside], cases[inside], widths[inside]))
         parts = [_Pieces(np.zeros(0), np.zeros(0), np.zeros(0, dtype=np.intp))]
         for start, end, case in zip(pieces.start, pieces.end, pieces.case, strict=True):
-            own = times[(cases == case) & (times > start - self.margin) & (times < end + self.margin)]
-            a = np.concatenate([[start], own + self.margin])
-            b = np.concatenate([own - self.margin, [end]])
+            is_own = (cases == case) & (times > start - widths) & (times < end + widths)
+            a = np.concatenate([[start], times[is_own] + widths[is_own]])
+            b = np.concatenate([times[is_own] - widths[is_own], [end]])
             is_kept = b - a > 2.0 * self.margin
             parts.append(_Pieces(a[is_kept], b[is_kept], np.full(int(is_kept.sum()), case)))
         return joined(parts)
@@ -280,22 +306,24 @@ class _Search:
         """Return the pieces of each case."""
         leaves = joined(self._leaves)
         leaves = leaves.chosen(np.lexsort((leaves.start, leaves.case)))
-        cuts = np.concatenate([times for times, _ in self._cuts])
-        owners = np.concatenate([cases for _, cases in self._cuts])
+        cuts, owners, widths = (np.concatenate(parts) for parts in zip(*self._cuts, strict=True))
+        order = np.argsort(cuts, kind="stable")
+        cuts, owners, widths = cuts[order], owners[order], widths[order]
         found = []
         for case in range(self._cases):
-            own = leaves.chosen(leaves.case == case)
-            found.append(self._result(own, np.sort(cuts[owners == case]), case))
+            own, is_own = leaves.chosen(leaves.case == case), owners == case
+            found.append(self._result(own, cuts[is_own], widths[is_own], case))
         return found
 
-    def _result(self, leaves: _Pieces, cuts: Floats, case: int) -> Breakpoints:
+    def _result(self, leaves: _Pieces, cuts: Floats, widths: Floats, case: int) -> Breakpoints:
         if leaves.start.size < 2:
             return NO_BREAKPOINTS
         before, after = leaves.end[:-1], leaves.start[1:]
-        times = before + 0.5 * (after - before)
+        times, margins = before + 0.5 * (after - before), np.full(before.size, self.margin)
         if cuts.size:  # as they were found, not as they follow from the margin
-            nearest = cuts[np.clip(np.searchsorted(cuts, before), 0, cuts.size - 1)]
-            times = np.where((nearest > before) & (nearest < after), nearest, times)
+            place = np.clip(np.searchsorted(cuts, before), 0, cuts.size - 1)
+            is_cut = (cuts[place] > before) & (cuts[place] < after)
+            times, margins = np.where(is_cut, cuts[place], times), np.where(is_cut, widths[place], margins)
         shown = self._functions.shown
         values = self._values(np.stack([before, after], axis=1), np.full(before.size, case))[shown]
         whole = (self._most - self._least)[case, shown][:, np.newaxis]
@@ -303,7 +331,7 @@ class _Search:
             change = np.abs(values[:, :, 1] - values[:, :, 0])
             moved = change > _JUMP * whole + _ROUNDED * np.abs(values).max(axis=2)
         is_jump = moved.any(axis=0) & (after > before)
-        return Breakpoints(times, leaves.end - leaves.start, is_jump, self.margin, self._is_complete)
+        return Breakpoints(times, leaves.end - leaves.start, is_jump, margins, self._is_complete)
 
 
 def _levels(d: Floats) -> list[Floats]:

@@ -121,8 +121,8 @@ def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float
             asked[name] = table
             notes.append(
                 f"input {name} is a Python function, asked at every evaluation: slow; implicit methods take "
-                "its slopes from differences; what it does within a step is seen only where the step is tried: "
-                "where it is short, give the integrator a max_step="
+                "its slopes from differences; where it is short, as a pulse after a rest, a step may pass "
+                "over it: give the integrator a max_step="
             )
     kept = {name: value for name, value in formulas.items() if name not in asked}
     in_order = {name: asked[name] for name in (*names, *asked) if name in asked}

@@ -28,7 +28,7 @@ FINE: Final[Floats] = chebvander(-np.cos(np.pi * np.arange(_COUNT) / (_COUNT - 1
 _LOCALLY: Final = 0.1
 _GLOBALLY: Final = 1e-4
 _ROUNDED: Final = 1e-12
-_TOUCHING: Final = 1e-9
+_TOUCHING: Final = 1e-14
 
 
 def _within(least: float, most: float, function: Callable[[Floats], Floats]) -> Callable[[Bounds], Bounds]:

@@ -159,7 +159,9 @@ def goal_of(
 ) -> Goal:
     """Return the goal of a motion over a span, with the breakpoints of each case."""
     direction = 1.0 if span[1] >= span[0] else -1.0
-    along = [own.along(direction) for own in breakpoints]
+    breaks, longest, jumps, margins = (
+        np.concatenate(parts) for parts in zip(*(own.along(direction) for own in breakpoints), strict=True)
+    )
     return Goal(
         span[1],
         direction,
@@ -168,10 +170,10 @@ def goal_of(
         max_step,
         0,
         False,
-        np.concatenate([times for times, _, _ in along]),
-        np.concatenate([longest for _, longest, _ in along]),
-        np.concatenate([jumps for _, _, jumps in along]),
-        max(own.margin for own in breakpoints),
+        breaks,
+        longest,
+        np.asarray(jumps, dtype=np.bool_),
+        margins,
     )
 
 

@@ -254,7 +254,7 @@ class _PartitionStepper:
                 self._accept(solver, nodes[-1])
                 if length <= _SHORTEST * EPSILON * abs(self._t) and self._t != self._end:
                     return Failure(Status.STEP_COLLAPSE)
-                if abs(self._t - stop) <= self._ends.goal.margin:
+                if abs(self._t - stop) < abs(end - stop):  # before a jump
                     self._t = end
                 return Step(self._t, nodes)
             self._begin(0.25 * abs(solver.t - self._t))

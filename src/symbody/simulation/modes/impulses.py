@@ -1,7 +1,7 @@
 """Jumps of prescribed rates: the speeds jump as well, by what the joints and constraints transmit.
 
-Where a prescribed rate jumps from one value to another, the mechanism is struck: of all speeds that fit the new
-rates, those are taken to which the momenta of the free directions do not change,
+Where a prescribed rate jumps from one value to another, the mechanism is struck: of all speeds that fit the
+new rates, those are taken to which the momenta of the free directions do not change,
 ``M u' + b' - (M u + b) = J^T P`` [Pars, A treatise on analytical dynamics, chapter 14], b the momenta that
 prescribed rates give. A jump of a prescribed position is refused.
 """
@@ -96,11 +96,12 @@ def _told(times: list[float], jumps: dict[int, float]) -> Iterator[str]:
     """Yield what to note about the jumps that happened."""
     for k, change in list(jumps.items())[:_MOST_TOLD]:
         yield (
-            f"at t = {times[k - 1]:.9g} s prescribed rates jump: the speeds jump with them, and the energy by "
-            f"{change:.6g} J"
+            f"at t = {times[k - 1]:.9g} s prescribed rates jump: the speeds jump with them, and the energy "
+            f"by {change:.6g} J"
         )
     if len(jumps) > _MOST_TOLD:
-        yield f"{len(jumps) - _MOST_TOLD} more jumps of prescribed rates until t = {times[len(jumps) - 1]:.9g} s"
+        last = times[len(jumps) - 1]
+        yield f"{len(jumps) - _MOST_TOLD} more jumps of prescribed rates until t = {last:.9g} s"
 
 
 def struck_times(task: Task, first: State, span: tuple[float, float]) -> tuple[list[float], float]:
@@ -119,20 +120,23 @@ def struck_times(task: Task, first: State, span: tuple[float, float]) -> tuple[l
     bounds = task.breakpoints(span, (*names, *(f"{name}_dot" for name in names), *closed))
     inside = (bounds.times > min(span)) & (bounds.times < max(span)) & bounds.jumps
     times = bounds.times[inside]
+    margin = float(bounds.margins.max(initial=0.0))
     if not times.size:
         return [], 0.0
-    seen = _Prescribed(task, first, np.linspace(*span, _SAMPLES), times, bounds.margin)
+    seen = _Prescribed(task, first, np.linspace(*span, _SAMPLES), times, margin)
     rates, fastest = seen.changes((*(f"{name}_dot" for name in names), *closed[1:]))
     positions, largest = seen.changes((*names, *closed[:1]))
     turning = [eqs.units.get(name) == "rad" for name in names]
     positions[: len(names)] = _without_turns(positions[: len(names)], np.array(turning, dtype=np.bool_))
-    width = 4.0 * bounds.margin * (fastest[: len(largest)] + np.abs(rates[: len(largest)]).max(axis=1, initial=0.0))
+    width = 4.0 * margin * (fastest[: len(largest)] + np.abs(rates[: len(largest)]).max(axis=1, initial=0.0))
     torn = np.abs(positions) > (_SLIGHT * largest + width)[:, np.newaxis]
     if torn.any():
         row, k = np.argwhere(torn)[0]
-        raise UsageError(_torn([*names, *(row.coordinate or row.name for row in eqs.formed.rows)][row], float(times[k])))
+        raise UsageError(
+            _torn([*names, *(row.coordinate or row.name for row in eqs.formed.rows)][row], float(times[k]))
+        )
     found: list[float] = times[(np.abs(rates) > _SLIGHT * fastest[:, np.newaxis]).any(axis=0)].tolist()
-    return found if span[1] >= span[0] else found[::-1], bounds.margin
+    return found if span[1] >= span[0] else found[::-1], margin
 
 
 def _prescribed(eqs: EquationSet) -> tuple[str, ...]:
@@ -154,7 +158,10 @@ class _Prescribed:
         """Return how much outputs change at the times, (n, N), and how large they are otherwise, (n,)."""
         if not outputs:
             return np.zeros((0, self.times.size)), np.zeros(0)
-        before, behind = self._at(outputs, self.times - self.margin), self._at(outputs, self.times + self.margin)
+        before, behind = (
+            self._at(outputs, self.times - self.margin),
+            self._at(outputs, self.times + self.margin),
+        )
         return behind - before, np.abs(self._at(outputs, self.samples)).max(axis=1)
 
     def _at(self, outputs: tuple[str, ...], t: Floats) -> Floats:
@@ -231,7 +238,9 @@ def _change(task: Task, x: Floats, before: float, behind: float) -> Floats:
     momenta = partial_derivatives(task.eqs, _MOMENTA, [formed.kinetic_energy.index], formed.u)
     with_momenta = replace(task, eqs=with_outputs(task.eqs, [momenta]))
     given = [np.ravel(outputs_at(with_momenta, (_MOMENTA,), t, x)[0]) for t in (before, behind)]
-    names = ("mass_matrix", "jacobian", "velocity_constraints") if task.eqs.multiplier_names else ("mass_matrix",)
+    names = (
+        ("mass_matrix", "jacobian", "velocity_constraints") if task.eqs.multiplier_names else ("mass_matrix",)
+    )
     mass, *closed = outputs_at(task, names, behind, x)
     rows, rates = closed if closed else (np.zeros((0, len(mass))), np.zeros(0))
     solution = solve_saddle(
@@ -239,7 +248,8 @@ def _change(task: Task, x: Floats, before: float, behind: float) -> Floats:
     )
     if not solution.ok:
         raise SimulationError(
-            Problem("simulation.impulse", "motion", f"no speeds fit the rates that are prescribed from t = {behind:.9g} s on",
+            Problem("simulation.impulse", "motion",
+                    f"no speeds fit the rates prescribed from t = {behind:.9g} s on",
                     "the constraints do not allow them, or the mass matrix is singular",
                     "prescribe a motion without corners")
         )  # fmt: skip

@@ -242,8 +242,8 @@ def _check_motions(task: Task, first: State, span: tuple[float, float]) -> None:
         raise UsageError(
             Problem("simulation.struck_friction", "motion", f"prescribed rates jump at t = {times[0]:.9g} s",
                     "joints that stick and slip, and ropes, would be struck as well",
-                    "prescribe a motion without corners, as by smoothstep; or give friction a v0, and replace "
-                    "ropes by springs that only pull")
+                    "prescribe a motion without corners, as by smoothstep; or give friction a v0, and "
+                    "replace ropes by springs that only pull")
         )  # fmt: skip
 
 

@@ -24,7 +24,7 @@ from symbody.simulation.native.loop import advance, begin
 from symbody.simulation.native.places import FIRST_BREAK, NEXT_BREAK, RUNNING, STATE_OLD, TIME
 
 # A test says what it has to be.
-SOURCES: Final = "634b0e63539ed3b2"
+SOURCES: Final = "a2f4686728daa0f5"
 # Steps between two looks at whether the run is to stop.
 _SLICE: Final = 1000
 

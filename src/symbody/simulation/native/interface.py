@@ -125,7 +125,7 @@ class Goal(NamedTuple):
         How long a step may be that enters the piece before each [s].
     jumps : (m,) array of bool
         Whether what depends on time jumps there, so that a step has to end before and another begin behind.
-    margin : float
+    margins : (m,) array
         A jump happens within so much of its time [s].
     """
 
@@ -139,7 +139,7 @@ class Goal(NamedTuple):
     breaks: Floats
     longest: Floats
     jumps: Flags
-    margin: float
+    margins: Floats
 
 
 class Memory(NamedTuple):

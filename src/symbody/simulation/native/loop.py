@@ -71,7 +71,7 @@ from symbody.simulation.native.stages import (
 )
 
 # Of the files below that are compiled into these functions; a test says what it has to be.
-SOURCES: Final = "d5a0d01ffc0fb033"
+SOURCES: Final = "9719792ca16c91a9"
 EPSILON: Final = 2.220446049250313e-16
 SMALLEST_STEP: Final = 1e-290  # absolute, for motions that fail at t = 0
 SAFETY: Final = 0.9
@@ -243,9 +243,9 @@ def _close(
 def next_break(goal: Goal, counts: Integers, t: float) -> int:
     """Return the number of the next breakpoint after a time, one that is at hand left behind."""
     k = counts[NEXT_BREAK]
-    while k > counts[FIRST_BREAK] and (goal.breaks[k - 1] - t) * goal.direction > 2.0 * goal.margin:
+    while k > counts[FIRST_BREAK] and (goal.breaks[k - 1] - t) * goal.direction > 2.0 * goal.margins[k - 1]:
         k -= 1  # an event led back
-    while (goal.breaks[k] - t) * goal.direction <= 2.0 * goal.margin:
+    while (goal.breaks[k] - t) * goal.direction <= 2.0 * goal.margins[k]:
         k += 1
     counts[NEXT_BREAK] = k
     return int(k)
@@ -273,7 +273,7 @@ def _bounded(goal: Goal, counts: Integers, t: float, h: float) -> tuple[float, i
 def next_trial(goal: Goal, counts: Integers, t: float, h: float) -> tuple[float, float]:
     """Return length and end of the next trial, of length 0 where steps are too short to go on.
 
-    Before a jump the step is shorter than its end tells, by `Goal.margin`.
+    Before a jump the step is shorter than its end tells, by `Goal.margins`.
     """
     rest = goal.t_end - t
     length, k = _bounded(goal, counts, t, h)
@@ -283,7 +283,7 @@ def next_trial(goal: Goal, counts: Integers, t: float, h: float) -> tuple[float,
         return rest, goal.t_end
     if k >= 0:
         end = goal.breaks[k]
-        return (end - t - goal.direction * goal.margin if goal.jumps[k] else end - t), end
+        return (end - t - goal.direction * goal.margins[k] if goal.jumps[k] else end - t), end
     if length <= max(10.0 * EPSILON * abs(t), SMALLEST_STEP):
         return 0.0, t
     return goal.direction * length, t + goal.direction * length
@@ -294,8 +294,8 @@ def behind_jump(goal: Goal, counts: Integers, t: float) -> float:
     """Return a time just behind a jump that lies at this time; without a jump the time itself."""
     k = next_break(goal, counts, t)
     if k > counts[FIRST_BREAK] and goal.jumps[k - 1] and t != goal.t_end:
-        if abs(goal.breaks[k - 1] - t) <= goal.margin:
-            behind: float = goal.breaks[k - 1] + goal.direction * goal.margin
+        if abs(goal.breaks[k - 1] - t) <= goal.margins[k - 1]:
+            behind: float = goal.breaks[k - 1] + goal.direction * goal.margins[k - 1]
             return behind
     return t
 
@@ -434,12 +434,12 @@ def project_row(projector: Projector, rtol: float, atol: Floats, t: float, x: Fl
 
 @compiled
 def longest_step(goal: Goal, counts: Integers, t: float) -> tuple[float, float, float]:
-    """Return from where to where the longest step at a time leads, and the time at which it is said to end."""
+    """Return from where to where the longest step at a time leads, and when it is said to end."""
     begin = behind_jump(goal, counts, t)
     length, end = next_trial(goal, counts, begin, goal.direction * np.inf)
     k = next_break(goal, counts, end)
     if end != goal.t_end and k > counts[FIRST_BREAK] and goal.jumps[k - 1] and goal.breaks[k - 1] == end:
-        stop = end - goal.direction * goal.margin
+        stop = end - goal.direction * goal.margins[k - 1]
     else:
         stop = end
     counts[NEXT_BREAK] = counts[FIRST_BREAK]

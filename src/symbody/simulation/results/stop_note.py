@@ -146,8 +146,8 @@ def idle_notes(task: Task, x: Floats, t: float) -> tuple[str, ...]:
     if not names:
         return ()
     return (
-        f"no mass or inertia resists a motion of {', '.join(names)}: how it goes on follows from the choice of "
-        "speeds, not from mechanics; give the body an inertia about each axis, or do not use it",
+        f"no mass or inertia resists a motion of {', '.join(names)}: how it goes on follows from the choice "
+        "of speeds, not from mechanics; give the body an inertia about each axis, or do not use it",
     )
 
 
@@ -160,7 +160,7 @@ def _has_rods(task: Task) -> bool:
         body for joint in model.joints if len(joint.rotation_coordinates) > _TWO
         for body in (joint.start.body, joint.end.body)
     }  # fmt: skip
-    formulas = {f"{k} {i}": formula for k, body in enumerate(model.bodies) for i, formula in enumerate(body.inertia)}
+    formulas = {f"{k} {i}": body.inertia[i] for k, body in enumerate(model.bodies) for i in range(3)}
     values = constant_values(task.eqs, formulas, task.parameters)
     for k, body in enumerate(model.bodies):
         zeros = sum(values[f"{k} {i}"] == 0.0 for i in range(3))
