@@ -132,7 +132,7 @@ class _Pieces:
     end: Floats
     case: Places
 
-    def chosen(self, which: Flags) -> _Pieces:
+    def chosen(self, which: Flags | Places) -> _Pieces:
         return _Pieces(self.start[which], self.end[which], self.case[which])
 
     def halves(self) -> _Pieces:

@@ -103,7 +103,7 @@ def _exceeds(bounds: Bounds, samples: Floats, whole: Floats) -> Flags:
     allowed = (
         _LOCALLY * (most - least) + _GLOBALLY * whole + _ROUNDED * np.maximum(np.abs(least), np.abs(most))
     )
-    return ~((bounds[0] >= least - allowed) & (bounds[1] <= most + allowed))
+    return np.asarray(~((bounds[0] >= least - allowed) & (bounds[1] <= most + allowed)), dtype=np.bool_)
 
 
 def hull(samples: Floats) -> Bounds:
@@ -136,7 +136,8 @@ def _steep_hidden(functions: TimeFunctions, k: int, values: Floats, whole: Float
     is_fixed = not functions.moves[operands[1]]
     second = (values[operands[1], :, 0],) * 2 if is_fixed else hull(values[operands[1]])
     if code == op.ATAN2:
-        return (first[0] <= 0.0) & (first[1] >= 0.0) & (second[0] <= 0.0) & (second[1] >= 0.0)
+        passes = [(low <= 0.0) & (high >= 0.0) for low, high in (first, second)]
+        return np.asarray(passes[0] & passes[1], dtype=np.bool_)
     corners = [np.power(a, b) for a in first for b in second]
     at_zero = np.where(second[0] < 0.0, np.inf, 0.0)
     corners.append(np.where(first[0] * first[1] <= 0.0, at_zero, corners[0]))

@@ -129,7 +129,7 @@ class Table:
         value = np.zeros_like(x)
         for column in self._pieces.T[::-1]:
             value = value * (x - self._starts[k]) + column[k]
-        return value
+        return np.asarray(value, dtype=np.float64)
 
     def bounds(self, start: Floats, end: Floats) -> tuple[Floats, Floats]:
         """Return the least and the largest value between times (N,) and (N,) without a jump between them."""

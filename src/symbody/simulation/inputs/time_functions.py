@@ -23,6 +23,12 @@ Floats = NDArray[np.float64]
 Places = NDArray[np.intp]
 Flags = NDArray[np.bool_]
 
+
+def _selected(condition: Floats, then: Floats, otherwise: Floats) -> Floats:
+    found: Floats = np.where(condition != 0.0, then, otherwise)
+    return found
+
+
 # What any other operation computes counts as unknown before the motion.
 FUNCTIONS: Final[Mapping[int, Callable[..., Floats]]] = MappingProxyType(
     {
@@ -34,7 +40,7 @@ FUNCTIONS: Final[Mapping[int, Callable[..., Floats]]] = MappingProxyType(
         op.ATAN2: lambda y, x: np.arctan2(y + 0.0, x),
         op.LT: lambda a, b: np.less(a, b) * 1.0, op.LE: lambda a, b: np.less_equal(a, b) * 1.0,
         op.EQ: lambda a, b: np.equal(a, b) * 1.0, op.AND: np.minimum, op.OR: np.maximum,
-        op.NOT: lambda a: 1.0 - a, op.SELECT: lambda c, a, b: np.where(c != 0.0, a, b),
+        op.NOT: lambda a: 1.0 - a, op.SELECT: _selected,
         op.FMA: lambda a, b, c: a * b + c,
     }
 )  # fmt: skip
@@ -158,8 +164,12 @@ def time_functions(
     with_parameters : bool
         Whether free parameters "p" count as known, too.
     """
-    known = {"t": lambda place: True, "r": lambda place: place in tables, "p": lambda place: with_parameters}
-    early, moves = _early(sequence, known)
+    given: dict[str, Callable[[int], bool]] = {
+        "t": lambda place: True,
+        "r": lambda place: place in tables,
+        "p": lambda place: with_parameters,
+    }
+    early, moves = _early(sequence, given)
     read = {
         place
         for k, operation in enumerate(sequence.operations)
