@@ -119,10 +119,9 @@ def integrate(
         Bound the root mean square of the local errors of a step.
     max_steps : int
         How many steps may be tried.
-    dense : bool
-        Whether to keep the motion between samples, at 7 (order 8) or 4 (order 5) more vectors a step.
-    stop_when_stiff : bool
-        Whether to stop with `Status.STIFF` when stability limits the steps.
+    dense, stop_when_stiff : bool
+        Whether to keep the motion between samples, at 7 (order 8) or 4 (order 5) more vectors a step, and to
+        stop with `Status.STIFF` when stability limits the steps.
     progress : callable, optional
         Called about 20 times a second with the share of the span that is done; returning False ends the run.
     projector : Projector
@@ -130,7 +129,7 @@ def integrate(
     watch : Watch, optional
         May cut the run between two slices; needs `dense`.
     breakpoints : Breakpoints
-        Where what depends on time alone changes; they bound the steps, unless these have one length.
+        What bounds steps that are not all of one length.
 
     Raises
     ------
@@ -138,9 +137,7 @@ def integrate(
         What does not fit: shapes, tolerances, times outside the span, more samples than the memory holds.
     """
     (start, end), x = checked_span(t_span), _checked_state(x0, n_u + n_q)
-    bounds = NO_BREAKPOINTS if isinstance(method, FixedStep) else breakpoints
-    longest = math.inf if method.max_step is None else float(method.max_step)
-    goal = goal_of((start, end), checked_rtol(rtol), checked_atol(atol, x.size), longest, [bounds])
+    goal = _goal((start, end), method, checked_rtol(rtol), checked_atol(atol, x.size), breakpoints)
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
     tableau = method.tableau
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
@@ -148,6 +145,19 @@ def integrate(
     run = NativeRun(rhs, projector, method_arrays(tableau), goal, fresh_memory(tableau, x, start))
     record = fresh_record(run, checked_times(times, start, end), dense)
     return drive(run, record, 0.0 if method.first_step is None else float(method.first_step), progress, watch)
+
+
+def _goal(
+    span: tuple[float, float],
+    method: Explicit | FixedStep,
+    rtol: float,
+    atol: Floats,
+    breakpoints: Breakpoints,
+) -> Goal:
+    bounds = NO_BREAKPOINTS if isinstance(method, FixedStep) else breakpoints
+    return goal_of(
+        span, rtol, atol, math.inf if method.max_step is None else float(method.max_step), [bounds]
+    )
 
 
 def goal_of(

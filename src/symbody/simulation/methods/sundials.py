@@ -170,7 +170,8 @@ class SundialsStepper:
             return found
         nodes = found.nodes
         nodes[-1], self._is_fresh = self._settled(found.t, nodes[-1])
-        self._x, self._t = nodes[-1], end if found.t == stop else found.t
+        is_there = abs(found.t - stop) <= 0.5 * abs(end - stop)  # but for the solver's rounding
+        self._x, self._t = nodes[-1], end if is_there else found.t
         self._watch.accept()
         return Step(self._t, nodes)
 

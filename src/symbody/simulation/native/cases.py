@@ -24,7 +24,7 @@ from symbody.simulation.native.loop import advance, begin
 from symbody.simulation.native.places import FIRST_BREAK, NEXT_BREAK, RUNNING, STATE_OLD, TIME
 
 # A test says what it has to be.
-SOURCES: Final = "0fd419eda7d9e0e7"
+SOURCES: Final = "eb026ffd9fdd341c"
 # Steps between two looks at whether the run is to stop.
 _SLICE: Final = 1000
 

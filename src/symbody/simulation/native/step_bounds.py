@@ -69,7 +69,7 @@ def behind_jump(goal: Goal, counts: Integers, t: float) -> float:
     """Return a time just behind a jump that lies at this time; without a jump the time itself."""
     k = next_break(goal, counts, t)
     if k > counts[FIRST_BREAK] and goal.jumps[k - 1] and t != goal.t_end:
-        if abs(goal.breaks[k - 1] - t) <= goal.margins[k - 1]:
+        if (goal.breaks[k - 1] - t) * goal.direction >= -goal.margins[k - 1]:
             behind: float = goal.breaks[k - 1] + goal.direction * goal.margins[k - 1]
             return behind
     return t
