@@ -30,7 +30,7 @@ def cart_with_pendulum(motion: str, as_constraint: bool) -> sb.EquationSet:
 
 def jump(run: sb.Trajectory, name: str, t: float) -> tuple[float, float]:
     """The values of the two samples at a jump."""
-    (place,) = np.flatnonzero(np.abs(run.t - t) < 1e-9)[:-1]
+    place = int(np.flatnonzero(np.abs(run.t - t) < 1e-13)[0])
     return float(run[name][place]), float(run[name][place + 1])
 
 

@@ -124,10 +124,8 @@ def integrate(
         stop with `Status.STIFF` when stability limits the steps.
     progress : callable, optional
         Called about 20 times a second with the share of the span that is done; returning False ends the run.
-    projector : Projector
-        Brings each accepted step and each sample back onto the constraints.
-    watch : Watch, optional
-        May cut the run between two slices; needs `dense`.
+    projector, watch : Projector, Watch
+        Bring steps and samples back onto the constraints; may cut the run, which needs `dense`.
     breakpoints : Breakpoints
         What bounds steps that are not all of one length.
 
