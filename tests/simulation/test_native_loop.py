@@ -19,7 +19,15 @@ from symbody.simulation.native.lanes import cases as lane_cases
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_8
 from tests.simulation.right_hand_sides import nothing, oscillator, pendulum, rational, run
 
-COMPILED_IN = ("interface.py", "places.py", "projection.py", "stages.py", "states.py", "vectors.py")
+COMPILED_IN = (
+    "interface.py",
+    "places.py",
+    "projection.py",
+    "stages.py",
+    "states.py",
+    "step_bounds.py",
+    "vectors.py",
+)
 FRESH_PROCESS = """
 from symbody.simulation.native import loop as native_loop
 print(len(native_loop.advance.signatures))

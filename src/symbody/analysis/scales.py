@@ -108,9 +108,13 @@ class Scales:
         span = abs(end - start)
         return self if self.has_time or span == 0.0 else replace(self, time=TIME_OF_SPAN * span)
 
-    def notes(self, eqs: EquationSet) -> tuple[str, ...]:
-        """Return what was assumed, if it matters."""
-        if self.has_length or "m" not in {eqs.units.get(name) for name in eqs.coordinate_names}:
+    def notes(self, eqs: EquationSet, atol: float | None = None) -> tuple[str, ...]:
+        """Return what was assumed, if it matters: not where an absolute tolerance was given."""
+        if (
+            atol is not None
+            or self.has_length
+            or "m" not in {eqs.units.get(name) for name in eqs.coordinate_names}
+        ):
             return ()
         return (
             "the model has no length from which tolerances could follow: they are those of a mechanism of "

@@ -28,6 +28,7 @@ from symbody.expr.rewrite import substitute, substitute_into, symbols_of
 from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
 from symbody.model.content import content_of
 from symbody.model.door import plain
+from symbody.model.model import Model, value_problems
 
 _LESS: Final = "ask for fewer outputs at a time, or for code in less time by quick=True"
 Value = int | float | str | Formula
@@ -138,6 +139,9 @@ def _made_sequence(
     inputs: Mapping[str, Value],
 ) -> tuple[Sequence, Signature]:
     begin("equations")
+    impossible = value_problems(eqs.model, parameters, kept) if isinstance(eqs.model, Model) else []
+    if impossible:
+        raise CompileError(*impossible)
     replacements = _parameter_nodes(eqs, parameters, kept)
     eqs = eqs.for_values(_known_values(eqs, replacements)) if eqs.multiplier_names else eqs
     replacements |= _input_nodes(eqs, inputs, replacements)

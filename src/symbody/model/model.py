@@ -11,15 +11,16 @@ from symbody.errors import ModelError, Problem, counted, nearest
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body, frame_table
+from symbody.model.checks import physics
 from symbody.model.checks.structure import free_joints
 from symbody.model.checks.validation import Draft, checked
 from symbody.model.constraint import Condition
-from symbody.model.door import Door, Value
+from symbody.model.door import Door, Value, plain
 from symbody.model.element import Element
 from symbody.model.frame import Frame
 from symbody.model.joint import Joint
-from symbody.model.lookup import with_carried
-from symbody.model.parameters import dependence_order, resolve
+from symbody.model.lookup import element_labels, with_carried
+from symbody.model.parameters import dependence_order, known_values, resolve
 from symbody.model.table import Table
 from symbody.model.uses import Triple
 
@@ -189,6 +190,27 @@ def resolve_parameters(model: Model, overrides: Mapping[str, Value] | None = Non
         Listing all parameters without value, or all names that are no parameters.
     """
     return resolve(model.parameters, overrides or {})
+
+
+def value_problems(model: Model, given: Mapping[str, Value], free: Iterable[str] = ()) -> list[Problem]:
+    """Return what is impossible about bodies and joints with other values of parameters, as in a file.
+
+    Values of `free` parameters are not known. Names that are none of the model are not judged.
+    """
+    changed: dict[str, Formula | None] = dict(model.parameters)
+    changed |= {
+        name: Formula.of(plain(value), where=name) for name, value in given.items() if name in changed
+    }
+    changed |= dict.fromkeys(free)
+    own = set(given)
+    for name in dependence_order(changed):
+        formula = changed[name]
+        if formula is not None and not own.isdisjoint(formula.names):
+            own.add(name)
+    labels = element_labels(model.elements)
+    return physics.value_problems(
+        {labels[k]: element for k, element in enumerate(model.elements)}, known_values(changed)[0], own
+    )
 
 
 def _elements(door: Door, elements: object) -> list[Element]:

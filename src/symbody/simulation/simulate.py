@@ -31,13 +31,14 @@ from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.question import checked_question
 from symbody.simulation.methods.request import Request
 from symbody.simulation.modes.dependent_speeds import pivot_events, pivots_judged
+from symbody.simulation.modes.impulses import run_struck
 from symbody.simulation.modes.painleve import judged
 from symbody.simulation.modes.switching import run_switching, switches
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.interface import Projector
 from symbody.simulation.progress import told
 from symbody.simulation.results.singular_angles import singular_passages
-from symbody.simulation.results.stop_note import stop_note
+from symbody.simulation.results.stop_note import idle_notes, stop_note
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
 from symbody.simulation.task import Evaluator, EventFunctions, Task
@@ -97,9 +98,9 @@ def simulate(
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
     known = mechanism_scales(eqs, dict(parameters or {}), scales, first.q).over(*span)
     task = Task(held, dict(parameters or {}), laws, known)
-    notes = (*_notes(eqs, inputs or {}, laws), *(known.notes(eqs) if atol is None else ()))
+    notes = (*_notes(eqs, inputs or {}, laws), *known.notes(eqs, atol), *idle_notes(task, first))
     move = partial(_moved, integrator=integrator, constraints=constraints, notes=notes)
-    go = partial(run_switching, move=move) if switches(eqs.formed) else move
+    go = partial(run_switching if switches(eqs.formed) else run_struck, move=move)
     with told(progress, "motion") as tell:
         wanted = partial(Request, times=times, rtol=rtol, atol=atol, max_steps=max_steps, progress=tell)
         run = go(task, first, span, wanted, chosen)
@@ -149,7 +150,8 @@ def _run(
 ) -> tuple[RawRun, tuple[str, ...], EventWatch | None]:
     """Return the run by the integrator chosen, what to note about it, and what looked for events."""
     x = np.array([*first.u.values(), *first.q.values(), 0.0])
-    request = wanted(task=task, x0=x, span=span, watch=None)
+    bounds = task.breakpoints(span, [str(event.expression) for event in events])
+    request = wanted(task=task, x0=x, span=span, watch=None, breakpoints=bounds)
     projector, closing = _projector(task, constraints, request.atol)
     if isinstance(integrator, FixedStep):  # however far a step went, there is no shorter one
         projector = projector._replace(limit=math.inf)
@@ -157,7 +159,7 @@ def _run(
     request = replace(request, watch=watch)
     run = partial(integrate, t_span=span, times=request.times, projector=projector, watch=watch)
     atol = [*request.tolerances, _work_tolerance(task, first, span[0], request)]
-    run = partial(run, rtol=request.rtol, atol=atol, max_steps=request.max_steps)
+    run = partial(run, rtol=request.rtol, atol=atol, max_steps=request.max_steps, breakpoints=bounds)
 
     def explicit(method: Explicit | FixedStep, stop: bool) -> RawRun:
         return _integrated(
@@ -166,7 +168,7 @@ def _run(
 
     raw, notes = run_chosen(request, integrator, constraints, explicit)
     del closing  # it had to live as long as the loop that calls it
-    return raw, notes, watch
+    return raw, (*notes, *bounds.notes(integrator.step if isinstance(integrator, FixedStep) else None)), watch
 
 
 def _work_tolerance(task: Task, first: State, t: float, request: Request) -> float:

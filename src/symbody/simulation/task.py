@@ -12,12 +12,15 @@ from numpy.typing import NDArray
 
 from symbody.analysis.scales import Scales
 from symbody.codegen.compile import Value, form_sequence
-from symbody.codegen.function import CompiledFunction
+from symbody.codegen.function import CompiledFunction, Signature
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
 from symbody.expr.evaluate import evaluate_sequence
+from symbody.expr.sequence import Sequence as Program
 from symbody.simulation.events.events import Event
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.inputs.time_functions import time_functions
 from symbody.simulation.methods.constraints import PROJECTED
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.single_flight import SingleFlight
@@ -39,6 +42,12 @@ class Task:
     _functions: SingleFlight[tuple[EquationSet, tuple[str, ...], bool, bool], CompiledFunction] = field(
         default_factory=SingleFlight, repr=False, compare=False
     )
+    _sequences: SingleFlight[tuple[EquationSet, tuple[str, ...]], tuple[Program, Signature]] = field(
+        default_factory=SingleFlight, repr=False, compare=False
+    )
+    _breakpoints: dict[tuple[EquationSet, tuple[str, ...]], tuple[list[float], Breakpoints]] = field(
+        default_factory=dict, repr=False, compare=False
+    )
 
     def compiled(self, outputs: str | Sequence[str], *, quick: bool = False) -> CompiledFunction:
         """Return a function of t, q and u, and of the inputs that are asked for; `quick` for few calls."""
@@ -46,10 +55,29 @@ class Task:
         key = (self.eqs, (outputs,) if isinstance(outputs, str) else tuple(outputs), is_one, quick)
 
         def compiled() -> CompiledFunction:
-            sequence = form_sequence(self.eqs, outputs, self.parameters, (), self.laws.formulas)
-            return CompiledFunction(*sequence, quick=quick)
+            return CompiledFunction(*self._formed(outputs), quick=quick)
 
         return self._functions.get(key, compiled)
+
+    def _formed(self, outputs: str | Sequence[str]) -> tuple[Program, Signature]:
+        names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+        return self._sequences.get(
+            (self.eqs, names),
+            lambda: form_sequence(self.eqs, outputs, self.parameters, (), self.laws.formulas),
+        )
+
+    def breakpoints(self, span: tuple[float, float], watched: Sequence[str] = ()) -> Breakpoints:
+        """Return where what depends on time alone changes, in the equations and in expressions `watched`."""
+        found = NO_BREAKPOINTS
+        for outputs in (("xdot", "power"), tuple(watched)):
+            key = self.eqs, outputs
+            if outputs and (key not in self._breakpoints or not _holds(self._breakpoints[key][0], span)):
+                functions = time_functions(self._formed(outputs)[0], self.laws.tables)
+                pieces = NO_BREAKPOINTS if functions is None else find_breakpoints(functions, span)[0]
+                self._breakpoints[key] = sorted(span), pieces
+            if outputs:
+                found = found.united(self._breakpoints[key][1])
+        return found
 
     def evaluated(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
         """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""
@@ -66,6 +94,11 @@ class Task:
     def is_closed(self) -> bool:
         """Whether states have to be projected."""
         return bool(self.eqs.multiplier_names or self.eqs.quaternions)
+
+
+def _holds(known: Sequence[float], span: tuple[float, float]) -> bool:
+    """Return whether a span lies in one that is known."""
+    return known[0] <= min(span) and max(span) <= known[1]
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence, Set
 from typing import Final
 
+from symbody.errors import Problem
+from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
 from symbody.model.checker import Checker
+from symbody.model.element import Element
 from symbody.model.frame import Frame
 from symbody.model.inertia import determinant, is_possible_inertia, may_be_about
 from symbody.model.joint import Joint
@@ -249,3 +252,18 @@ def _check_size(
             f"{label}: the radius of gyration is {gyration:.2g} times the distance of the farthest frame; "
             f"is the inertia about the centre of mass, or about {fitting[0]}?"
         )
+
+
+def value_problems(
+    elements: Mapping[str, Element], values: Mapping[str, Constant], changed: Set[str]
+) -> list[Problem]:
+    """Return what is impossible about bodies and joints, by label, that read parameters given anew."""
+    check = Checker(values)
+    for label, element in elements.items():
+        if changed.isdisjoint(name for use in element.uses() for name in use.formula.names):
+            continue
+        if isinstance(element, Body):
+            check_body(check, element, label)
+        elif isinstance(element, Joint):
+            check_joint(check, element, label)
+    return check.problems

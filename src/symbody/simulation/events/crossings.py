@@ -18,14 +18,14 @@ from scipy.optimize import brentq
 Floats = NDArray[np.float64]
 Watched = Callable[[Floats], Floats]  # times (N,) to values (n, N)
 
-_DEGREE: Final = 8
+DEGREE: Final = 8
 _DEEPEST: Final = 12  # halvings of a step
 _RESOLVED: Final = 1e-3
 _EXACT: Final = 1e-15  # of a time, and of the interval a zero lies in
 TOUCHING: Final = 1e-10  # of the largest value so far: an extremum this close to zero touches it
-_NODES: Final = (1.0 - np.cos(np.pi * np.arange(_DEGREE + 1) / _DEGREE)) / 2.0
+NODES: Final = (1.0 - np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)) / 2.0
 # Values at the nodes to Chebyshev coefficients.
-_TO_COEFFICIENTS: Final = np.linalg.inv(np.polynomial.chebyshev.chebvander(2.0 * _NODES - 1.0, _DEGREE))
+TO_COEFFICIENTS: Final = np.linalg.inv(np.polynomial.chebyshev.chebvander(2.0 * NODES - 1.0, DEGREE))
 
 
 class Crossing(NamedTuple):
@@ -52,11 +52,11 @@ def samples(watched: Watched, breaks: Floats) -> tuple[Floats, Floats]:
     times: list[Floats] = []
     values: list[Floats] = []
     for depth in range(_DEEPEST + 1):
-        t = starts[:, np.newaxis] + (ends - starts)[:, np.newaxis] * _NODES
+        t = starts[:, np.newaxis] + (ends - starts)[:, np.newaxis] * NODES
         t[:, -1] = ends
         g = watched(t.ravel())
         g = g.reshape(g.shape[0], *t.shape)
-        coefficients = np.abs(g @ _TO_COEFFICIENTS.T)
+        coefficients = np.abs(g @ TO_COEFFICIENTS.T)
         rough = (coefficients[..., -2:].max(axis=-1) > _RESOLVED * coefficients.max(axis=-1)).any(axis=0)
         if depth == _DEEPEST:
             rough[:] = False
@@ -64,7 +64,7 @@ def samples(watched: Watched, breaks: Floats) -> tuple[Floats, Floats]:
         values.append(g[:, ~rough])
         if not rough.any():
             break
-        middle = t[rough, _DEGREE // 2]
+        middle = t[rough, DEGREE // 2]
         starts, ends = np.concatenate([starts[rough], middle]), np.concatenate([middle, ends[rough]])
     return _in_order(np.concatenate(times), np.concatenate(values, axis=1))
 
@@ -119,10 +119,12 @@ def _after(signs: Floats, k: int) -> int:
 
 def _root(watched: Watched, place: int, a: float, b: float) -> float:
     ends = watched(np.array([a, b]))[place]
-    if ends[0] * ends[1] >= 0.0:  # a sample that was zero up to rounding
+    size = float(np.abs(ends).max())
+    if np.sign(ends[0]) * np.sign(ends[1]) >= 0.0:  # a sample that was zero up to rounding
         return a if abs(ends[0]) <= abs(ends[1]) else b
+    # Products of tiny values would be zero, so the function is looked at in units of its larger end.
     shortest = _EXACT * abs(b - a)
-    return float(brentq(lambda t: watched(np.array([t]))[place, 0], a, b, xtol=shortest, rtol=_EXACT))
+    return float(brentq(lambda t: watched(np.array([t]))[place, 0] / size, a, b, xtol=shortest, rtol=_EXACT))
 
 
 def _touches(watched: Watched, place: int, t: Floats, sign: float, scale: float) -> Iterator[Crossing]:
@@ -160,7 +162,7 @@ def missed_return(watched: Watched, place: int, t: Floats, g: Floats) -> tuple[C
     """
     first, last = float(t[0]), float(t[1])
     low, high = sorted((first, last))
-    curve = Chebyshev.interpolate(lambda times: watched(np.asarray(times))[place], _DEGREE, [low, high])
+    curve = Chebyshev.interpolate(lambda times: watched(np.asarray(times))[place], DEGREE, [low, high])
     slope = float(curve.deriv()(first)) * np.sign(last - first)
     noise = 1e-13 * float(np.abs(g[:2]).max()) / (high - low)
     if not abs(slope) > noise or slope * g[1] >= 0.0:

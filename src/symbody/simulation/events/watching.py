@@ -26,6 +26,9 @@ _MOST_RECORDED: Final = 100
 _INSTANT: Final = 1e-7
 _CONTINUOUS: Final = 1e-6  # of the largest value so far: at a jump of an angle it is far larger
 _SIMULTANEOUS: Final = 1e-12
+# A value that changes by such a share of its largest within such a share of the run has jumped.
+_BESIDE: Final = 1e-10
+_TORN: Final = 0.25
 
 
 class Watched(Protocol):
@@ -132,6 +135,8 @@ class EventWatch:
             return
         first = np.abs(g[:, t <= breaks[1]] if t[-1] >= t[0] else g[:, t >= breaks[1]]).max(axis=1)
         is_zero = np.abs(g[:, 0]) <= TOUCHING * first
+        if (g[is_zero, 0] != 0.0).any():
+            is_zero &= np.abs(g[:, 0]) <= self._rounding(float(t[0]), dense(t[:1])[:, 0])
         is_zero[list(self._just_happened)] = True
         g[is_zero, 0] = 0.0
         self._t, self._g = t, g
@@ -146,14 +151,29 @@ class EventWatch:
                 recent.extend([back[0].t] * (recent.maxlen or 0))
                 yield back[0]
 
+    def _rounding(self, t: float, x: Floats) -> Floats:
+        """Return how much values change where time or one state does by a share of `TOUCHING`.
+
+        A value that is the difference of larger ones is not known better; one of a small state alone is.
+        """
+        shares = np.concatenate([[0.0, 0.0], np.tile([-TOUCHING, TOUCHING], x.size)])
+        states = np.repeat(x[:, np.newaxis], shares.size, axis=1)
+        states[np.repeat(np.arange(x.size), 2), np.arange(2, shares.size)] *= 1.0 + shares[2:]
+        times = np.full(shares.size, t)
+        times[:2] *= 1.0 - TOUCHING, 1.0 + TOUCHING
+        here = self._watched.values(np.array([t]), x[:, np.newaxis])
+        changed: Floats = np.abs(self._watched.values(times, states) - here).max(axis=1)
+        return changed
+
     def _counts(self, dense: DenseOutput, crossing: Crossing) -> bool:
         """Return whether a zero is the event: one of its direction, and no jump of an angle."""
         if self._events[crossing.place].direction not in (0, crossing.direction):
             return False
         if not self._wrapping[crossing.place]:
             return True
-        value = self._values(dense, np.array([crossing.t]))[crossing.place, 0]
-        return bool(abs(value) <= _CONTINUOUS * self._largest[crossing.place])
+        beside = crossing.t + _BESIDE * self._span * np.array([-1.0, 1.0])
+        before, behind = self._values(dense, beside)[crossing.place]
+        return bool(abs(behind - before) <= _TORN * self._largest[crossing.place])
 
     def _happen(self, dense: DenseOutput, due: list[Crossing], direction: float) -> Cut | None:
         """Note what happened; return the first cut."""

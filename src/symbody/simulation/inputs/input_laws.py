@@ -43,11 +43,14 @@ class InputLaws:
         Asked for every evaluation, with t, q, u.
     notes : tuple of str
         What is slow, and why.
+    tables : mapping of place to Table
+        Those among `asked` that are tables.
     """
 
     formulas: Mapping[str, Value]
     asked: Mapping[str, Callback]
     notes: tuple[str, ...]
+    tables: Mapping[int, Table]
 
     def values(self, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return what is asked at times (N,) with q (n_q, N) and u (n_u, N): (N, n).
@@ -101,6 +104,7 @@ def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float
     """
     formulas: dict[str, Value] = dict.fromkeys(names, 0)
     asked: dict[str, Callback] = {}
+    long: dict[str, Table] = {}
     notes = []
     for name, law in given.items():
         table = Table(*law) if isinstance(law, tuple) else law
@@ -109,7 +113,7 @@ def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float
             if table.is_short:
                 formulas[name] = table.formula()
             else:
-                asked[name] = table.reader()
+                asked[name], long[name] = table.reader(), table
                 notes.append(f"input {name} is a table of {np.size(table.t)} points, read by Python: slow")
         elif isinstance(table, str | int | float | Formula) or not callable(table):
             formulas[name] = table
@@ -117,11 +121,13 @@ def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float
             asked[name] = table
             notes.append(
                 f"input {name} is a Python function, asked at every evaluation: slow; implicit methods take "
-                "its slopes from differences"
+                "its slopes from differences; where it is short, as a pulse after a rest, a step may pass "
+                "over it: give the integrator a max_step="
             )
     kept = {name: value for name, value in formulas.items() if name not in asked}
     in_order = {name: asked[name] for name in (*names, *asked) if name in asked}
-    return InputLaws(kept, in_order, tuple(notes))
+    tables = {place: long[name] for place, name in enumerate(in_order) if name in long}
+    return InputLaws(kept, in_order, tuple(notes), tables)
 
 
 class AskingFunction:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final, Literal
 
 import numpy as np
@@ -27,9 +27,10 @@ class Table:
     Attributes
     ----------
     t, values : (N,) arrays
-        Times that increase [s], and the values there; at least two.
+        Times that increase [s], and the values there; at least two. A time given twice is a jump: from that
+        instant on the later value holds.
     kind : "linear" or "cubic"
-        Straight between points, or a spline with continuous curvature (not-a-knot ends).
+        Straight between points, or between jumps a spline with continuous curvature (not-a-knot ends).
     outside : "hold" or "error"
         Before the first and after the last time: the first and the last value, or a refusal to simulate
         beyond them.
@@ -37,13 +38,17 @@ class Table:
     Raises
     ------
     UsageError
-        If times repeat or fall, shapes differ, or numbers are not finite.
+        If a time stands there three times, times fall, shapes differ, or numbers are not finite.
     """
 
     t: ArrayLike
     values: ArrayLike
     kind: Literal["linear", "cubic"] = "linear"
     outside: Literal["hold", "error"] = "hold"
+    # Where each piece begins, and its polynomial in the time since, lowest power first. The first piece also
+    # holds before it begins, and the last for ever.
+    _starts: Floats = field(init=False, repr=False)
+    _pieces: Floats = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         times, values = _numbers("times", self.t), _numbers("values", self.values)
@@ -52,17 +57,15 @@ class Table:
             raise _wrong(what, "give two lists of the same length, with two points or more")
         if not (np.isfinite(times).all() and np.isfinite(values).all()):
             raise _wrong("a time or value is not finite", "leave such points out")
-        steps = np.diff(times)
-        if (steps <= 0.0).any():
-            k = int(np.argmax(steps <= 0.0))
-            word = "stands there twice" if steps[k] == 0.0 else f"is followed by {times[k + 1]:g}"
-            fix = "sort the times, each only once; a jump needs two times that differ a little"
-            raise _wrong(f"time {times[k]:g} {word}", fix)
+        _check_order(times)
         if self.kind not in ("linear", "cubic") or self.outside not in ("hold", "error"):
             what = f"kind = {self.kind!r}, outside = {self.outside!r} mean nothing"
             raise _wrong(what, "kind is 'linear' or 'cubic', outside is 'hold' or 'error'")
         object.__setattr__(self, "t", times)
         object.__setattr__(self, "values", values)
+        starts, pieces = _polynomials(times, values, self.kind)
+        object.__setattr__(self, "_starts", starts)
+        object.__setattr__(self, "_pieces", pieces)
 
     @property
     def is_short(self) -> bool:
@@ -88,10 +91,11 @@ class Table:
 
     def formula(self) -> str:
         """Return the table as an expression in t: pieces chosen by halving."""
-        times, pieces = np.asarray(self.t), self._pieces()
+        times = np.asarray(self.t)
+        starts, pieces = self._starts, self._pieces
         x = f"min(max(t, {_text(times[0])}), {_text(times[-1])})"
-        texts = [_piece(x, float(start), row) for start, row in zip(times, pieces, strict=False)]
-        bounds = [float(time) for time in times[1:-1]]
+        texts = [_piece(x, float(start), row) for start, row in zip(starts, pieces, strict=True)]
+        bounds = [float(start) for start in starts[1:]]
         while len(texts) > 1:  # pairs of neighbours, then pairs of pairs
             pairs = zip(texts[::2], bounds[::2], texts[1::2], strict=False)
             joined = [f"if(t < {_text(bound)}, {left}, {right})" for left, bound, right in pairs]
@@ -101,25 +105,91 @@ class Table:
 
     def reader(self) -> Callable[[float, Floats, Floats], float]:
         """Return the table as a function of t, q, u."""
-        times, pieces = np.asarray(self.t), self._pieces()
-        first, last = float(times[0]), float(times[-1])
+        starts, pieces = self._starts, self._pieces
+        first, last = (float(time) for time in np.asarray(self.t)[[0, -1]])
 
         def read(t: float, q: Floats, u: Floats) -> float:
             x = min(max(t, first), last)
-            k = min(int(np.searchsorted(times, x, side="right")) - 1, len(pieces) - 1)
+            k = max(int(np.searchsorted(starts, t, side="right")) - 1, 0)
             value = 0.0
             for coefficient in pieces[k][::-1]:
-                value = value * (x - times[k]) + coefficient
+                value = value * (x - starts[k]) + coefficient
             return float(value)
 
         return read
 
-    def _pieces(self) -> Floats:
-        """Return the polynomial of each piece in the time since its start, lowest power first."""
-        times, values = np.asarray(self.t), np.asarray(self.values)
+    @property
+    def jumps(self) -> Floats:
+        """The times that stand there twice."""
+        times = np.asarray(self.t)
+        return np.asarray(times[1:][np.diff(times) == 0.0], dtype=np.float64)
+
+    def at(self, t: Floats) -> Floats:
+        """Return the values (N,) at times (N,)."""
+        x = np.clip(t, *np.asarray(self.t)[[0, -1]])
+        k = np.maximum(np.searchsorted(self._starts, t, side="right") - 1, 0)
+        value = np.zeros_like(x)
+        for column in self._pieces.T[::-1]:
+            value = value * (x - self._starts[k]) + column[k]
+        return np.asarray(value, dtype=np.float64)
+
+    def bounds(self, start: Floats, end: Floats) -> tuple[Floats, Floats]:
+        """Return the least and the largest value between times (N,) and (N,) without a jump between them."""
+        times = np.unique(np.concatenate([self._starts, np.asarray(self.t)[[0, -1]], self._extrema()]))
+        corners = self.at(times)
+        first, stop = np.searchsorted(times, start, side="right"), np.searchsorted(times, end, side="left")
+        ranges = np.stack([first, np.maximum(first, stop)], axis=1).ravel()
+        found = []
+        for function, beyond in ((np.minimum, np.inf), (np.maximum, -np.inf)):
+            inside = function.reduceat(np.append(corners, beyond), ranges)[::2]
+            own = function(self.at(start), self.at(end))
+            found.append(np.where(first < stop, function(own, inside), own))
+        return found[0], found[1]
+
+    def _extrema(self) -> Floats:
+        """Return the times at which the slope of a piece is zero."""
         if self.kind == "linear":
-            return np.stack([values[:-1], np.diff(values) / np.diff(times)], axis=1)
-        return np.asarray(CubicSpline(times, values).c[::-1].T, dtype=np.float64)
+            return np.zeros(0)
+        one, two, three = self._pieces.T[1:]
+        with np.errstate(all="ignore"):
+            root = np.sqrt(two * two - 3.0 * one * three)
+            large = -(two + np.where(two < 0.0, -root, root))
+            found = self._starts + np.stack([one / large, large / (3.0 * three)])
+        ends = np.append(self._starts[1:], np.max(self.t))
+        found = found[(found > self._starts) & (found < ends)]
+        return np.asarray(found, dtype=np.float64)
+
+
+def _polynomials(times: Floats, values: Floats, kind: str) -> tuple[Floats, Floats]:
+    """Return where pieces begin, (k,), and their polynomials, (k, degree + 1); see `Table`."""
+    ends = np.flatnonzero(np.diff(times) == 0.0) + 1
+    starts: list[Floats] = []
+    pieces: list[Floats] = []
+    for t, y in zip(np.split(times, ends), np.split(values, ends), strict=True):
+        if t.size == 1:  # a jump at one end
+            own = y[np.newaxis]
+        elif kind == "linear":
+            own = np.stack([y[:-1], np.diff(y) / np.diff(t)], axis=1)
+        else:
+            own = np.asarray(CubicSpline(t, y).c[::-1].T, dtype=np.float64)
+        starts.append(t[: len(own)])
+        pieces.append(np.pad(own, ((0, 0), (0, 4 - own.shape[1]))))
+    return np.concatenate(starts), np.concatenate(pieces)[:, : 2 if kind == "linear" else 4]
+
+
+def _check_order(times: Floats) -> None:
+    """Refuse times that fall, or stand there more than twice."""
+    steps = np.diff(times)
+    if (steps < 0.0).any():
+        k = int(np.argmax(steps < 0.0))
+        raise _wrong(f"time {times[k]:g} is followed by {times[k + 1]:g}", "sort the times")
+    thrice = (steps[:-1] == 0.0) & (steps[1:] == 0.0)
+    if thrice.any():
+        k = int(np.argmax(thrice))
+        fix = "give it once, or twice for a jump: the later value holds from that instant on"
+        raise _wrong(f"time {times[k]:g} stands there three times", fix)
+    if times[0] == times[-1]:
+        raise _wrong(f"all points lie at time {times[0]:g}", "give two different times")
 
 
 def _piece(x: str, start: float, coefficients: Floats) -> str:

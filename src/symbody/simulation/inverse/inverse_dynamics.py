@@ -98,7 +98,7 @@ def _trajectory(
 ) -> Trajectory:
     """Return the motion with the inputs found, and what follows from both."""
     eqs, known = solver.eqs, solver.laws
-    laws = FoundLaws(known.formulas, known.asked, known.notes, solver, {_key(samples): r})
+    laws = FoundLaws(known.formulas, known.asked, known.notes, known.tables, solver, {_key(samples): r})
     first = dict(zip(eqs.coordinate_names, samples.q[:, 0].tolist(), strict=True))
     scales = mechanism_scales(eqs, solver.path.parameters, near=first)
     evaluate = Evaluator(Task(eqs, solver.path.parameters, laws, scales), None)

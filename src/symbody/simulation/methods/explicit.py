@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.interface import Goal, Projector, RightHandSide
 from symbody.simulation.native.loop import EPSILON
@@ -53,7 +55,8 @@ class Explicit:
     order : int
         8 (the default, for smooth motions and tight tolerances) or 5.
     max_step : float, optional
-        Longest step [s]; give it where a short pulse or a fast input could fall between two steps.
+        Longest step [s]; give it where a Python function as input is short or fast, which cannot be looked
+        at before the motion.
     first_step : float, optional
         First step [s]; by default it follows from the first accelerations.
 
@@ -104,6 +107,7 @@ def integrate(
     progress: Progress | None = None,
     projector: Projector = NOTHING_TO_PROJECT,
     watch: Watch | None = None,
+    breakpoints: Breakpoints = NO_BREAKPOINTS,
 ) -> RawRun:
     """Integrate ``x' = f(t, x)``, x = (u, q), f given by its address; t_span [s] may run backwards.
 
@@ -117,16 +121,15 @@ def integrate(
         Bound the root mean square of the local errors of a step.
     max_steps : int
         How many steps may be tried.
-    dense : bool
-        Whether to keep the motion between samples, at 7 (order 8) or 4 (order 5) more vectors a step.
-    stop_when_stiff : bool
-        Whether to stop with `Status.STIFF` when stability limits the steps.
+    dense, stop_when_stiff : bool
+        Whether to keep the motion between samples, at 7 (order 8) or 4 (order 5) more vectors a step, and to
+        stop with `Status.STIFF` when stability limits the steps.
     progress : callable, optional
         Called about 20 times a second with the share of the span that is done; returning False ends the run.
-    projector : Projector
-        Brings each accepted step and each sample back onto the constraints.
-    watch : Watch, optional
-        May cut the run between two slices; needs `dense`.
+    projector, watch : Projector, Watch
+        Bring steps and samples back onto the constraints; may cut the run, which needs `dense`.
+    breakpoints : Breakpoints
+        What bounds steps that are not all of one length.
 
     Raises
     ------
@@ -134,7 +137,7 @@ def integrate(
         What does not fit: shapes, tolerances, times outside the span, more samples than the memory holds.
     """
     (start, end), x = checked_span(t_span), _checked_state(x0, n_u + n_q)
-    goal = _goal(start, end, method, checked_rtol(rtol), checked_atol(atol, x.size))
+    goal = _goal((start, end), method, checked_rtol(rtol), checked_atol(atol, x.size), breakpoints)
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
     tableau = method.tableau
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
@@ -144,9 +147,44 @@ def integrate(
     return drive(run, record, 0.0 if method.first_step is None else float(method.first_step), progress, watch)
 
 
-def _goal(start: float, end: float, method: Explicit | FixedStep, rtol: float, atol: Floats) -> Goal:
-    max_step = math.inf if method.max_step is None else float(method.max_step)
-    return Goal(end, 1.0 if end >= start else -1.0, rtol, atol, max_step, 0, False)
+def _goal(
+    span: tuple[float, float],
+    method: Explicit | FixedStep,
+    rtol: float,
+    atol: Floats,
+    breakpoints: Breakpoints,
+) -> Goal:
+    bounds = NO_BREAKPOINTS if isinstance(method, FixedStep) else breakpoints
+    return goal_of(
+        span, rtol, atol, math.inf if method.max_step is None else float(method.max_step), [bounds]
+    )
+
+
+def goal_of(
+    span: tuple[float, float],
+    rtol: float,
+    atol: Floats,
+    max_step: float,
+    breakpoints: Sequence[Breakpoints],
+) -> Goal:
+    """Return the goal of a motion over a span, with the breakpoints of each case."""
+    direction = 1.0 if span[1] >= span[0] else -1.0
+    breaks, longest, jumps, margins = (
+        np.concatenate(parts) for parts in zip(*(own.along(direction) for own in breakpoints), strict=True)
+    )
+    return Goal(
+        span[1],
+        direction,
+        rtol,
+        atol,
+        max_step,
+        0,
+        False,
+        breaks,
+        longest,
+        np.asarray(jumps, dtype=np.bool_),
+        margins,
+    )
 
 
 def _usage(where: str, what: str, fix: str, why: str = "") -> UsageError:

@@ -26,7 +26,7 @@ from symbody.simulation.methods.partition_states import partition_columns
 from symbody.simulation.methods.request import Called, Request
 from symbody.simulation.methods.state_jacobian import inputs_of, without_idle_rows
 from symbody.simulation.methods.stepping import march
-from symbody.simulation.methods.stiff import Stiff
+from symbody.simulation.methods.stiff import SHARE_OF_PIECE, Stiff
 from symbody.simulation.methods.sundials import SundialsStepper, Watch, solver_class
 from symbody.simulation.native.run import RawRun
 
@@ -78,7 +78,10 @@ def run_ggl(request: Request, method: Stiff) -> tuple[RawRun, tuple[str, ...]]:
     def begin(t: float, x: Floats) -> None:
         solver.init_step(t, *system.consistent(t, x))
 
-    stepper = SundialsStepper(solver, begin, lambda t, x: (x, False), watch, request.state, request.span)
+    stepper = SundialsStepper(
+        solver, begin, lambda t, x: (x, False), watch, request.state, request.span,
+        request.step_ends(SHARE_OF_PIECE),
+    )  # fmt: skip
     return march(stepper, request.course()), notes
 
 

@@ -86,6 +86,7 @@ class _PartitionStepper:
         self._request, self._worst, self._explicit = request, method.worst, explicit
         self.states = PartitionStates(request)
         self._x, (self._t, self._end) = request.state, request.span
+        self._ends = request.step_ends()
         self._watch = Watch(self.states.rates)
         self.changes, self.rejected = 0, 0
         self.is_open = not self.states.is_on_branch(self._t, self._x)
@@ -100,10 +101,14 @@ class _PartitionStepper:
         """Take one step; the dependent coordinates inside it are solved for."""
         if self.is_open:
             return Failure(Status.SINGULAR)
+        begin, stop, end = self._ends(self._t)
+        if begin != self._t:  # what depends on time has jumped
+            self._begin(None)
         for _ in range(_TRIALS):
             solver, before = self._solver, self._watch.evaluations
             if not np.isfinite(solver.f).all():
                 return self._watch.failure(0)
+            solver.max_step = min(self._longest, max(abs(stop - solver.t), _SHORTEST * EPSILON * abs(stop)))
             solver.step()
             self.rejected += (self._watch.evaluations - before) // solver.n_stages
             if solver.status == "failed":
@@ -115,6 +120,8 @@ class _PartitionStepper:
                 self._accept(solver, nodes[-1])
                 if length <= _SHORTEST * EPSILON * abs(self._t) and self._t != self._end:
                     return Failure(Status.STEP_COLLAPSE)
+                if abs(self._t - stop) < abs(end - stop):  # before a jump
+                    self._t = end
                 return Step(self._t, nodes)
             self._begin(0.25 * abs(solver.t - self._t))
         return Failure(Status.STEP_COLLAPSE)
@@ -156,23 +163,28 @@ class _PartitionStepper:
 
     def _begin(self, first_step: float | None) -> None:
         """Start DOP853 from the present state."""
-        longest = np.inf if self._explicit.max_step is None else float(self._explicit.max_step)
-        rest = abs(self._end - self._t)
+        longest = self._longest
+        begin, _, _ = self._ends(self._t)
+        rest = abs(self._end - begin)
         self._solver = solver = DOP853(
-            self._watch, self._t, self._x.copy(), self._end, max_step=longest, rtol=self._request.rtol,
+            self._watch, begin, self._x.copy(), self._end, max_step=longest, rtol=self._request.rtol,
             atol=self._request.tolerances, first_step=rest or None,
         )  # fmt: skip
         if rest > 0.0:
-            step = self._first_step(solver.f, rest) if first_step is None else first_step
+            step = self._first_step(begin, solver.f, rest) if first_step is None else first_step
             solver.h_abs = min(step, rest)
 
-    def _first_step(self, rates: Floats, rest: float) -> float:
+    @property
+    def _longest(self) -> float:
+        return np.inf if self._explicit.max_step is None else float(self._explicit.max_step)
+
+    def _first_step(self, begin: float, rates: Floats, rest: float) -> float:
         """Guess a step as `native.loop` does: SciPy's own guess is made for times of about a second."""
         weights = self._request.tolerances + self._request.rtol * np.abs(self._x)
         size, slope = _mean(self._x / weights), _mean(rates / weights) * rest
         share = min(_TIMID if size < _SMALL or slope < _SMALL else 0.01 * size / slope, 1.0)
-        h = share * rest * (1.0 if self._end >= self._t else -1.0)
-        changed = self._watch(self._t + h, self._x + h * rates)
+        h = share * rest * (1.0 if self._end >= begin else -1.0)
+        changed = self._watch(begin + h, self._x + h * rates)
         steepest = max(slope, _mean((changed - rates) / weights) * rest / share)
         if not np.isfinite(steepest):
             return share * rest

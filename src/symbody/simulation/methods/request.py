@@ -11,12 +11,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import PROJECTED, Projection, projector_of
-from symbody.simulation.methods.explicit import checked_rtol, checked_single_atol, checked_span, checked_times
-from symbody.simulation.methods.stepping import Course
+from symbody.simulation.methods.explicit import (
+    checked_rtol,
+    checked_single_atol,
+    checked_span,
+    checked_times,
+    goal_of,
+)
+from symbody.simulation.methods.stepping import Course, StepEnds
 from symbody.simulation.native.interface import Projector
 from symbody.simulation.native.loop import project_row
+from symbody.simulation.native.places import COUNTS
 from symbody.simulation.native.run import Progress, RawRun
 from symbody.simulation.native.segments import Watch
 from symbody.simulation.task import Task
@@ -40,6 +48,8 @@ class Request:
         Absolute tolerance of every state; None follows the scales of the task.
     before : RawRun, optional
         A run that was broken off where this one starts.
+    breakpoints : Breakpoints
+        Where what depends on time alone changes.
     """
 
     task: Task
@@ -52,6 +62,7 @@ class Request:
     progress: Progress | None = None
     watch: Watch | None = None
     before: RawRun | None = None
+    breakpoints: Breakpoints = NO_BREAKPOINTS
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "span", checked_span(self.span))
@@ -88,6 +99,13 @@ class Request:
         """Return a function of time and state, by default of these equations."""
         task = self.task if eqs is None else replace(self.task, eqs=eqs)
         return Called(task.compiled(outputs), self.task.laws, self.n_u)
+
+    def step_ends(self, share: float = 1.0) -> StepEnds:
+        """Return what bounds the steps, each by a share of the piece of time it is in."""
+        own = self.breakpoints
+        bounds = replace(own, longest=share * own.longest)
+        goal = goal_of(self.span, self.rtol, np.zeros(1), np.inf, [bounds])
+        return StepEnds(goal, np.zeros(COUNTS, dtype=np.int64))
 
     def quaternions(self) -> list[list[int]]:
         """Return the places of each quaternion in q."""

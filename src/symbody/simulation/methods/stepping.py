@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.simulation.native.dense_output import DenseOutput, shortened
+from symbody.simulation.native.interface import Goal, Integers
+from symbody.simulation.native.loop import longest_step
 from symbody.simulation.native.run import SLICE_SECONDS, Progress, RawRun, Statistics, memory_limit
 from symbody.simulation.native.segments import Cut, Watch, steps_before
 from symbody.simulation.status import Status
@@ -74,6 +76,22 @@ class Failure:
     status: Status
     state: int | None = None
     kernel: int | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepEnds:
+    """How far steps may lead, by the breakpoints in a goal; `counts` is the place in these."""
+
+    goal: Goal
+    counts: Integers
+
+    def __call__(self, t: float) -> tuple[float, float, float]:
+        """Return from where to where the longest step at a time leads, and at which time it is said to end.
+
+        A step begins behind a jump that lies at its time, and ends before one.
+        """
+        found: tuple[float, float, float] = longest_step(self.goal, self.counts, t)
+        return found
 
 
 class Stepper(Protocol):

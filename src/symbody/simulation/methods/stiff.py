@@ -31,6 +31,8 @@ Floats = NDArray[np.float64]
 DRIFT: Final = 5.0
 # A new start costs dozens of small steps of low order: it waits for so many times the limit of `Projection`.
 PATIENCE: Final = 100.0
+# Steps that see the input at their end alone are so much shorter than pieces in which it is a polynomial.
+SHARE_OF_PIECE: Final = 0.125
 
 
 @checked_fields
@@ -107,8 +109,9 @@ def run_stiff(request: Request, method: Stiff, constraints: Projection | Baumgar
         **method.options(),
     )  # fmt: skip
     stepper = SundialsStepper(
-        solver, solver.init_step, _Settling(closing, constraints), watch, request.state, request.span, solved
-    )
+        solver, solver.init_step, _Settling(closing, constraints), watch, request.state, request.span,
+        request.step_ends(SHARE_OF_PIECE), solved,
+    )  # fmt: skip
     return march(stepper, request.course(None if closing is None else closing.all))
 
 

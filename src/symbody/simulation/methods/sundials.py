@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.errors import EnvironmentFault, Problem, SimulationError
-from symbody.simulation.methods.stepping import NODES, SHARES, Failure, Step
+from symbody.simulation.methods.stepping import NODES, SHARES, Failure, Step, StepEnds
 from symbody.simulation.native.loop import EPSILON
 from symbody.simulation.status import Status
 from symbody.single_flight import fork_safe_lock
@@ -128,6 +128,8 @@ class SundialsStepper:
         From the end of a step to the state to keep there, and whether the solver has to start anew from it.
     watch : Watch
         What the solver calls.
+    ends : StepEnds
+        How far steps may lead; behind a jump the solver starts anew.
     solved : callable
         From the end of a step, its length and the states at `SHARES` of it to whether its end solves the
         equations. Where it does not, the solver starts anew from the step's start, with new derivatives.
@@ -141,10 +143,11 @@ class SundialsStepper:
         watch: Watch,
         x0: Floats,
         span: tuple[float, float],
+        ends: StepEnds,
         solved: Callable[[float, float, Floats], bool] = lambda t, length, nodes: True,
     ) -> None:
         self._solver, self._begin, self._settled, self._watch = solver, begin, settled, watch
-        self._solved, self._in_vain = solved, 0
+        self._solved, self._in_vain, self._ends = solved, 0, ends
         self._x, (self._t, self._end) = x0, span
         self._is_fresh = True
 
@@ -160,6 +163,8 @@ class SundialsStepper:
 
     def advance(self) -> Step | Failure:
         """Take one step; the state inside it is the solver's own polynomial."""
+        begin, stop, end = self._ends(self._t)
+        self._is_fresh |= begin != self._t
         was_fresh = self._is_fresh
         found = self._tried()
         if isinstance(found, Step) and not was_fresh:
@@ -168,9 +173,10 @@ class SundialsStepper:
             return found
         nodes = found.nodes
         nodes[-1], self._is_fresh = self._settled(found.t, nodes[-1])
-        self._x, self._t = nodes[-1], found.t
+        is_there = abs(found.t - stop) <= 0.5 * abs(end - stop)  # but for the solver's rounding
+        self._x, self._t = nodes[-1], end if is_there else found.t
         self._watch.accept()
-        return Step(found.t, nodes)
+        return Step(self._t, nodes)
 
     def _checked(self, found: Step) -> Step | Failure:
         """Return a step that solves its equations, or the first one of a new start in its place."""
@@ -184,19 +190,20 @@ class SundialsStepper:
 
     def _tried(self) -> Step | Failure:
         """Take one step and return it as the solver found it."""
+        begin, stop, _ = self._ends(self._t)
         if self._is_fresh:
-            guarded(partial(self._begin, self._t, self._x))
+            guarded(partial(self._begin, begin, self._x))
             self._is_fresh = False
-        result = self._called(self._end, "onestep", self._end)
+        result = self._called(self._end, "onestep", stop)
         if result.status < 0:
             return self._watch.failure(result.status)
-        n, length = self._x.size, result.t - self._t
+        n, length = self._x.size, result.t - begin
         if abs(length) <= 10.0 * EPSILON * abs(self._t) and result.t != self._end:
             return self._watch.failure(COLLAPSED)
         nodes = np.empty((NODES, n))
         nodes[0] = self._x
         for k in range(1, NODES - 1):
-            nodes[k] = self._called(self._t + SHARES[k] * length, "normal", None).y[:n]
+            nodes[k] = self._called(begin + SHARES[k] * length, "normal", None).y[:n]
         # asking for the end last lets the next step start: the solver returns to it otherwise
         nodes[-1] = self._called(result.t, "normal", None).y[:n]
         return Step(result.t, nodes)

@@ -17,6 +17,7 @@ from symbody.equations.solving.sticking import switching_joints
 from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Event, Occurrence
 from symbody.simulation.methods.request import Request
+from symbody.simulation.modes.impulses import struck_times
 from symbody.simulation.modes.joined import joined
 from symbody.simulation.modes.modes import Mechanism, Modes, Moment, Trial, outputs_at, resolved
 from symbody.simulation.modes.ropes import TAUT, ropes_of
@@ -62,6 +63,7 @@ def run_switching(
         If the motion runs backwards, or an event sets new values.
     """
     _check(span, events)
+    _check_motions(task, first, span)
     rope = ropes_of(task)
     mechanism = Mechanism(task, tuple(kind for kind in (sticking(task.eqs.formed), rope) if kind.names))
     story = _Story(mechanism, move, wanted, span, events)
@@ -234,6 +236,24 @@ def _state(task: Task, t: float, x: Floats) -> State:
     q = dict(zip(eqs.coordinate_names, x[n_u:].tolist(), strict=True))
     u = dict(zip(eqs.speed_names, x[:n_u].tolist(), strict=True))
     return State(eqs, q, u, {}, {}, 0.0, {}, t)
+
+
+def _check_motions(task: Task, first: State, span: tuple[float, float]) -> None:
+    """Refuse prescribed rates that jump: what friction and ropes transmit in an instant is not computed.
+
+    Raises
+    ------
+    UsageError
+        See above.
+    """
+    times, _ = struck_times(task, first, span)
+    if times:
+        raise UsageError(
+            Problem("simulation.struck_friction", "motion", f"prescribed rates jump at t = {times[0]:.9g} s",
+                    "joints that stick and slip, and ropes, would be struck as well",
+                    "prescribe a motion without corners, as by smoothstep; or give friction a v0, and "
+                    "replace ropes by springs that only pull")
+        )  # fmt: skip
 
 
 def _check(span: tuple[float, float], events: tuple[Event, ...]) -> None:

@@ -21,10 +21,10 @@ from symbody.simulation.native.interface import (
     inlined,
 )
 from symbody.simulation.native.loop import advance, begin
-from symbody.simulation.native.places import RUNNING, STATE_OLD, TIME
+from symbody.simulation.native.places import FIRST_BREAK, NEXT_BREAK, RUNNING, STATE_OLD, TIME
 
 # A test says what it has to be.
-SOURCES: Final = "99dc4e324a98832f"
+SOURCES: Final = "9896c9ce3ebc71ba"
 # Steps between two looks at whether the run is to stop.
 _SLICE: Final = 1000
 
@@ -44,6 +44,8 @@ class Cases(NamedTuple):
         As in `Projector`.
     atol : (cases, n) array
         As in `Goal`.
+    first_breaks : (cases,) array of int
+        Where the breakpoints of each begin, see `Goal`.
     """
 
     states: Floats
@@ -54,6 +56,7 @@ class Cases(NamedTuple):
     scales: Floats
     sizes: Floats
     atol: Floats
+    first_breaks: Integers
 
 
 class Outcome(NamedTuple):
@@ -112,6 +115,7 @@ def prepare(rhs: RightHandSide, memory: Memory, cases: Cases, k: int, start: flo
     memory.real[:] = 0.0
     memory.real[TIME] = start
     memory.counts[:] = 0
+    memory.counts[FIRST_BREAK] = memory.counts[NEXT_BREAK] = cases.first_breaks[k]
 
 
 @inlined

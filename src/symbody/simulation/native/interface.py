@@ -20,6 +20,7 @@ from symbody.simulation.native.compiling import LoopCache
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Places = NDArray[np.uintp]
+Flags = NDArray[np.bool_]
 Function = TypeVar("Function", bound=Callable[..., object])
 
 
@@ -116,7 +117,20 @@ class Method(NamedTuple):
 
 
 class Goal(NamedTuple):
-    """What a run is to reach, and how carefully."""
+    """What a run is to reach, how carefully, and what bounds its steps.
+
+    Attributes
+    ----------
+    breaks : (m,) array
+        Times where the pieces of `inputs.breakpoints` meet, in the order of the motion; those of every motion
+        end with an infinite one [s].
+    longest : (m,) array
+        How long a step may be that enters the piece before each [s].
+    jumps : (m,) array of bool
+        Whether what depends on time jumps there, so that a step has to end before and another begin behind.
+    margins : (m,) array
+        A jump happens within so much of its time [s].
+    """
 
     t_end: float
     direction: float
@@ -125,6 +139,10 @@ class Goal(NamedTuple):
     max_step: float
     max_trials: int
     stop_when_stiff: bool
+    breaks: Floats
+    longest: Floats
+    jumps: Flags
+    margins: Floats
 
 
 class Memory(NamedTuple):

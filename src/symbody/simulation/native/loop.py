@@ -39,8 +39,10 @@ from symbody.simulation.native.places import (
     ERROR_1,
     ERROR_2,
     FINISHED,
+    FIRST_BREAK,
     FULL,
     KERNEL,
+    NEXT_BREAK,
     NOT_FINITE,
     OTHER_VOTES,
     REJECTED,
@@ -67,11 +69,11 @@ from symbody.simulation.native.stages import (
     row_is_finite,
     scale,
 )
+from symbody.simulation.native.step_bounds import EPSILON as EPSILON
+from symbody.simulation.native.step_bounds import behind_jump, next_break, next_trial
 
 # Of the files below that are compiled into these functions; a test says what it has to be.
-SOURCES: Final = "ff48f461ce8ffa6c"
-EPSILON: Final = 2.220446049250313e-16
-SMALLEST_STEP: Final = 1e-290  # absolute, for motions that fail at t = 0
+SOURCES: Final = "6aba16731b76e904"
 SAFETY: Final = 0.9
 
 
@@ -238,15 +240,12 @@ def _close(
 
 
 @inlined
-def next_trial(goal: Goal, t: float, h: float) -> tuple[float, float]:
-    """Return length and end of the next trial, of length 0 where steps are too short to go on."""
-    rest = goal.t_end - t
-    # stretched by one percent rather than leave a tiny last step, but never beyond the step that was allowed
-    if abs(rest) <= 1.01 * abs(h) and abs(rest) <= goal.max_step * (1.0 + 1e-9):
-        return rest, goal.t_end
-    if abs(h) <= max(10.0 * EPSILON * abs(t), SMALLEST_STEP):
-        return 0.0, t
-    return h, t + h
+def pass_jump(rhs: RightHandSide, goal: Goal, memory: Memory) -> None:
+    """Go on behind a jump, with the derivative there, if a step has ended at one."""
+    t = behind_jump(goal, memory.counts, memory.real[TIME])
+    if t != memory.real[TIME]:
+        memory.real[TIME] = t
+        evaluate(rhs, memory, t, STATE_OLD, 0)
 
 
 @inlined
@@ -254,7 +253,7 @@ def _try_step(
     rhs: RightHandSide, projector: Projector, method: Method, goal: Goal, memory: Memory, record: Record
 ) -> int:
     t, counts = memory.real[TIME], memory.counts
-    h, t_new = next_trial(goal, t, memory.real[STEP])
+    h, t_new = next_trial(goal, counts, t, memory.real[STEP])
     if h == 0.0:
         return failure(method, goal, memory)
     error = attempt(rhs, method, goal, memory, t, h)
@@ -271,6 +270,7 @@ def _try_step(
         for i in range(memory.K.shape[1]):
             memory.vectors[STATE_OLD, i] = memory.vectors[STATE_NEW, i]
             memory.K[0, i] = memory.K[method.stages, i]
+        pass_jump(rhs, goal, memory)
         return STIFF if stiff and goal.stop_when_stiff and t_new != goal.t_end else RUNNING
     reject(method, memory.real, counts, h, error)
     return RUNNING
@@ -362,7 +362,8 @@ def begin(
     if t == goal.t_end:
         return FINISHED
     memory.real[ERROR] = 1e-4
-    evaluate(rhs, memory, t, STATE_OLD, 0)
+    memory.real[TIME] = behind_jump(goal, memory.counts, t)
+    evaluate(rhs, memory, memory.real[TIME], STATE_OLD, 0)
     if memory.counts[KERNEL] != 0 or not row_is_finite(memory.K, 0):
         return failure(method, goal, memory)
     step = first_step if first_step > 0.0 else _first_step(rhs, method, goal, memory)
@@ -375,3 +376,17 @@ def project_row(projector: Projector, rtol: float, atol: Floats, t: float, x: Fl
     """Move x[row] onto the constraints; see `projection.project`."""
     moved: float = project(projector, rtol, atol, t, x, row)
     return moved
+
+
+@compiled
+def longest_step(goal: Goal, counts: Integers, t: float) -> tuple[float, float, float]:
+    """Return from where to where the longest step at a time leads, and when it is said to end."""
+    begin = behind_jump(goal, counts, t)
+    length, end = next_trial(goal, counts, begin, goal.direction * np.inf)
+    k = next_break(goal, counts, end)
+    if end != goal.t_end and k > counts[FIRST_BREAK] and goal.jumps[k - 1] and goal.breaks[k - 1] == end:
+        stop = end - goal.direction * goal.margins[k - 1]
+    else:
+        stop = end
+    counts[NEXT_BREAK] = counts[FIRST_BREAK]
+    return begin, stop, end

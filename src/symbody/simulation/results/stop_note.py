@@ -8,8 +8,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.state import State
+from symbody.codegen.compile import constant_values
 from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.model.loads.forces import SpringDamper
+from symbody.model.model import Model
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.status import Status
 from symbody.simulation.task import Task
@@ -27,6 +30,7 @@ _LOST: Final = 1e-3
 # Shares of a unit vector, and of the prescribed velocities, that count.
 _TAKES_PART: Final = 0.1
 _DEMANDED: Final = 1e-2
+_TWO: Final = 2  # coordinates of a rotation that cannot spin about every axis
 
 
 def stop_note(task: Task, raw: RawRun) -> str:
@@ -182,6 +186,40 @@ def _without_direction(task: Task, raw: RawRun) -> str:
         f"there spring {', '.join(short)} has length 0, so that its force along it has no direction; start "
         "beside this position, or take the stiffness alone with free length 0, and damp the joint instead"
     )
+
+
+def idle_notes(task: Task, first: State) -> tuple[str, ...]:
+    """Return which speeds no inertia resists at a first state: a rod that spins about itself."""
+    eqs = task.eqs
+    if not eqs.speed_names or not _has_rods(task):
+        return ()
+    t, q, u = first.t, np.array(list(first.q.values())), np.array(list(first.u.values()))
+    mass, rows = task.compiled(("mass_matrix", "jacobian"), quick=True)(t, q, u, task.laws.at(t, q, u))
+    names = [eqs.speed_names[k] for k in massless_speeds(mass, rows)]
+    if not names:
+        return ()
+    return (
+        f"no mass or inertia resists a motion of {', '.join(names)}: how it goes on follows from the choice "
+        "of speeds, not from mechanics; give the body an inertia about each axis, or do not use it",
+    )
+
+
+def _has_rods(task: Task) -> bool:
+    """Return whether a body has no inertia about one of its axes, planar bodies left out."""
+    model = task.eqs.model
+    if not isinstance(model, Model):
+        return False
+    spherical = {
+        body for joint in model.joints if len(joint.rotation_coordinates) > _TWO
+        for body in (joint.start.body, joint.end.body)
+    }  # fmt: skip
+    formulas = {f"{k} {i}": body.inertia[i] for k, body in enumerate(model.bodies) for i in range(3)}
+    values = constant_values(task.eqs, formulas, task.parameters)
+    for k, body in enumerate(model.bodies):
+        zeros = sum(values[f"{k} {i}"] == 0.0 for i in range(3))
+        if zeros == 1 or (zeros > 1 and body.name in spherical):
+            return True
+    return False
 
 
 def _samples(task: Task, raw: RawRun) -> tuple[Floats, Floats]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Final
@@ -12,9 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.function import CompiledFunction
-from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
+from symbody.simulation.inputs.time_functions import time_functions
+from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, goal_of
 from symbody.simulation.native.cases import Cases, Outcome, run_cases
-from symbody.simulation.native.interface import Goal, Memory, Projector, Record, RightHandSide
+from symbody.simulation.native.interface import Memory, Projector, Record, RightHandSide
 from symbody.simulation.native.lanes.arithmetic import WIDTH
 from symbody.simulation.native.lanes.cases import Single, run_cases_in_lanes
 from symbody.simulation.native.lanes.steps import ONE, TRIALS, Bundle
@@ -28,14 +31,17 @@ Integers = NDArray[np.int64]
 # A register, and a line of the processor's cache, has so many bytes at most: what begins at a multiple of it
 # is loaded by one access.
 _LINE: Final = 64
+# Cases whose breakpoints are looked for at once.
+_TOGETHER: Final = 256
 
 
 def compute(job: Job, part: Part, records: Records, stop: Integers, done: Integers) -> None:
     """Compute the cases of a part that have not ended, in one thread, without the interpreter's lock."""
     records.codes[~np.isfinite(part.states).all(axis=1)] = NOT_STARTED
     method = job.method
-    cases = _cases(job, part)
-    single = _single(job, cases)
+    breakpoints = _breakpoints(job, part)
+    cases = _cases(job, part, breakpoints)
+    single = _single(job, cases, breakpoints)
     outcome = Outcome(records.x, records.codes, records.counts, records.reached, stop, done)
     first_step = 0.0 if method.first_step is None else float(method.first_step)
     if job.lanes and part.count >= WIDTH and job.state_size:
@@ -53,7 +59,22 @@ def compute(job: Job, part: Part, records: Records, stop: Integers, done: Intege
         run_cases(*single, job.span[0], first_step, cases, outcome)
 
 
-def _cases(job: Job, part: Part) -> Cases:
+def _breakpoints(job: Job, part: Part) -> Sequence[Breakpoints]:
+    """Return the breakpoints of all cases, or one for all."""
+    if job.breakpoints is not None:
+        return job.breakpoints
+    functions = time_functions(job.function.sequence, {}, with_parameters=True)
+    if functions is None:
+        return [NO_BREAKPOINTS]
+    found: list[Breakpoints] = []
+    for first, last in blocks(part.count, _TOGETHER):
+        found += find_breakpoints(functions, job.span, part.parameters[first:last])
+    return found
+
+
+def _cases(job: Job, part: Part, breakpoints: Sequence[Breakpoints]) -> Cases:
+    sizes = [own.longest.size for own in breakpoints]
+    firsts = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int64)
     nothing = np.zeros((part.count, 0))
     closing = job.closing
     return Cases(
@@ -65,6 +86,7 @@ def _cases(job: Job, part: Part) -> Cases:
         _copied(part.scales),
         _copied(part.sizes),
         _copied(part.atol),
+        firsts if firsts.size == part.count else np.zeros(part.count, dtype=np.int64),
     )
 
 
@@ -73,9 +95,9 @@ def _copied(array: Floats) -> Floats:
     return np.array(array, dtype=np.float64, order="C")
 
 
-def _single(job: Job, cases: Cases) -> Single:
+def _single(job: Job, cases: Cases, breakpoints: Sequence[Breakpoints]) -> Single:
     """Return the loop for one motion, with room for the numbers of one case."""
-    function, tableau, (start, end), n = job.function, job.method.tableau, job.span, job.state_size
+    function, tableau, n = job.function, job.method.tableau, job.state_size
     rhs = RightHandSide(
         function.address,
         len(function.signature.u),
@@ -85,16 +107,10 @@ def _single(job: Job, cases: Cases) -> Single:
         np.zeros(function.work_size),
         np.zeros(1),
     )
-    goal = Goal(
-        end,
-        1.0 if end >= start else -1.0,
-        job.rtol,
-        np.ones(n),
-        math.inf if job.method.max_step is None else float(job.method.max_step),
-        job.max_steps,
-        job.stop_when_stiff,
-    )
-    memory = fresh_memory(tableau, np.zeros(n), start)
+    longest = math.inf if job.method.max_step is None else float(job.method.max_step)
+    goal = goal_of(job.span, job.rtol, np.ones(n), longest, breakpoints)
+    goal = goal._replace(max_trials=job.max_steps, stop_when_stiff=job.stop_when_stiff)
+    memory = fresh_memory(tableau, np.zeros(n), job.span[0])
     scratch = np.zeros((0, n)), np.zeros(1), np.zeros((0, memory.F.shape[1], n))
     record = Record(job.times, np.zeros(job.times.size), *scratch, False, False)
     return Single(rhs, _projector(job, cases), method_arrays(tableau), goal, memory, record)

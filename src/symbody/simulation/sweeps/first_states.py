@@ -14,7 +14,9 @@ from symbody.analysis.named_values import positions_and_rates, refuse_unknown
 from symbody.codegen.compile import Value, form_sequence, form_values
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import SymbodyError
+from symbody.errors import CompileError, SymbodyError
+from symbody.expr.language.formula import Formula
+from symbody.model.model import Model, value_problems
 from symbody.simulation.sweeps.case_scales import CaseScales, case_scales, case_values
 from symbody.simulation.sweeps.case_table import CaseTable
 
@@ -67,14 +69,51 @@ def first_states(
     known_formulas = check_names(eqs, table, guess)
     known, fixed = case_values(eqs, table, known_formulas), case_values(eqs, table, table.fixed_initial)
     fixed |= {name: table.initial[:, k] for k, name in enumerate(table.initial_names)}
-    notes: dict[int, str] = {}
+    notes = impossible_cases(eqs, table)
     states = _of_tree(eqs, table.count, known, fixed)
     if states is None:
         scales = case_scales(eqs, table, {**known, **fixed}, span, given)
-        states, notes = _Assembler(eqs, table, inputs, span[0]).all(known, fixed, scales)
+        states, notes = _Assembler(eqs, table, inputs, span[0]).all(known, fixed, scales, notes)
+    states[list(notes)] = np.nan
     places = enumerate(eqs.coordinate_names, len(eqs.speed_names))
     near = {name: np.nan_to_num(states[:, k]) for k, name in places}
     return FirstStates(states, case_scales(eqs, table, near, span, given), notes)
+
+
+def impossible_cases(eqs: EquationSet, table: CaseTable) -> dict[int, str]:
+    """Return the cases in which masses or inertias are none, and why."""
+    model = eqs.model
+    if not isinstance(model, Model) or not table.parameter_names:
+        return {}
+    formulas: dict[str, Formula] = {}
+    for k, body in enumerate(model.bodies):
+        for name, own in (("mass", (body.mass,)), ("inertia", body.inertia), ("products", body.products)):
+            formulas |= {f"{name} {k} {i}": formula for i, formula in enumerate(own)}
+    armatures = [formula for joint in model.joints for formula in joint.armature.values()]
+    formulas |= {f"armature {k}": formula for k, formula in enumerate(armatures)}
+    values = case_values(eqs, table, formulas)
+    doubtful = np.zeros(table.count, dtype=np.bool_)
+    for name, column in values.items():
+        if name.startswith(("mass", "armature")):
+            doubtful |= column < 0.0
+    for k in range(len(model.bodies)):
+        three = [[values[f"{name} {k} {i}"] for i in range(3)] for name in ("inertia", "products")]
+        doubtful |= _is_doubtful(np.array(three[0]), np.array(three[1]))
+    notes = {}
+    for k in np.flatnonzero(doubtful).tolist():
+        problems = value_problems(model, table.values(k)[0])
+        if problems:
+            notes[k] = str(CompileError(*problems))
+    return notes
+
+
+def _is_doubtful(moments: Floats, products: Floats) -> NDArray[np.bool_]:
+    """Return whether tensors, (3, cases) each, may be impossible: a moment is negative, or too large."""
+    x, y, z = products
+    rows = [[moments[0], x, y], [x, moments[1], z], [y, z, moments[2]]]
+    tensors = np.moveaxis(np.array(rows), 2, 0)
+    principal = np.linalg.eigvalsh(np.where(np.isfinite(tensors), tensors, 0.0))
+    return np.asarray((principal[:, 0] < 0.0) | (principal[:, 0] + principal[:, 1] < principal[:, 2]))
 
 
 def check_names(eqs: EquationSet, table: CaseTable, guess: Mapping[str, Value]) -> dict[str, Value]:
@@ -121,12 +160,18 @@ class _Assembler:
         self._function = CompiledFunction(*sequence, quick=True)
 
     def all(
-        self, known: Mapping[str, Floats], fixed: Mapping[str, Floats], scales: CaseScales
+        self,
+        known: Mapping[str, Floats],
+        fixed: Mapping[str, Floats],
+        scales: CaseScales,
+        impossible: Mapping[int, str],
     ) -> tuple[Floats, dict[int, str]]:
-        """Return the first states of all cases, and why some have none."""
-        table, eqs, notes = self._table, self._eqs, {}
+        """Return the first states of all cases but those that are impossible, and why some have none."""
+        table, eqs, notes = self._table, self._eqs, dict(impossible)
         states = np.full((table.count, len(eqs.state_names)), np.nan)
         for k in range(table.count):
+            if k in impossible:
+                continue
             own = scales.of_case(k)
             task = Closure(
                 eqs,

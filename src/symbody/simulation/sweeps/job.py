@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.function import CompiledFunction
+from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native import places
@@ -42,6 +43,8 @@ class Job:
         The samples to store.
     lanes : bool
         Whether several cases are computed side by side; results do not depend on it.
+    breakpoints : tuple of Breakpoints or None
+        Of all cases the same, or to be found for each from its parameters.
     rounding, limit : float
         As in `Projector`.
     """
@@ -55,6 +58,7 @@ class Job:
     max_steps: int
     stop_when_stiff: bool
     lanes: bool
+    breakpoints: tuple[Breakpoints, ...] | None = None
     rounding: float = 0.0
     limit: float = math.inf
 

@@ -16,7 +16,9 @@ from symbody.codegen.compile import Value, form_sequence, form_values
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.inputs.time_functions import time_functions
 from symbody.simulation.methods.choice import DEFAULT, Constraints, Integrator
 from symbody.simulation.methods.constraints import (
     PROJECTED,
@@ -173,6 +175,7 @@ def planned(
         wish.max_steps,
         stop_when_stiff=wish.integrator is None,
         lanes=_in_lanes(wish, table),
+        breakpoints=_breakpoints(function, method, wish.span),
     )
     nothing, tolerances = np.zeros((table.count, 0)), first.scales.tolerances(first.states, wish.atol)
     is_closed = bool(eqs.multiplier_names or eqs.quaternions)
@@ -194,11 +197,25 @@ def planned(
         wish.max_steps,
         wish.integrator is None,
         job.lanes,
+        job.breakpoints,
         ROUNDED_PER_COORDINATE * len(eqs.coordinate_names) * EPSILON / tolerance,
         np.inf if isinstance(method, FixedStep) else projection.limit,
     )
     part = Part(0, first.states, table.parameters, tolerance * padded, first.scales.coordinates(), tolerances)
     return closed, part, dict(first.notes)
+
+
+def _breakpoints(
+    function: CompiledFunction, method: Explicit | FixedStep, span: tuple[float, float]
+) -> tuple[Breakpoints, ...] | None:
+    """Return the breakpoints of all cases, None if they follow from what varies; see `Job`."""
+    if isinstance(method, FixedStep):
+        return (NO_BREAKPOINTS,)
+    varied = time_functions(function.sequence, {}, with_parameters=True)
+    if varied is not None and varied.needs_parameters():
+        return None
+    functions = time_functions(function.sequence, {})
+    return (NO_BREAKPOINTS,) if functions is None else tuple(find_breakpoints(functions, span))
 
 
 def _in_lanes(wish: Wish, table: CaseTable) -> bool:

@@ -14,6 +14,7 @@ from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.modes.impulses import may_be_struck
 from symbody.simulation.modes.switching import switches
 from symbody.simulation.native import places
 from symbody.simulation.results.trajectory import Trajectory
@@ -37,6 +38,7 @@ def why_single(
             constraints, Projection | Baumgarte | None
         ),
         "joints stick and slip, or ropes slacken": switches(eqs.formed) or bool(ropes(eqs.formed)),
+        "prescribed rates may jump": may_be_struck(eqs),
         "dependent speeds are watched": bool(
             eqs.formed.elimination is not None and eqs.formed.elimination.pivots
         ),

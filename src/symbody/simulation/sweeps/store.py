@@ -16,7 +16,7 @@ from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.results.archive import read_arrays
 from symbody.simulation.sweeps.job import Job, Part, Records
 
-_FORMAT: Final = "symbody sweep 1"
+_FORMAT: Final = "symbody sweep 2"
 _ABOUT: Final = "sweep.json"
 _NAME: Final = re.compile(r"cases_(\d+)_(\d+)\.npz")
 

@@ -47,7 +47,7 @@ from symbody.simulation.native.loop import (
     failure,
     interpolate,
     is_stiff,
-    next_trial,
+    pass_jump,
     reject,
 )
 from symbody.simulation.native.places import (
@@ -67,9 +67,10 @@ from symbody.simulation.native.places import (
     TOO_MANY,
 )
 from symbody.simulation.native.projection import project
+from symbody.simulation.native.step_bounds import behind_jump, next_trial
 
 # A test says what it has to be.
-SOURCES: Final = "ece10667a433a8af"
+SOURCES: Final = "1b35e410cef8924a"
 
 
 class Single(NamedTuple):
@@ -160,7 +161,7 @@ def _plan(single: Single, bundle: Bundle, lane: int) -> int:
         return FINISHED
     if counts[lane, ACCEPTED] + counts[lane, REJECTED] >= goal.max_trials:
         return TOO_MANY
-    h, t_new = next_trial(goal, t, bundle.real[lane, STEP])
+    h, t_new = next_trial(goal, counts[lane], t, bundle.real[lane, STEP])
     bundle.trial[T, lane], bundle.trial[H, lane], bundle.trial[T_NEW, lane] = t, h, t_new
     if h != 0.0:
         return RUNNING
@@ -187,15 +188,32 @@ def _try_alone(single: Single, bundle: Bundle, cases: Cases, outcome: Outcome, l
     """Try the step of a lane in the loop for one motion, from what it started from."""
     k = bundle.cases[lane]
     _load(single, bundle, lane)
-    fill(single.rhs.parameters, cases.parameters, k)
-    fill(single.rhs.constants, cases.constants, k)
-    fill(single.goal.atol, cases.atol, k)
+    _fill(single, cases, k)
     fill_projector(single.projector, cases, k)
     own = _own_record(single, outcome, k)
     bundle.codes[lane] = advance(
         single.rhs, single.projector, single.method, single.goal, single.memory, own, 1
     )
     _unload(single, bundle, lane)
+
+
+@inlined
+def _fill(single: Single, cases: Cases, k: int) -> None:
+    """Set the function for one motion to the numbers of case k."""
+    fill(single.rhs.parameters, cases.parameters, k)
+    fill(single.rhs.constants, cases.constants, k)
+    fill(single.goal.atol, cases.atol, k)
+
+
+@inlined
+def _pass_jump(single: Single, bundle: Bundle, cases: Cases, lane: int) -> None:
+    """Go on behind a jump in a lane, as `loop.pass_jump` does."""
+    t = bundle.real[lane, TIME]
+    if behind_jump(single.goal, bundle.counts[lane], t) != t:
+        _load(single, bundle, lane)
+        _fill(single, cases, bundle.cases[lane])
+        pass_jump(single.rhs, single.goal, single.memory)
+        _unload(single, bundle, lane)
 
 
 @inlined
@@ -311,6 +329,9 @@ def _conclude_all(
             _try_alone(single, bundle, cases, outcome, lane)
     take_marked(bundle, bundle.vectors, STATE_NEW, bundle.vectors, STATE_OLD)
     take_marked(bundle, bundle.K, method.stages, bundle.K, 0)
+    for lane in range(WIDTH):
+        if trial[MASK, lane] != 0.0:
+            _pass_jump(single, bundle, cases, lane)
 
 
 @compiled

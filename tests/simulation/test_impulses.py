@@ -1,0 +1,116 @@
+"""Prescribed rates that jump strike what hangs on them; prescribed positions cannot jump."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import symbody as sb
+from symbody.errors import UsageError
+
+LENGTH, MASS, INERTIA = 0.7, 1.5, 0.1
+GROUND = {"eye": sb.Frame(at=(0, 0, LENGTH))}
+WAYS: list[dict[str, object]] = [
+    {}, {"integrator": sb.Explicit(order=5)}, {"integrator": sb.Stiff()}, {"integrator": sb.FixedStep(1e-3)},
+    {"constraints": sb.GGL()}, {"constraints": sb.Partition()}, {"constraints": sb.Baumgarte()},
+]  # fmt: skip
+
+
+def cart_with_pendulum(motion: str, as_constraint: bool) -> sb.EquationSet:
+    """A cart on x, and below it a bar whose centre hangs LENGTH below the pin."""
+    cart = sb.Body("Cart", mass=2)
+    bar = sb.Body("Bar", mass=MASS, inertia=(INERTIA,) * 3, frames=GROUND)
+    parts = [
+        cart, bar,
+        sb.Prismatic("slide", "ground", cart, axis="x", coordinate="x", motion=motion, as_constraint=as_constraint),
+        sb.Revolute("pin", cart, "Bar.eye", axis="y", coordinate="th"),
+    ]  # fmt: skip
+    return sb.form_equations(sb.Model("struck", parts, gravity=(0, 0, -9.81)))
+
+
+def jump(run: sb.Trajectory, name: str, t: float) -> tuple[float, float]:
+    """The values of the two samples at a jump."""
+    place = int(np.flatnonzero(np.abs(run.t - t) < 1e-13)[0])
+    return float(run[name][place]), float(run[name][place + 1])
+
+
+@pytest.mark.parametrize("way", WAYS, ids=[str(list(way.values())[:1]) for way in WAYS])
+@pytest.mark.parametrize("as_constraint", [False, True])
+def test_a_cart_that_starts_with_a_jerk_strikes_its_pendulum(
+    way: dict[str, object], as_constraint: bool
+) -> None:
+    """The moment of momentum about the pin does not change: (J + m l^2) dw + m l cos(th) dv = 0.
+
+    The centre lies at x - l sin(th), so its velocity is v - l cos(th) w: the sign of l is that of -z here.
+    """
+    eqs = cart_with_pendulum("if(t < 1, 0, 1.5*(t - 1))", as_constraint)
+    run = sb.simulate(eqs, 1.5, {"th": 0.4}, **way)  # type: ignore[arg-type]
+    assert run.success
+    angle, speed = jump(run, "th", 1.0), jump(run, "th_dot", 1.0)
+    # what the frame eye says: the centre is at -LENGTH along the bar's z
+    exact = MASS * LENGTH * np.cos(angle[0]) * 1.5 / (INERTIA + MASS * LENGTH**2)
+    assert angle[0] == angle[1]
+    assert speed[1] - speed[0] == pytest.approx(exact, rel=1e-12)
+    np.testing.assert_allclose(jump(run, "x_dot", 1.0), [0.0, 1.5], rtol=0, atol=1e-9)
+    # energy balance: what the motion puts in at the jump counts as work
+    assert run.energy_drift < 1e-5
+    change = jump(run, "energy", 1.0)
+    work = jump(run, "work", 1.0)
+    assert work[1] - work[0] == pytest.approx(change[1] - change[0], rel=1e-6)
+    assert any("prescribed rates jump" in note for note in run.notes)
+
+
+@pytest.mark.parametrize("as_constraint", [False, True])
+def test_samples_at_a_jump_are_those_behind_it(as_constraint: bool) -> None:
+    eqs = cart_with_pendulum("interp1(t, 0, 0, 1, 0, 2, 1.5)", as_constraint)
+    times = np.linspace(0.0, 1.5, 4)
+    run = sb.simulate(eqs, 1.5, {"th": 0.4}, times=times)
+    every = sb.simulate(eqs, 1.5, {"th": 0.4})
+    np.testing.assert_array_equal(run.t, times)
+    assert run["th_dot"][2] == pytest.approx(jump(every, "th_dot", 1.0)[1], rel=1e-6)
+    swept = sb.sweep(eqs, 1.5, initial={"th": [0.4, 0.5]}, times=times)
+    np.testing.assert_allclose(swept["th_dot"][0], run["th_dot"], rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("as_constraint", [False, True])
+@pytest.mark.parametrize("motion", ["if(t < 1, 0, 0.1)", "if(t < 1, 0, t)", "floor(t)", "0.1*sign(t - 0.5)"])
+def test_positions_that_jump_are_refused_with_the_cure(motion: str, as_constraint: bool) -> None:
+    eqs = cart_with_pendulum(motion, as_constraint)
+    with pytest.raises(UsageError, match="the prescribed position jumps at t =") as caught:
+        sb.simulate(eqs, 1.5)
+    (problem,) = caught.value.problems
+    assert problem.code == "simulation.torn_motion"
+    assert problem.where == "motion x"
+    assert "smoothstep" in problem.fix
+
+
+def test_smooth_motions_and_whole_turns_strike_nothing() -> None:
+    for motion in ("smoothstep(t, 0.5, 1)", "sin(t)", "if(t < 1, t^2, 2*t - 1)"):
+        run = sb.simulate(cart_with_pendulum(motion, False), 1.5, {"th": 0.4})
+        assert run.success
+        assert not any("jump" in note for note in run.notes)
+    wheel = sb.Body("Wheel", mass=1, inertia=(1, 1, 1))
+    bar = sb.Body("Bar", mass=MASS, inertia=(INERTIA,) * 3, frames=GROUND)
+    ends = []
+    for motion in ("3*t", "mod(3*t, 2*pi)"):
+        parts = [
+            wheel, bar, sb.Revolute("axle", "ground", wheel, axis="y", coordinate="a", motion=motion),
+            sb.Revolute("pin", wheel, "Bar.eye", axis="y", coordinate="th"),
+        ]  # fmt: skip
+        run = sb.simulate(sb.form_equations(sb.Model("w", parts, gravity=(0, 0, -9.81))), 5.0, {"th": 0.4})
+        assert run.success
+        assert not any("jump" in note for note in run.notes)
+        ends.append(run["th"][-1])
+    assert ends[1] == pytest.approx(ends[0], abs=1e-6)
+
+
+def test_friction_that_sticks_refuses_to_be_struck() -> None:
+    cart, box = sb.Body("Cart", mass=2), sb.Body("Box", mass=1)
+    parts = [
+        cart, box,
+        sb.Prismatic("slide", "ground", cart, axis="x", coordinate="x", motion="max(0, t - 1)"),
+        sb.Prismatic("rub", cart, box, axis="x", coordinate="r", friction=sb.Friction(force=1)),
+    ]  # fmt: skip
+    eqs = sb.form_equations(sb.Model("struck", parts))
+    with pytest.raises(UsageError, match="prescribed rates jump at t = 1 s"):
+        sb.simulate(eqs, 2.0)
