@@ -22,12 +22,6 @@ SUCCESS, COLLAPSE, SINGULAR = sb.Status.SUCCESS, sb.Status.STEP_COLLAPSE, sb.Sta
 
 
 @functools.cache
-@pytest.fixture(autouse=True)
-def _masses_are_not_judged(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Negative masses, which sweeps refuse, are what makes linear systems singular on the way."""
-    monkeypatch.setattr(first_states, "impossible_cases", lambda eqs, table: {})
-
-
 def four_bar() -> sb.EquationSet:
     """Three bars in the plane, each of its own mass; the last hinge closes the loop."""
 
@@ -89,6 +83,12 @@ def spatial_four_bars(**options: object) -> sb.Sweep:
 def balls(**options: object) -> sb.Sweep:
     rates = {ball().speed_names[0]: np.linspace(1.0, 20.0, MANY)}
     return sb.sweep(ball(), 1.5, {"m": 2.0}, rates, **{"threads": 1, "part": MANY, **options})  # type: ignore[arg-type]
+
+
+@pytest.fixture(autouse=True)
+def _masses_are_not_judged(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Negative masses, which sweeps refuse, are what makes linear systems singular on the way."""
+    monkeypatch.setattr(first_states, "impossible_cases", lambda eqs, table: {})
 
 
 SWEEPS = [cranks, failing_cranks, four_bars, failing_four_bars, spatial_four_bars, balls]

@@ -25,12 +25,6 @@ Options = dict[str, object]
 
 
 @functools.cache
-@pytest.fixture(autouse=True)
-def _masses_are_not_judged(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Negative masses, which sweeps refuse, are what makes linear systems singular on the way."""
-    monkeypatch.setattr(first_states, "impossible_cases", lambda eqs, table: {})
-
-
 def slide(force: str, **parameters: float) -> sb.EquationSet:
     joint = sb.Prismatic("slide", "ground", "B", axis="x", coordinate="x", force=sb.Drive(force))
     model = sb.Model("slide", [sb.Body("B", mass=1), joint], gravity=(0, 0, 0), parameters=parameters)
@@ -77,6 +71,12 @@ def cranks(**options: object) -> sb.Sweep:
         constraints=sb.Baumgarte(),
         **options,
     )
+
+
+@pytest.fixture(autouse=True)
+def _masses_are_not_judged(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Negative masses, which sweeps refuse, are what makes linear systems singular on the way."""
+    monkeypatch.setattr(first_states, "impossible_cases", lambda eqs, table: {})
 
 
 SWEEPS = [tops, duffing, runaways, roots, dampers, cranks]
