@@ -28,7 +28,7 @@ def test_row_91_not_an_equilibrium_is_told_with_what_is_left() -> None:
     assert "theta_dot' = -2.899" in note and "find_equilibrium" in note
     # Of a loop, too: the rates that are left are those of the independent states.
     loop = sb.linearize(four_bar(), {"q1": 1.2})
-    assert not loop.is_stationary and "x' = affine + A x + B r" in loop.notes[-1]
+    assert not loop.is_stationary and "x' = A x + B r holds for deviations" in loop.notes[-1]
 
 
 def test_row_92_no_inputs_and_no_outputs() -> None:

@@ -169,11 +169,14 @@ def test_nearly_redundant_constraints_are_told() -> None:
     squares of the gap leave a part of 1e-9 m over the mechanism's 1 m that no motion closes.
     """
     run = sb.simulate(three_cranks(1e-9), 0.1)
-    assert not run.success
-    assert "B1, B2 are nearly redundant" in run.notes[-1]
-    share = float(run.notes[-1].partition(" by ")[2].split()[0])
+    (note,) = (note for note in run.notes if "B1, B2 are nearly redundant" in note)
+    share = float(note.partition(" by ")[2].split()[0])
     assert 1e-11 < share < 1e-9
-    assert sb.simulate(three_cranks(0.0), 0.1).success
+    equal = sb.simulate(three_cranks(0.0), 0.1)
+    assert equal.success and not any("nearly redundant" in note for note in equal.notes)
+    # A hundred times that is a rigid structure; its loops close in the flat pose alone, far from the start.
+    far = sb.simulate(three_cranks(1e-7), 0.1)
+    assert any("a0 = " in note and "instead of 0.3" in note for note in far.notes)
 
 
 @pytest.mark.parametrize("speeds", ["start", "end", "twist"])

@@ -227,7 +227,7 @@ def test_row_86_functions_that_fail() -> None:
 
 
 def test_row_87_tables_that_are_none() -> None:
-    for times in ([0, 2, 1], [0, 1, 1], [0], [[0, 1]], [0, np.inf, 2]):
+    for times in ([0, 2, 1], [0, 1, 1, 1], [0], [[0, 1]], [0, np.inf, 2]):
         refused(lambda times=times: sb.Table(times, np.zeros(np.shape(times))), UsageError)
     held = sb.simulate(cart(), 4.0, inputs={"F": ([1, 2], [3.0, 5.0])})
     assert held["F"][0] == 3.0 and held["F"][-1] == 5.0

@@ -16,7 +16,7 @@ from symbody.codegen.function import CompiledFunction
 from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, SimulationError
-from symbody.manifold import ConstraintManifold, rank
+from symbody.manifold import ALIGNED, ConstraintManifold, rank
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
@@ -192,7 +192,8 @@ class Closure:
 
     def is_aligned(self, q: Floats) -> bool:
         """Return whether no joint is closed with opposite axes."""
-        return bool((self.constraints(self.t, q, np.zeros(len(self.eqs.speed_names))).alignment > 0.0).all())
+        found = self.constraints(self.t, q, np.zeros(len(self.eqs.speed_names)))
+        return bool((found.alignment > ALIGNED).all())
 
     def differs(self, a: Floats, b: Floats, tolerance: float = 1e-5) -> bool:
         """Return whether two sets of coordinates are different configurations, by more than a tolerance."""

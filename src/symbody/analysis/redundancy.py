@@ -94,7 +94,7 @@ def redundancy(
         return np.asarray(task.velocity_rows(q, {})[0] / scales * task.speed_sizes)
 
     branch = explore_branch(task.manifold, q)
-    count = count_freedoms(branch, velocity_rows, len(eqs.formed.holonomic))
+    count = count_freedoms(eqs.formed, branch, velocity_rows)
     rows = eqs.formed.rows
     order = sorted(range(len(rows)), key=lambda k: (rows[k].force.is_zero, k))
     kept = independent_rows(velocity_rows(generic_point(branch, velocity_rows)), order)

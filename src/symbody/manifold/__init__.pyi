@@ -6,3 +6,4 @@ from .manifold import constraint_manifold as constraint_manifold
 from .ranks import independent_columns as independent_columns
 from .ranks import independent_rows as independent_rows
 from .ranks import rank as rank
+from .tolerances import ALIGNED as ALIGNED

@@ -38,7 +38,8 @@ from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.interface import Projector
 from symbody.simulation.progress import told
 from symbody.simulation.results.singular_angles import singular_passages
-from symbody.simulation.results.stop_note import idle_notes, stop_note
+from symbody.simulation.results.start_notes import start_notes
+from symbody.simulation.results.stop_note import stop_note
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
 from symbody.simulation.task import Evaluator, EventFunctions, Task
@@ -98,7 +99,7 @@ def simulate(
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
     known = mechanism_scales(eqs, dict(parameters or {}), scales, first.q).over(*span)
     task = Task(held, dict(parameters or {}), laws, known)
-    notes = (*_notes(eqs, inputs or {}, laws), *known.notes(eqs, atol), *idle_notes(task, first))
+    notes = (*_notes(eqs, inputs or {}, laws), *known.notes(eqs, atol), *start_notes(task, first))
     move = partial(_moved, integrator=integrator, constraints=constraints, notes=notes)
     go = partial(run_switching if switches(eqs.formed) else run_struck, move=move)
     with told(progress, "motion") as tell:

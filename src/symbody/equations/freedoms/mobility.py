@@ -25,6 +25,7 @@ from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.sequence import Input, Roots, build_sequence
 from symbody.expr.sequence import Sequence as Program
 from symbody.manifold import (
+    ALIGNED,
     Branch,
     ConstraintManifold,
     constraint_manifold,
@@ -35,9 +36,10 @@ from symbody.manifold import (
 from symbody.model.lengths import model_lengths
 from symbody.model.model import resolve_parameters
 
-_NEAR: Final = 0.3  # spread of starts about the initial values, in rad and in the mechanism's own length
-_STARTS: Final = (0.0,) + (_NEAR,) * 7
-_FAR_STARTS: Final = (math.pi,) * 8
+# Spreads of starts about the initial values, in rad and in the mechanism's own length.
+_NEAR: Final = 0.3
+_STARTS: Final = (0.0,) + (_NEAR,) * 7 + (1.0,) * 8 + (math.pi,) * 8
+_FAR_STARTS: Final = (0.0,) + (_NEAR,) * 7 + (math.pi,) * 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,22 +83,21 @@ def mobility(formed: Formed) -> Mobility:
     q = next(loops.closed_configurations(_STARTS), None)
     if q is None:
         raise _open(formed)
-    return count_freedoms(explore_branch(loops.manifold, q), loops.velocity_rows, len(formed.holonomic))
+    return count_freedoms(formed, explore_branch(loops.manifold, q), loops.velocity_rows)
 
 
-def count_freedoms(branch: Branch, velocity_rows: Callable[[Any], Any], holonomic: int) -> Mobility:
+def count_freedoms(formed: Formed, branch: Branch, velocity_rows: Callable[[Any], Any]) -> Mobility:
     """Return the freedoms on a branch of configurations.
 
     Parameters
     ----------
     velocity_rows : callable
         From a configuration to J, scaled.
-    holonomic : int
-        How many of its rows, the first ones, belong to constraints on positions.
     """
     rows, here = velocity_rows(generic_point(branch, velocity_rows)), velocity_rows(branch.q)
-    taken = rank(rows) - rank(rows[:holonomic])
-    instantaneous = len(rows[0]) - rank(here)
+    # Each speed that was eliminated stands for a constraint on velocities that is among the rows no more.
+    taken = rank(rows) - rank(rows[: len(formed.holonomic)]) + len(formed.dependent_names)
+    instantaneous = len(formed.u) - rank(here)
     notes = tuple(_notes(branch, taken, instantaneous))
     return Mobility(branch.dimension - taken, instantaneous, tuple(independent_columns(rows)), notes)
 
@@ -135,7 +136,7 @@ def assembled_values(formed: Formed, outputs: Sequence[str]) -> list[list[list[f
     resolved = _resolved(formed)
     loops = _Loops(without_noise(formed, resolved), resolved)
     program = _program(loops.formed, outputs)
-    found = [loops.values(program, q) for q in loops.closed_configurations(_STARTS + _FAR_STARTS)]
+    found = [loops.values(program, q) for q in loops.closed_configurations(_FAR_STARTS)]
     if not found:
         raise _open(formed)
     return found
@@ -161,7 +162,7 @@ class _Loops:
             [length if units.get(q.label) == "m" else 1.0 for q in formed.q],
             [1.0 if row.force.is_zero else length for row in formed.holonomic],
             [[place[node] for node in quaternion] for quaternion in formed.variables.quaternions],
-            lambda q: min(self.values(alignment, q)[0], default=1.0) > 0.0,
+            lambda q: min(self.values(alignment, q)[0], default=1.0) > ALIGNED,
         )
 
     def closed_configurations(self, spreads: Sequence[float]) -> Iterator[Any]:

@@ -1,0 +1,122 @@
+"""What to note about the first state of a motion: speeds without inertia, loops that close only nearly."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.state import State
+from symbody.codegen.compile import constant_values
+from symbody.codegen.massless import massless_speeds
+from symbody.model.model import Model
+from symbody.simulation.task import Task
+
+Floats = NDArray[np.float64]
+
+INDEPENDENT: Final = 1e-6  # of the largest singular value of constraints without units
+TAKES_PART: Final = 0.1  # of a unit vector
+# Constraints that are redundant close together but for this, of the size of the mechanism.
+_ROUNDING: Final = 1e-13
+# Loops that are closed better than this, of the size of the mechanism, are not looked at.
+_CLOSED: Final = 1e-12
+_FAR: Final = 0.5  # rad, or of the size of the mechanism
+_TWO: Final = 2  # coordinates of a rotation that cannot spin about every axis
+
+
+def start_notes(task: Task, first: State) -> tuple[str, ...]:
+    """Return what should be known of a motion that starts from a state."""
+    return (*_idle_speeds(task, first), *_moved_values(task, first), *_open_loops(task, first))
+
+
+def nearly_redundant(task: Task, rows: Floats, values: Floats) -> str:
+    """Return which constraints follow from others in direction, but not in value; empty if there are none.
+
+    Parameters
+    ----------
+    rows : (n_c, n_u) array
+        J without units.
+    values : (n_h,) array
+        Constraints on positions.
+    """
+    eqs = task.eqs
+    count = len(eqs.formed.holonomic)
+    left, sizes, _ = np.linalg.svd(rows[:count])
+    rank = int((sizes > INDEPENDENT * sizes[0]).sum())
+    open_by = left[:, rank:].T @ (values[:count] / task.scales.constraints(eqs)[:count])
+    largest = float(np.abs(open_by).max(initial=0.0))
+    if not largest > _ROUNDING:
+        return ""
+    taking = np.abs(left[:, rank:] @ open_by) / np.linalg.norm(open_by)
+    own = zip(eqs.formed.rows, taking, strict=False)
+    joints = ", ".join(dict.fromkeys(row.element for row, part in own if part > TAKES_PART))
+    return (
+        f"the constraints of joints {joints} are nearly redundant: any motion that one allows the others "
+        f"allow too, but they do not close together, by {largest:.1e} of the mechanism's size; make lengths "
+        "that are to be equal the same to the last digit, or leave one of these joints out"
+    )
+
+
+def _open_loops(task: Task, first: State) -> tuple[str, ...]:
+    """Return which loops stay open at a first state because their constraints are nearly redundant."""
+    eqs = task.eqs
+    if not (eqs.formed.holonomic and eqs.speed_names and first.residual > _CLOSED * task.scales.length):
+        return ()
+    t, q = first.t, np.array(list(first.q.values()))
+    function = task.compiled(("constraints", "jacobian"), quick=True)
+    values, rows = function(t, q, np.zeros(len(eqs.speed_names)))
+    rows = rows / task.scales.constraints(eqs)[:, np.newaxis] * task.scales.displacements(eqs)
+    said = nearly_redundant(task, rows, values) if np.isfinite(rows).all() else ""
+    return (said,) if said else ()
+
+
+def _moved_values(task: Task, first: State) -> tuple[str, ...]:
+    """Return which initial values of the model were left far behind to close the loops."""
+    eqs = task.eqs
+    sizes = dict(zip(eqs.coordinate_names, task.scales.coordinates(eqs).tolist(), strict=True))
+    initial = eqs.model.initial
+    far = [
+        f"{name} = {first.q[name]:.6g} instead of {first.q[name] - change:.6g}"
+        for name, change in first.moved.items()
+        if name in initial and name in sizes and abs(change) > _FAR * sizes[name]
+    ]
+    if not far:
+        return ()
+    return (
+        f"the loops close far from the model's initial values only: the motion starts with {', '.join(far)}",
+    )
+
+
+def _idle_speeds(task: Task, first: State) -> tuple[str, ...]:
+    """Return which speeds no inertia resists at a first state: a rod that spins about itself."""
+    eqs = task.eqs
+    if not eqs.speed_names or not _has_rods(task):
+        return ()
+    t, q, u = first.t, np.array(list(first.q.values())), np.array(list(first.u.values()))
+    mass, rows = task.compiled(("mass_matrix", "jacobian"), quick=True)(t, q, u, task.laws.at(t, q, u))
+    names = [eqs.speed_names[k] for k in massless_speeds(mass, rows)]
+    if not names:
+        return ()
+    return (
+        f"no mass or inertia resists a motion of {', '.join(names)}: how it goes on follows from the choice "
+        "of speeds, not from mechanics; give the body an inertia about each axis, or do not use it",
+    )
+
+
+def _has_rods(task: Task) -> bool:
+    """Return whether a body has no inertia about one of its axes, planar bodies left out."""
+    model = task.eqs.model
+    if not isinstance(model, Model):
+        return False
+    spherical = {
+        body for joint in model.joints if len(joint.rotation_coordinates) > _TWO
+        for body in (joint.start.body, joint.end.body)
+    }  # fmt: skip
+    formulas = {f"{k} {i}": body.inertia[i] for k, body in enumerate(model.bodies) for i in range(3)}
+    values = constant_values(task.eqs, formulas, task.parameters)
+    for k, body in enumerate(model.bodies):
+        zeros = sum(values[f"{k} {i}"] == 0.0 for i in range(3))
+        if zeros == 1 or (zeros > 1 and body.name in spherical):
+            return True
+    return False
