@@ -94,4 +94,5 @@ def test_sweeps_see_the_pulses_of_each_case(lanes: bool) -> None:
         alone = sb.simulate(
             eqs, 10.0, parameters={"start": starts[1], "width": widths[0]}, inputs={"F": law}, times=[10.0]
         )
-        assert found["x_dot"][widths.size, -1] == alone["x_dot"][-1]
+        # Both are right to the tolerance of a step; the pieces of time they look at need not be the same.
+        np.testing.assert_allclose(found["x_dot"][widths.size, -1], alone["x_dot"][-1], rtol=2e-8)

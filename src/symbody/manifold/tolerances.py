@@ -13,6 +13,6 @@ EXACT: Final = 1e-14
 RANK: Final = 1e-6
 # Rows of a Jacobian shorter than this share of the longest, or of 1, are zeros up to rounding.
 VANISHING: Final = 1e-10
-# Cosines of axes that coincide in a closed joint are 1; its equations, products of axes, hold for some that are
-# -1 or 0 as well.
+# Cosines of axes that coincide in a closed joint are 1; its equations, products of axes, hold for -1, some
+# for 0 as well.
 ALIGNED: Final = 0.5
