@@ -66,7 +66,7 @@ class Branch:
 
 def explore_branch(manifold: ConstraintManifold, q: Floats) -> Branch:
     """Return the branch on which a configuration (n,) lies that fulfils the constraints."""
-    search = _Search(manifold)
+    search = _BranchSearch(manifold)
     basis = manifold.tangent(q)
     instantaneous = basis.shape[1]
     ends = search.tangent_ends(q, basis)
@@ -82,7 +82,7 @@ def explore_branch(manifold: ConstraintManifold, q: Floats) -> Branch:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Search:
+class _BranchSearch:
     """Moves on a manifold; random directions are the same at every call."""
 
     manifold: ConstraintManifold

@@ -26,8 +26,8 @@ _DECREASE: Final = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Projection:
-    """Where Newton's method ended.
+class Configuration:
+    """A configuration near a guess, on the constraints or as near to them as steps lead.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ class ConstraintManifold:
         """Return an orthonormal basis (n, d) of the directions that the constraints admit to first order."""
         return null_space(self.jacobian(q))
 
-    def project(self, guess: ArrayLike) -> Projection:
+    def project(self, guess: ArrayLike) -> Configuration:
         """Return a configuration on the constraints near a guess.
 
         Levenberg-Marquardt steps damped by the residual: they converge quadratically to sets of solutions as
@@ -115,7 +115,7 @@ class ConstraintManifold:
             q, values, slopes, norm = trial, new_values, new_slopes, new_norm
         residual = float(np.abs(values).max(initial=0.0))
         is_closed = residual <= CLOSED and bool(np.isfinite(slopes).all()) and self.admits(q)
-        return Projection(q, residual, is_closed)
+        return Configuration(q, residual, is_closed)
 
 
 def constraint_manifold(
