@@ -237,10 +237,11 @@ def _parameter_nodes(eqs: EquationSet, given: Mapping[str, Value], free: Items[s
     own = {name: names.value(name).index for name in (*model.parameters, *free)}
     nodes = {own[name]: own[name] for name in free}
     missing = []
-    for name in model.parameter_order():
+    asked = {name: Formula.of(plain(value), where=name) for name, value in given.items() if name in own}
+    for name in model.parameter_order(asked):
         if own[name] in nodes:
             continue
-        formula = Formula.of(plain(given[name]), where=name) if name in given else model.parameters[name]
+        formula = asked.get(name, model.parameters[name])
         if formula is None:
             missing.append(name)
         else:

@@ -171,9 +171,9 @@ class Model:
         """
         return _named(self.joints, "joint", name)
 
-    def parameter_order(self) -> tuple[str, ...]:
-        """Return the parameters so that each stands after those its formula contains."""
-        return dependence_order(self.parameters)
+    def parameter_order(self, overrides: Mapping[str, Formula] | None = None) -> tuple[str, ...]:
+        """Return the parameters so that each stands after those its formula, or the one instead, contains."""
+        return dependence_order({**self.parameters, **(overrides or {})})
 
 
 def resolve_parameters(model: Model, overrides: Mapping[str, Value] | None = None) -> dict[str, Constant]:
