@@ -47,7 +47,8 @@ def all_words(language: str) -> list[str]:
         sb.generate_code(mechanism(["k"]), outputs, language) for outputs in ("udot", ["xdot", "energy"])
     ]
     known = set().union(*map(words_of, texts)) | set(dir(builtins)) | {*keyword.kwlist, *keyword.softkwlist}
-    return sorted(word for word in known if not word.startswith("_") and word != "x" and is_legal(word))
+    known -= {"x", "x_dot", "x_ddot"}  # names of the mechanism itself
+    return sorted(word for word in known if not word.startswith("_") and is_legal(word))
 
 
 def parts(words: list[str], size: int = 40) -> Iterator[list[str]]:
