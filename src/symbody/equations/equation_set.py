@@ -61,6 +61,7 @@ class EquationSet:
     _roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
     _code_roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
     _textbook: SingleFlight[None, Textbook] = field(default_factory=SingleFlight, repr=False)
+    _units: SingleFlight[None, Units] = field(default_factory=SingleFlight, repr=False)
     _undetermined: SingleFlight[None, tuple[str, ...]] = field(default_factory=SingleFlight, repr=False)
     _noise_program: SingleFlight[None, Sequence] = field(default_factory=SingleFlight, repr=False)
     _for_values: SingleFlight[tuple[float | None, ...], EquationSet] = field(
@@ -143,7 +144,7 @@ class EquationSet:
     @property
     def units(self) -> Units:
         """SI units of coordinates, rates, energies, efforts, reactions, frames, as far as they are known."""
-        return output_units(self.formed)
+        return self._units.get(None, partial(output_units, self.formed))
 
     @property
     def coordinates(self) -> tuple[SympyExpr, ...]:
