@@ -102,7 +102,7 @@ def ticking(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def graphs() -> int:
     gc.collect()
-    return sum(isinstance(found, Graph) for found in gc.get_objects())
+    return sum(type(found) is Graph for found in gc.get_objects())  # weak references answer for theirs
 
 
 def test_row_62_forming_ends_in_time_and_names_the_stage(monkeypatch: pytest.MonkeyPatch) -> None:
