@@ -77,7 +77,7 @@ def settled(eqs: EquationSet, state: State) -> Sides:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Search:
+class _ModeSearch:
     """The elements of a state and the modes each may have; None leaves a joint that slips to its own law."""
 
     eqs: EquationSet
@@ -161,13 +161,13 @@ class _Search:
         return max(work.max(initial=0.0), reactions.max(initial=0.0)), float(rates.max(initial=0.0))
 
 
-def _search(eqs: EquationSet, state: State) -> _Search:
+def _search(eqs: EquationSet, state: State) -> _ModeSearch:
     """Return the elements of a state, each with the modes that its position and rate leave."""
     q, u = (np.array(list(values.values())) for values in (state.q, state.u))
     cords, joints = ropes(eqs.formed), switching_joints(eqs.formed)
     ways: dict[str, tuple[int | None, ...]] = {}
     if not cords and not joints:
-        return _Search(eqs, state, q, u, 1.0, frozenset(), ways)
+        return _ModeSearch(eqs, state, q, u, 1.0, frozenset(), ways)
     task = closure(with_taut(eqs, ()), state.parameters, state.inputs, state.t)
     small = _REST * float(np.abs(u / task.speed_sizes).max(initial=1.0 / task.mechanism.time))
     if cords:
@@ -176,7 +176,7 @@ def _search(eqs: EquationSet, state: State) -> _Search:
             rate = float(task.function(f"rope_slack_dot {name}")(task.t, q, u))
             at_length = name in rows and share <= AT_LENGTH and abs(rate) <= small * task.mechanism.length
             ways[name] = (_TAUT, _SLACK) if at_length else (_SLACK,)
-    search = _Search(eqs, state, q, u, task.mechanism.length, frozenset(cords), ways)
+    search = _ModeSearch(eqs, state, q, u, task.mechanism.length, frozenset(cords), ways)
     for name in joints:
         rate = abs(float(state[f"{search.coordinate(name)}_dot"]))
         ways[name] = (STICKS, 1, -1) if rate <= small * search.unit(name) else (None,)

@@ -24,7 +24,6 @@ _RECORDING_STEPS: Final = 1024
 _MOST_ACTING: Final = 10
 _MOST_RECORDED: Final = 100
 _INSTANT: Final = 1e-7
-_CONTINUOUS: Final = 1e-6  # of the largest value so far: at a jump of an angle it is far larger
 _SIMULTANEOUS: Final = 1e-12
 # A value that changes by such a share of its largest within such a share of the run has jumped.
 _BESIDE: Final = 1e-10

@@ -119,7 +119,7 @@ def find_breakpoints(
     p = np.zeros((1, 0)) if parameters is None else parameters
     if span[0] == span[1]:
         return [NO_BREAKPOINTS] * len(p)
-    search = _Search(functions, span, np.ascontiguousarray(p.T))
+    search = _PieceSearch(functions, span, np.ascontiguousarray(p.T))
     search.divide()
     return search.results()
 
@@ -149,7 +149,7 @@ def joined(parts: list[_Pieces]) -> _Pieces:
     )
 
 
-class _Search:
+class _PieceSearch:
     """The pieces of the spans of several cases, divided as far as necessary."""
 
     def __init__(self, functions: TimeFunctions, span: tuple[float, float], p: Floats) -> None:
