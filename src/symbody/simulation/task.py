@@ -121,8 +121,10 @@ class Evaluator:
             outputs = plain[0] if len(plain) == 1 else plain
             values = self.task.evaluated(self.task.compiled(outputs, quick=True), t, q, u)
             made = dict(zip(plain, (values,) if len(plain) == 1 else values, strict=True))
+        angles = self.task.eqs.measured_angles
         return [
-            self._in_time(name, made[name]) if (array := special[name]) is None else array for name in names
+            _in_time(name, made[name], angles) if (array := special[name]) is None else array
+            for name in names
         ]
 
     def _special(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats | None:
@@ -140,11 +142,6 @@ class Evaluator:
             return np.where(moving, violation / np.where(moving, fastest, 1.0), violation)
         return None
 
-    def _in_time(self, name: str, values: Floats) -> Floats:
-        """Return values with time last; angles measured within half a turn go on."""
-        symbol = name[1:-1] if name.startswith("(") and name.endswith(")") else name
-        return np.unwrap(values) if symbol in self.task.eqs.measured_angles else np.moveaxis(values, 0, -1)
-
     def _violation(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the largest constraint over its scale at each time."""
         task = self.task
@@ -154,6 +151,12 @@ class Evaluator:
         scales = task.scales.constraints(task.eqs)[: values.shape[-1]]
         largest: Floats = np.abs(values / scales).max(axis=-1, initial=0.0)
         return largest
+
+
+def _in_time(name: str, values: Floats, angles: Sequence[str]) -> Floats:
+    """Return values with time last; angles measured within half a turn go on."""
+    symbol = name[1:-1] if name.startswith("(") and name.endswith(")") else name
+    return np.unwrap(values) if symbol in angles else np.moveaxis(values, 0, -1)
 
 
 class EventFunctions:

@@ -52,8 +52,9 @@ class Evaluation:
         else:
             arrays = self._function(tuple(names))(t, q.T, u.T, self.laws.values(t, q, u), p)
             computed = [_at_all_times(array, t) for array in arrays]
+        angles = self.eqs.measured_angles
         return [
-            np.unwrap(values) if name in self.eqs.measured_angles else np.moveaxis(values, 0, -1)
+            np.unwrap(values) if name in angles else np.moveaxis(values, 0, -1)
             for name, values in zip(names, computed, strict=True)
         ]
 
