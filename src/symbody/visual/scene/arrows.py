@@ -16,7 +16,7 @@ from symbody.model.element import Address
 from symbody.model.joint import Joint
 from symbody.model.loads.forces import Force, SpringDamper, Torque
 from symbody.model.model import Model
-from symbody.visual.scene.poses import Floats
+from symbody.visual.scene.body_poses import Floats
 from symbody.visual.scene.scene import Anchor, MotionVector, Scene, VectorKind
 
 Outputs = Mapping[str, Floats]

@@ -15,7 +15,7 @@ from symbody.model.model import Model
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.visual.curves import curves_of
 from symbody.visual.scene.arrows import Arrow, arrows_of, vectors_of
-from symbody.visual.scene.poses import Chain, Floats, chain_of, of_one_sign
+from symbody.visual.scene.body_poses import Chain, Floats, chain_of, of_one_sign
 from symbody.visual.scene.sampling import Sampled, sample, thin
 from symbody.visual.scene.scene import MotionCurve, Scene, SceneMotion
 

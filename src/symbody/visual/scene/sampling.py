@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.visual.scene.poses import Floats, Places, Poses, angle_between, interpolate
+from symbody.visual.scene.body_poses import Floats, Places, Poses, angle_between, interpolate
 
 LENGTH_SHARE: Final = 1e-3  # of the scene's size: less than a pixel of most screens
 ANGLE: Final = float(np.deg2rad(0.2))
