@@ -17,6 +17,7 @@ from symbody.model.lengths import model_lengths
 from symbody.model.loads.forces import SpringDamper
 from symbody.model.loads.springs import Bushing, TorsionSpring
 from symbody.model.model import Model
+from symbody.model.naming import GROUND
 from symbody.visual.scene.freedoms import JointFreedoms, joint_freedoms
 from symbody.visual.scene.numbers import ModelNumbers
 from symbody.visual.scene.poses import (
@@ -78,6 +79,11 @@ class SceneBasis:
     def between(self, start: Address, end: Address) -> float:
         """Return the distance of two frames at the start [m]."""
         return float(np.linalg.norm(self.frame(start).at - self.frame(end).at))
+
+    def extent(self, body: str) -> float:
+        """Return the largest distance between two frames of a body [m]; of ground 0."""
+        points = [frame.at for address, frame in self.frames.items() if address.body == body != GROUND]
+        return _largest_distance(points) if points else 0.0
 
     @property
     def links(self) -> tuple[Link, ...]:
@@ -163,9 +169,7 @@ def _size(
 ) -> float:
     """Return a length that fits the mechanism [m]: of the box round its frames, else of its formulas, else 1."""
     points = np.array([frame.at for frame in placed])
-    radii = [
-        numbers.number(part.radius) for part in model.constraints if isinstance(part, Rolling)
-    ]
+    radii = [numbers.number(part.radius) for part in model.constraints if isinstance(part, Rolling)]
     size = max([float(np.ptp(points, axis=0).max()), *lengths, *(2.0 * abs(radius) for radius in radii)])
     if size > 0.0:
         return size

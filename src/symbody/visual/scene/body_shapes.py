@@ -10,10 +10,20 @@ from scipy.spatial import ConvexHull
 
 from symbody.model.body import Body
 from symbody.visual.scene.basis import SAME_POINT, SceneBasis
-from symbody.visual.scene.fixed_shape import FixedShape, along, ball, fixed_shape, mesh_shape, rod
+from symbody.visual.scene.fixed_shape import (
+    MARK,
+    FixedShape,
+    along,
+    ball,
+    fixed_shape,
+    mesh_shape,
+    rod,
+    shift_frame,
+)
 from symbody.visual.scene.meshes import prism
-from symbody.visual.scene.poses import RigidTransform
+from symbody.visual.scene.poses import RigidTransform, rotation_matrix
 from symbody.visual.scene.scene import Floats, Solid
+from symbody.visual.scene.wheels import ball_with_marks
 
 # Bodies without extent: the edge of the heaviest, and of the lightest, as shares of the size.
 _LARGEST, _SMALLEST = 0.17, 0.07
@@ -25,14 +35,16 @@ _THIN: Final = 0.6
 _OFF: Final = 0.03
 
 
-def body_shapes(basis: SceneBasis, body: Body) -> list[FixedShape]:
-    """Return the default shapes of a body."""
+def body_shapes(basis: SceneBasis, body: Body, is_wheel: bool = False) -> list[FixedShape]:
+    """Return the default shapes of a body; of one that is drawn as a wheel no more than rods."""
     points = basis.points(body.name)
     mass = abs(basis.numbers.number(body.mass))
     radius = basis.rod if mass else _THIN * basis.rod
     apart = [point for point in points if np.linalg.norm(point) > SAME_POINT * basis.size]
     if not apart:
-        return [_solid_of_inertia(basis, body, mass)]
+        return [] if is_wheel else _marked(_solid_of_inertia(basis, body, mass))
+    if is_wheel and len(points) == 1:
+        return []
     if len(points) == 1:
         return _pendulum(basis, body, points[0], mass, radius)
     shapes = _frame_work(body.name, points, radius)
@@ -100,23 +112,39 @@ def _block(basis: SceneBasis, body: Body, mass: float) -> FixedShape:
     return ball(body.name, body.name, np.zeros(3), 0.5 * edge)
 
 
-def _pendulum(
-    basis: SceneBasis, body: Body, point: Floats, mass: float, radius: float
-) -> list[FixedShape]:
+def _pendulum(basis: SceneBasis, body: Body, point: Floats, mass: float, radius: float) -> list[FixedShape]:
     """Return a rod from the only joint to the centre of mass, and what swings there."""
     shapes = [rod(body.name, body.name, point, np.zeros(3), radius)]
     if not mass:
         return shapes
     edges, _ = inertia_box(basis, body)
+    length = float(np.linalg.norm(point))
+    direction = -point / length
     if sum(edge > 0.0 for edge in edges) == 3:
-        shape = _solid_of_inertia(basis, body, mass)
-        return [*shapes, _smaller(shape, 1.2 * float(np.linalg.norm(point)))]
-    direction = -point / np.linalg.norm(point)
+        shape = _smaller(_solid_of_inertia(basis, body, mass), length)
+        if shape.solid.kind == "sphere":  # a disc shows how it spins
+            size = (0.4 * length, 0.1 * length)
+            shape = fixed_shape(body.name, body.name, "cylinder", size, along(np.zeros(3), direction))
+        return [*shapes, *_marked(shape)]
     edge = max(edges)
     if sum(edge > 0.0 for edge in edges) == 1:  # a thin rod: shown as long as it is
-        end = direction * max(0.0, min(0.5 * edge, float(np.linalg.norm(point)) * 1.2))
+        end = direction * min(0.5 * edge, 1.2 * length)
         return [rod(body.name, body.name, point, end, radius), ball(body.name, body.name, end, 1.6 * radius)]
     return [*shapes, ball(body.name, body.name, np.zeros(3), 3.0 * radius)]
+
+
+def _marked(shape: FixedShape) -> list[FixedShape]:
+    """Return a shape, with marks if it is round, so that its turning is seen."""
+    solid = shape.solid
+    where = RigidTransform(np.array(solid.at), rotation_matrix(solid.quaternion))
+    if solid.kind == "sphere":
+        return ball_with_marks(shape.body, solid.element, where, solid.size[0])
+    if solid.kind != "cylinder":
+        return [shape]
+    radius, length = solid.size
+    size = (0.12 * radius, 1.04 * length)
+    mark = fixed_shape(shape.body, solid.element, "cylinder", size, shift_frame(where, x=0.7 * radius), MARK)
+    return [shape, mark]
 
 
 def _smaller(shape: FixedShape, largest: float) -> FixedShape:
@@ -143,16 +171,16 @@ def _frame_work(body: str, points: Sequence[Floats], radius: float) -> list[Fixe
     return [rod(body, body, middle, point, radius) for point in points]
 
 
-def _plate(
-    body: str, points: Floats, middle: Floats, directions: Floats, radius: float
-) -> list[FixedShape]:
+def _plate(body: str, points: Floats, middle: Floats, directions: Floats, radius: float) -> list[FixedShape]:
     """Return the hull of points in a plane as a thin plate with a rim of rods, rods to points inside it."""
     axes = np.column_stack([directions[0], directions[1], np.cross(directions[0], directions[1])])
     flat = (points - middle) @ axes[:, :2]
     corners = [int(k) for k in ConvexHull(flat).vertices]
     shapes = [mesh_shape(body, body, prism(flat[corners], 0.7 * radius), RigidTransform(middle, axes))]
     after = [*corners[1:], corners[0]]
-    shapes += [rod(body, body, points[i], points[j], 0.8 * radius) for i, j in zip(corners, after, strict=True)]
+    shapes += [
+        rod(body, body, points[i], points[j], 0.8 * radius) for i, j in zip(corners, after, strict=True)
+    ]
     inside = [k for k in range(len(points)) if k not in corners]
     return shapes + [rod(body, body, middle, points[k], 0.8 * radius) for k in inside]
 

@@ -60,18 +60,14 @@ def mesh_shape(
     return FixedShape(body, solid, mesh)
 
 
-def line_shape(
-    body: str, element: str, points: Floats, where: RigidTransform, color: str = ""
-) -> FixedShape:
+def line_shape(body: str, element: str, points: Floats, where: RigidTransform, color: str = "") -> FixedShape:
     """Return a line through points (N, 3) of a frame on a body."""
     mesh = SceneMesh(points, np.zeros((0, 3), dtype=np.int32))
     solid = Solid(element, "line", (), where.place, where.quaternion, color=color)
     return FixedShape(body, solid, mesh)
 
 
-def rod(
-    body: str, element: str, start: Floats, end: Floats, radius: float, color: str = ""
-) -> FixedShape:
+def rod(body: str, element: str, start: Floats, end: Floats, radius: float, color: str = "") -> FixedShape:
     """Return a capsule whose axis ends in two points of a body."""
     length = float(np.linalg.norm(end - start))
     where = along(0.5 * (start + end), (end - start) / length if length else np.array([0.0, 0.0, 1.0]))
@@ -93,4 +89,3 @@ def along(at: Floats, direction: Floats, sideways: Floats | None = None) -> Rigi
 def shift_frame(where: RigidTransform, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> RigidTransform:
     """Return a frame moved along its own axes."""
     return RigidTransform(where.point(np.array([x, y, z])), where.axes)
-

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from symbody.arguments import checked_arguments
-from symbody.model.constraints.points import Distance
+from symbody.model.constraints.points import (
+    Distance,
+    PointOnCurve,
+    PointOnLine,
+    PointOnPlane,
+    PointOnSurface,
+)
+from symbody.model.constraints.rolling import KnifeEdge, Rolling
 from symbody.model.door import Value
 from symbody.model.element import Address
 from symbody.model.joint import Joint
@@ -30,9 +38,12 @@ from symbody.visual.scene.connectors import (
     spring_damper_connectors,
     torsion_shapes,
 )
-from symbody.visual.scene.fixed_shape import FixedShape
+from symbody.visual.scene.fixed_shape import GLASS, FixedShape
+from symbody.visual.scene.gears import gear_shapes
+from symbody.visual.scene.ground_shapes import ground_shapes
 from symbody.visual.scene.joint_shapes import joint_shapes
-from symbody.visual.scene.numbers import model_numbers
+from symbody.visual.scene.numbers import ModelNumbers, model_numbers
+from symbody.visual.scene.patches import curve_shapes, line_shapes, plane_shapes, surface_shapes
 from symbody.visual.scene.poses import as_point
 from symbody.visual.scene.scene import (
     Connector,
@@ -44,6 +55,7 @@ from symbody.visual.scene.scene import (
     Solid,
 )
 from symbody.visual.scene.view import gravity_of, plane_normal, up_direction
+from symbody.visual.scene.wheels import knife_shapes, rolling_shapes
 
 _NOTHING: Mapping[str, float] = MappingProxyType({})
 
@@ -75,13 +87,13 @@ def make_scene(
     numbers = model_numbers(model, parameters)
     courses = {name: np.asarray(values, dtype=np.float64) for name, values in motion.items()}
     basis = scene_basis(model, numbers, courses)
-    shapes = _shapes(basis)
-    solids, meshes = _with_meshes(shapes)
     gravity, normal = gravity_of(basis), plane_normal(basis)
+    up = up_direction(gravity, normal)
+    solids, meshes = _with_meshes([*_shapes(basis), *ground_shapes(basis, up, normal)])
     return Scene(
         name=model.name,
         size=float(basis.size),
-        up=as_point(up_direction(gravity, normal)),
+        up=as_point(up),
         normal=None if normal is None else as_point(normal),
         gravity=None if gravity is None else as_point(gravity),
         bodies=_bodies(basis, solids),
@@ -91,22 +103,54 @@ def make_scene(
             for joint in model.joints
         ),
         meshes=meshes,
+        notes=_notes(numbers),
     )
 
 
+def _notes(numbers: ModelNumbers) -> tuple[str, ...]:
+    """Return what was assumed of parameters."""
+    if not numbers.assumed:
+        return ()
+    verb = "has" if len(numbers.assumed) == 1 else "have"
+    return (f"{', '.join(numbers.assumed)} {verb} no value: drawn as if 1",)
+
+
 def _shapes(basis: SceneBasis) -> list[FixedShape]:
-    """Return all solids, those of bodies first."""
-    shapes = [shape for body in basis.model.bodies for shape in body_shapes(basis, body)]
+    """Return all solids, those of bodies first; bodies that are wheels have no other shape than their rods."""
+    gears = gear_shapes(basis)
+    rollers = [element for element in basis.model.constraints if isinstance(element, Rolling)]
+    wheels = {shape.body for shape in gears} | {element.end.body for element in rollers}
+    shapes = [shape for body in basis.model.bodies for shape in body_shapes(basis, body, body.name in wheels)]
     for joint in basis.model.joints:
         shapes += [*joint_shapes(basis, joint), *drive_shapes(basis, joint)]
     for element in basis.model.elements:
-        if isinstance(element, Distance):
-            shapes += distance_shapes(basis, element)
-        elif isinstance(element, TorsionSpring):
-            shapes += torsion_shapes(basis, element)
-        elif isinstance(element, Bushing):
-            shapes += bushing_shapes(basis, element)
-    return shapes
+        make = _SHAPES.get(type(element))
+        shapes += [] if make is None else make(basis, element)
+    return _without_floors_twice(basis, [*shapes, *gears])
+
+
+def _without_floors_twice(basis: SceneBasis, shapes: list[FixedShape]) -> list[FixedShape]:
+    """Return shapes without boxes that lie in the plane of another of the same size: a floor is drawn once."""
+    floors: list[FixedShape] = []
+    rest = []
+    for shape in shapes:
+        if shape.solid.opacity == GLASS and shape.solid.kind == "box":
+            if any(_are_coplanar(shape, floor, basis.rod) for floor in floors):
+                continue
+            floors.append(shape)
+        rest.append(shape)
+    return rest
+
+
+def _are_coplanar(shape: FixedShape, other: FixedShape, thickness: float) -> bool:
+    """Return whether two patches on one body lie in one plane."""
+    if (shape.body, shape.solid.size) != (other.body, other.solid.size):
+        return False
+    w, x, y, z = shape.solid.quaternion
+    normal = np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+    apart = np.subtract(shape.solid.at, other.solid.at)
+    is_turned_alike = abs(abs(np.dot(shape.solid.quaternion, other.solid.quaternion)) - 1.0) < 1e-9
+    return is_turned_alike and abs(float(normal @ apart)) < 0.1 * thickness
 
 
 def _connectors(basis: SceneBasis) -> list[Connector]:
@@ -155,3 +199,23 @@ def _bodies(basis: SceneBasis, solids: Mapping[str, list[Solid]]) -> tuple[Scene
 def _type_of(joint: Joint) -> str:
     """Return what a joint is called in a model file."""
     return "".join(f"_{c.lower()}" if c.isupper() else c for c in type(joint).__name__).lstrip("_")
+
+
+def _rolling(basis: SceneBasis, element: Rolling) -> list[FixedShape]:
+    return [*rolling_shapes(basis, element), *plane_shapes(basis, element)]
+
+
+# What elements that are no joints are drawn as.
+_SHAPES: Final[Mapping[type, Callable[..., list[FixedShape]]]] = MappingProxyType(
+    {
+        Bushing: bushing_shapes,
+        Distance: distance_shapes,
+        KnifeEdge: knife_shapes,
+        PointOnCurve: curve_shapes,
+        PointOnLine: line_shapes,
+        PointOnPlane: plane_shapes,
+        PointOnSurface: surface_shapes,
+        Rolling: _rolling,
+        TorsionSpring: torsion_shapes,
+    }
+)

@@ -73,7 +73,7 @@ class JointSite:
             margin = _MARGIN * self.rod
         else:
             low = high = at_start
-            margin = _REACH * self.basis.size
+            margin = min(_REACH * self.basis.size, self.basis.extent(self.joint.start.body) or np.inf)
         return low - margin, high + margin
 
 
@@ -197,9 +197,7 @@ def _cross_slide(site: JointSite) -> list[FixedShape]:
     left, right = site.range_of(1)
     rail = shift_frame(site.on_start(first), z=0.5 * (low + high))
     shapes = [
-        fixed_shape(
-            site.joint.start.body, name, "box", (1.4 * rod, 1.4 * rod, high - low), rail, STEEL
-        )
+        fixed_shape(site.joint.start.body, name, "box", (1.4 * rod, 1.4 * rod, high - low), rail, STEEL)
     ]
     if site.freedoms.rotations == 0:
         arm = shift_frame(site.on_end(second), z=-0.5 * (left + right))
@@ -247,4 +245,3 @@ _MARKS: Final[Mapping[tuple[int, int], Callable[[JointSite], list[FixedShape]]]]
         (1, 2): _plane,
     }
 )
-

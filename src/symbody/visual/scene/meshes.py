@@ -113,9 +113,7 @@ def join_meshes(meshes: Sequence[SceneMesh]) -> SceneMesh:
     """Return several meshes as one."""
     offsets = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
     triangles = [mesh.triangles + offset for mesh, offset in zip(meshes, offsets, strict=True)]
-    return SceneMesh(
-        np.vstack([mesh.vertices for mesh in meshes]), np.vstack(triangles).astype(np.int32)
-    )
+    return SceneMesh(np.vstack([mesh.vertices for mesh in meshes]), np.vstack(triangles).astype(np.int32))
 
 
 def helix(radius: float, length: float, pitch: float, points_of_turn: int = 16) -> Floats:

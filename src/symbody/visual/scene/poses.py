@@ -72,8 +72,14 @@ class RigidTransform:
 
 def as_point(vector: Floats) -> Point:
     """Return three components as plain numbers."""
-    x, y, z = (float(component) for component in vector)
+    x, y, z = (float(component) + 0.0 for component in vector)  # no minus zero
     return (x, y, z)
+
+
+def rotation_matrix(quaternion: Quaternion) -> Floats:
+    """Return the matrix (3, 3) of a quaternion, scalar first."""
+    w, x, y, z = quaternion
+    return np.asarray(Rotation.from_quat([x, y, z, w]).as_matrix())
 
 
 def axis_rotation(axis: Floats, angle: float) -> Floats:
@@ -131,9 +137,7 @@ def frame_transforms(model: Model, numbers: ModelNumbers) -> dict[Address, Rigid
     return transforms
 
 
-def joint_transform(
-    joint: Joint, numbers: ModelNumbers, coordinates: Mapping[str, float]
-) -> RigidTransform:
+def joint_transform(joint: Joint, numbers: ModelNumbers, coordinates: Mapping[str, float]) -> RigidTransform:
     """Return where the end frame of a joint stands in its start frame."""
     axes = np.eye(3)
     for turn in joint.turns():
