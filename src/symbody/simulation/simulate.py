@@ -98,16 +98,20 @@ def simulate(
     chosen, laws = checked_events(events, eqs), input_laws(eqs.input_names, inputs or {}, span)
     held = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
-    values = dict(parameters or {})
-    known = mechanism_scales(eqs, values, scales, first.q).over(*span)
-    task = Task(held, values, laws, known)
+    known = mechanism_scales(eqs, dict(parameters or {}), scales, first.q).over(*span)
+    task = Task(held, dict(parameters or {}), laws, known)
     notes = (*_notes(eqs, inputs or {}, laws), *known.notes(eqs, atol), *start_notes(task, first))
     move = partial(_moved, integrator=integrator, constraints=constraints, notes=notes)
     go = partial(run_switching if switches(eqs.formed) else run_struck, move=move)
     with told(progress, "motion") as tell:
         wanted = partial(Request, times=times, rtol=rtol, atol=atol, max_steps=max_steps, progress=tell)
         run = go(task, first, span, wanted, chosen)
-    source = provenance_of(eqs, task.parameters, laws, switches=switches(eqs.formed))
+    return _annotate(run, eqs, task, first)
+
+
+def _annotate(run: Trajectory, eqs: EquationSet, task: Task, first: State) -> Trajectory:
+    """Return a run with what it was computed from, and what is noted of its reactions."""
+    source = provenance_of(eqs, task.parameters, task.laws, switches=switches(eqs.formed))
     further = _undetermined(eqs, first, run) if run.t.size else ()
     return replace(run, notes=(*run.notes, *further), provenance=source)
 
