@@ -29,7 +29,8 @@ from symbody.expr.printing.textbook import Factor, Style, textbook
 
 _APPLY: Final = "<mo>\u2061</mo>"  # what stands, unseen, between a function and its bracket
 _COMMA: Final = "<mo>,</mo>"
-_DOTS: Final = ("\u02d9", "\u00a8", "\u20db", "\u20dc")  # over a letter: one to four
+# Over a letter, one to four. They are no accents, which touch the letter where there is no mathematical font.
+_DOTS: Final = ("\u02d9", "\u00a8", "...", "....")
 _NAMES: Final = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "sign": "sgn"}
 _AROUND: Final = {"abs": ("|", "|"), "floor": ("\u230a", "\u230b")}
 _POWER_OF_NAME: Final = frozenset("sin cos tan sinh cosh tanh".split())
@@ -95,7 +96,7 @@ def _dotted(base: str, order: int) -> str:
     if order == 0:
         return base
     if order <= len(_DOTS):
-        return f'<mover accent="true">{base}<mo>{_DOTS[order - 1]}</mo></mover>'
+        return f"<mover>{base}<mo>{_DOTS[order - 1]}</mo></mover>"
     return f"<msup>{base}<mrow><mo>(</mo><mn>{order}</mn><mo>)</mo></mrow></msup>"
 
 

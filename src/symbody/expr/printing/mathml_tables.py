@@ -28,7 +28,8 @@ def mathml_matrix(rows: Sequence[Sequence[str]]) -> str:
 def mathml_equations(sides: Iterable[tuple[str, str]], width: int = WIDTH) -> str:
     """Return equations below each other, aligned at their signs; sides longer than `width` take several rows.
 
-    Sides are broken in front of the signs of their terms; a product is never broken.
+    Sides are broken in front of the signs of their terms, and further rows are indented; a product is never
+    broken.
     """
     rows = [row for left, right in sides for row in _rows(broken(left, width), broken(right, width))]
     return f'<mtable displaystyle="true">{"".join(rows)}</mtable>'
@@ -57,6 +58,9 @@ def broken(formula: str, width: int = WIDTH) -> list[str]:
             filled = 0
         rows[-1] += term
         filled += length
+    for row in rows[1:]:
+        row[0].set("form", "infix")  # with the blanks of a sign between two terms
+        row.insert(0, Element("mspace", width="1em"))
     return ["".join(ElementTree.tostring(part, encoding="unicode") for part in row) for row in rows]
 
 
