@@ -77,7 +77,7 @@ def to_mathml_with_definitions(
 
 
 def mathml_name(name: str, order: int = 0) -> str:
-    """Return a name as MathML: Greek letters, indices after ``_`` and of final digits, dots, all else escaped.
+    """Return a name as MathML: Greek letters, indices after ``_`` and of final digits, dots; all escaped.
 
     Examples
     --------
