@@ -15,7 +15,7 @@ from typing import Final, NamedTuple
 from symbody.errors import ExpressionError
 from symbody.expr.language.formula import Formula
 from symbody.expr.language.literals import fold
-from symbody.expr.language.program import CONNECTIVES, COMPARISONS
+from symbody.expr.language.program import COMPARISONS, CONNECTIVES
 
 
 class Dimension(NamedTuple):
@@ -240,4 +240,10 @@ def unit_text(value: _Quantity) -> str:
 
 
 def _word(name: str, exponent: Fraction) -> str:
-    return name if exponent == 1 else f"{name}^{exponent}" if exponent.denominator == 1 else f"{name}^({exponent})"
+    return (
+        name
+        if exponent == 1
+        else f"{name}^{exponent}"
+        if exponent.denominator == 1
+        else f"{name}^({exponent})"
+    )

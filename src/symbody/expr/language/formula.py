@@ -72,7 +72,9 @@ class Formula:
         """Return the value of a plain number (a sign or a quotient included), else None."""
         values: list[Constant] = []
         for step in self.program:
-            if step.kind in ("name", "output") or (step.kind == "apply" and step.payload not in ("neg", "div")):
+            if step.kind in ("name", "output") or (
+                step.kind == "apply" and step.payload not in ("neg", "div")
+            ):
                 return None
             if isinstance(step.payload, str):
                 operands = values[-step.arity :]

@@ -14,8 +14,8 @@ class Instruction(NamedTuple):
     Attributes
     ----------
     kind : str
-        ``"number"``, ``"name"`` and ``"output"`` push a value; ``"apply"`` takes `arity` values off the stack,
-        first operand deepest, and pushes one.
+        ``"number"``, ``"name"`` and ``"output"`` push a value; ``"apply"`` takes `arity` values off
+        the stack, first operand deepest, and pushes one.
     payload : int, Fraction, float or str
         The number, the name, the name of the output, or the name of the operation.
     column : int

@@ -71,6 +71,18 @@ def to_latex(graph: Graph, node: int, names: Mapping[Symbol, str] | None = None)
     return printed(graph, node, textbook(graph, [node], style), style.brackets)
 
 
+def to_inline_latex(graph: Graph, node: int, names: Mapping[Symbol, str] | None = None) -> str:
+    """Return a node as LaTeX of the height of a line, quotients with a slash: for the labels of pictures.
+
+    Raises
+    ------
+    ExpressionError
+        Above 20,000 operations written out, and for entries of kernels.
+    """
+    style = _InlineLatex(dict(names or {}))
+    return printed(graph, node, textbook(graph, [node], style), style.brackets)
+
+
 def to_display_with_definitions(
     graph: Graph, nodes: Sequence[int], limit: int = EXPAND_LIMIT
 ) -> tuple[list[str], list[tuple[str, str]]]:
@@ -142,13 +154,7 @@ class _Plain(Style):
         return repr(value) if isinstance(value, float) else number_text(value)
 
     def ratio(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
-        top, bottom = self.with_number(ratio, above, below)
-        pieces = joined(self.times, top or [["1"]])
-        if len(bottom) == 1:
-            pieces += ["/", *bottom[0]]
-        elif bottom:
-            pieces += ["/(", *joined(self.times, bottom), ")"]
-        return Layout(pieces, PRODUCT)
+        return self.slashed(ratio, above, below)
 
     def power(self, base: Piece, exponent: Piece) -> Layout:
         return Layout([base, "^", at_least(exponent, ATOM)], POWER)
@@ -221,6 +227,21 @@ class _Latex(Style):
         for value, condition in cases:
             pieces += [value, r" & \text{if}\ ", condition, r" \\ "]
         return Layout([*pieces, otherwise, r" & \text{otherwise} \end{cases}"], SUM)
+
+
+@dataclass(frozen=True, slots=True)
+class _InlineLatex(_Latex):
+    """LaTeX without fractions; dots stand over the letter alone, since simple readers centre them."""
+
+    def symbol(self, symbol: Symbol) -> str:
+        head, *indices = name_words(symbol.name)
+        if symbol.order == 0 or not indices or any(known.name == symbol.name for known in self.names):
+            return _Latex.symbol(self, symbol)
+        below = latex_name(symbol.name).removeprefix(latex_name(head))
+        return _Latex.symbol(self, Symbol(head, symbol.kind, symbol.order)) + below
+
+    def ratio(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
+        return self.slashed(ratio, above, below)
 
 
 _PLAIN: Final = _Plain()

@@ -83,6 +83,17 @@ class Style(ABC):
         bottom: list[Factor] = [[self.number(ratio.denominator)]] if ratio.denominator != 1 else []
         return [*top, *above], [*bottom, *below]
 
+    def slashed(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
+        """Return a quotient of two products on one line."""
+        top, bottom = self.with_number(ratio, above, below)
+        pieces = joined(self.times, top or [[self.number(1)]])
+        if len(bottom) == 1:
+            pieces += ["/", *bottom[0]]
+        elif bottom:
+            opening, closing = self.brackets
+            pieces += ["/", opening, *joined(self.times, bottom), closing]
+        return Layout(pieces, PRODUCT)
+
     def line(self, factors: Sequence[Factor]) -> list[Piece]:
         """Return a product that stands alone, above or below the line of a fraction or without one."""
         if len(factors) == 1 and len(factors[0]) == 1:
