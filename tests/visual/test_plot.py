@@ -83,7 +83,9 @@ def test_stored_arrays_are_drawn_at_the_samples() -> None:
     np.testing.assert_array_equal(data(plot(kept, "F")), [kept.t, 3.0 * kept.t])
     state, stored = plot(kept, "x", "F", panels=True).figure.axes
     np.testing.assert_array_equal(data(stored), [kept.t, 3.0 * kept.t])
-    assert data(state).shape[1] >= SMOOTH  # what is known in between is drawn there, whatever stands beside it
+    assert (
+        data(state).shape[1] >= SMOOTH
+    )  # what is known in between is drawn there, whatever stands beside it
     np.testing.assert_array_equal(data(plot(kept, "F", x="x")), [kept["x"], 3.0 * kept.t])
 
 
@@ -116,7 +118,11 @@ def test_each_unit_has_a_panel_in_the_order_of_first_appearance() -> None:
     ax = plot(swing(), "x", "v", "frame r P", "v_dot", title="A swing", panels=True)
     lengths, rates, unknown = panels = ax.figure.axes
     assert lengths is ax
-    assert [panel.get_ylabel() for panel in panels] == ["$x$, P $r_{x}$, P $r_{y}$, P $r_{z}$ [m]", "$v$ [m/s]", r"$\dot{v}$"]
+    assert [panel.get_ylabel() for panel in panels] == [
+        "$x$, P $r_{x}$, P $r_{y}$, P $r_{z}$ [m]",
+        "$v$ [m/s]",
+        r"$\dot{v}$",
+    ]
     assert legend(lengths) == ["$x$ [m]", *XYZ]
     assert legend(rates) == legend(unknown) == []
     assert [panel.get_xlabel() for panel in panels] == ["", "", "time [s]"]

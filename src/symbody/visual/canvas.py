@@ -86,8 +86,9 @@ def draw(axes: Axes, curves: Sequence[Curve], label: str, marks_start: bool) -> 
     data = [curve.values for curve in curves]
     single = "o" if data[0].size == 1 else ""
     beside = sum(len(_curves_in(each)) for each in _sharing(axes) if each is not axes)
-    colour = {"color": f"C{(beside + len(_curves_in(axes))) % 10}"} if beside else {}
-    (line,) = axes.plot(*data, label=label, linewidth=1.6, marker=single, **colour)
+    # None is the next colour of these axes; a twin begins where the other ends
+    colour = f"C{(beside + len(_curves_in(axes))) % 10}" if beside else None
+    (line,) = axes.plot(*data, label=label, linewidth=1.6, marker=single, color=colour)
     if marks_start and data[0].size > 1:
         start = [values[:1] for values in data]
         axes.plot(*start, "o", color=line.get_color(), markersize=4.5, label="_start")

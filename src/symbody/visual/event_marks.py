@@ -21,6 +21,12 @@ _MOST: Final = 200  # more lines would hide the curves
 _COLOUR: Final = "0.55"
 
 
+class EventLines(LineCollection):
+    """Lines at events, which it keeps by time and name."""
+
+    events: tuple[tuple[float, str], ...] = ()
+
+
 def mark_events(axes: Axes, panels: Iterable[Axes], run: Trajectory) -> None:
     """Mark the events of a motion in panels, with names above the first; those of earlier calls stay.
 
@@ -30,7 +36,7 @@ def mark_events(axes: Axes, panels: Iterable[Axes], run: Trajectory) -> None:
     events = [(event.t, event.name) for event in run.events]
     old = [artist for artist in axes.get_children() if artist.get_gid() == _MARK]
     for artist in old:
-        events += getattr(artist, "symbody_events", [])
+        events += artist.events if isinstance(artist, EventLines) else ()
         artist.remove()
     events = sorted(set(events))
     if not events:
@@ -47,11 +53,11 @@ def mark_events(axes: Axes, panels: Iterable[Axes], run: Trajectory) -> None:
 def _draw_lines(axes: Axes, events: Sequence[tuple[float, str]]) -> None:
     times = list(dict.fromkeys(t for t, _ in events))[:_MOST]
     segments = [[(t, 0.0), (t, 1.0)] for t in times]
-    lines = LineCollection(
+    lines = EventLines(
         segments, transform=axes.get_xaxis_transform(), colors=_COLOUR, linewidths=0.7, zorder=1.2
     )
     lines.set_gid(_MARK)
-    lines.symbody_events = list(events)  # type: ignore[attr-defined]
+    lines.events = tuple(events)
     axes.add_collection(lines, autolim=False)
 
 

@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 import io
+from typing import Final
 
 from matplotlib.axes import Axes
-from mpl_toolkits.mplot3d.axes3d import Axes3D
+from matplotlib.projections import get_projection_class
+
+
+def picture(axes: Axes) -> bytes:
+    """Return the figure that holds axes as PNG."""
+    file = io.BytesIO()
+    axes.figure.canvas.figure.savefig(file, format="png")
+    return file.getvalue()
 
 
 class PicturedAxes(Axes):
@@ -15,20 +23,14 @@ class PicturedAxes(Axes):
         return picture(self)
 
 
-class PicturedAxes3D(Axes3D):
-    """The same in space."""
-
-    def _repr_png_(self) -> bytes:
-        return picture(self)
+# The same in space, derived from what matplotlib registers; its own module has no types.
+PicturedAxes3D: Final[type[Axes]] = type(
+    "PicturedAxes3D",
+    (get_projection_class("3d"),),
+    {"__module__": __name__, "_repr_png_": PicturedAxes._repr_png_},
+)
 
 
 def axes_class(in_space: bool = False) -> type[Axes]:
     """Return the class of axes in the plane, or in space."""
     return PicturedAxes3D if in_space else PicturedAxes
-
-
-def picture(axes: Axes) -> bytes:
-    """Return the figure that holds axes as PNG."""
-    file = io.BytesIO()
-    axes.figure.savefig(file, format="png")
-    return file.getvalue()

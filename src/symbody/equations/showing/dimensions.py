@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, astuple, dataclass, replace
 from fractions import Fraction
-from typing import Final, NamedTuple
+from typing import Final
 
 from symbody.errors import ExpressionError
 from symbody.expr.language.formula import Formula
@@ -18,7 +18,8 @@ from symbody.expr.language.literals import fold
 from symbody.expr.language.program import COMPARISONS, CONNECTIVES
 
 
-class Dimension(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Dimension:
     """Exponents of the base units."""
 
     kg: Fraction = Fraction(0)
@@ -26,18 +27,19 @@ class Dimension(NamedTuple):
     s: Fraction = Fraction(0)
     rad: Fraction = Fraction(0)
 
-    def __mul__(self, other: Dimension) -> Dimension:  # type: ignore[override]
+    def __mul__(self, other: Dimension) -> Dimension:
         """Return the dimension of a product."""
-        return Dimension(*(a + b for a, b in zip(self, other, strict=True)))
+        pairs = zip(astuple(self), astuple(other), strict=True)
+        return Dimension(*(a + b for a, b in pairs))
 
     def __pow__(self, exponent: Fraction) -> Dimension:
         """Return the dimension of a power."""
-        return Dimension(*(a * exponent for a in self))
+        return Dimension(*(a * exponent for a in astuple(self)))
 
     @property
     def without_angle(self) -> Dimension:
         """The dimension if angles are plain numbers."""
-        return self._replace(rad=Fraction(0))
+        return replace(self, rad=Fraction(0))
 
 
 def _dimension(kg: int = 0, m: int = 0, s: int = 0, rad: int = 0) -> Dimension:
@@ -161,7 +163,7 @@ def _function(name: str, values: Sequence[_Quantity]) -> _Quantity | None:
     is_number = all(value.dimension.without_angle == PURE for value in values)
     if name == "sign":
         return _Quantity(PURE)
-    if name == "atan2" or name == "smoothstep":
+    if name in ("atan2", "smoothstep"):
         if _alike(values) is None:
             return None
     elif name not in _OF_NUMBERS or not is_number:
@@ -180,7 +182,7 @@ def _alike(given: Sequence[_Quantity | None]) -> _Quantity | None:
     first = max(real, key=lambda value: value.dimension.rad % 2 != 0)  # a torque among products
     if any(value.dimension.without_angle != first.dimension.without_angle for value in real):
         return None
-    is_angular = first.dimension.without_angle._replace(s=Fraction(0)) == PURE
+    is_angular = replace(first.dimension.without_angle, s=Fraction(0)) == PURE
     if is_angular and any(value.dimension.rad != first.dimension.rad for value in real):
         return None
     unit = first.unit if all(value.unit == first.unit for value in real) else ""
@@ -230,7 +232,7 @@ def unit_text(value: _Quantity) -> str:
         dimension = dimension.without_angle
     if dimension in _NAMES:
         return _NAMES[dimension]
-    words = [(name, exponent) for name, exponent in dimension._asdict().items() if exponent]
+    words = [(name, exponent) for name, exponent in asdict(dimension).items() if exponent]
     above = [_word(name, exponent) for name, exponent in words if exponent > 0]
     below = [_word(name, -exponent) for name, exponent in words if exponent < 0]
     if not below:
