@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
 from symbody.simulation.results.trajectory import Trajectory
-from symbody.visual.labels import readable
+from symbody.visual.labels import plain, printed_length, readable
 
 _MARK: Final = "symbody event"  # the id by which our marks are known
 _ROWS: Final = 3  # of names above the axes
@@ -22,7 +22,7 @@ _COLOUR: Final = "0.55"
 
 
 class EventLines(LineCollection):
-    """Lines at events, which it keeps by time and name."""
+    """Lines at events, which it keeps by time and the name that is shown."""
 
     events: tuple[tuple[float, str], ...] = ()
 
@@ -33,7 +33,7 @@ def mark_events(axes: Axes, panels: Iterable[Axes], run: Trajectory) -> None:
     Names are written from left to right, each in the lowest row that has room; where none has, and where
     the same name would follow itself, the line stands alone.
     """
-    events = [(event.t, event.name) for event in run.events]
+    events = [(event.t, _shown(event.name, run)) for event in run.events]
     old = [artist for artist in axes.get_children() if artist.get_gid() == _MARK]
     for artist in old:
         events += artist.events if isinstance(artist, EventLines) else ()
@@ -72,7 +72,7 @@ def _write_names(axes: Axes, events: Sequence[tuple[float, str]]) -> int:
     used = 0
     for t, name in events:
         place = (t - low) / (high - low)
-        width = (min(len(name), _LONGEST) + 1) * _SIZE * _LETTER / points
+        width = (printed_length(name) + 1) * _SIZE * _LETTER / points
         row = next((k for k, end in enumerate(ends) if place - width / 2.0 > end), None)
         if not 0.0 <= place <= 1.0 or row is None or name == last and place - width < max(ends):
             continue
@@ -80,7 +80,7 @@ def _write_names(axes: Axes, events: Sequence[tuple[float, str]]) -> int:
         last = name
         used = max(used, row + 1)
         side = "left" if place < width / 2.0 else "right" if place > 1.0 - width / 2.0 else "center"
-        _write(axes, t, row, _short(name), side)
+        _write(axes, t, row, name, side)
     return used
 
 
@@ -100,8 +100,10 @@ def _write(axes: Axes, t: float, row: int, text: str, side: str) -> None:
     note.set_gid(_MARK)
 
 
-def _short(name: str) -> str:
-    """Return a name as it is written: expressions as formulas, long names cut."""
+def _shown(name: str, run: Trajectory) -> str:
+    """Return the name of an event as it is written: expressions as formulas, words as they are, all cut."""
     if len(name) > _LONGEST:
-        return readable(f"{name[: _LONGEST - 1].rstrip()}\u2026")
-    return readable(name)
+        return plain(f"{name[: _LONGEST - 1].rstrip()}\u2026")
+    states = (*run.coordinate_names, *run.speed_names)
+    is_word = name.replace(" ", "").isidentifier() and name not in states
+    return plain(name) if is_word else readable(name, states)

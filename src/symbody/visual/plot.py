@@ -40,17 +40,16 @@ def plot(
 ) -> Axes:
     """Draw outputs of a motion and return the axes, which notebooks show; no window opens.
 
-    Lines go through the motion between its samples, close enough that no peak is cut off; what jumps at
-    an event or a step of an input is vertical there. Outputs that exist at the samples alone are drawn as
-    they are.
+    Lines go through the motion between its samples, and no peak is cut off; what jumps at an event or a
+    step of an input is vertical there. Outputs known at the samples alone are drawn as they are.
 
     Parameters
     ----------
     *expressions : str or tuple of str
         Whatever ``run[...]`` knows, ``"0.5*m*x_dot^2"`` and ``"sqrt('reaction A Fx'^2 + 'reaction A Fy'^2)"``
-        too; all coordinates if none is given. A vector makes three curves.
-        A tuple makes a path of its two or three components, in the plane or in space: ``("X", "Y")``, or
-        ``("frame r P",)`` for the way of a frame. Curves and paths do not mix.
+        too; all coordinates if none is given. A vector makes three curves. A tuple makes a path of its two or
+        three components, in the plane or in space: ``("X", "Y")``, or ``("frame r P",)`` for the way of a
+        frame. Curves and paths do not mix.
     ax : Axes, optional
         Where to draw, for instance from ``matplotlib.pyplot.subplots()`` to see a window. By default a new
         figure that belongs to no window: ``ax.figure``, or `save_plot`. What is given takes all curves,
@@ -87,10 +86,12 @@ def plot(
     if curves or x != "t":
         what, fix = "curves over an output and paths do not share axes", "draw them by two calls of plot"
         raise UsageError(Problem("plot.mixed", repr(curves[0] if curves else x), what, fix=fix))
+    return _paths(named(_along(run, chosen), labels), ax, title, equal)
+
+
+def _along(run: Trajectory, chosen: Sequence[str | tuple[str, ...]]) -> list[Path]:
     words = [(item,) if isinstance(item, str) else item for item in chosen]
-    motions = _motions(run, words)
-    paths = [path_of(motion, item) for motion, item in zip(motions, words, strict=True)]
-    return _paths(named(paths, labels), ax, title, equal)
+    return [path_of(motion, item) for motion, item in zip(_motions(run, words), words, strict=True)]
 
 
 def _motions(run: Trajectory, groups: Sequence[Sequence[str]]) -> list[Trajectory]:

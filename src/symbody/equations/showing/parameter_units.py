@@ -9,8 +9,6 @@ from typing import Final
 
 from symbody.expr.language.formula import Formula
 from symbody.expr.language.literals import fold
-from symbody.model.body import Body
-from symbody.model.element import Element
 from symbody.model.frame import Frame
 from symbody.model.joint import Joint
 from symbody.model.loads.forces import Force, SpringDamper, Torque
@@ -83,12 +81,12 @@ def _sites(model: Model) -> Iterator[tuple[Formula, str]]:
     """Yield formulas with the unit of their place."""
     yield from ((formula, "m/s^2") for formula in model.gravity)
     yield from _frame_sites(model.ground.items())
+    for body in model.bodies:
+        yield from _matched((use.path, use.formula) for use in body.uses())
+    for joint in model.joints:
+        yield from _joint_sites(joint)
     for element in model.elements:
-        if isinstance(element, Body):
-            yield from _placed(element)
-        elif isinstance(element, Joint):
-            yield from _joint_sites(element)
-        elif isinstance(element, Force | Torque):
+        if isinstance(element, Force | Torque):
             unit = "N" if isinstance(element, Force) else "N m"
             yield from ((use.formula, unit) for use in element.uses() if _VECTOR.fullmatch(use.path))
         elif isinstance(element, SpringDamper | TorsionSpring):
@@ -99,10 +97,6 @@ def _sites(model: Model) -> Iterator[tuple[Formula, str]]:
 def _frame_sites(frames: Iterable[tuple[str, Frame]]) -> Iterator[tuple[Formula, str]]:
     for name, frame in frames:
         yield from _matched((use.path, use.formula) for use in frame.uses(f"frames.{name}"))
-
-
-def _placed(element: Element) -> Iterator[tuple[Formula, str]]:
-    return _matched((use.path, use.formula) for use in element.uses())
 
 
 def _matched(uses: Iterable[tuple[str, Formula]]) -> Iterator[tuple[Formula, str]]:
