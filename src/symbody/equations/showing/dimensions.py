@@ -51,7 +51,6 @@ _UNITS: Final[Mapping[str, Dimension]] = {
     "kg": _dimension(1), "m": _dimension(0, 1), "s": _dimension(0, 0, 1), "rad": _dimension(0, 0, 0, 1),
     "N": _dimension(1, 1, -2), "J": _dimension(1, 2, -2), "W": _dimension(1, 2, -3),
 }  # fmt: skip
-_TORQUE: Final = _dimension(1, 2, -2, -1)
 # Shown by a name of its own; all others by base units.
 _NAMES: Final[Mapping[Dimension, str]] = {
     _dimension(1, 1, -2): "N", _dimension(1, 2, -2): "J", _dimension(1, 2, -3): "W",
@@ -218,7 +217,8 @@ def read_unit(unit: str) -> Dimension | None:
                 continue
             return None
         total = total * _UNITS[base] ** Fraction(sign * int(exponent or 1))
-    return _TORQUE if unit == "N m" else total
+    is_torque = {"N", "m"} <= set(above.split())  # an energy would be in joules
+    return total * _UNITS["rad"] ** Fraction(-1) if is_torque else total
 
 
 def unit_text(value: _Quantity) -> str:
