@@ -211,7 +211,7 @@ def test_the_force_in_a_joint_from_quoted_outputs(oscillator: Trajectory) -> Non
 def test_quoted_outputs_that_do_not_exist_or_are_no_numbers(oscillator: Trajectory) -> None:
     with pytest.raises(FormulationError, match="no joint or constraint 'slide'"):
         oscillator["2*'reaction slide Fx'"]
-    with pytest.raises(FormulationError, match=r"shape \(6,\)\n.*\n.*\n.*name one component"):
+    with pytest.raises(FormulationError, match=r"its shape is \(6,\)\n.*\n.*\n.*name one component"):
         oscillator["2*'reaction slider'"]
 
 

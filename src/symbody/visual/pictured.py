@@ -9,10 +9,13 @@ from matplotlib.axes import Axes
 from matplotlib.projections import get_projection_class
 
 
+_RESOLUTION: Final = 100  # dots per inch: a figure fills the column of a notebook
+
+
 def picture(axes: Axes) -> bytes:
     """Return the figure that holds axes as PNG."""
     file = io.BytesIO()
-    axes.figure.canvas.figure.savefig(file, format="png")
+    axes.figure.canvas.figure.savefig(file, format="png", dpi=_RESOLUTION)
     return file.getvalue()
 
 

@@ -91,9 +91,12 @@ def _quoted(formed: Formed, formula: Formula, name: str, column: int) -> int:
             formula.problem("equations.quoted_output", column, fault.what, fault.why, fault.fix)
         ) from error
     if roots.shape:
-        what, why = f"{name!r} has shape {roots.shape}", "a formula is made of numbers"
-        fix = "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'"
-        raise ExpressionError(formula.problem("equations.quoted_output", column, what, why, fix))
+        raise ExpressionError(
+            formula.problem(
+                "equations.quoted_output", column, f"{name!r} is no number: its shape is {roots.shape}", "",
+                "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'",
+            )
+        )  # fmt: skip
     return roots.nodes[0]
 
 
