@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 from symbody.equations.formed import Formed
 from symbody.equations.loads.loads import effort_name
+from symbody.equations.showing.dimensions import expression_unit
 from symbody.equations.showing.joint_outputs import effort_names
+from symbody.equations.showing.parameter_units import symbol_units
 from symbody.equations.solving.ropes import ropes
 from symbody.model.joint import Joint
 
@@ -27,7 +30,7 @@ _ROTATION: Final = ("rad", "rad/s", "rad/s^2", "N m")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Units(Mapping[str, str]):
-    """Units of known names and, though no list of them ends, of the motions of frames: ``frame r ...``.
+    """Units of known names and, though no list of them ends, of motions of frames and of expressions.
 
     Attributes
     ----------
@@ -38,7 +41,7 @@ class Units(Mapping[str, str]):
     known: Mapping[str, str]
 
     def __getitem__(self, name: str) -> str:
-        """Return the unit of an output.
+        """Return the unit of an output or an expression; that of a pure number is ``""``.
 
         Raises
         ------
@@ -48,9 +51,12 @@ class Units(Mapping[str, str]):
         if name in self.known:
             return self.known[name]
         first, kind = [*name.split(maxsplit=2), "", ""][:2]
-        if first != "frame" or kind not in _FRAME:
+        if first == "frame" and kind in _FRAME:
+            return _FRAME[kind]
+        unit = None if is_whole(name) else expression_unit(name, self.get)
+        if unit is None:
             raise KeyError(name)
-        return _FRAME[kind]
+        return unit
 
     def __iter__(self) -> Iterator[str]:
         """Return an iterator over the names that are listed."""
@@ -64,9 +70,14 @@ class Units(Mapping[str, str]):
         return f"Units({dict(self.known)!r})"
 
 
+def is_whole(name: str) -> bool:
+    """Return whether a name is a symbol or begins with a word and a blank, as outputs do."""
+    return re.fullmatch(r"\w+|[A-Za-z_]+ [^-+*/^<>=(,].*", name.strip()) is not None
+
+
 def output_units(formed: Formed) -> Units:
-    """Return the units of coordinates, their rates, energies, and the efforts, reactions and multipliers."""
-    units = dict(_GENERAL)
+    """Return the units of coordinates, rates, energies, efforts, reactions, multipliers and parameters."""
+    units = symbol_units(formed.topology.model) | _GENERAL
     for name in formed.angles:
         units |= dict(zip((name, f"{name}_dot", f"{name}_ddot"), _ROTATION[:3], strict=True))
     driven = set(effort_names(formed))
