@@ -77,7 +77,7 @@ function colorOf(connector: Connector): string {
 
 function downOf(scene: Scene): Point {
   const down = new Vector3(...(scene.gravity ?? scene.up)).normalize();
-  return scene.gravity === null ? (down.negate().toArray() as Point) : (down.toArray() as Point);
+  return scene.gravity === null ? down.negate().toArray() : down.toArray();
 }
 
 function createPart(
