@@ -103,7 +103,7 @@ export class Plot {
   }
 
   private createRow(index: number, checked: boolean): Row {
-    const box = create("input", { type: "checkbox" });
+    const box = create("input", { type: "checkbox", "aria-label": this.group.curves[index]!.name });
     box.checked = checked;
     box.addEventListener("change", () => {
       this.chart.setSeries(index + 1, { show: box.checked });
