@@ -4,12 +4,15 @@ import type { StateSource } from "../viewer";
 import { groupCurves, toCsv } from "./curve_table";
 import { create, download, fileName, setText } from "./dom";
 import { iconButton } from "./icons";
-import { Plot } from "./plot";
+import { curveColor, Plot } from "./plot";
 import { formatTime } from "./transport";
 
 const LEAST_HEIGHT = 84;
 const TIME_AXIS = 20; // the height that the numbers of the time take under the last panel
 const GAP = 4;
+const MOST_ROWS = 5; // of a legend that give a panel its height; more are scrolled
+const ROW = 24;
+const HEADER = 24;
 
 export class CurvesPanel {
   readonly element: HTMLElement;
@@ -50,8 +53,11 @@ export class CurvesPanel {
 
   resize(): void {
     const room = (this.list.clientHeight - TIME_AXIS) / this.plots.length - GAP;
-    const height = Math.max(LEAST_HEIGHT, Math.floor(room));
-    for (const plot of this.plots) plot.resize(plot.last ? height + TIME_AXIS : height);
+    this.plots.forEach((plot, index) => {
+      const rows = Math.min(plot.group.curves.length, MOST_ROWS) * ROW + (index === 0 ? HEADER : 0);
+      const height = Math.max(LEAST_HEIGHT, Math.floor(room), rows);
+      plot.resize(plot.last ? height + TIME_AXIS : height);
+    });
     this.showTime(this.time);
   }
 
@@ -110,8 +116,7 @@ function picture(plots: readonly Plot[], styled: HTMLElement): HTMLCanvasElement
   plots.forEach((plot, index) => {
     let left = 12 * ratio;
     for (const curve of plot.drawn) {
-      const { stroke } = plot.chart.series[curve + 1]!;
-      context.fillStyle = typeof stroke === "function" ? String(stroke(plot.chart, curve + 1)) : style.color;
+      context.fillStyle = style.getPropertyValue(curveColor(curve));
       context.fillRect(left, top + head / 2 - ratio, 18 * ratio, 2 * ratio);
       context.fillStyle = style.getPropertyValue("--sb-text");
       const { name } = plot.group.curves[curve]!;

@@ -7,6 +7,8 @@ export interface SettingValues {
   /** "auto": against the normal of a planar mechanism, else isometric. */
   view: "auto" | ViewName;
   parallel: boolean;
+  /** Whether the camera goes with the selected body. */
+  follow: boolean;
   look: Look;
   frames: boolean;
   joints: boolean;
@@ -34,6 +36,7 @@ export const DEFAULTS: SettingValues = {
   theme: "auto",
   view: "auto",
   parallel: false,
+  follow: false,
   look: "solid",
   frames: false,
   joints: false,
@@ -68,7 +71,7 @@ const CHOICES: Partial<Record<keyof SettingValues, readonly unknown[]>> = {
 export function settingsFrom(options: unknown): SettingValues {
   const values: SettingValues = { ...DEFAULTS };
   if (typeof options !== "object" || options === null) return values;
-  for (const [name, value] of Object.entries(options)) {
+  for (const [name, value] of Object.entries(options as Record<string, unknown>)) {
     if (isSetting(name) && fits(name, value)) Object.assign(values, { [name]: value });
   }
   values.ghosts = Math.min(Math.max(Math.round(values.ghosts), 0), MOST_GHOSTS);
@@ -83,7 +86,7 @@ function fits(name: keyof SettingValues, value: unknown): boolean {
   const choices = CHOICES[name];
   if (choices !== undefined) return choices.includes(value);
   if (name === "traces" || name === "shownCurves") {
-    return Array.isArray(value) && value.every((each) => typeof each === "string");
+    return Array.isArray(value) && value.every((each: unknown) => typeof each === "string");
   }
   if (name === "time") return typeof value === "number" && Number.isFinite(value);
   return typeof value === typeof DEFAULTS[name];

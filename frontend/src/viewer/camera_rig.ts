@@ -10,8 +10,13 @@ export type ViewName = (typeof VIEW_NAMES)[number];
 
 const ANGLE = 30; // of the perspective, degrees
 const PARALLEL_ANGLE = 1; // so small that parallels look parallel
-const MARGIN = 1.2;
+const MARGIN = 1.16;
 const TURN_SECONDS = 0.28;
+
+export interface Placement {
+  readonly position: Vector3;
+  readonly target: Vector3;
+}
 
 interface Turn {
   readonly fromOffset: Vector3;
@@ -52,9 +57,11 @@ export class CameraRig {
   readonly camera = new PerspectiveCamera(ANGLE, 1, 0.01, 1000);
   readonly controls: OrbitControls;
   private turn: Turn | null = null;
+  private fits = true; // until the user moves the camera
   private readonly radius: number;
   private readonly up: Vector3;
   private height = 1;
+  private covered = 0;
 
   constructor(
     canvas: HTMLElement,
@@ -73,6 +80,7 @@ export class CameraRig {
     this.controls.addEventListener("change", invalidate);
     this.controls.addEventListener("start", () => {
       this.turn = null;
+      this.fits = false;
     });
   }
 
@@ -89,10 +97,14 @@ export class CameraRig {
     return this.camera.fov === PARALLEL_ANGLE;
   }
 
-  resize(width: number, height: number): void {
+  /** Take the size of the picture, of which `covered` pixels at the top are not to be used. */
+  resize(width: number, height: number, covered: number): void {
     this.height = height;
+    this.covered = covered;
+    this.camera.setViewOffset(width, height, 0, -covered / 2, width, height);
     this.camera.aspect = width / Math.max(height, 1);
     this.camera.updateProjectionMatrix();
+    if (this.fits && this.turn === null) this.fit(true);
   }
 
   /** Look from a standard direction at the whole motion. */
@@ -135,6 +147,24 @@ export class CameraRig {
     this.finish();
   }
 
+  /** Go along with something that moves. */
+  shift(by: Vector3): void {
+    this.camera.position.add(by);
+    this.controls.target.add(by);
+    this.fits = false;
+  }
+
+  /** Where the camera is, to be taken back by `place`. */
+  get placement(): Placement {
+    return { position: this.camera.position.clone(), target: this.controls.target.clone() };
+  }
+
+  place({ position, target }: Placement): void {
+    this.camera.position.copy(position);
+    this.controls.target.copy(target);
+    this.finish();
+  }
+
   zoom(factor: number): void {
     const offset = this.offset().divideScalar(factor);
     this.camera.position.copy(this.controls.target).add(offset);
@@ -160,8 +190,9 @@ export class CameraRig {
     return this.camera.position.clone().sub(this.controls.target);
   }
 
-  private finish(): void {
+  private finish(fits = false): void {
     this.turn = null;
+    this.fits = fits;
     this.controls.update();
     this.controls.dispatchEvent({ type: "change" });
   }
@@ -172,9 +203,10 @@ export class CameraRig {
     if (now || !this.animate()) {
       this.controls.target.copy(target);
       this.camera.position.copy(target).add(offset);
-      this.finish();
+      this.finish(true);
       return;
     }
+    this.fits = true;
     this.turn = {
       fromOffset: this.offset(),
       toOffset: offset,
@@ -209,10 +241,11 @@ export class CameraRig {
     const middle = this.extent.box.getCenter(new Vector3());
     // a point at (x, y, z) is inside if |x - a| / tan + z <= distance: the planes of the four sides
     const [toRight, toLeft] = this.sides(right, direction, tan * this.camera.aspect, middle);
-    const [upwards, downwards] = this.sides(above, direction, tan, middle);
+    const free = tan * (1 - this.covered / this.height);
+    const [upwards, downwards] = this.sides(above, direction, free, middle);
     const target = middle
       .addScaledVector(right, ((toRight - toLeft) * tan * this.camera.aspect) / 2)
-      .addScaledVector(above, ((upwards - downwards) * tan) / 2);
+      .addScaledVector(above, ((upwards - downwards) * free) / 2);
     const distance = MARGIN * Math.max((toRight + toLeft) / 2, (upwards + downwards) / 2);
     return { target, distance: Math.max(distance, 0.05 * this.scene.size) };
   }

@@ -1,6 +1,6 @@
 /** The picture of a mechanism in an element of a page; free of any framework. */
 
-import { Matrix4, type Vector3 } from "three";
+import { Matrix4, Vector3 } from "three";
 import { GravityArrow, VectorArrows } from "./arrows";
 import { BodyLines } from "./body_lines";
 import { CameraRig, type ViewName } from "./camera_rig";
@@ -11,7 +11,7 @@ import { Labels } from "./labels";
 import { labelItems } from "./label_items";
 import { anchorPoint, writeMatrices, type Counts, type Instant, type Layer, type SceneElement } from "./layer";
 import { FrameAxes, JointMarks } from "./marks";
-import { GRAVITY_COLOR, THEMES, type ThemeName } from "./palette";
+import { THEMES, type ThemeName } from "./palette";
 import { chosenTimes, gravityEnds, motionExtent, shortestLengths, visitStates, withPoints } from "./paths";
 import { elementNamed, Picker } from "./picker";
 import { GeometryStore, Solids, type Look } from "./solids";
@@ -35,11 +35,13 @@ export interface Shown {
 
 export interface ViewerHooks {
   /** Called when something changed that the next `render` will draw. */
-  invalidate(): void;
-  onSelect?(element: SceneElement | null): void;
-  onHover?(element: SceneElement | null, x: number, y: number): void;
+  invalidate: () => void;
+  onSelect?: (element: SceneElement | null) => void;
+  onHover?: (element: SceneElement | null, x: number, y: number) => void;
   /** Whether the camera may glide; not where reduced motion is preferred. */
-  animate(): boolean;
+  animate: () => boolean;
+  /** Pixels at the top that something covers: the mechanism is shown below them. */
+  topInset?: () => number;
 }
 
 export class Viewer {
@@ -50,6 +52,8 @@ export class Viewer {
     force: true, torque: true, reaction: true,
   }; // prettier-ignore
   selected: SceneElement | null = null;
+  /** Whether the camera goes with the body of the selection. */
+  follow = false;
   private readonly stage: Stage;
   private readonly pose: Pose;
   private readonly instant: Instant & { time: number };
@@ -70,6 +74,8 @@ export class Viewer {
   private ghosts: Solids | null = null;
   private look: Look = "solid";
   private hovered = "";
+  private readonly followedTo = new Vector3();
+  private readonly here = new Vector3();
   private stale = true;
 
   /** Throws `WebGLMissing` where the browser has none. */
@@ -93,7 +99,7 @@ export class Viewer {
     this.joints = new JointMarks(scene);
     this.traces = new Traces(scene, source, this.counts);
     this.grid = new GroundGrid(scene, moved.box);
-    this.gravity = fall === null ? null : new GravityArrow(...fall, GRAVITY_COLOR);
+    this.gravity = fall === null ? null : new GravityArrow(...fall);
     this.layers = [this.grid, this.solids, new BodyLines(scene), this.connectors, this.axes, this.arrows, this.traces, this.joints];
     if (this.gravity !== null) this.layers.push(this.gravity);
     for (const layer of this.layers) this.stage.scene.add(layer.object);
@@ -191,6 +197,7 @@ export class Viewer {
   /** Mark an element, or none; the callback hears of it. */
   select(element: SceneElement | string | null): void {
     this.selected = typeof element === "string" ? elementNamed(this.scene, element) : element;
+    if (this.selected !== null) this.bodyPosition(this.selected.body, this.followedTo);
     this.paint();
     this.hooks.onSelect?.(this.selected);
   }
@@ -256,6 +263,7 @@ export class Viewer {
       writeMatrices(this.pose, this.instant.matrices);
       for (const layer of this.layers) layer.update(this.instant);
       this.stale = false;
+      if (this.selected !== null) this.goWith(this.selected.body);
     }
     this.stage.draw(this.rig.camera);
     this.labels.update(this.rig.camera, this.stage.width, this.stage.height);
@@ -273,6 +281,12 @@ export class Viewer {
     this.stage.dispose();
   }
 
+  private goWith(body: number): void {
+    this.bodyPosition(body, this.here);
+    if (this.follow) this.rig.shift(this.followedTo.subVectors(this.here, this.followedTo));
+    this.followedTo.copy(this.here);
+  }
+
   private paint(): void {
     const selected = this.selected?.name ?? "";
     for (const layer of [this.solids, this.connectors, this.joints, this.arrows]) layer.paint(selected, this.hovered);
@@ -283,7 +297,7 @@ export class Viewer {
     const { clientWidth, clientHeight } = this.host;
     if (clientWidth === 0 || clientHeight === 0) return;
     this.stage.resize(clientWidth, clientHeight);
-    this.rig.resize(clientWidth, clientHeight);
+    this.rig.resize(clientWidth, clientHeight, this.hooks.topInset?.() ?? 0);
     this.hooks.invalidate();
   }
 }
