@@ -1,0 +1,57 @@
+/** New elements of the model. */
+
+import { api } from "../api";
+import { showNode } from "../diagram/flow";
+import { addElement, addFrame } from "../model/edit";
+import { entryAt, GROUND, type EntryId } from "../model/entries";
+import { isObject } from "../model/pointers";
+import { definitionNode } from "../model/schema";
+import type { Spot } from "../model/layout";
+import { edit, endGesture, select, useStore } from "../store";
+import type { Model, PaletteElement } from "../types";
+
+export type Ends = readonly [string, string];
+
+/** Whether an element joins two frames, so that it is an edge of the diagram. */
+export function joins(element: PaletteElement): boolean {
+  const { schema } = useStore.getState();
+  if (schema === null) return false;
+  const properties = definitionNode(schema.schema, element.definition)["properties"];
+  return isObject(properties) && (properties["between"] !== undefined || properties["on"] !== undefined);
+}
+
+/** Return what a new edge joins where nothing says so: the selected bodies, else the ground and the last body. */
+export function likelyEnds(data: Model, selection: readonly EntryId[]): Ends {
+  const bodies = selection.filter((id) => id === GROUND || id.startsWith("body/"));
+  const names = bodies.map((id) => (id === GROUND ? GROUND : (entryAt(data, id)?.name ?? GROUND)));
+  if (names.length >= 2) return [names[0]!, names[1]!];
+  if (names.length === 1 && names[0] !== GROUND) return [GROUND, names[0]!];
+  const list = data["body"];
+  const last = Array.isArray(list) ? entryAt(data, `body/${list.length - 1}`)?.name : undefined;
+  return [GROUND, last ?? GROUND];
+}
+
+export function insertElement(section: string, type: string, spot: Spot | null = null, ends: Ends | null = null): void {
+  const { schema, data, selection } = useStore.getState();
+  const element = schema?.elements.find((each) => each.section === section && each.type === type);
+  if (schema === null || element === undefined) return;
+  const joined = joins(element) ? (ends ?? likelyEnds(data, selection)) : null;
+  const { data: next, ids } = addElement(schema.schema, data, element, joined, spot);
+  endGesture();
+  edit(() => next);
+  useStore.setState({ popup: null, leftTab: useStore.getState().leftTab });
+  select(ids, `${element.title} ${entryAt(next, ids[0]!)?.name ?? ""} added`);
+  if (spot === null && joined === null) showNode(ids[0]!);
+}
+
+/** Give a body, or the ground, another frame. */
+export function insertFrame(id: EntryId): void {
+  endGesture();
+  edit((data) => addFrame(data, id).data);
+  select([id], "Frame added");
+}
+
+/** Load what the palette offers. */
+export async function loadSchema(): Promise<void> {
+  useStore.setState({ schema: await api.schema() });
+}
