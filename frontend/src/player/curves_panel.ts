@@ -7,7 +7,9 @@ import { iconButton } from "./icons";
 import { Plot } from "./plot";
 import { formatTime } from "./transport";
 
-const LEAST_HEIGHT = 110;
+const LEAST_HEIGHT = 84;
+const TIME_AXIS = 20; // the height that the numbers of the time take under the last panel
+const GAP = 4;
 
 export class CurvesPanel {
   readonly element: HTMLElement;
@@ -25,7 +27,8 @@ export class CurvesPanel {
     seek: (time: number) => void,
   ) {
     const hooks = { seek, hover: (time: number | null) => { this.hover(time); }, choose: () => undefined };
-    this.plots = groupCurves(source.curves).map((group) => new Plot(group, source.times, source.events, shown, hooks));
+    const groups = groupCurves(source.curves);
+    this.plots = groups.map((group, index) => new Plot(group, source.times, source.events, shown, hooks, index === groups.length - 1));
     this.list.append(...this.plots.map((plot) => plot.element));
     this.element = create("section", { class: "sb-curves", "aria-label": "Curves" }, this.createHeader(), this.list);
     this.watcher = new ResizeObserver(() => { this.resize(); });
@@ -46,8 +49,9 @@ export class CurvesPanel {
   }
 
   resize(): void {
-    const room = this.list.clientHeight / Math.max(this.plots.length, 1);
-    for (const plot of this.plots) plot.resize(Math.max(LEAST_HEIGHT, Math.floor(room) - 8));
+    const room = (this.list.clientHeight - TIME_AXIS) / this.plots.length - GAP;
+    const height = Math.max(LEAST_HEIGHT, Math.floor(room));
+    for (const plot of this.plots) plot.resize(plot.last ? height + TIME_AXIS : height);
     this.showTime(this.time);
   }
 

@@ -230,12 +230,12 @@ export class Player {
   private draw(seconds: number, now: number): boolean {
     this.clock.advance(seconds);
     const { time, playing } = this.clock;
-    const moved = time !== this.drawnTime;
-    if (moved) {
+    if (time !== this.drawnTime) {
+      const first = Number.isNaN(this.drawnTime);
       this.drawnTime = time;
       this.viewer?.setTime(time);
       this.curves?.showTime(time);
-      this.context.onTime?.(time);
+      if (!first) this.context.onTime?.(time);
     }
     this.transport?.update();
     if (playing !== this.wasPlaying) this.context.onPlaying?.((this.wasPlaying = playing));

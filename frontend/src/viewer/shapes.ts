@@ -42,20 +42,21 @@ export function shapeOf(solid: Solid): Shape {
   }
 }
 
-/** Return the geometry of a key; cylinders, cones and capsules stand along z. */
-export function makeGeometry(key: string, meshes: readonly SceneMesh[]): BufferGeometry {
+/** Return the geometry of a key; cylinders, cones and capsules stand along z; `coarse` where there are many. */
+export function makeGeometry(key: string, meshes: readonly SceneMesh[], coarse = false): BufferGeometry {
+  const around = coarse ? 16 : 36;
   const [kind, parameter = "0"] = key.split(" ");
   switch (kind) {
     case "box":
       return new BoxGeometry(1, 1, 1);
     case "cylinder":
-      return new CylinderGeometry(1, 1, 1, 40).rotateX(Math.PI / 2);
+      return new CylinderGeometry(1, 1, 1, around).rotateX(Math.PI / 2);
     case "cone":
-      return new ConeGeometry(1, 1, 40).rotateX(Math.PI / 2);
+      return new ConeGeometry(1, 1, around).rotateX(Math.PI / 2);
     case "sphere":
-      return new SphereGeometry(1, 32, 20).rotateX(Math.PI / 2);
+      return new SphereGeometry(1, around, coarse ? 10 : 22).rotateX(Math.PI / 2);
     case "capsule":
-      return new CapsuleGeometry(1, Number(parameter), 8, 28).rotateX(Math.PI / 2);
+      return new CapsuleGeometry(1, Number(parameter), coarse ? 4 : 8, around).rotateX(Math.PI / 2);
     default:
       return meshGeometry(meshes[Number(parameter)]!);
   }
