@@ -1,0 +1,258 @@
+"""`animate`: motions as pages for any browser, in notebooks as pictures that move."""
+
+from __future__ import annotations
+
+import html
+import sys
+import tempfile
+import webbrowser
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from symbody.analysis.state import State
+from symbody.arguments import checked_arguments
+from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
+from symbody.model.model import Model
+from symbody.simulation.results.trajectory import Trajectory
+from symbody.visual.page import PageData, page_data, page_text, write_page
+from symbody.visual.scene import make_motion, make_scene
+from symbody.visual.scene.scene import Scene, SceneMotion
+from symbody.visual.still import run_of_state
+
+Theme = Literal["auto", "light", "dark", "contrast"]
+View = Literal["auto", "front", "top", "right", "isometric"]
+
+_HEIGHT: Final = 520  # pixels in a notebook
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Animation:
+    """A motion as it is shown; in a notebook it shows itself.
+
+    Attributes
+    ----------
+    scene : Scene
+        The shapes.
+    motion : SceneMotion
+        Where they are.
+    title : str
+        Above the picture.
+    options : mapping
+        Settings of the page.
+    """
+
+    scene: Scene
+    motion: SceneMotion
+    title: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def data(self) -> PageData:
+        """What a page is given, as values that JSON can say."""
+        return page_data(self.scene, self.motion, self.title, self.options)
+
+    @property
+    def html(self) -> str:
+        """The page, which needs nothing else.
+
+        Raises
+        ------
+        EnvironmentFault
+            If this installation has no pages.
+        """
+        return page_text(self.data)
+
+    @checked_arguments
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the page to a file.
+
+        Raises
+        ------
+        EnvironmentFault
+            If it cannot be written; the file that was there is unchanged.
+        """
+        write_page(Path(path), self.html)
+
+    def show(self) -> Path:
+        """Open the page in the browser and return the file it is in, which stays until the system clears it.
+
+        Raises
+        ------
+        EnvironmentFault
+            If there is no browser, or no page.
+        """
+        text = self.html
+        with tempfile.NamedTemporaryFile("w", prefix="symbody-", suffix=".html", delete=False) as file:
+            path = Path(file.name)
+        write_page(path, text)
+        if not webbrowser.open(path.as_uri()):
+            fix = f"open {path} in a browser, or give a path: animate(run, 'motion.html')"
+            raise EnvironmentFault(Problem("animation.no_browser", "animate", "no browser opened", fix=fix))
+        return path
+
+    def __repr__(self) -> str:
+        times = self.motion.times
+        return f"<Animation {self.title!r}: t = {times[0]:g} to {times[-1]:g} s, {times.size} samples>"
+
+    def _repr_html_(self) -> str:
+        """Return the page in a frame of its own, which exported notebooks keep."""
+        source = html.escape(self.html, quote=True)
+        name = html.escape(self.title, quote=True)
+        return (
+            f'<iframe srcdoc="{source}" title="{name}" sandbox="allow-scripts" width="100%" '
+            f'height="{_HEIGHT}" style="border:0" allowfullscreen></iframe>'
+        )
+
+
+@checked_arguments
+def animate(
+    run: Trajectory | State,
+    path: str | PathLike[str] | None = None,
+    *,
+    curves: Sequence[str] | None = None,
+    vectors: str | Sequence[str] | None = None,
+    traces: Sequence[str] = (),
+    times: ArrayLike | None = None,
+    title: str | None = None,
+    model: Model | None = None,
+    view: View = "auto",
+    theme: Theme = "auto",
+    speed: float = 1.0,
+) -> Animation:
+    """Show a motion: as a page that any browser opens, without a network, or in a notebook.
+
+    With a path the page is written there. Without one, a notebook shows what is returned; elsewhere the page
+    opens in the browser.
+
+    Parameters
+    ----------
+    run : Trajectory or State
+        With its model; a state makes a still picture.
+    path : path, optional
+        Of the page, ``"motion.html"``. It holds everything it needs.
+    curves : sequence of str, optional
+        Outputs drawn over time below the picture; by default the coordinates, at most twelve.
+    vectors : "all", "applied", "none" or sequence of str, optional
+        Forces and torques that are drawn: "applied" those of `Force` and `Torque`, by default if they are
+        few; "all" also reactions of joints and forces of springs; or those of elements by their names.
+    traces : sequence of str
+        Points whose ways are drawn: ``"Body.frame"``, or a body for its centre of mass.
+    times : (start, end) or (N,) array, optional
+        The part of the motion that is shown, or all samples [s]. By default there are as many samples as the
+        eye needs: what is interpolated between them is within a thousandth of the mechanism's size.
+    title : str, optional
+        By default the model's name.
+    model : Model, optional
+        The mechanism that moves, for motions from files of older versions.
+    view : "front", "top", "right", "isometric" or "auto"
+        By default planar mechanisms are seen against the normal of their plane, others isometrically.
+    theme : "light", "dark", "contrast" or "auto"
+    speed : float
+        Seconds of the motion in a second.
+
+    Raises
+    ------
+    UsageError
+        If a name is unknown, the run has no model or no samples, or times lie outside of it.
+    EnvironmentFault
+        If the page cannot be written, this installation has no pages, or no browser opens.
+    """
+    target = None if path is None else _page_path(path)
+    animation = make_animation(
+        run, curves, vectors, traces, times, title, model, {"view": view, "theme": theme, "speed": speed}
+    )
+    if target is not None:
+        animation.save(target)
+    elif not in_notebook():
+        animation.show()
+    return animation
+
+
+def make_animation(
+    run: Trajectory | State,
+    curves: Sequence[str] | None,
+    vectors: str | Sequence[str] | None,
+    traces: Sequence[str],
+    times: ArrayLike | None,
+    title: str | None,
+    model: Model | None,
+    options: Mapping[str, Any],
+) -> Animation:
+    """Return a motion as it is shown; see `animate`."""
+    motion_run = _run_of(run, model)
+    if motion_run.model is None:
+        raise _no_model()
+    speed = options.get("speed", 1.0)
+    if not (np.isfinite(speed) and speed > 0.0):
+        raise UsageError(Problem("animation.speed", "speed", f"{speed} is no speed", fix="give one above 0"))
+    courses = dict(zip(motion_run.coordinate_names, np.atleast_2d(motion_run.q), strict=True))
+    scene = make_scene(motion_run.model, motion_run.parameters, courses)
+    pair = _span(times)
+    motion = make_motion(motion_run, scene, None if pair else times, curves, vectors, pair)
+    settings = {**options, "traces": [_point(scene, name) for name in traces]}
+    return Animation(scene, motion, title or scene.name, settings)
+
+
+def in_notebook() -> bool:
+    """Return whether what is returned to the user is shown by a notebook."""
+    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    return getattr(shell, "kernel", None) is not None
+
+
+def _run_of(run: Trajectory | State, model: Model | None) -> Trajectory:
+    if isinstance(run, State):
+        return run_of_state(run)
+    if not isinstance(run, Trajectory):
+        fix = "give what simulate returns; of a sweep, one case: sweep.trajectory(3)"
+        raise UsageError(Problem("animation.not_a_motion", "run", f"{run!r} is no motion", fix=fix))
+    if model is None or model == run.model:
+        return run
+    return run.of_model(model)
+
+
+def _no_model() -> UsageError:
+    return UsageError(
+        Problem("animation.no_model", "run", "the motion does not say which mechanism moves",
+                "its file was written by an older version, or its equations were placed by hand",
+                "animate(run, model=...) with the model it was computed from")
+    )  # fmt: skip
+
+
+def _page_path(path: str | PathLike[str]) -> Path:
+    target = Path(path)
+    if target.suffix.lower() not in (".html", ".htm"):
+        what = f"animate writes pages, not {target.suffix or 'such files'}"
+        fix = "end the name with .html; films and pictures are made by save_animation"
+        raise UsageError(Problem("animation.suffix", str(path), what, fix=fix))
+    return target
+
+
+def _span(times: ArrayLike | None) -> tuple[float, float] | None:
+    """Return the two ends of a part of the motion, if it is these that are given."""
+    if times is None or np.shape(times) != (2,):
+        return None
+    try:
+        first, last = (float(t) for t in np.asarray(times, dtype=np.float64))
+    except (TypeError, ValueError):
+        return None
+    return first, last
+
+
+def _point(scene: Scene, name: str) -> str:
+    """Return a point as the page names it."""
+    known = [f"{body.name}.{frame.name}" for body in scene.bodies[1:] for frame in body.frames]
+    centres = {body.name: f"{body.name}.CoM" for body in scene.bodies[1:]}
+    if name in known:
+        return name
+    if name in centres:
+        return centres[name]
+    raise UsageError(
+        Problem("animation.unknown_point", repr(name), f"there is no point {name!r} on a body", "",
+                nearest(name, [*centres, *known]))
+    )  # fmt: skip
