@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -188,15 +188,24 @@ def make_animation(
     motion_run = _run_of(run, model)
     if motion_run.model is None:
         raise _no_model()
-    speed = options.get("speed", 1.0)
-    if not (np.isfinite(speed) and speed > 0.0):
-        raise UsageError(Problem("animation.speed", "speed", f"{speed} is no speed", fix="give one above 0"))
+    _check_options(options)
     courses = dict(zip(motion_run.coordinate_names, np.atleast_2d(motion_run.q), strict=True))
     scene = make_scene(motion_run.model, motion_run.parameters, courses)
     pair = _span(times)
     motion = make_motion(motion_run, scene, None if pair else times, curves, vectors, pair)
     settings = {**options, "traces": [_point(scene, name) for name in traces]}
     return Animation(scene, motion, title or scene.name, settings)
+
+
+def _check_options(options: Mapping[str, Any]) -> None:
+    for name, words in (("view", get_args(View)), ("theme", get_args(Theme))):
+        word = options.get(name, "auto")
+        if word not in words:
+            what, fix = f"{word!r} is no {name}", f"choose one of {', '.join(words)}"
+            raise UsageError(Problem("animation.option", name, what, fix=fix))
+    speed = options.get("speed", 1.0)
+    if not (np.isfinite(speed) and speed > 0.0):
+        raise UsageError(Problem("animation.option", "speed", f"{speed} is no speed", fix="give one above 0"))
 
 
 def in_notebook() -> bool:

@@ -184,5 +184,5 @@ def _turned(matrices: Floats, components: Floats) -> Floats:
 def _unknown(name: str, known: Iterable[str]) -> Problem:
     return Problem(
         "animation.unknown_vector", repr(name), f"nothing that {name!r} names acts on a body", "",
-        f'{nearest(name, known)}; "all" draws every force and reaction'.lstrip("; "),
+        f'{nearest(name, known).rstrip(".")} "all" draws every force and reaction'.lstrip(),
     )  # fmt: skip
