@@ -17,6 +17,7 @@ class TreeWord(StrEnum):
 
 
 def option(*flags: str, text: str, metavar: str | None = None) -> Any:
+    """Return an option with its help."""
     return typer.Option(*flags, help=text, metavar=metavar)
 
 

@@ -8,6 +8,7 @@ import tempfile
 import webbrowser
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib import import_module
 from os import PathLike
 from pathlib import Path
 from typing import Any, Final, Literal, get_args
@@ -17,9 +18,11 @@ from numpy.typing import ArrayLike
 
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
+from symbody.equations.equation_set import EquationSet
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
 from symbody.model.model import Model
 from symbody.simulation.results.trajectory import Trajectory
+from symbody.visual.live import Slider, SliderMechanism, slider_mechanism
 from symbody.visual.page import PageData, page_data, page_text, write_page
 from symbody.visual.scene import make_motion, make_scene
 from symbody.visual.scene.scene import Scene, SceneMotion
@@ -112,19 +115,12 @@ class Animation:
 
 @checked_arguments
 def animate(
-    run: Trajectory | State,
-    path: str | PathLike[str] | None = None,
-    *,
-    curves: Sequence[str] | None = None,
-    vectors: str | Sequence[str] | None = None,
-    traces: Sequence[str] = (),
-    times: ArrayLike | None = None,
-    title: str | None = None,
-    model: Model | None = None,
-    view: View = "auto",
-    theme: Theme = "auto",
-    speed: float = 1.0,
-) -> Animation:
+    run: Trajectory | State | EquationSet, path: str | PathLike[str] | None = None, *,
+    curves: Sequence[str] | None = None, vectors: str | Sequence[str] | None = None,
+    traces: Sequence[str] = (), times: ArrayLike | None = None, title: str | None = None,
+    model: Model | None = None, view: View = "auto", theme: Theme = "auto", speed: float = 1.0,
+    live: bool = False, sliders: Sequence[Slider] = (),
+) -> Animation | LiveAnimation:  # fmt: skip
     """Show a motion: as a page that any browser opens, without a network, or in a notebook.
 
     With a path the page is written there. Without one, a notebook shows what is returned; elsewhere the page
@@ -132,8 +128,8 @@ def animate(
 
     Parameters
     ----------
-    run : Trajectory or State
-        With its model; a state makes a still picture.
+    run : Trajectory, State or EquationSet
+        With its model. A state makes a still picture, equations a live one.
     path : path, optional
         Of the page, ``"motion.html"``. It holds everything it needs.
     curves : sequence of str, optional
@@ -155,6 +151,8 @@ def animate(
     theme : "light", "dark", "contrast" or "auto"
     speed : float
         Seconds of the motion in a second.
+    live, sliders : bool, sequence of str or (name, lowest, highest)
+        In a notebook: share time with Python; coordinates and parameters of equations to move by sliders.
 
     Raises
     ------
@@ -164,14 +162,89 @@ def animate(
         If the page cannot be written, this installation has no pages, or no browser opens.
     """
     target = None if path is None else _page_path(path)
-    animation = make_animation(
-        run, curves, vectors, traces, times, title, model, {"view": view, "theme": theme, "speed": speed}
-    )
+    options = {"view": view, "theme": theme, "speed": speed}
+    if isinstance(run, EquationSet):
+        return live_mechanism(run, sliders, title, target, options)
+    animation = make_animation(run, curves, vectors, traces, times, title, model, options)
+    if live:
+        return LiveAnimation(new_widget(animation.data))
     if target is not None:
         animation.save(target)
     elif not in_notebook():
         animation.show()
     return animation
+
+
+def live_mechanism(
+    eqs: EquationSet,
+    sliders: Sequence[Slider],
+    title: str | None,
+    path: Path | None,
+    options: Mapping[str, Any],
+) -> LiveAnimation:
+    """Return a mechanism with sliders; see `animate`."""
+    if path is not None:
+        what, fix = "a page cannot move a mechanism by sliders", "leave path out, or give a motion"
+        raise UsageError(Problem("animation.live_page", str(path), what, fix=fix))
+    _check_options(options)
+    mechanism = slider_mechanism(eqs, sliders)
+    data = mechanism.data(mechanism.first, title or eqs.model.name, options)
+    return LiveAnimation(new_widget(data, mechanism))
+
+
+def new_widget(data: PageData, mechanism: SliderMechanism | None = None) -> Any:
+    """Return the notebook widget.
+
+    Raises
+    ------
+    EnvironmentFault
+        If anywidget is not installed, or this installation has no pages.
+    """
+    try:
+        module = import_module("symbody.visual.notebook_widget")
+    except ImportError:
+        what = "live pictures need anywidget, which is not installed"
+        fix = "pip install symbody[notebook], or leave live=True out"
+        raise EnvironmentFault(Problem("animation.no_anywidget", "animate", what, fix=fix)) from None
+    return module.MechanismWidget(data, mechanism)
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class LiveAnimation:
+    """A picture in a notebook that shares its time and its sliders with Python.
+
+    Attributes
+    ----------
+    widget : anywidget.AnyWidget
+        With traits ``time`` [s], ``playing``, ``slider_values``, ``message``; `observe` follows them.
+    """
+
+    widget: Any
+
+    @property
+    def time(self) -> float:
+        """The time that is shown [s]."""
+        return float(self.widget.time)
+
+    def seek(self, time: float) -> None:
+        """Show another time [s]."""
+        self.widget.time = float(time)
+
+    @property
+    def state(self) -> State | None:
+        """Where the sliders have moved the mechanism; None without sliders."""
+        state: State | None = self.widget.state
+        return state
+
+    def observe(self, call: Any, names: str = "time") -> None:
+        """Call a function with each change of a trait; see traitlets."""
+        self.widget.observe(call, names)
+
+    def __repr__(self) -> str:
+        return f"<LiveAnimation {self.widget.data['title']!r}>"
+
+    def _repr_mimebundle_(self, **words: Any) -> Any:
+        return self.widget._repr_mimebundle_(**words)
 
 
 def make_animation(

@@ -65,8 +65,11 @@ def make_motion(
     if curves is None:
         curves = run.coordinate_names[:_MOST_CURVES]
     arrows = arrows_of(model, scene, vectors)
-    trees = None if run.provenance is None else run.provenance.trees
-    chain = chain_of(model, [body.name for body in scene.bodies[1:]], trees)
+    inside = None
+    if run.provenance is not None:
+        trees = run.provenance.trees
+        inside = {*trees.rotation} & {*trees.translation}
+    chain = chain_of(model, [body.name for body in scene.bodies[1:]], inside)
     source = _Source(run, chain, tuple(curves), tuple(arrows))
     samples = _samples(source, scene.size, times, span)
     shown = source.outputs(samples.times)
