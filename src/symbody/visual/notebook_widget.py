@@ -34,10 +34,10 @@ class MechanismWidget(anywidget.AnyWidget):
     slider_values = traitlets.Dict().tag(sync=True)
     height = traitlets.Int(520).tag(sync=True)
     message = traitlets.Unicode("").tag(sync=True)
+    _mechanism: SliderMechanism | None = None
+    _state: State | None = None
 
     def __init__(self, data: PageData, mechanism: SliderMechanism | None = None, **options: Any) -> None:
-        self._mechanism = mechanism
-        self._state = None if mechanism is None else mechanism.first
         sliders = () if mechanism is None else mechanism.sliders
         super().__init__(
             _esm=built_file("widget.js"),
@@ -46,6 +46,8 @@ class MechanismWidget(anywidget.AnyWidget):
             slider_values={slider.name: slider.value for slider in sliders},
             **options,
         )
+        self._mechanism = mechanism  # from now on sliders move it
+        self._state = None if mechanism is None else mechanism.first
 
     @property
     def state(self) -> State | None:
