@@ -50,7 +50,9 @@ class SceneBasis:
         Those of the model and those that stand for bodies without one.
     freedoms : mapping of joint to JointFreedoms
     coordinates : mapping of name to float
-        At the start.
+        At the start; zero where neither model nor motion has a value.
+    doubtful : frozenset of str
+        Joints that have such coordinates.
     travel : mapping of name to (lowest, highest)
         Of the coordinates whose motion is known.
     bodies : mapping of name to RigidTransform
@@ -67,6 +69,7 @@ class SceneBasis:
     joints: tuple[Joint, ...]
     freedoms: Mapping[str, JointFreedoms]
     coordinates: Mapping[str, float]
+    doubtful: frozenset[str]
     travel: Mapping[str, tuple[float, float]]
     bodies: Mapping[str, RigidTransform]
     size: float
@@ -129,7 +132,8 @@ def scene_basis(
         values = joint_coordinates(joint, numbers, start)
         steps[joint.name] = joint_transform(joint, numbers, values)
         coordinates |= values
-    bodies = body_transforms(joints, frames, steps)
+    doubtful = {joint.name for joint in joints if not _is_known(joint, start)}
+    bodies = body_transforms(joints, frames, steps, doubtful)
     bodies |= {body.name: RigidTransform() for body in model.bodies if body.name not in bodies}
     lengths = _body_lengths(frames)
     size = _size(model, numbers, [bodies[each.body] @ frame for each, frame in frames.items()], lengths)
@@ -144,11 +148,17 @@ def scene_basis(
         joints=joints,
         freedoms={joint.name: joint_freedoms(joint, numbers) for joint in joints},
         coordinates=coordinates,
+        doubtful=frozenset(doubtful),
         travel={name: (float(v.min()), float(v.max())) for name, v in courses.items() if v.size},
         bodies=bodies,
         size=size,
         rod=rod,
     )
+
+
+def _is_known(joint: Joint, values: Mapping[str, object]) -> bool:
+    """Return whether all coordinates of a joint have values, or are prescribed."""
+    return all(name in values or name in joint.motions for name in joint.coordinates)
 
 
 def _body_lengths(frames: Mapping[Address, RigidTransform]) -> list[float]:
