@@ -67,11 +67,10 @@ class JointSite:
     def range_of(self, number: int) -> tuple[float, float]:
         """Return the lowest and highest displacement of a guide along its slide of this number [m]."""
         name = self.joint.translation_coordinates[number]
-        at_start = self.basis.coordinates[name]
+        low, high = self.basis.travel.get(name, (self.basis.coordinates[name],) * 2)
         if self.joint.name in self.basis.doubtful and self.freedoms.slides_in == "start":
-            start, end = self.basis.frame(self.joint.start), self.basis.frame(self.joint.end)
-            at_start = float((start.inverse() @ end).at @ self.freedoms.slides[number])
-        low, high = self.basis.travel.get(name, (at_start, at_start))
+            course = self.basis.course(self.joint.start, self.joint.end) @ self.freedoms.slides[number]
+            low, high = float(course.min()), float(course.max())
         margin = _MARGIN * self.rod
         if high - low < margin:
             extent = self.basis.extent(self.joint.start.body)
