@@ -22,6 +22,7 @@ async function bundle(entry, format) {
       target: "es2022",
       cssMinify: true,
       assetsInlineLimit: 1e9,
+      rolldownOptions: { output: { minify: true } }, // a library is left long otherwise
       lib: { entry, formats: [format], name: "symbody", fileName: "bundle", cssFileName: "bundle" },
     },
   });

@@ -9,6 +9,7 @@ const ROWS: readonly { group: VectorGroup; title: string }[] = [
   { group: "reaction", title: "reaction" },
 ];
 const LONGEST = 90; // pixels
+const WIDEST_CURL = 34;
 
 interface Row {
   readonly group: VectorGroup;
@@ -39,10 +40,15 @@ export class ArrowLegend {
       row.element.hidden = !this.viewer.shown[row.group] || metres === 0;
       if (row.element.hidden) continue;
       const pixels = metres * this.viewer.rig.pixelsPerMetre;
-      const value = roundDown(LONGEST / pixels);
+      const value = roundDown((this.curled(row) ? WIDEST_CURL : LONGEST) / pixels);
+      row.bar.classList.toggle("sb-curl", this.curled(row));
       row.bar.style.width = `${(value * pixels).toFixed(1)}px`;
       setText(row.text, formatQuantity(value, row.kind === "force" ? "N" : "N\u202fm"));
     }
+  }
+
+  private curled(row: Row): boolean {
+    return row.kind === "torque" && this.viewer.arrows.curled;
   }
 }
 

@@ -1,7 +1,6 @@
 /** Curves as groups of one unit, as text, and their values at a time. */
 
-import type { MotionCurve } from "../viewer";
-import { sampleBefore } from "../viewer/source";
+import { sampleBefore, type MotionCurve } from "../viewer";
 
 /** Curves that share a unit and so an axis. */
 export interface CurveGroup {

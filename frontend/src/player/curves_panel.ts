@@ -4,10 +4,12 @@ import type { StateSource } from "../viewer";
 import { groupCurves, toCsv } from "./curve_table";
 import { create, download, fileName, setText } from "./dom";
 import { iconButton } from "./icons";
-import { Plot } from "./plot";
+import { curveColor, Plot } from "./plot";
 import { formatTime } from "./transport";
 
-const LEAST_HEIGHT = 110;
+const LEAST_HEIGHT = 84;
+const TIME_AXIS = 20; // the height that the numbers of the time take under the last panel
+const GAP = 4;
 
 export class CurvesPanel {
   readonly element: HTMLElement;
@@ -25,7 +27,8 @@ export class CurvesPanel {
     seek: (time: number) => void,
   ) {
     const hooks = { seek, hover: (time: number | null) => { this.hover(time); }, choose: () => undefined };
-    this.plots = groupCurves(source.curves).map((group) => new Plot(group, source.times, source.events, shown, hooks));
+    const groups = groupCurves(source.curves);
+    this.plots = groups.map((group, index) => new Plot(group, source.times, source.events, shown, hooks, index === groups.length - 1));
     this.list.append(...this.plots.map((plot) => plot.element));
     this.element = create("section", { class: "sb-curves", "aria-label": "Curves" }, this.createHeader(), this.list);
     this.watcher = new ResizeObserver(() => { this.resize(); });
@@ -46,8 +49,9 @@ export class CurvesPanel {
   }
 
   resize(): void {
-    const room = this.list.clientHeight / Math.max(this.plots.length, 1);
-    for (const plot of this.plots) plot.resize(Math.max(LEAST_HEIGHT, Math.floor(room) - 8));
+    const room = (this.list.clientHeight - TIME_AXIS) / this.plots.length - GAP;
+    const height = Math.max(LEAST_HEIGHT, Math.floor(room));
+    for (const plot of this.plots) plot.resize(plot.last ? height + TIME_AXIS : height);
     this.showTime(this.time);
   }
 
@@ -106,8 +110,7 @@ function picture(plots: readonly Plot[], styled: HTMLElement): HTMLCanvasElement
   plots.forEach((plot, index) => {
     let left = 12 * ratio;
     for (const curve of plot.drawn) {
-      const { stroke } = plot.chart.series[curve + 1]!;
-      context.fillStyle = typeof stroke === "function" ? String(stroke(plot.chart, curve + 1)) : style.color;
+      context.fillStyle = style.getPropertyValue(curveColor(curve));
       context.fillRect(left, top + head / 2 - ratio, 18 * ratio, 2 * ratio);
       context.fillStyle = style.getPropertyValue("--sb-text");
       const { name } = plot.group.curves[curve]!;

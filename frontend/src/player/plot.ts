@@ -1,12 +1,12 @@
 /** One panel of curves with a legend whose ticks choose what is drawn. */
 
 import uPlot from "uplot";
-import { BODY_COLORS } from "../viewer";
 import type { MotionEvent } from "../viewer";
 import { valueAt, formatValue, type CurveGroup } from "./curve_table";
 import { create, setText } from "./dom";
 
 const DASHES: readonly (readonly number[])[] = [[], [8, 4], [2, 3], [10, 3, 2, 3]];
+const COLORS = 8; // that the style has for curves
 export const MOST_SHOWN = 6; // curves that a panel shows at first
 
 interface Row {
@@ -34,6 +34,7 @@ export class Plot {
     events: readonly MotionEvent[],
     shown: readonly string[] | null,
     private readonly hooks: PlotHooks,
+    readonly last: boolean,
   ) {
     const visible = (index: number): boolean =>
       shown === null ? index < MOST_SHOWN : shown.includes(group.curves[index]!.name);
@@ -42,7 +43,7 @@ export class Plot {
     this.element.append(area, this.createLegend());
     const series = group.curves.map((curve, index) => ({
       label: curve.name,
-      stroke: curveColor(index),
+      stroke: (chart: uPlot) => variable(chart, curveColor(index)),
       dash: [...curveDash(index)],
       width: 2,
       show: visible(index),
@@ -54,7 +55,7 @@ export class Plot {
       legend: { show: false },
       scales: { x: { time: false } },
       series: [{}, ...series],
-      axes: [axis("t [s]", 30), { ...axis(group.unit === "" ? "" : group.unit, 56) }],
+      axes: [timeAxis(last), valueAxis(group.unit)],
       cursor: { sync: { key: "symbody" }, drag: { x: true, y: false, setScale: true }, points: { size: 7 } },
       hooks: {
         draw: [(chart) => { drawEvents(chart, events); }],
@@ -82,8 +83,7 @@ export class Plot {
   showTime(time: number): void {
     this.time = time;
     const { min, max } = this.chart.scales["x"] ?? {};
-    if (min === undefined || max === undefined || min === null || max === null) return;
-    const inside = time >= min && time <= max;
+    const inside = typeof min === "number" && typeof max === "number" && time >= min && time <= max;
     this.cursor.hidden = !inside;
     if (inside) this.cursor.style.transform = `translateX(${this.chart.valToPos(time, "x").toFixed(1)}px)`;
   }
@@ -103,7 +103,7 @@ export class Plot {
   }
 
   private createRow(index: number, checked: boolean): Row {
-    const box = create("input", { type: "checkbox" });
+    const box = create("input", { type: "checkbox", "aria-label": this.group.curves[index]!.name });
     box.checked = checked;
     box.addEventListener("change", () => {
       this.chart.setSeries(index + 1, { show: box.checked });
@@ -124,7 +124,7 @@ export class Plot {
 
   private hover(chart: uPlot): void {
     const { left } = chart.cursor;
-    const inside = left !== undefined && left >= 0 && chart.cursor.event !== undefined && chart.cursor.event !== null;
+    const inside = left !== undefined && left >= 0;
     this.hooks.hover(inside ? chart.posToVal(left, "x") : null);
   }
 
@@ -152,17 +152,18 @@ export class Plot {
   }
 }
 
-function curveColor(index: number): string {
-  return BODY_COLORS[index % BODY_COLORS.length]!;
+/** Return the style's variable with the colour of a curve. */
+export function curveColor(index: number): string {
+  return `--sb-curve-${index % COLORS}`;
 }
 
 function curveDash(index: number): readonly number[] {
-  return DASHES[Math.floor(index / BODY_COLORS.length) % DASHES.length]!;
+  return DASHES[Math.floor(index / COLORS) % DASHES.length]!;
 }
 
 function swatch(index: number): HTMLElement {
   const element = create("span", { class: "sb-swatch" });
-  element.style.setProperty("--sb-swatch", curveColor(index));
+  element.style.setProperty("--sb-swatch", `var(${curveColor(index)})`);
   element.classList.toggle("sb-dashed", curveDash(index).length > 0);
   return element;
 }
@@ -171,20 +172,28 @@ function variable(chart: uPlot, name: string): string {
   return getComputedStyle(chart.root).getPropertyValue(name);
 }
 
-function axis(label: string, size: number): uPlot.Axis {
-  const stroke = (chart: uPlot): string => variable(chart, "--sb-soft");
-  const grid = (chart: uPlot): string => variable(chart, "--sb-rule");
-  const font = '12px system-ui, "Segoe UI", sans-serif';
-  const isTime = label === "t [s]";
+const FONT = '12px system-ui, "Segoe UI", sans-serif';
+
+/** Axes take their colours from the page's style, at each drawing. */
+function plainAxis(): uPlot.Axis {
+  const rule = (chart: uPlot): string => variable(chart, "--sb-rule");
   return {
-    stroke,
-    font,
-    size,
-    grid: { stroke: grid, width: 1 },
-    ticks: { stroke: grid, width: 1, size: 5 },
-    ...(isTime ? {} : { values: (_: uPlot, splits: number[]) => splits.map(formatTick) }),
-    ...(isTime || label === "" ? {} : { label, labelFont: font, labelSize: 18, labelGap: 0 }),
+    stroke: (chart) => variable(chart, "--sb-soft"),
+    font: FONT,
+    grid: { stroke: rule, width: 1 },
+    ticks: { stroke: rule, width: 1, size: 4 },
   };
+}
+
+/** The axis of time; its numbers stand under the last panel only. */
+function timeAxis(last: boolean): uPlot.Axis {
+  if (!last) return { ...plainAxis(), size: 6, values: (_, splits) => splits.map(() => ""), ticks: { show: false } };
+  return { ...plainAxis(), size: 24, gap: 2, values: (_, splits) => splits.map((each, index) => (index === splits.length - 1 ? `${formatTick(each)} s` : formatTick(each))) };
+}
+
+function valueAxis(unit: string): uPlot.Axis {
+  const named = unit === "" ? {} : { label: unit, labelFont: FONT, labelSize: 18, labelGap: 0 };
+  return { ...plainAxis(), ...named, size: 54, space: 22, values: (_, splits) => splits.map(formatTick) };
 }
 
 function formatTick(value: number): string {

@@ -25,9 +25,10 @@ export class Popover {
 
   toggle(open: boolean): void {
     if (open === this.open) return;
+    const focused = this.panel.matches(":focus-within"); // asked before it is hidden
     this.panel.hidden = !open;
     this.button.setAttribute("aria-expanded", String(open));
-    if (!open && this.panel.contains(document.activeElement)) this.button.focus();
+    if (!open && focused) this.button.focus();
   }
 
   /** Close if a press is neither in the panel nor on the button. */

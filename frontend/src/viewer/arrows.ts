@@ -14,6 +14,7 @@ import {
 } from "three";
 import { arrowScale, largestMagnitude } from "./arrow_scale";
 import type { MotionVector, Scene, VectorKind } from "./contract";
+import { Curls } from "./curls";
 import { anchorPoint, type Instant, type Layer } from "./layer";
 import { HIGHLIGHT, VECTOR_COLORS } from "./palette";
 import type { StateSource } from "./source";
@@ -113,7 +114,10 @@ export class VectorArrows implements Layer {
   factor = 1;
   /** Where the last drawn arrows end. */
   readonly tips: Vector3[];
+  /** Whether torques curl: in the plane of a planar mechanism. */
+  readonly curled: boolean;
   private readonly arrows: ArrowMeshes;
+  private readonly curls: Curls;
   private readonly scales: Record<VectorKind, number>;
   private readonly components = new Float64Array(3);
   private readonly start = new Vector3();
@@ -130,7 +134,9 @@ export class VectorArrows implements Layer {
       torque: arrowScale(largestMagnitude(vectors, "torque"), scene.size),
     };
     this.tips = vectors.map(() => new Vector3());
-    this.object.add(this.arrows.object);
+    this.curled = scene.normal !== null;
+    this.curls = new Curls(vectors.length, 0.45 * scene.size);
+    this.object.add(this.arrows.object, this.curls.mesh);
     this.paint("", "");
   }
 
@@ -148,51 +154,60 @@ export class VectorArrows implements Layer {
     const { vectors } = this.source;
     for (let index = 0; index < vectors.length; index += 1) {
       const vector = vectors[index]!;
-      if (!this.isShown(index)) {
-        this.arrows.hide(index);
-        continue;
-      }
+      this.arrows.hide(index);
+      this.curls.hide(index);
+      if (!this.isShown(index)) continue;
       this.source.vectorAt(index, instant.time, this.components);
       anchorPoint(vector.anchor, instant, this.start);
       this.along.fromArray(this.components).multiplyScalar(this.scales[vector.kind] * this.factor);
-      this.arrows.set(index, this.start, this.along, vector.kind === "torque");
-      this.tips[index]!.addVectors(this.start, this.along);
+      const tip = this.tips[index]!.addVectors(this.start, this.along);
+      if (this.curled && vector.kind === "torque") this.curls.set(index, this.start, this.along, tip);
+      else this.arrows.set(index, this.start, this.along, vector.kind === "torque");
     }
-    this.arrows.flush();
+    this.flush();
   }
 
   paint(selected: string, hovered: string): void {
     const color = new Color();
     this.source.vectors.forEach((vector, index) => {
       const marked = vector.name === selected || vector.name === hovered;
-      this.arrows.setColor(index, color.set(marked ? HIGHLIGHT : VECTOR_COLORS[vectorGroup(vector)]));
+      color.set(marked ? HIGHLIGHT : VECTOR_COLORS[vectorGroup(vector)]);
+      this.arrows.setColor(index, color);
+      this.curls.setColor(index, color);
     });
-    this.arrows.flush();
+    this.flush();
   }
 
   vectorOf(mesh: unknown, instance: number): MotionVector | undefined {
-    if (mesh === this.arrows.shafts) return this.source.vectors[instance];
+    if (mesh === this.arrows.shafts || mesh === this.curls.mesh) return this.source.vectors[instance];
     return mesh === this.arrows.heads ? this.source.vectors[instance >> 1] : undefined;
   }
 
   dispose(): void {
     this.arrows.dispose();
+    this.curls.dispose();
+  }
+
+  private flush(): void {
+    this.arrows.flush();
+    this.curls.flush();
   }
 }
 
 /** An arrow that shows where gravity points, beside the mechanism. */
 export class GravityArrow implements Layer {
   readonly object = new Group();
-  readonly tip = new Vector3();
+  /** Where its name stands. */
+  readonly middle = new Vector3();
   private readonly arrow: ArrowMeshes;
 
-  constructor(scene: Scene, start: Vector3, color: string) {
-    this.arrow = new ArrowMeshes(1, 0.007 * scene.size);
-    const along = new Vector3(...(scene.gravity ?? [0, 0, 0])).normalize().multiplyScalar(0.22 * scene.size);
+  constructor(start: Vector3, end: Vector3, color: string) {
+    this.arrow = new ArrowMeshes(1, 0.03 * start.distanceTo(end));
+    const along = new Vector3().subVectors(end, start);
     this.arrow.set(0, start, along, false);
     this.arrow.setColor(0, new Color(color));
     this.arrow.flush();
-    this.tip.addVectors(start, along);
+    this.middle.lerpVectors(start, end, 0.5);
     this.object.add(this.arrow.object);
   }
 

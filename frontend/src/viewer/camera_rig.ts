@@ -1,15 +1,16 @@
 /** The camera: orbit, pan, zoom, standard views, and a view that holds the whole motion. */
 
-import { Box3, MathUtils, PerspectiveCamera, Vector3 } from "three";
+import { MathUtils, PerspectiveCamera, Vector3 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Scene } from "./contract";
+import type { Extent } from "./paths";
 
 export const VIEW_NAMES = ["front", "top", "right", "isometric"] as const;
 export type ViewName = (typeof VIEW_NAMES)[number];
 
 const ANGLE = 30; // of the perspective, degrees
 const PARALLEL_ANGLE = 1; // so small that parallels look parallel
-const MARGIN = 1.16;
+const MARGIN = 1.2;
 const TURN_SECONDS = 0.28;
 
 interface Turn {
@@ -51,6 +52,7 @@ export class CameraRig {
   readonly camera = new PerspectiveCamera(ANGLE, 1, 0.01, 1000);
   readonly controls: OrbitControls;
   private turn: Turn | null = null;
+  private fits = true; // until the user moves the camera
   private readonly radius: number;
   private readonly up: Vector3;
   private height = 1;
@@ -58,13 +60,13 @@ export class CameraRig {
   constructor(
     canvas: HTMLElement,
     private readonly scene: Scene,
-    private readonly box: Box3,
+    private readonly extent: Extent,
     private readonly animate: () => boolean,
     invalidate: () => void,
   ) {
     this.up = new Vector3(...scene.up).normalize();
     this.camera.up.copy(this.up); // before the controls, which read it once
-    this.radius = box.getSize(new Vector3()).length() / 2;
+    this.radius = extent.box.getSize(new Vector3()).length() / 2;
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = animate();
     this.controls.dampingFactor = 0.18;
@@ -72,6 +74,7 @@ export class CameraRig {
     this.controls.addEventListener("change", invalidate);
     this.controls.addEventListener("start", () => {
       this.turn = null;
+      this.fits = false;
     });
   }
 
@@ -92,6 +95,7 @@ export class CameraRig {
     this.height = height;
     this.camera.aspect = width / Math.max(height, 1);
     this.camera.updateProjectionMatrix();
+    if (this.fits && this.turn === null) this.fit(true);
   }
 
   /** Look from a standard direction at the whole motion. */
@@ -159,21 +163,23 @@ export class CameraRig {
     return this.camera.position.clone().sub(this.controls.target);
   }
 
-  private finish(): void {
+  private finish(fits = false): void {
     this.turn = null;
+    this.fits = fits;
     this.controls.update();
     this.controls.dispatchEvent({ type: "change" });
   }
 
   private moveTo(direction: Vector3, now: boolean): void {
-    const target = this.box.getCenter(new Vector3());
-    const offset = direction.clone().multiplyScalar(this.fitDistance(direction, target));
+    const { target, distance } = this.fitted(direction);
+    const offset = direction.clone().multiplyScalar(distance);
     if (now || !this.animate()) {
       this.controls.target.copy(target);
       this.camera.position.copy(target).add(offset);
-      this.finish();
+      this.finish(true);
       return;
     }
+    this.fits = true;
     this.turn = {
       fromOffset: this.offset(),
       toOffset: offset,
@@ -198,22 +204,36 @@ export class CameraRig {
     return part < 1;
   }
 
-  /** The distance from which every corner of the box is in the picture. */
-  private fitDistance(direction: Vector3, target: Vector3): number {
+  /** The target and the distance at which every point of the motion is in the middle of the picture. */
+  private fitted(direction: Vector3): { target: Vector3; distance: number } {
     const right = new Vector3().crossVectors(this.up, direction);
     if (right.lengthSq() < 1e-8) right.set(1, 0, 0);
     right.normalize();
     const above = new Vector3().crossVectors(direction, right);
     const tan = Math.tan(MathUtils.degToRad(this.camera.fov) / 2);
-    const corner = new Vector3();
-    let distance = 0;
-    for (let index = 0; index < 8; index += 1) {
-      const { min, max } = this.box;
-      corner.set(index & 1 ? max.x : min.x, index & 2 ? max.y : min.y, index & 4 ? max.z : min.z).sub(target);
-      const high = Math.abs(corner.dot(above)) / tan;
-      const wide = Math.abs(corner.dot(right)) / (tan * this.camera.aspect);
-      distance = Math.max(distance, MARGIN * Math.max(high, wide) + corner.dot(direction));
+    const middle = this.extent.box.getCenter(new Vector3());
+    // a point at (x, y, z) is inside if |x - a| / tan + z <= distance: the planes of the four sides
+    const [toRight, toLeft] = this.sides(right, direction, tan * this.camera.aspect, middle);
+    const [upwards, downwards] = this.sides(above, direction, tan, middle);
+    const target = middle
+      .addScaledVector(right, ((toRight - toLeft) * tan * this.camera.aspect) / 2)
+      .addScaledVector(above, ((upwards - downwards) * tan) / 2);
+    const distance = MARGIN * Math.max((toRight + toLeft) / 2, (upwards + downwards) / 2);
+    return { target, distance: Math.max(distance, 0.05 * this.scene.size) };
+  }
+
+  /** The largest of z + x / tan and of z - x / tan over all points. */
+  private sides(axis: Vector3, direction: Vector3, tan: number, middle: Vector3): [number, number] {
+    const { points } = this.extent;
+    const point = new Vector3();
+    let [more, less] = [-Infinity, -Infinity];
+    for (let at = 0; at < points.length; at += 3) {
+      point.fromArray(points, at).sub(middle);
+      const across = point.dot(axis) / tan;
+      const towards = point.dot(direction);
+      more = Math.max(more, towards + across);
+      less = Math.max(less, towards - across);
     }
-    return Math.max(distance, 1e-3 * this.scene.size);
+    return [more, less];
   }
 }

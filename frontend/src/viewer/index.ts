@@ -10,7 +10,7 @@ export type { SceneElement } from "./layer";
 export { bodyColor, BODY_COLORS, VECTOR_COLORS, type ThemeChoice, type ThemeName } from "./palette";
 export { DataError } from "./reader";
 export type { Look } from "./solids";
-export { LivePose, restPose, sourceOf, StoredMotion, type Pose, type StateSource } from "./source";
+export { LiveSource, restPose, sampleBefore, sourceOf, StoredMotion, type LiveState, type Pose, type StateSource } from "./source";
 export { WebGLMissing } from "./stage";
 export { tracePoints, type TraceMode, type TracePoint } from "./traces";
 export { Viewer, type Shown, type ViewerHooks } from "./viewer";

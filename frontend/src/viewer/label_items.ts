@@ -14,7 +14,12 @@ interface Places {
   positionOf(element: SceneElement, into: Vector3): boolean;
   bodyPosition(body: number, into: Vector3): Vector3;
   vectorTip(index: number): Vector3 | null;
-  readonly gravityTip: Vector3 | null;
+  readonly gravityPlace: Vector3 | null;
+}
+
+function put(into: Vector3, place: Vector3): boolean {
+  into.copy(place);
+  return true;
 }
 
 export function labelItems(scene: Scene, source: StateSource, places: Places): LabelItem[] {
@@ -23,13 +28,14 @@ export function labelItems(scene: Scene, source: StateSource, places: Places): L
     text: `g ${Number(gravity.toPrecision(3))}\u202fm/s²`,
     kind: "gravity",
     color: GRAVITY_COLOR,
-    place: (into) => places.shown.gravity && places.gravityTip !== null && into.copy(places.gravityTip) !== null,
+    place: (into) => places.shown.gravity && places.gravityPlace !== null
+      && put(into, places.gravityPlace),
   };
   const bodies = scene.bodies.slice(1).map((body, index): LabelItem => ({
     text: body.name,
     kind: "body",
     color: bodyColor(index + 1),
-    place: (into) => places.shown.labels && places.bodyPosition(index + 1, into) !== null,
+    place: (into) => places.shown.labels && put(into, places.bodyPosition(index + 1, into)),
   }));
   const joints = scene.joints.map((joint): LabelItem => {
     const element: SceneElement = { kind: "joint", name: joint.name, type: joint.type, body: joint.end.body };
@@ -46,8 +52,7 @@ export function labelItems(scene: Scene, source: StateSource, places: Places): L
     color: VECTOR_COLORS[vectorGroup(vector)],
     place: (into) => {
       const tip = places.shown.labels ? places.vectorTip(index) : null;
-      if (tip !== null) into.copy(tip);
-      return tip !== null;
+      return tip !== null && put(into, tip);
     },
   }));
   return [...(scene.gravity === null ? [] : [gravityLabel]), ...bodies, ...joints, ...vectors];

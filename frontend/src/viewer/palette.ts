@@ -17,7 +17,7 @@ export const CONNECTOR_COLORS = {
 
 export const VECTOR_COLORS = { force: "#d1352b", torque: "#8e44ad", reaction: "#0a8f8f" } as const;
 export const GRAVITY_COLOR = "#6c7a89";
-export const HIGHLIGHT = "#ffb000";
+export const HIGHLIGHT = "#ffe433";
 
 /** Return a colour of a body by its place; the ground is grey. */
 export function bodyColor(body: number): string {
@@ -38,7 +38,7 @@ export interface Theme {
 }
 
 export const THEMES: Record<ThemeName, Theme> = {
-  light: { name: "light", grid: "#51607a", gridOpacity: 0.3, sky: "#ffffff", floor: "#c9d2de", light: 1, joint: "#1d2733" },
-  dark: { name: "dark", grid: "#a9bbd6", gridOpacity: 0.22, sky: "#e8f0ff", floor: "#4a5568", light: 0.95, joint: "#f2f6fc" },
+  light: { name: "light", grid: "#51607a", gridOpacity: 0.22, sky: "#ffffff", floor: "#c9d2de", light: 1, joint: "#1d2733" },
+  dark: { name: "dark", grid: "#a9bbd6", gridOpacity: 0.17, sky: "#e8f0ff", floor: "#4a5568", light: 0.95, joint: "#f2f6fc" },
   contrast: { name: "contrast", grid: "#ffffff", gridOpacity: 0.45, sky: "#ffffff", floor: "#9aa4b2", light: 1.1, joint: "#ffff00" },
 };

@@ -22,17 +22,21 @@ interface Batch {
   readonly entries: Entry[];
 }
 
+const MANY = 150; // solids; beyond, round ones have fewer sides
 const matrix = new Matrix4();
 const mixed = new Color();
 
 /** Geometries by their key, shared by the bodies and their ghosts. */
 export class GeometryStore {
   private readonly geometries = new Map<string, BufferGeometry>();
+  private readonly coarse: boolean;
 
-  constructor(private readonly scene: Scene) {}
+  constructor(private readonly scene: Scene) {
+    this.coarse = scene.bodies.reduce((sum, body) => sum + body.solids.length, 0) > MANY;
+  }
 
   get(key: string): BufferGeometry {
-    const geometry = this.geometries.get(key) ?? makeGeometry(key, this.scene.meshes);
+    const geometry = this.geometries.get(key) ?? makeGeometry(key, this.scene.meshes, this.coarse);
     this.geometries.set(key, geometry);
     return geometry;
   }

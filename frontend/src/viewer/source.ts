@@ -127,37 +127,75 @@ export function mixQuaternions(
   for (let part = 0; part < 4; part += 1) into[at + part]! /= length;
 }
 
-/** One state that is replaced from outside, as a live slider does. */
-export class LivePose implements StateSource {
-  readonly start = 0;
-  readonly end = 0;
-  readonly times = new Float64Array(1);
-  readonly curves: readonly MotionCurve[] = [];
-  readonly vectors: readonly MotionVector[] = [];
-  readonly events: readonly MotionEvent[] = [];
-  private readonly pose: Pose;
+/** Numbers of one state of all bodies but the ground, flat or as rows. */
+export interface LiveState {
+  readonly positions: readonly (number | readonly number[])[];
+  readonly quaternions: readonly (number | readonly number[])[];
+  /** Components of each vector of the source, where they are known. */
+  readonly vectors?: readonly (number | readonly number[])[];
+}
 
-  constructor(bodies: number) {
-    this.pose = restPose(bodies);
+/** A source whose state can be replaced from outside, as live sliders do, until a time is chosen. */
+export class LiveSource implements StateSource {
+  private readonly live: Pose;
+  private readonly liveVectors: Float64Array;
+  private shown = false;
+
+  constructor(
+    private readonly base: StateSource,
+    bodies: number,
+  ) {
+    this.live = restPose(bodies);
+    this.liveVectors = new Float64Array(3 * base.vectors.length);
   }
 
-  /** Take positions (B, 3) and quaternions (B, 4) of all bodies but the ground, flat or as rows. */
-  set(positions: readonly (number | readonly number[])[], quaternions: readonly (number | readonly number[])[]): void {
-    this.pose.positions.set(positions.flat().slice(0, this.pose.positions.length - 3), 3);
-    this.pose.quaternions.set(quaternions.flat().slice(0, this.pose.quaternions.length - 4), 4);
+  get start(): number { return this.base.start; }
+  get end(): number { return this.base.end; }
+  get times(): Float64Array { return this.base.times; }
+  get curves(): readonly MotionCurve[] { return this.base.curves; }
+  get vectors(): readonly MotionVector[] { return this.base.vectors; }
+  get events(): readonly MotionEvent[] { return this.base.events; }
+
+  /** Show a state, or with null those of the source again; numbers of another count are refused. */
+  show(state: LiveState | null): boolean {
+    this.shown = false;
+    if (state === null) return true;
+    const positions = state.positions.flat();
+    const quaternions = state.quaternions.flat();
+    const vectors = (state.vectors ?? []).flat();
+    if (positions.length + 3 !== this.live.positions.length) return false;
+    if (quaternions.length + 4 !== this.live.quaternions.length) return false;
+    this.live.positions.set(positions, 3);
+    this.live.quaternions.set(quaternions, 4);
+    this.liveVectors.fill(0);
+    if (vectors.length === this.liveVectors.length) this.liveVectors.set(vectors);
+    this.shown = true;
+    return true;
   }
 
-  poseAt(_time: number, pose: Pose): void {
-    pose.positions.set(this.pose.positions);
-    pose.quaternions.set(this.pose.quaternions);
+  poseAt(time: number, pose: Pose): void {
+    if (!this.shown) {
+      this.base.poseAt(time, pose);
+      return;
+    }
+    pose.positions.set(this.live.positions);
+    pose.quaternions.set(this.live.quaternions);
   }
 
-  vectorAt(_index: number, _time: number, components: Float64Array): void {
-    components.fill(0);
+  vectorAt(index: number, time: number, components: Float64Array): void {
+    if (!this.shown) this.base.vectorAt(index, time, components);
+    else for (let axis = 0; axis < 3; axis += 1) components[axis] = this.liveVectors[3 * index + axis]!;
   }
 }
 
-/** Return the source of a motion, or of a scene that rests where there is none. */
+/** Return the source of a motion, or of bodies that rest at the origin where there is none. */
 export function sourceOf(scene: Scene, motion: Motion | null): StateSource {
-  return motion === null ? new LivePose(scene.bodies.length) : new StoredMotion(motion, scene.bodies.length);
+  const bodies = scene.bodies.length;
+  return new StoredMotion(motion ?? rest(bodies), bodies);
+}
+
+function rest(bodies: number): Motion {
+  const quaternions = new Float32Array(restPose(bodies - 1).quaternions);
+  const positions = new Float32Array(3 * (bodies - 1));
+  return { times: new Float64Array(1), positions, quaternions, curves: [], vectors: [], events: [] };
 }

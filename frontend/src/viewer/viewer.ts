@@ -1,7 +1,7 @@
 /** The picture of a mechanism in an element of a page; free of any framework. */
 
-import { Box3, Matrix4, Vector3 } from "three";
-import { GravityArrow, VectorArrows, type VectorGroup } from "./arrows";
+import { Matrix4, type Vector3 } from "three";
+import { GravityArrow, VectorArrows } from "./arrows";
 import { BodyLines } from "./body_lines";
 import { CameraRig, type ViewName } from "./camera_rig";
 import { Connectors } from "./connectors";
@@ -12,7 +12,7 @@ import { labelItems } from "./label_items";
 import { anchorPoint, writeMatrices, type Counts, type Instant, type Layer, type SceneElement } from "./layer";
 import { FrameAxes, JointMarks } from "./marks";
 import { GRAVITY_COLOR, THEMES, type ThemeName } from "./palette";
-import { chosenTimes, motionBox, shortestLengths, visitStates } from "./paths";
+import { chosenTimes, gravityEnds, motionExtent, shortestLengths, visitStates, withPoints } from "./paths";
 import { elementNamed, Picker } from "./picker";
 import { GeometryStore, Solids, type Look } from "./solids";
 import { restPose, type Pose, type StateSource } from "./source";
@@ -35,11 +35,11 @@ export interface Shown {
 
 export interface ViewerHooks {
   /** Called when something changed that the next `render` will draw. */
-  invalidate(): void;
-  onSelect?(element: SceneElement | null): void;
-  onHover?(element: SceneElement | null, x: number, y: number): void;
+  invalidate: () => void;
+  onSelect?: (element: SceneElement | null) => void;
+  onHover?: (element: SceneElement | null, x: number, y: number) => void;
   /** Whether the camera may glide; not where reduced motion is preferred. */
-  animate(): boolean;
+  animate: () => boolean;
 }
 
 export class Viewer {
@@ -82,7 +82,9 @@ export class Viewer {
     this.stage = new Stage(scene.up);
     this.pose = restPose(scene.bodies.length);
     this.instant = { time: source.start, matrices: scene.bodies.map(() => new Matrix4()) };
-    const box = motionBox(scene, source);
+    const moved = motionExtent(scene, source);
+    const fall = gravityEnds(scene, moved.box);
+    const extent = fall === null ? moved : withPoints(moved, fall);
     this.store = new GeometryStore(scene);
     this.solids = new Solids(scene, this.store);
     this.connectors = new Connectors(scene, this.store, shortestLengths(scene, source), this.counts);
@@ -90,15 +92,15 @@ export class Viewer {
     this.axes = new FrameAxes(scene);
     this.joints = new JointMarks(scene);
     this.traces = new Traces(scene, source, this.counts);
-    this.grid = new GroundGrid(scene, box);
-    this.gravity = scene.gravity === null ? null : new GravityArrow(scene, gravityPlace(scene, box), GRAVITY_COLOR);
+    this.grid = new GroundGrid(scene, moved.box);
+    this.gravity = fall === null ? null : new GravityArrow(...fall, GRAVITY_COLOR);
     this.layers = [this.grid, this.solids, new BodyLines(scene), this.connectors, this.axes, this.arrows, this.traces, this.joints];
     if (this.gravity !== null) this.layers.push(this.gravity);
     for (const layer of this.layers) this.stage.scene.add(layer.object);
     this.picker = new Picker(scene, this);
     this.firstRebuilt = this.counts.rebuilt;
     host.append(this.stage.canvas);
-    this.rig = new CameraRig(this.stage.canvas, scene, box, hooks.animate, hooks.invalidate);
+    this.rig = new CameraRig(this.stage.canvas, scene, extent, hooks.animate, hooks.invalidate);
     this.labels = new Labels(labelItems(scene, source, this));
     host.append(this.labels.element);
     this.watcher = new ResizeObserver(() => { this.resize(); });
@@ -242,8 +244,8 @@ export class Viewer {
     return this.arrows.isShown(index) ? this.arrows.tips[index]! : null;
   }
 
-  get gravityTip(): Vector3 | null {
-    return this.gravity?.tip ?? null;
+  get gravityPlace(): Vector3 | null {
+    return this.gravity?.middle ?? null;
   }
 
   /** Draw; return whether the camera still moves. */
@@ -285,20 +287,3 @@ export class Viewer {
     this.hooks.invalidate();
   }
 }
-
-/** Beside the upper left of the motion, where it hides nothing. */
-function gravityPlace(scene: Scene, box: Box3): Vector3 {
-  const center = box.getCenter(new Vector3());
-  const size = box.getSize(new Vector3());
-  const up = new Vector3(...scene.up);
-  const front = new Vector3(...(scene.normal ?? [0, 0, 0]));
-  const left = scene.normal === null ? new Vector3(-1, 0, 0) : front.clone().cross(up);
-  if (Math.abs(left.dot(up)) > 0.9) left.set(0, -1, 0);
-  const reach = (direction: Vector3): number =>
-    (Math.abs(direction.x) * size.x + Math.abs(direction.y) * size.y + Math.abs(direction.z) * size.z) / 2;
-  return center
-    .addScaledVector(left, reach(left) + 0.06 * scene.size)
-    .addScaledVector(up, reach(up));
-}
-
-export type { VectorGroup };
