@@ -10,6 +10,7 @@ from typing import Final
 from symbody.equations.formed import Formed
 from symbody.equations.loads.loads import effort_name
 from symbody.equations.showing.dimensions import expression_unit
+from symbody.equations.showing.friction_outputs import friction_names
 from symbody.equations.showing.joint_outputs import effort_names
 from symbody.equations.showing.parameter_units import symbol_units
 from symbody.equations.solving.ropes import ropes
@@ -80,13 +81,15 @@ def output_units(formed: Formed) -> Units:
     units = symbol_units(formed.topology.model) | _GENERAL
     for name in formed.angles:
         units |= dict(zip((name, f"{name}_dot", f"{name}_ddot"), _ROTATION[:3], strict=True))
-    driven = set(effort_names(formed))
+    driven, rough = set(effort_names(formed)), set(friction_names(formed))
     for joint in formed.topology.joints:
         for name, (place, rate, second, effort) in _coordinates(joint):
             units |= {name: place, f"{name}_dot": rate, f"{name}_ddot": second}
             word = effort_name(joint, name)
             if word in driven:
                 units[f"effort {word}"] = effort
+            if joint.name in rough:
+                units |= {f"friction {joint.name}": effort, f"friction_reserve {joint.name}": effort}
         for speeds, (_, rate, second, _) in (
             (joint.translation_speeds, _TRANSLATION),
             (joint.rotation_speeds, _ROTATION),
