@@ -100,7 +100,7 @@ def output_units(formed: Formed) -> Units:
 
 
 def _joint_units(joint: Joint, driven: Collection[str], rough: Collection[str]) -> dict[str, str]:
-    """Return the units of a joint's coordinates and speeds, and of its efforts and friction if it has them."""
+    """Return the units of a joint's coordinates and speeds, and of the efforts and friction it has."""
     units: dict[str, str] = {}
     for name, (place, rate, second, effort) in _coordinates(joint):
         units |= {name: place, f"{name}_dot": rate, f"{name}_ddot": second}
