@@ -8,7 +8,6 @@ from typing import Final
 from matplotlib.axes import Axes
 from matplotlib.projections import get_projection_class
 
-
 _RESOLUTION: Final = 100  # dots per inch: a figure fills the column of a notebook
 
 
