@@ -1,4 +1,4 @@
-"""Jobs: work that takes long, in processes of their own, with stages that can be watched and a way to end it."""
+"""Jobs: work that takes long, in processes of their own, with stages to watch and a way to end it."""
 
 from __future__ import annotations
 

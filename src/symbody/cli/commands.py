@@ -29,7 +29,7 @@ from symbody.codegen.compile import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.showing.textbook import MOST_SPEEDS
-from symbody.errors import Problem, UsageError, counted, nearest
+from symbody.errors import EnvironmentFault, Problem, UsageError, counted, nearest
 from symbody.formats.model_files import example_names, example_text, examples_folder, load_model
 from symbody.model.model import Model
 from symbody.simulation.native.run import check_memory
