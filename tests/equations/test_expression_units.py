@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from symbody import Body, Drive, Force, Frame, Model, Prismatic, Revolute, form_equations
+from symbody import Body, Drive, Force, Frame, Friction, Model, Prismatic, Revolute, form_equations
 from symbody.equations.showing.dimensions import expression_unit, read_unit
 from symbody.equations.showing.parameter_units import linear_names, symbol_units
 from symbody.equations.showing.units import Units
@@ -91,3 +91,13 @@ def test_names_that_share_the_unit_of_a_formula() -> None:
     assert linear_names(Formula.of("-(a + 2*b)/3 - c")) == {"a", "b", "c"}
     assert linear_names(Formula.of("a*b")) == linear_names(Formula.of("sin(a)")) == frozenset()
     assert linear_names(Formula.of("3/4")) == frozenset()
+
+
+def test_friction_has_the_unit_of_its_coordinate() -> None:
+    block, wheel = Body("Block", mass=1), Body("Wheel", mass=1, inertia=(0, 0, 1))
+    slide = Prismatic("slide", "ground", block, coordinate="x", friction=Friction(mu=0.3, v0=1e-3))
+    pin = Revolute("pin", "ground", wheel, coordinate="phi", friction=Friction(mu=0.3, radius=0.1, v0=1e-3))
+    units = form_equations(Model("rough", [slide, pin], gravity=(0, -9.81, 0))).units
+    assert (units["friction slide"], units["friction pin"]) == ("N", "N m")
+    assert units["friction_reserve pin"] == "N m"
+    assert "friction_normal pin" not in units

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from matplotlib import pyplot
@@ -19,6 +21,7 @@ from symbody import (
     Table,
     Trajectory,
     form_equations,
+    load_model,
     simulate,
 )
 from symbody.errors import FormulationError
@@ -246,3 +249,29 @@ def test_axes_show_their_picture_in_notebooks(oscillator: Trajectory) -> None:
         show = getattr(ax, "_repr_png_", None)
         assert show is not None
         assert show().startswith(b"\x89PNG")
+
+
+def test_a_matrix_that_bears_the_name_of_a_measured_angle() -> None:
+    """Joint B of the slider-crank is cut, and its angle is called B, as the derivatives by inputs are."""
+    folder = Path(__file__).parents[2] / "examples" / "slider_crank"
+    run = simulate(form_equations(load_model(folder / "slider_crank.toml")), 0.2)
+    assert run["B"].shape == (6, 1, run.t.size)
+    assert run["(B)"].shape == run.t.shape
+    assert len(plot(run, "B").lines) == 6
+
+
+def test_what_was_loaded_is_drawn_as_far_as_it_is_known(oscillator: Trajectory, tmp_path: Path) -> None:
+    oscillator.save(tmp_path / "run.npz", "energy")
+    loaded = Trajectory.load(tmp_path / "run.npz")
+    ax = plot(loaded, "x", "energy", panels=True)
+    smooth, samples = ax.figure.axes
+    np.testing.assert_array_equal(data(smooth), data(plot(oscillator, "x")))
+    np.testing.assert_array_equal(data(samples), [oscillator.t, oscillator["energy"]])
+
+
+def test_motions_that_run_backwards() -> None:
+    eqs = form_equations(Model("free", [Prismatic("slider", "ground", Body("Mass", mass=1), coordinate="x")]))
+    back = simulate(eqs, (2.0, 0.0), {"x": 1.0, "x_dot": -1.0})
+    t, x = data(plot(back, "x"))
+    assert (t[0], t[-1]) == (2.0, 0.0) and (np.diff(t) <= 0.0).all()
+    np.testing.assert_allclose(x, 3.0 - t, rtol=0.0, atol=1e-8)

@@ -1,4 +1,4 @@
-"""Jobs: work that takes long, in processes of their own, with stages that can be watched and a way to end it."""
+"""Jobs: work that takes long, in processes of their own, with stages to watch and a way to end it."""
 
 from __future__ import annotations
 
@@ -126,9 +126,12 @@ class Jobs:
             worker = self._workers.get(job)
             if worker is None or self._states[job].state != "done":
                 raise refusal(
-                    "builder.run_forgotten", job, "this run is not kept any more", "newer runs took its place",
-                    "simulate again"
-                )  # fmt: skip
+                    "builder.run_forgotten",
+                    job,
+                    "this run is not kept any more",
+                    "newer runs took its place",
+                    "simulate again",
+                )
         until = time.monotonic() + self._limits.check
         try:
             return worker.run(task, payload, is_over=lambda: time.monotonic() > until)

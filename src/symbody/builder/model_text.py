@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any, Final, cast
 
-import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
 from symbody.builder.page_problems import PageProblem, page_problems, pointer_parts

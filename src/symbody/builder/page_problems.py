@@ -1,4 +1,4 @@
-"""Problems as the page takes them: with a JSON pointer, the element, a line, and a repair where one is safe."""
+"""Problems as the page takes them: with a JSON pointer, the element, a line, and a safe repair."""
 
 from __future__ import annotations
 

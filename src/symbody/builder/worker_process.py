@@ -13,7 +13,9 @@ from multiprocessing.connection import Connection, wait
 from types import MappingProxyType
 from typing import Any, Final
 
+from symbody.builder.page_problems import page_problem, page_problems
 from symbody.errors import Problem, SymbodyError
+from symbody.expr.deadline import stages_watched
 
 Report = Callable[[str, int | None], None]
 
@@ -71,8 +73,6 @@ def _outcome(name: str, payload: dict[str, Any], report: Report) -> tuple[str, A
     except TaskFailure as failure:
         return "failed", failure.problems
     except SymbodyError as error:
-        from symbody.builder.page_problems import page_problems
-
         return "failed", page_problems(error.problems, payload.get("data") or {})
     except Exception as error:  # a fault of ours: it is told without the insides of the server
         return "failed", [_fault(error)]
@@ -80,15 +80,11 @@ def _outcome(name: str, payload: dict[str, Any], report: Report) -> tuple[str, A
 
 @contextmanager
 def _reporting(report: Report) -> Iterator[None]:
-    from symbody.expr.deadline import stages_watched
-
     with stages_watched(lambda stage: report(stage, None)):
         yield
 
 
 def _fault(error: Exception) -> dict[str, Any]:
-    from symbody.builder.page_problems import page_problem
-
     kind = type(error).__name__
     what = (
         "there is not enough memory for this" if isinstance(error, MemoryError) else f"an unforeseen {kind}"

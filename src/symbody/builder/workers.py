@@ -9,6 +9,7 @@ from multiprocessing import get_context
 from threading import Condition, Lock
 from typing import Any, Final
 
+from symbody.builder.page_problems import page_problem
 from symbody.builder.refusal import refusal
 from symbody.builder.worker_process import TaskFailure, run_worker
 from symbody.errors import Problem
@@ -185,8 +186,6 @@ def _superseded() -> Exception:
 
 
 def _lost() -> dict[str, Any]:
-    from symbody.builder.page_problems import page_problem
-
     what = "the process that computed this has ended"
     cure = "try again, or make the model smaller"
     return page_problem(Problem("builder.worker_lost", "", what, "perhaps memory ran out", cure), {})

@@ -39,7 +39,7 @@ def readable(name: str, states: Collection[str] = ()) -> str:
     Examples
     --------
     >>> print(readable("theta_1_ddot"), readable("reaction pin Fx"), readable("kinetic_energy"))
-    $\ddot{\theta_{1}}$ reaction pin $F_{x}$ kinetic energy
+    $\ddot{\theta}_{1}$ reaction pin $F_{x}$ kinetic energy
     """
     if name in _WORDS:
         return name.replace("_", " ")

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 from symbody.equations.formed import Formed
 from symbody.equations.loads.loads import effort_name
 from symbody.equations.showing.dimensions import expression_unit
+from symbody.equations.showing.friction_outputs import friction_names
 from symbody.equations.showing.joint_outputs import effort_names
 from symbody.equations.showing.parameter_units import symbol_units
 from symbody.equations.solving.ropes import ropes
@@ -80,19 +81,9 @@ def output_units(formed: Formed) -> Units:
     units = symbol_units(formed.topology.model) | _GENERAL
     for name in formed.angles:
         units |= dict(zip((name, f"{name}_dot", f"{name}_ddot"), _ROTATION[:3], strict=True))
-    driven = set(effort_names(formed))
+    driven, rough = set(effort_names(formed)), set(friction_names(formed))
     for joint in formed.topology.joints:
-        for name, (place, rate, second, effort) in _coordinates(joint):
-            units |= {name: place, f"{name}_dot": rate, f"{name}_ddot": second}
-            word = effort_name(joint, name)
-            if word in driven:
-                units[f"effort {word}"] = effort
-        for speeds, (_, rate, second, _) in (
-            (joint.translation_speeds, _TRANSLATION),
-            (joint.rotation_speeds, _ROTATION),
-        ):
-            for name in speeds.names if speeds else ():
-                units |= {name: rate, f"{name}_dot": second}
+        units |= _joint_units(joint, driven, rough)
     for name in (*(joint.name for joint in formed.topology.joints), *formed.topology.contacts):
         units |= {f"reaction {name} F{letter}": "N" for letter in "xyz"}
         units |= {f"reaction {name} M{letter}": "N m" for letter in "xyz"}
@@ -106,6 +97,25 @@ def output_units(formed: Formed) -> Units:
         units |= {f"rope_tension {name}": "N", f"rope_length {name}": "m", f"rope_slack {name}": "m"}
         units |= {f"rope_slack_dot {name}": "m/s", f"rope_slack_ddot {name}": "m/s^2"}
     return Units(units)
+
+
+def _joint_units(joint: Joint, driven: Collection[str], rough: Collection[str]) -> dict[str, str]:
+    """Return the units of a joint's coordinates and speeds, and of the efforts and friction it has."""
+    units: dict[str, str] = {}
+    for name, (place, rate, second, effort) in _coordinates(joint):
+        units |= {name: place, f"{name}_dot": rate, f"{name}_ddot": second}
+        word = effort_name(joint, name)
+        if word in driven:
+            units[f"effort {word}"] = effort
+        if joint.name in rough:
+            units |= {f"friction {joint.name}": effort, f"friction_reserve {joint.name}": effort}
+    for speeds, (_, rate, second, _) in (
+        (joint.translation_speeds, _TRANSLATION),
+        (joint.rotation_speeds, _ROTATION),
+    ):
+        for name in speeds.names if speeds else ():
+            units |= {name: rate, f"{name}_dot": second}
+    return units
 
 
 def _coordinates(joint: Joint) -> Iterator[tuple[str, tuple[str, str, str, str]]]:

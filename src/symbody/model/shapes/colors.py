@@ -59,8 +59,9 @@ def color_from(door: Door, value: object, path: str) -> str:
     text = value.strip().lower() if isinstance(value, str) else None
     if text is not None and (not text or _HEX.fullmatch(text) or text in CSS_COLORS):
         return text
-    cure = 'write "#rrggbb" in hexadecimal, such as "#d55e00", or a name such as "orange"'
-    if text and not text.startswith("#"):
-        cure = f"{nearest(text, CSS_COLORS)} Or {cure}"
-    door.refuse("model.bad_color", path, f"{value!r} is not a colour", "", cure)
+    similar = f"{nearest(text, CSS_COLORS)} " if text and not text.startswith("#") else ""
+    door.refuse(
+        "model.bad_color", path, f"{value!r} is not a colour", "",
+        f'{similar}Write "#rrggbb" in hexadecimal, such as "#d55e00", or a name such as "orange"',
+    )  # fmt: skip
     return ""

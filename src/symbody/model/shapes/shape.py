@@ -95,8 +95,10 @@ def shapes_from(door: Door, values: object, path: str) -> tuple[BodyShape, ...]:
     items = [values] if isinstance(values, BodyShape) else door.items(values, path)
     for k, item in enumerate(items):
         if not isinstance(item, BodyShape):
-            cure = "give Box, Cylinder, Sphere, Capsule, Cone or Mesh"
-            door.refuse("model.not_a_shape", f"{path}[{k}]", f"{item!r} is not a shape", "", cure)
+            door.refuse(
+                "model.not_a_shape", f"{path}[{k}]", f"{item!r} is not a shape", "",
+                "give Box, Cylinder, Sphere, Capsule, Cone or Mesh",
+            )  # fmt: skip
     return tuple(item for item in items if isinstance(item, BodyShape))
 
 

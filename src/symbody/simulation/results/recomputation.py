@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from symbody.analysis.scales import mechanism_scales
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
-from symbody.errors import Problem, UsageError
+from symbody.errors import Problem, TopologyError, UsageError
 from symbody.graph.trees import TreeChoice, Trees
 from symbody.model.model import Model
 from symbody.simulation.inputs.input_laws import Callback, InputLaws
@@ -80,9 +80,12 @@ class Recomputation:
 
     def _evaluator(self) -> Evaluator:
         source = self.provenance
-        eqs = form_equations(
-            source.model, tree=source.trees, dependent_speeds=source.dependent_speeds or None
-        )
+        try:
+            eqs = form_equations(
+                source.model, tree=source.trees, dependent_speeds=source.dependent_speeds or None
+            )
+        except TopologyError as error:  # the model lacks joints that gave the coordinates
+            raise _another_model(source.model, error.problems[0].what) from error
         check_names(eqs, self.coordinate_names, self.speed_names)
         asked: dict[str, Callback] = {name: table.reader() for name, table in source.tables.items()}
         asked |= dict.fromkeys(source.missing_inputs, _unknown_value)
@@ -132,11 +135,12 @@ def check_names(eqs: EquationSet, coordinate_names: Names, speed_names: Names) -
     if (eqs.coordinate_names, eqs.speed_names) == (coordinate_names, speed_names):
         return
     ours, theirs = ", ".join(coordinate_names), ", ".join(eqs.coordinate_names)
-    raise UsageError(
-        Problem("trajectory.another_model", f"model {eqs.model.name}", "the motion is not one of this model",
-                f"its coordinates are {ours}; those of the model are {theirs}",
-                "give the model that the motion was computed from")
-    )  # fmt: skip
+    raise _another_model(eqs.model, f"its coordinates are {ours}; those of the model are {theirs}")
+
+
+def _another_model(model: Model, why: str) -> UsageError:
+    what, fix = "the motion is not one of this model", "give the model that the motion was computed from"
+    return UsageError(Problem("trajectory.another_model", f"model {model.name}", what, why, fix))
 
 
 def _unknown_value(t: float, q: Floats, u: Floats) -> float:

@@ -29,31 +29,15 @@ def read_mesh(path: Path) -> SceneMesh:
         If the packages that read it are not installed.
     """
     where = str(path)
-    if path.suffix.lower() not in SUFFIXES:
-        known = ", ".join(sorted(SUFFIXES))
-        raise FormatError(_problem("format", where, f"{path.suffix or 'no suffix'} is no format of meshes",
-                                   f"convert it to one of {known}"))  # fmt: skip
-    try:
-        size = path.stat().st_size if path.is_file() else -1
-    except (OSError, ValueError):  # a name that no file can have
-        size = -1
-    if size < 0:
-        raise FormatError(_problem("missing", where, "there is no such file", "check the path"))
-    if size > _LARGEST_FILE:
-        raise FormatError(_problem("large", where, f"the file has {size / 1e6:.0f} MB", "use a coarser mesh"))
-    trimesh = _trimesh(where, path.suffix.lower())
-    try:
-        mesh = trimesh.load(where, force="mesh", process=True)
-        if mesh.units is not None:
-            mesh.apply_scale(trimesh.units.unit_conversion(mesh.units, "meters"))
-        mesh.merge_vertices()
-    except Exception as error:  # its readers raise whatever comes
-        what = f"the mesh cannot be read: {type(error).__name__}: {error}"
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
         raise FormatError(
-            _problem("unreadable", where, what[:300], "save it anew from the program it is of")
-        ) from error
-    if not len(mesh.faces) or not np.all(np.isfinite(mesh.vertices)):
-        raise FormatError(_problem("empty", where, "the file has no triangles", "save it with its surfaces"))
+            Problem("scene.mesh_format", where, f"{suffix or 'no suffix'} is no format of meshes", "",
+                    "convert the file to stl, obj, glb, gltf or dae")
+        )  # fmt: skip
+    _check_file(path, where)
+    trimesh = _trimesh(where, suffix)
+    mesh = _loaded(trimesh, where)
     if len(mesh.faces) > MOST_TRIANGLES:
         mesh = _coarser(mesh)
     mesh = trimesh.graph.smooth_shade(mesh, angle=_SHARP)  # sharp edges have vertices of their own
@@ -88,5 +72,39 @@ def _coarser(mesh: Any) -> Any:
         return mesh
 
 
-def _problem(kind: str, where: str, what: str, fix: str) -> Problem:
-    return Problem(f"scene.mesh_{kind}", where, what, "", fix)
+def _check_file(path: Path, where: str) -> None:
+    """Refuse a file that is not there, or too large to be looked at."""
+    try:
+        size = path.stat().st_size if path.is_file() else -1
+    except (OSError, ValueError):  # a name that no file can have
+        size = -1
+    if size < 0:
+        raise FormatError(
+            Problem("scene.mesh_missing", where, "there is no such file", "", "check the path of the mesh")
+        )
+    if size > _LARGEST_FILE:
+        raise FormatError(
+            Problem("scene.mesh_large", where, f"the file has {size / 1e6:.0f} MB", "",
+                    "make the mesh coarser where it comes from")
+        )  # fmt: skip
+
+
+def _loaded(trimesh: Any, where: str) -> Any:
+    """Return the mesh of a file as trimesh holds it, in metres."""
+    try:
+        mesh = trimesh.load(where, force="mesh", process=True)
+        if mesh.units is not None:
+            mesh.apply_scale(trimesh.units.unit_conversion(mesh.units, "meters"))
+        mesh.merge_vertices()
+        is_good = len(mesh.faces) > 0 and bool(np.all(np.isfinite(mesh.vertices)))
+    except Exception as error:  # readers of its formats raise whatever comes
+        raise FormatError(
+            Problem("scene.mesh_unreadable", where, "the file cannot be read as a mesh",
+                    f"{type(error).__name__}: {error}"[:200], "export it anew from the program it comes from")
+        ) from error  # fmt: skip
+    if not is_good:
+        raise FormatError(
+            Problem("scene.mesh_empty", where, "the file has no triangles, or some that are not finite", "",
+                    "export it anew, with its surfaces")
+        )  # fmt: skip
+    return mesh

@@ -8,7 +8,6 @@ from typing import Final
 from matplotlib.axes import Axes
 from matplotlib.projections import get_projection_class
 
-
 _RESOLUTION: Final = 100  # dots per inch: a figure fills the column of a notebook
 
 
@@ -19,7 +18,7 @@ def picture(axes: Axes) -> bytes:
     return file.getvalue()
 
 
-class PicturedAxes(Axes):
+class PictureAxes(Axes):
     """Axes of a figure that belongs to no window; notebooks show the figure where they are a cell's value."""
 
     def _repr_png_(self) -> bytes:
@@ -27,13 +26,13 @@ class PicturedAxes(Axes):
 
 
 # The same in space, derived from what matplotlib registers; its own module has no types.
-PicturedAxes3D: Final[type[Axes]] = type(
-    "PicturedAxes3D",
+PictureAxes3D: Final[type[Axes]] = type(
+    "PictureAxes3D",
     (get_projection_class("3d"),),
-    {"__module__": __name__, "_repr_png_": PicturedAxes._repr_png_},
+    {"__module__": __name__, "_repr_png_": PictureAxes._repr_png_},
 )
 
 
 def axes_class(in_space: bool = False) -> type[Axes]:
     """Return the class of axes in the plane, or in space."""
-    return PicturedAxes3D if in_space else PicturedAxes
+    return PictureAxes3D if in_space else PictureAxes
