@@ -13,8 +13,8 @@ export interface Command {
   readonly title: string;
   /** Keys such as "Ctrl+Shift+Z"; Ctrl is Cmd on a Mac. */
   readonly keys: readonly string[];
-  run(): void;
-  enabled?(state: State): boolean;
+  readonly run: () => void;
+  readonly enabled?: (state: State) => boolean;
   /** Whether its keys work while a text is edited. */
   readonly inText?: boolean;
 }
@@ -86,15 +86,15 @@ export function takeKey(event: KeyboardEvent): void {
   if (event.defaultPrevented) return;
   const target = event.target instanceof Element ? event.target : null;
   const text = isText(event.target);
-  const text3d = target?.closest(".sb-player") ?? null;
+  const picture = target?.closest(".sb-player") ?? null;
   const keys = keyText(event);
-  const found = Object.values(COMMANDS as Record<string, Command>).find((each) => each.keys.includes(keys));
-  if (found === undefined || (text && found.inText !== true)) return;
+  const command = Object.values(COMMANDS as Record<string, Command>).find((each) => each.keys.includes(keys));
+  if (command === undefined || (text && command.inText !== true)) return;
   // the picture has keys of its own
-  if (text3d !== null && !keys.includes("Ctrl") && found.inText !== true) return;
-  if (useStore.getState().dialog !== null && found.inText !== true && keys !== "Escape") return;
+  if (picture !== null && !keys.includes("Ctrl") && command.inText !== true) return;
+  if (useStore.getState().dialog !== null && command.inText !== true && keys !== "Escape") return;
   event.preventDefault();
-  if (found.enabled?.(useStore.getState()) ?? true) found.run();
+  if (command.enabled?.(useStore.getState()) ?? true) command.run();
 }
 
 /** Return keys as they are printed. */

@@ -8,7 +8,7 @@ import { isObject } from "../model/pointers";
 import { definitionNode } from "../model/schema";
 import type { Spot } from "../model/layout";
 import { edit, endGesture, select, useStore } from "../store";
-import type { Model, PaletteElement } from "../types";
+import type { JsonObject, Model, PaletteElement } from "../types";
 
 export type Ends = readonly [string, string];
 
@@ -51,7 +51,16 @@ export function insertFrame(id: EntryId): void {
   select([id], "Frame added");
 }
 
+/** Return elements in the order in which the schema names them: the usual ones first. */
+function inSchemaOrder(schema: JsonObject, elements: readonly PaletteElement[]): PaletteElement[] {
+  const text = JSON.stringify(schema["properties"]);
+  const place = ({ definition }: PaletteElement): number => text.indexOf(`"$ref":"#/$defs/${definition}"`);
+  const sections = [...new Set(elements.map((each) => each.section))];
+  return sections.flatMap((section) => elements.filter((each) => each.section === section).sort((a, b) => place(a) - place(b)));
+}
+
 /** Load what the palette offers. */
 export async function loadSchema(): Promise<void> {
-  useStore.setState({ schema: await api.schema() });
+  const { schema, elements } = await api.schema();
+  useStore.setState({ schema: { schema, elements: inSchemaOrder(schema, elements) } });
 }

@@ -29,7 +29,7 @@ function useNodes(): [BodyFlowNode[], JointFlowEdge[], (changes: NodeChange<Body
   const graph = useMemo(() => diagramOf(data), [data]);
   const marks = useMemo(() => ({ selection, highlighted, worst: severities(check?.problems ?? []) }), [selection, highlighted, check]);
   const own = useMemo(() => flowNodes(data, graph, marks), [data, graph, marks]);
-  const edges = useMemo(() => flowEdges(data, graph, check?.summary ?? null, marks), [data, graph, check, marks]);
+  const edges = useMemo(() => flowEdges(data, graph, own, check?.summary ?? null, marks), [data, graph, own, check, marks]);
   const [nodes, setNodes] = useState(own);
   useEffect(() => {
     setNodes((before) => {
@@ -72,7 +72,7 @@ export function Diagram(): ReactElement {
         snapToGrid={!free} snapGrid={[GRID, GRID]} selectionMode={SelectionMode.Partial}
         selectionOnDrag panOnDrag={[1, 2]} panOnScroll zoomOnDoubleClick={false} multiSelectionKeyCode={["Shift", "Control", "Meta"]}
         selectionKeyCode={null} deleteKeyCode={null} disableKeyboardA11y minZoom={0.15} maxZoom={2.5} elevateEdgesOnSelect
-        nodeDragThreshold={2} fitView fitViewOptions={{ padding: 0.12, maxZoom: 1.15 }}
+        nodeDragThreshold={2}
       >
         <Background variant={BackgroundVariant.Dots} gap={2 * GRID} size={1.2} />
         <Guides lines={guides.lines} />

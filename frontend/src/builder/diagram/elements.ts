@@ -1,6 +1,7 @@
 /** The nodes and edges that the diagram draws. */
 
-import type { DiagramGraph, DiagramNode } from "../model/graph";
+import { badgeParts, type End } from "../model/curves";
+import type { DiagramEdge, DiagramGraph, DiagramNode } from "../model/graph";
 import { entryOfPointer, type EntryId } from "../model/entries";
 import { sidesOf, sizeOf, spotsOf } from "../model/layout";
 import { isInTree } from "../model/trees";
@@ -14,7 +15,7 @@ export function severities(problems: readonly Problem[]): ReadonlyMap<EntryId, S
   const worst = new Map<EntryId, Severity>();
   for (const { pointer, severity } of problems) {
     const id = entryOfPointer(pointer);
-    if (id === null) continue;
+    if (id === null || severity === "note") continue;
     const before = worst.get(id);
     if (before === undefined || ORDER.indexOf(severity) < ORDER.indexOf(before)) worst.set(id, severity);
   }
@@ -60,7 +61,28 @@ function portsOf(node: DiagramNode, sideOf: (frame: string) => Port["side"]): Po
   });
 }
 
-export function flowEdges(data: Model, graph: DiagramGraph, summary: Summary | null, { selection, highlighted, worst }: Marks): JointFlowEdge[] {
+/** Return where on the screen of the diagram a port is. */
+function endOfPort(node: BodyFlowNode, frame: string): End {
+  const { side, part } = node.data.ports.find((each) => each.frame === frame)!;
+  const { x, y } = node.position;
+  const { width = 0, height = 0 } = node;
+  if (side === "left" || side === "right") return { x: side === "left" ? x : x + width, y: y + part * height, side };
+  return { x: x + part * width, y: side === "top" ? y : y + height, side };
+}
+
+export function flowEdges(data: Model, graph: DiagramGraph, nodes: readonly BodyFlowNode[], summary: Summary | null, { selection, highlighted, worst }: Marks): JointFlowEdge[] {
+  const byId = new Map(nodes.map((each) => [each.id, each]));
+  const spots = new Map(nodes.map((each) => [each.id, [each.position.x, each.position.y] as const]));
+  const details = new Map(graph.edges.map((edge) => [edge.id, {
+    severity: worst.get(edge.id) ?? null,
+    rotation: edge.section === "joint" ? isInTree(data, summary, edge.id, "rotation") : null,
+    translation: edge.section === "joint" ? isInTree(data, summary, edge.id, "translation") : null,
+  }]));
+  const widthOf = (edge: DiagramEdge): number => {
+    const { severity, rotation, translation } = details.get(edge.id)!;
+    return 44 + 8 * edge.name.length + (severity === null ? 0 : 18) + (rotation === true && translation === true ? 0 : edge.section === "joint" ? 46 : 0);
+  };
+  const parts = badgeParts(graph, spots, (node, frame) => endOfPort(byId.get(node)!, frame), widthOf);
   return graph.edges.map((edge) => ({
     id: edge.id,
     type: "joint",
@@ -71,12 +93,6 @@ export function flowEdges(data: Model, graph: DiagramGraph, summary: Summary | n
     selected: selection.includes(edge.id),
     reconnectable: true,
     ariaLabel: `${edge.type} ${edge.name}`,
-    data: {
-      edge,
-      severity: worst.get(edge.id) ?? null,
-      highlighted: highlighted.includes(edge.id),
-      rotation: edge.section === "joint" ? isInTree(data, summary, edge.id, "rotation") : null,
-      translation: edge.section === "joint" ? isInTree(data, summary, edge.id, "translation") : null,
-    },
+    data: { edge, highlighted: highlighted.includes(edge.id), part: parts.get(edge.id)!, ...details.get(edge.id)! },
   }));
 }

@@ -26,6 +26,8 @@ export type JointEdgeData = {
   readonly highlighted: boolean;
   readonly rotation: boolean | null;
   readonly translation: boolean | null;
+  /** Where along the line the badge is, from 0 to 1. */
+  readonly part: number;
 };
 export type JointFlowEdge = Edge<JointEdgeData, "joint">;
 
@@ -47,7 +49,12 @@ export function frameOf(handle: string | null | undefined): string {
 }
 
 export function fitDiagram(): void {
-  void instance?.fitView({ padding: 0.12, maxZoom: 1.15, duration: glide() });
+  if (instance?.getNodes().length === 1) {
+    const area = document.querySelector(".diagram")?.getBoundingClientRect();
+    void instance.setViewport({ x: 20, y: (area?.height ?? 300) / 2 - 70, zoom: 1 });
+    return;
+  }
+  void instance?.fitView({ padding: 0.12, maxZoom: 1, duration: glide() });
 }
 
 export function showNode(id: string): void {

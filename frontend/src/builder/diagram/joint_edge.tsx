@@ -2,40 +2,16 @@
 
 import { EdgeLabelRenderer, Position, type EdgeProps } from "@xyflow/react";
 import { memo, type MouseEvent, type ReactElement } from "react";
+import { curveOf, pathOf, pointAt } from "../model/curves";
+import type { Side } from "../model/layout";
 import { Icon } from "../shell/icons";
 import { select, useStore } from "../store";
 import type { JointFlowEdge } from "./flow";
 import { NameEditor } from "./name_editor";
 
-const LANE = 44;
-
-const OUTWARD: Readonly<Record<Position, readonly [number, number]>> = {
-  [Position.Left]: [-1, 0], [Position.Right]: [1, 0], [Position.Top]: [0, -1], [Position.Bottom]: [0, 1],
+const SIDES: Readonly<Record<Position, Side>> = {
+  [Position.Left]: "left", [Position.Right]: "right", [Position.Top]: "top", [Position.Bottom]: "bottom",
 };
-
-export interface Curve {
-  readonly path: string;
-  readonly middle: readonly [number, number];
-}
-
-type Ends = Pick<EdgeProps, "sourceX" | "sourceY" | "targetX" | "targetY" | "sourcePosition" | "targetPosition">;
-
-/** Return the line of an edge, set off from the others of the same two nodes. */
-export function curveOf(ends: Ends, lane: number, lanes: number, flipped: boolean): Curve {
-  const { sourceX, sourceY, targetX, targetY } = ends;
-  const [dx, dy] = [targetX - sourceX, targetY - sourceY];
-  const length = Math.hypot(dx, dy) || 1;
-  const reach = Math.min(170, Math.max(36, 0.42 * length));
-  const off = (lane - (lanes - 1) / 2) * LANE * (flipped ? -1 : 1) * (4 / 3);
-  const [nx, ny] = [(-dy / length) * off, (dx / length) * off];
-  const [ax, ay] = OUTWARD[ends.sourcePosition];
-  const [bx, by] = OUTWARD[ends.targetPosition];
-  const first = [sourceX + ax * reach + nx, sourceY + ay * reach + ny] as const;
-  const second = [targetX + bx * reach + nx, targetY + by * reach + ny] as const;
-  const path = `M${sourceX},${sourceY} C${first.join()} ${second.join()} ${targetX},${targetY}`;
-  const middle = [(sourceX + targetX + 3 * (first[0] + second[0])) / 8, (sourceY + targetY + 3 * (first[1] + second[1])) / 8] as const;
-  return { path, middle };
-}
 
 function treeText(rotation: boolean | null, translation: boolean | null): string {
   if (rotation === null || translation === null) return "";
@@ -50,11 +26,17 @@ function treeClass(rotation: boolean | null, translation: boolean | null): strin
 }
 
 export const JointEdge = memo(function JointEdge(props: EdgeProps<JointFlowEdge>): ReactElement | null {
-  const { id, data, selected, source, target } = props;
+  const { id, data, selected } = props;
   const renaming = useStore((state) => state.renaming === id);
   if (data === undefined) return null;
   const { edge, severity, highlighted, rotation, translation } = data;
-  const { path, middle } = curveOf(props, edge.lane, edge.lanes, source > target);
+  const curve = curveOf(
+    { x: props.sourceX, y: props.sourceY, side: SIDES[props.sourcePosition] },
+    { x: props.targetX, y: props.targetY, side: SIDES[props.targetPosition] },
+    edge,
+  );
+  const path = pathOf(curve);
+  const middle = pointAt(curve, data.part);
   const trees = treeText(rotation, translation);
   const state = `${selected === true ? " selected" : ""}${highlighted ? " highlighted" : ""}${severity === null ? "" : ` ${severity}`}`;
   const click = (event: MouseEvent): void => {

@@ -51,8 +51,8 @@ function Floating({ x, y, children }: { readonly x: number; readonly y: number; 
 
 interface ChooserProps {
   readonly title: string;
-  accepts(element: PaletteElement): boolean;
-  choose(element: PaletteElement): void;
+  readonly accepts: (element: PaletteElement) => boolean;
+  readonly choose: (element: PaletteElement) => void;
 }
 
 /** A search with a list under it: type, arrow keys, Enter. */
@@ -88,7 +88,7 @@ function Chooser({ title, accepts, choose }: ChooserProps): ReactElement {
   );
 }
 
-function ChooserItem({ element, index, chosen, head, choose }: { readonly element: PaletteElement; readonly index: number; readonly chosen: boolean; readonly head: boolean; choose(element: PaletteElement): void }): ReactElement {
+function ChooserItem({ element, index, chosen, head, choose }: { readonly element: PaletteElement; readonly index: number; readonly chosen: boolean; readonly head: boolean; readonly choose: (element: PaletteElement) => void }): ReactElement {
   return (
     <>
       {head && <h3 role="presentation">{element.group}</h3>}
@@ -115,7 +115,7 @@ export interface MenuItem {
   readonly text: string;
   readonly keys?: string;
   readonly disabled?: boolean;
-  run(): void;
+  readonly run: () => void;
 }
 
 export function menuItem(name: CommandName, text: string, state = useStore.getState()): MenuItem {
@@ -128,7 +128,7 @@ export function menuItem(name: CommandName, text: string, state = useStore.getSt
 }
 
 /** A menu that arrow keys go through. */
-export function MenuList({ label, items, done = close }: { readonly label: string; readonly items: readonly (MenuItem | null)[]; done?(): void }): ReactElement {
+export function MenuList({ label, items, done = close }: { readonly label: string; readonly items: readonly (MenuItem | null)[]; readonly done?: () => void }): ReactElement {
   const box = useRef<HTMLDivElement>(null);
   useEffect(() => { box.current?.querySelector<HTMLElement>("button:not(:disabled)")?.focus(); }, []);
   const press = (event: KeyboardEvent): void => {

@@ -30,7 +30,7 @@ function joined(folder: string, name: string): string {
   return folder.endsWith(mark) ? folder + name : folder + mark + name;
 }
 
-function Listing({ folder, go, choose }: { readonly folder: FolderAnswer; go(path: string): void; choose(path: string, kind: string): void }): ReactElement {
+function Listing({ folder, go, choose }: { readonly folder: FolderAnswer; readonly go: (path: string) => void; readonly choose: (path: string, kind: string) => void }): ReactElement {
   const { parent } = folder;
   return (
     <>

@@ -1,7 +1,7 @@
 /** Changes of a model as functions of its data. */
 
 import {
-  endsOf, entriesOf, entryAt, framesOf, freeName, GROUND, namesOf, pointerOf, referenceOf, referenceText, textOf, type EntryId,
+  endsOf, entriesOf, entryAt, FRAME_NAMES, framesOf, freeName, GROUND, namesOf, pointerOf, referenceOf, referenceText, textOf, type EntryId,
 } from "./entries"; // prettier-ignore
 import { diagramOf } from "./graph";
 import { freeSpot, layoutName, spotsOf, withLayout, type Spot } from "./layout";
@@ -14,10 +14,21 @@ export interface Edited {
   readonly ids: readonly EntryId[];
 }
 
+/** Return an object with no more than its required fields. */
+export function leastEntry(schema: JsonObject, node: SchemaNode): JsonObject {
+  const properties = isObject(node["properties"]) ? node["properties"] : {};
+  const required = isArray(node["required"]) ? node["required"].map(textOf) : [];
+  const entries = required.map((key) => [key, leastValue(schema, resolveNode(schema, properties[key]))] as const);
+  return Object.fromEntries(entries);
+}
+
 /** Return the shortest value that a field accepts, for fields that cannot be left out. */
 export function leastValue(schema: JsonObject, node: SchemaNode): Json {
-  const first = choicesOf(schema, node)[0] ?? {};
   if (node["default"] !== undefined && node["default"] !== null) return node["default"];
+  return leastChoice(schema, choicesOf(schema, node)[0] ?? {});
+}
+
+function leastChoice(schema: JsonObject, first: SchemaNode): Json {
   if (first["const"] !== undefined) return first["const"];
   if (isArray(first["enum"])) return first["enum"][0] ?? "";
   if (first["type"] === "array") {
@@ -33,20 +44,18 @@ export function leastValue(schema: JsonObject, node: SchemaNode): Json {
 export function newEntry(schema: JsonObject, element: PaletteElement, name: string, ends: readonly [string, string] | null): JsonObject {
   const node = definitionNode(schema, element.definition);
   const properties = isObject(node["properties"]) ? node["properties"] : {};
-  const required = isArray(node["required"]) ? node["required"].map(textOf) : [];
-  const entry: Record<string, Json> = { name };
+  const entry: Record<string, Json> = { name, ...USUAL[element.section] };
   if (properties["type"] !== undefined) entry["type"] = element.type;
   if (ends !== null && properties["between"] !== undefined) entry["between"] = [...ends];
   if (ends !== null && properties["on"] !== undefined) {
     entry["on"] = ends[1];
     if (ends[0] !== GROUND) entry["reaction_on"] = referenceOf(ends[0]).body;
   }
-  for (const key of required) {
-    if (entry[key] === undefined) entry[key] = leastValue(schema, resolveNode(schema, properties[key]));
-  }
-  return entry;
+  return { ...leastEntry(schema, node), ...entry };
 }
 
+/** A body that nothing is said of yet has to be able to move. */
+const USUAL: Readonly<Record<string, JsonObject>> = { body: { mass: "1", inertia: ["0.1", "0.1", "0.1"] } };
 const STEMS: Readonly<Record<string, string>> = { body: "Body1" };
 
 function stemOf(element: PaletteElement): string {
@@ -80,8 +89,7 @@ function nextSpot(others: ReadonlyMap<string, Spot>): Spot {
 
 export function addFrame(data: Model, id: EntryId, name = ""): Edited {
   const taken = new Set(framesOf(data, id));
-  const letters = [..."ABCDEFGHIJKLMNOPQRSTUVWXYZ"];
-  const free = name !== "" && !taken.has(name) ? name : (letters.find((each) => !taken.has(each)) ?? freeName("F1", taken));
+  const free = name !== "" && !taken.has(name) ? name : (FRAME_NAMES.find((each) => !taken.has(each)) ?? freeName("F1", taken));
   const frames = valueAt(data, pointerOf(id, "frames"));
   const added = withValue(data, pointerOf(id, "frames"), { ...(isObject(frames) ? frames : {}), [free]: { at: ["0", "0", "0"] } });
   return { data: added, ids: [id] };
@@ -120,11 +128,10 @@ export function removeEntries(data: Model, ids: readonly EntryId[]): Model {
   }
   const before = withLayout(data);
   const names = new Set([...removed].map((id) => entryAt(data, id)?.name ?? ""));
-  const kept = Object.entries(before).map(([section, items]) => {
-    if (!isArray(items)) return [section, items] as const;
-    return [section, items.filter((_, index) => !removed.has(`${section}/${index}`))] as const;
+  const kept = Object.entries(before).map(([section, items]): [string, Json] => {
+    return isArray(items) ? [section, items.filter((_, index) => !removed.has(`${section}/${index}`))] : [section, items];
   });
-  const cut = Object.fromEntries(kept) as Model;
+  const cut: Model = Object.fromEntries(kept);
   const left = namesOf(cut);
   const spots = valueAt(cut, "/layout/nodes");
   if (!isObject(spots)) return cut;

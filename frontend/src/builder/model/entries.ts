@@ -4,6 +4,8 @@ import { isArray, isObject, joinPointer, splitPointer, valueAt } from "./pointer
 import type { Json, JsonObject, Model } from "../types";
 
 export const GROUND = "ground";
+/** What new frames are called, the first that is free. */
+export const FRAME_NAMES: readonly string[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ".split("");
 
 /** The place of an entry, such as "joint/2", or "ground". */
 export type EntryId = string;

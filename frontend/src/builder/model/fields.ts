@@ -12,7 +12,10 @@ export type FieldKind =
   | { readonly kind: "matrix"; readonly rows: number; readonly columns: number }
   | { readonly kind: "reference"; readonly of: "frame" | "body" | "coordinate"; readonly labels: readonly string[] }
   | { readonly kind: "axes"; readonly count: number }
-  | { readonly kind: "group" | "map" | "list"; readonly node: SchemaNode }
+  | { readonly kind: "group"; readonly node: SchemaNode }
+  | { readonly kind: "map"; readonly node: SchemaNode }
+  | { readonly kind: "list" }
+  | { readonly kind: "entries"; readonly node: SchemaNode }
   | { readonly kind: "law"; readonly curve: SchemaNode };
 
 export interface Field {
@@ -106,11 +109,18 @@ function arrayControl(schema: JsonObject, node: SchemaNode, description: string)
   const item = resolveNode(schema, node["items"]);
   const count = typeof node["minItems"] === "number" && node["minItems"] === node["maxItems"] ? node["minItems"] : null;
   const inner = choicesOf(schema, item);
-  if (count !== null && inner.length > 1) return { kind: "axes", count };
-  if (count !== null && isFormula(item)) return { kind: "vector", labels: componentLabels(description, count) };
-  if (count !== null && item["type"] === "array") return { kind: "matrix", rows: count, columns: Number(item["minItems"] ?? count) };
+  if (count !== null) return fixedControl(item, inner, description, count);
   if (isFormula(item)) return { kind: "formulas" };
-  if (isArray(item["prefixItems"])) return { kind: "list", node: item };
+  if (isArray(item["prefixItems"])) return { kind: "list" };
+  if (inner.some((each) => isObject(each["properties"]))) return { kind: "entries", node: item };
+  return hasType(item, "string") ? { kind: "names" } : { kind: "json" };
+}
+
+/** Return the control of so many values of one form. */
+function fixedControl(item: SchemaNode, inner: readonly SchemaNode[], description: string, count: number): FieldKind {
+  if (inner.length > 1) return { kind: "axes", count };
+  if (isFormula(item) || hasType(item, "number")) return { kind: "vector", labels: componentLabels(description, count) };
+  if (item["type"] === "array") return { kind: "matrix", rows: count, columns: Number(item["minItems"] ?? count) };
   return hasType(item, "string") ? { kind: "names" } : { kind: "json" };
 }
 

@@ -18,8 +18,8 @@ export interface Size {
 
 /** Return the size that a node is drawn with. */
 export function sizeOf(node: DiagramNode): Size {
-  const label = Math.max(0, ...node.frames.map((each) => each.length));
-  const width = Math.max(node.kind === "coupling" ? 110 : 140, 9 * node.name.length + 28 + 14 * Math.min(label, 14));
+  const label = Math.max(node.kind === "ground" ? 6 : 2, ...node.frames.map((each) => each.length));
+  const width = Math.max(node.kind === "coupling" ? 110 : 140, 9 * node.name.length + 30 + 14 * Math.min(label, 14));
   // ports may all be on one side
   const height = Math.max(node.kind === "body" ? 70 : 50, 22 * (node.frames.length - 1));
   return { width: 2 * snapped(width / 2), height: 2 * snapped(height / 2) };
@@ -33,6 +33,8 @@ export function snapped(value: number): number {
 export function layoutName(node: DiagramNode): string {
   return node.id === GROUND ? GROUND : node.name;
 }
+
+const AROUND: readonly Spot[] = [[1, 0], [0, 1], [1, 1], [0, -1], [1, -1], [-1, 0], [-1, 1], [-1, -1]];
 
 let lastTopology = "";
 let lastSpots: ReadonlyMap<string, Spot> = new Map();
@@ -118,21 +120,21 @@ function spotFrom(value: Json | undefined): Spot | null {
   return Number.isFinite(x) && Number.isFinite(y) ? [x!, y!] : null;
 }
 
-/** Return a spot, moved down until its node overlaps none of the others. */
+/** Return the spot nearest to one at which a node overlaps none of the others. */
 export function freeSpot(spot: Spot, node: DiagramNode, graph: DiagramGraph, others: ReadonlyMap<string, Spot>): Spot {
-  let [x, y] = spot;
   const own = sizeOf(node);
-  const overlaps = (): boolean => graph.nodes.some((each) => {
+  const overlaps = (x: number, y: number): boolean => graph.nodes.some((each) => {
     const at = others.get(each.id);
     if (at === undefined || each.id === node.id) return false;
     const size = sizeOf(each);
     return x < at[0] + size.width + 20 && at[0] < x + own.width + 20 && y < at[1] + size.height + 20 && at[1] < y + own.height + 20;
   });
-  while (overlaps()) {
-    y += 5 * GRID;
-    if (y > spot[1] + 4000) [x, y] = [x + own.width + 40, spot[1]];
+  for (let far = 0; ; far += 2 * GRID) {
+    for (const [across, down] of AROUND) {
+      const place: Spot = [spot[0] + across * far, spot[1] + down * far];
+      if (!overlaps(...place)) return place;
+    }
   }
-  return [x, y];
 }
 
 /** Return data that says where every node is, so that an edit moves none of them. */
@@ -151,15 +153,11 @@ export function withoutLayout(data: Model): Model {
 /** Return the side of each port, by "id frame": as the file says, else towards what it is joined to. */
 export function sidesOf(data: Model, graph: DiagramGraph, spots: ReadonlyMap<string, Spot>): ReadonlyMap<string, Side> {
   const kept = valueAt(data, "/layout/sides");
-  const middles = new Map(graph.nodes.map((node) => {
-    const [x, y] = spots.get(node.id)!;
-    const { width, height } = sizeOf(node);
-    return [node.id, [x + width / 2, y + height / 2] as Spot];
-  }));
+  const boxes = new Map(graph.nodes.map((node) => [node.id, { at: spots.get(node.id)!, size: sizeOf(node) }]));
   const sums = new Map<string, [number, number]>();
   for (const { source, sourceFrame, target, targetFrame } of graph.edges) {
-    addTowards(sums, `${source} ${sourceFrame}`, middles.get(source)!, middles.get(target)!);
-    addTowards(sums, `${target} ${targetFrame}`, middles.get(target)!, middles.get(source)!);
+    addTowards(sums, `${source} ${sourceFrame}`, boxes.get(source)!, boxes.get(target)!);
+    addTowards(sums, `${target} ${targetFrame}`, boxes.get(target)!, boxes.get(source)!);
   }
   const sides = new Map<string, Side>();
   for (const node of graph.nodes) {
@@ -173,14 +171,25 @@ export function sidesOf(data: Model, graph: DiagramGraph, spots: ReadonlyMap<str
   return sides;
 }
 
-function addTowards(sums: Map<string, [number, number]>, key: string, from: Spot, to: Spot): void {
+interface Placed {
+  readonly at: Spot;
+  readonly size: Size;
+}
+
+/** Return the room between two intervals, with the sign of the direction; 0 where they overlap. */
+function gap(start: number, length: number, other: number, otherLength: number): number {
+  return other > start + length ? other - start - length : Math.min(0, other + otherLength - start);
+}
+
+function addTowards(sums: Map<string, [number, number]>, key: string, from: Placed, to: Placed): void {
   const before = sums.get(key) ?? [0, 0];
-  sums.set(key, [before[0] + to[0] - from[0], before[1] + to[1] - from[1]]);
+  const across = gap(from.at[0], from.size.width, to.at[0], to.size.width);
+  const down = gap(from.at[1], from.size.height, to.at[1], to.size.height);
+  sums.set(key, [before[0] + across, before[1] + down]);
 }
 
 function sideTowards(sum: Spot | undefined): Side | null {
   if (sum === undefined || (sum[0] === 0 && sum[1] === 0)) return null;
-  // nodes are wider than high
-  if (Math.abs(sum[0]) >= 0.8 * Math.abs(sum[1])) return sum[0] > 0 ? "right" : "left";
+  if (Math.abs(sum[0]) >= 0.6 * Math.abs(sum[1])) return sum[0] > 0 ? "right" : "left";
   return sum[1] > 0 ? "bottom" : "top";
 }

@@ -77,6 +77,12 @@ function itemNode(schema: JsonObject, node: SchemaNode, item: Json, index: numbe
   return own.find((each) => constantType(each) === item["type"]) ?? items;
 }
 
+/** Return the word that an entry of a node names its type by, or "" where it has none. */
+export function typeOfNode(node: SchemaNode): string {
+  const type = constantType(node);
+  return typeof type === "string" ? type : "";
+}
+
 function constantType(node: SchemaNode): Json | undefined {
   const properties = node["properties"];
   const type = isObject(properties) ? properties["type"] : undefined;

@@ -10,7 +10,7 @@ import { LiveInput, setValue, VectorInput } from "./inputs";
 const LETTERS = ["x", "y", "z"] as const;
 
 export function AxisControl({ pointer, value, label, change }: {
-  readonly pointer: string; readonly value: Json; readonly label: string; change?(value: Json): void;
+  readonly pointer: string; readonly value: Json; readonly label: string; readonly change?: (value: Json) => void;
 }): ReactElement { // prettier-ignore
   const set = change ?? ((next: Json) => { setValue(pointer, next); });
   const vector = isArray(value);
@@ -29,7 +29,7 @@ export function AxisControl({ pointer, value, label, change }: {
   );
 }
 
-function Components({ pointer, value, label, change }: { readonly pointer: string; readonly value: readonly Json[]; readonly label: string; change(value: Json): void }): ReactElement {
+function Components({ pointer, value, label, change }: { readonly pointer: string; readonly value: readonly Json[]; readonly label: string; readonly change: (value: Json) => void }): ReactElement {
   return (
     <div className="vector three">
       {LETTERS.map((letter, index) => (

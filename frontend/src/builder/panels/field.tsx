@@ -2,13 +2,14 @@
 
 import type { ReactElement } from "react";
 import { allReferences, entriesOf, entryOfPointer, GROUND, textOf } from "../model/entries";
-import type { Field as FieldOf } from "../model/fields";
+import type { Field as FieldOf, FieldKind } from "../model/fields";
 import { isArray, isObject } from "../model/pointers";
 import { renameCoordinate } from "../model/rename";
 import { acceptName } from "../rename_command";
 import { edit, endGesture, useStore } from "../store";
 import type { Json } from "../types";
 import { AxesControl, AxisControl, MatrixControl } from "./axis_control";
+import { EntriesControl } from "./entries_control";
 import { FieldFrame, FieldGroup, useProblems } from "./field_frame";
 import { Choice, FormulaInput, LiveInput, NameInput, setValue, VectorInput } from "./inputs";
 import { GroupControl, JsonControl, LawControl, ListControl, MapControl, NamesControl } from "./nested";
@@ -45,30 +46,29 @@ function defaultText(value: Json): string {
   return typeof value === "string" || typeof value === "number" ? String(value) : "";
 }
 
-function SingleControl({ field, pointer, value, ...rest }: ControlProps): ReactElement {
-  const { control } = field;
-  const common = { pointer, placeholder: defaultText(field.default), ...rest };
-  switch (control.kind) {
-    case "name":
-      return <NameInput {...common} value={textOf(value)} change={(text) => { acceptName(entryOfPointer(pointer) ?? "", text); }} />;
-    case "text":
-      return <SymbolInput {...common} value={textOf(value)} coordinate={field.key === "coordinate"} />;
-    case "choice": {
-      const options = control.values.map((each) => ({ value: each, text: each }));
-      const all = field.required || field.default !== null ? options : [{ value: "", text: "—" }, ...options];
-      return <Choice {...common} value={textOf(value ?? field.default)} options={all} change={(next) => { setValue(pointer, next === "" ? undefined : next); }} />;
-    }
-    case "names":
-      return <NamesControl {...common} value={value} of={field.key} />;
-    case "reference":
-      return <ReferenceChoice {...common} value={textOf(value ?? field.default)} of={control.of} />;
-    case "formulas":
-      return <FormulasControl {...common} value={value} />;
-    case "formula":
-      return <FormulaInput {...common} value={value} optional={!field.required} />;
-    default:
-      return <JsonControl {...common} value={value} />;
-  }
+type Common = Omit<ControlProps, "field"> & { readonly placeholder: string };
+
+/** Controls of one line, by kind. */
+const SINGLE_CONTROLS: Partial<Record<FieldKind["kind"], (common: Common, field: FieldOf) => ReactElement>> = {
+  name: ({ value, ...rest }) => <NameInput {...rest} value={textOf(value)} change={(text) => { acceptName(entryOfPointer(rest.pointer) ?? "", text); }} />,
+  text: ({ value, ...rest }, { key }) => <SymbolInput {...rest} value={textOf(value)} coordinate={key === "coordinate"} />,
+  choice: (common, field) => <ValueChoice common={common} field={field} />,
+  names: (common, { key }) => <NamesControl {...common} of={key} />,
+  reference: ({ value, ...rest }, { control, default: usual }) => <ReferenceChoice {...rest} value={textOf(value ?? usual)} of={control.kind === "reference" ? control.of : "frame"} />,
+  formulas: (common) => <FormulasControl {...common} />,
+  formula: (common, { required }) => <FormulaInput {...common} optional={!required} />,
+};
+
+function SingleControl({ field, ...rest }: ControlProps): ReactElement {
+  const common = { ...rest, placeholder: defaultText(field.default) };
+  return SINGLE_CONTROLS[field.control.kind]?.(common, field) ?? <JsonControl {...common} />;
+}
+
+function ValueChoice({ common, field }: { readonly common: Common; readonly field: FieldOf }): ReactElement {
+  const { pointer, value } = common;
+  const options = field.control.kind === "choice" ? field.control.values.map((each) => ({ value: each, text: each })) : [];
+  const all = field.required || field.default !== null ? options : [{ value: "", text: "—" }, ...options];
+  return <Choice {...common} value={textOf(value ?? field.default)} options={all} change={(next) => { setValue(pointer, next === "" ? undefined : next); }} />;
 }
 
 /** A name of something in the model; a coordinate takes its initial values with it. */
@@ -125,35 +125,28 @@ function ReferencePart({ of, pointer, list, index, label }: { readonly of: "fram
   return <Choice pointer={`${pointer}/${index}`} label={label} value={list[index] ?? ""} options={all.map((each) => ({ value: each, text: each }))} change={change} />;
 }
 
+/** Controls of several lines, by kind. */
+const GROUPED_CONTROLS: { readonly [K in FieldKind["kind"]]?: (props: FieldProps, control: Extract<FieldKind, { kind: K }>) => ReactElement } = {
+  vector: ({ field, pointer, value }, { labels }) => {
+    const usual = isArray(field.default) ? field.default : [];
+    return <VectorInput pointer={pointer} value={isArray(value) ? value : usual} labels={labels} label={field.label} />;
+  },
+  axis: ({ field, pointer, value }) => <AxisControl pointer={pointer} value={value ?? field.default} label={field.label} />,
+  axes: ({ field, pointer, value }, { count }) => <AxesControl pointer={pointer} value={value ?? field.default} count={count} label={field.label} />,
+  matrix: ({ field, pointer, value }, { rows, columns }) => <MatrixControl pointer={pointer} value={value} rows={rows} columns={columns} label={field.label} />,
+  tree: ({ pointer }) => <TreeControl pointer={pointer} />,
+  reference: (props) => <ReferencesControl {...props} />,
+  group: ({ field, pointer, value }, { node }) => <GroupControl pointer={pointer} node={node} value={isObject(value) ? value : null} label={field.label} />,
+  map: ({ field, pointer, value }, { node }) => <MapControl pointer={pointer} node={node} value={isObject(value) ? value : {}} field={field} />,
+  entries: ({ field, pointer, value }, { node }) => <EntriesControl pointer={pointer} node={node} value={isArray(value) ? value : []} label={field.label} />,
+  list: ({ field, pointer, value }) => <ListControl pointer={pointer} value={isArray(value) ? value : []} label={field.label} />,
+  law: ({ field, pointer, value }, { curve }) => <LawControl pointer={pointer} value={value} curve={curve} label={field.label} />,
+};
+
 function GroupedControl(props: FieldProps): ReactElement {
-  const { field, pointer, value } = props;
-  const { control } = field;
-  switch (control.kind) {
-    case "vector": {
-      const fallback = isArray(field.default) ? field.default : [];
-      return <VectorInput pointer={pointer} value={isArray(value) ? value : fallback} labels={control.labels} label={field.label} />;
-    }
-    case "axis":
-      return <AxisControl pointer={pointer} value={value ?? field.default} label={field.label} />;
-    case "axes":
-      return <AxesControl pointer={pointer} value={value ?? field.default} count={control.count} label={field.label} />;
-    case "matrix":
-      return <MatrixControl pointer={pointer} value={value} rows={control.rows} columns={control.columns} label={field.label} />;
-    case "tree":
-      return <TreeControl pointer={pointer} />;
-    case "reference":
-      return <ReferencesControl {...props} />;
-    case "group":
-      return <GroupControl pointer={pointer} node={control.node} value={isObject(value) ? value : null} label={field.label} />;
-    case "map":
-      return <MapControl pointer={pointer} node={control.node} value={isObject(value) ? value : {}} field={field} />;
-    case "list":
-      return <ListControl pointer={pointer} value={isArray(value) ? value : []} label={field.label} />;
-    case "law":
-      return <LawControl pointer={pointer} value={value} curve={control.curve} label={field.label} />;
-    default:
-      return <></>;
-  }
+  const { control } = props.field;
+  const make = GROUPED_CONTROLS[control.kind] as ((props: FieldProps, control: FieldKind) => ReactElement) | undefined;
+  return make?.(props, control) ?? <></>;
 }
 
 function SwitchField({ field, pointer, value }: FieldProps): ReactElement {

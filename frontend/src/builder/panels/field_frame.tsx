@@ -18,7 +18,7 @@ interface FrameProps {
   readonly tip?: string;
   readonly problems: readonly Problem[];
   /** Called with the id of the control and the ids of what describes it. */
-  children(id: string, describedBy: string): ReactNode;
+  readonly children: (id: string, describedBy: string) => ReactNode;
 }
 
 export function FieldFrame({ label, unit = "", tip = "", problems, children }: FrameProps): ReactElement {
@@ -51,12 +51,18 @@ export function ProblemLines({ id, problems }: { id?: string; problems: readonly
       {problems.map((each) => (
         <div key={`${each.code}${each.pointer}${each.what}`} className={`field-problem ${each.severity}`}>
           <Icon name={each.severity} size={14} />
-          <span>{sentence(each.what)} {each.fix !== "" && <em>{sentence(each.fix)}</em>}</span>
+          <span><What text={each.what} /> {each.fix !== "" && <em>{sentence(each.fix)}</em>}</span>
           {each.repair !== null && <button type="button" className="button small" onClick={() => { repair(each); }}>{each.repair.label}</button>}
         </div>
       ))}
     </div>
   );
+}
+
+/** What a problem is; lines after the first show a place in a text. */
+export function What({ text }: { readonly text: string }): ReactElement {
+  const [head = "", ...lines] = text.trim().split("\n");
+  return <>{sentence(head)}{lines.length > 0 && <code className="place">{lines.map((each) => each.replace(/^ {4}/, "")).join("\n")}</code>}</>;
 }
 
 /** Return a text with a capital at its start and a full stop at its end. */

@@ -27,7 +27,7 @@ interface TextProps extends InputProps {
   /** A list of what may be meant. */
   readonly list?: string;
   readonly disabled?: boolean;
-  change(text: string): void;
+  readonly change: (text: string) => void;
 }
 
 function attributes({ pointer, id, describedBy, label, wrong, placeholder }: InputProps): object {
@@ -130,7 +130,7 @@ export function VectorInput({ pointer, value, labels, label, fill = "0" }: {
 }
 
 export function Choice({ pointer, value, options, change, id, describedBy, label }: InputProps & {
-  readonly value: string; readonly options: readonly { readonly value: string; readonly text: string }[]; change(value: string): void;
+  readonly value: string; readonly options: readonly { readonly value: string; readonly text: string }[]; readonly change: (value: string) => void;
 }): ReactElement { // prettier-ignore
   const missing = !options.some((each) => each.value === value);
   return (

@@ -54,7 +54,7 @@ interface TableProps {
   readonly tip: string;
   /** What a new row is called; nothing where names are those of coordinates. */
   readonly unnamed: string;
-  rename(data: Model, before: string, after: string): Model;
+  readonly rename: (data: Model, before: string, after: string) => Model;
 }
 
 function Table({ section, title, tip, unnamed, rename }: TableProps): ReactElement {

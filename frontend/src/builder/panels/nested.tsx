@@ -2,7 +2,7 @@
 
 import { useState, type ReactElement } from "react";
 import { removeFrame } from "../model/edit";
-import { entryOfPointer, freeName, textOf } from "../model/entries";
+import { entryOfPointer, FRAME_NAMES, freeName, textOf } from "../model/entries";
 import { fieldsOf, labelOf, type Field as FieldOf } from "../model/fields";
 import { isArray, isObject, joinPointer, withKey, withValue } from "../model/pointers";
 import { isFormula, type SchemaNode } from "../model/schema";
@@ -51,7 +51,7 @@ export function MapControl({ pointer, node, value, field }: MapProps): ReactElem
   const coordinates = useStore((state) => state.check?.summary?.coordinates);
   const add = (): void => {
     const taken = new Set(Object.keys(value));
-    const likely = frames ? [..."ABCDEFGHIJKLMNOPQRSTUVWXYZ"] : (coordinates ?? []);
+    const likely = frames ? FRAME_NAMES : (coordinates ?? []);
     const name = likely.find((each) => !taken.has(each)) ?? freeName(`${field.key}1`, taken);
     endGesture();
     setValue(`${pointer}${joinPointer(name)}`, isFormula(node) ? "0" : frames ? { at: ["0", "0", "0"] } : {});
@@ -64,30 +64,41 @@ export function MapControl({ pointer, node, value, field }: MapProps): ReactElem
   );
 }
 
-function MapRow({ name, each, pointer, node, frames }: { readonly name: string; readonly each: Json; readonly pointer: string; readonly node: SchemaNode; readonly frames: boolean }): ReactElement {
+interface RowProps {
+  readonly name: string;
+  readonly each: Json;
+  readonly pointer: string;
+  readonly node: SchemaNode;
+  readonly frames: boolean;
+}
+
+function renameRow({ name, each, pointer, frames }: RowProps, text: string): void {
+  const { schema } = useStore.getState();
+  const id = entryOfPointer(pointer) ?? "";
+  if (text === "" || schema === null) return;
+  endGesture();
+  if (frames) edit((data) => renameFrame(data, id, name, text));
+  else edit((data) => (isObject(each) ? withKey(data, pointer, name, text) : renameCoordinate(schema.schema, data, name, text)));
+}
+
+function removeRow({ name, pointer, frames }: RowProps): void {
+  endGesture();
+  edit((data) => (frames ? removeFrame(data, entryOfPointer(pointer) ?? "", name) : withValue(data, `${pointer}${joinPointer(name)}`, undefined)));
+}
+
+function MapRow(props: RowProps): ReactElement {
+  const { name, each, pointer, node, frames } = props;
   const own = `${pointer}${joinPointer(name)}`;
   const wrong = useStore((state) => state.check?.problems.some((problem) => problem.pointer.startsWith(`${own}/`)) ?? false);
   const [open, setOpen] = useState(!frames || wrong);
-  const id = entryOfPointer(pointer) ?? "";
-  const rename = (text: string): void => {
-    if (text === "") return;
-    const { schema } = useStore.getState();
-    endGesture();
-    if (frames) edit((data) => renameFrame(data, id, name, text));
-    else if (schema !== null) edit((data) => (isObject(each) ? withKey(data, pointer, name, text) : renameCoordinate(schema.schema, data, name, text)));
-  };
-  const remove = (): void => {
-    endGesture();
-    edit((data) => (frames ? removeFrame(data, id, name) : withValue(data, own, undefined)));
-  };
   return (
     <div className={`map-row${open ? " open" : ""}`}>
       <div className="map-head">
         {frames && <button type="button" className="icon-button" aria-expanded={open} aria-label={`Frame ${name}`} onClick={() => { setOpen(!open); }}><Icon name={open ? "down" : "right"} size={14} /></button>}
-        <NameInput pointer={`${own}#name`} label={`Name of ${name}`} value={name} change={rename} />
+        <NameInput pointer={`${own}#name`} label={`Name of ${name}`} value={name} change={(text) => { renameRow(props, text); }} />
         {frames && isObject(each) && !open && <FramePlace pointer={own} value={each} name={name} />}
         {isFormula(node) && <FormulaInput pointer={own} value={each} label={name} />}
-        <button type="button" className="icon-button" aria-label={`Remove ${name}`} title={`Remove ${name}`} onClick={remove}><Icon name="trash" size={14} /></button>
+        <button type="button" className="icon-button" aria-label={`Remove ${name}`} title={`Remove ${name}`} onClick={() => { removeRow(props); }}><Icon name="trash" size={14} /></button>
       </div>
       {open && isObject(each) && <div className="nested"><Fields node={node} pointer={own} value={each} /></div>}
     </div>

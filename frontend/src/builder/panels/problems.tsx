@@ -8,7 +8,7 @@ import { splitPointer } from "../model/pointers";
 import { Icon } from "../shell/icons";
 import { select, useStore } from "../store";
 import type { Problem, Severity } from "../types";
-import { sentence } from "./field_frame";
+import { sentence, What } from "./field_frame";
 
 const ORDER: readonly Severity[] = ["error", "warning", "note"];
 
@@ -51,7 +51,7 @@ function ProblemItem({ problem }: { readonly problem: Problem }): ReactElement {
       <button type="button" className="problem-go" onClick={() => { goTo(problem); }} data-testid="problem">
         <Icon name={problem.severity} size={16} />
         <span>
-          <b>{problem.severity}{where === "" ? "" : ` in ${where}`}{problem.line === null ? "" : `, line ${problem.line}`}:</b> {sentence(problem.what)} {sentence(problem.why)} <em>{sentence(problem.fix)}</em>
+          <b>{problem.severity}{where === "" ? "" : ` in ${where}`}{problem.line === null ? "" : `, line ${problem.line}`}:</b> <What text={problem.what} /> {sentence(problem.why)} <em>{sentence(problem.fix)}</em>
         </span>
       </button>
       {problem.repair !== null && <button type="button" className="button small" onClick={() => { repair(problem); }}>{problem.repair.label}</button>}

@@ -90,7 +90,7 @@ export function Positions(): ReactElement {
   );
 }
 
-function Slider({ name, start, now, move }: { readonly name: string; readonly start: number; readonly now: number; move(name: string, value: number): void }): ReactElement {
+function Slider({ name, start, now, move }: { readonly name: string; readonly start: number; readonly now: number; readonly move: (name: string, value: number) => void }): ReactElement {
   const reach = Math.max(Math.PI, 1.5 * Math.abs(start));
   return (
     <label className="slider">

@@ -4,13 +4,15 @@ import { useEffect, useState, type ReactElement } from "react";
 import { cancelJob, labelOfJob } from "../commands/jobs";
 import { ProblemLines } from "../panels/field_frame";
 import { Icon } from "../shell/icons";
-import { useStore } from "../store";
+import { useStore, type Run } from "../store";
 
-export function Progress(): ReactElement | null {
+export function Progress(): ReactElement {
   const run = useStore((state) => state.run);
-  const going = run !== null && (run.state === null || run.state.state === "running");
-  const elapsed = useElapsed(going);
-  if (run === null || !going) return <Failed />;
+  return run !== null && (run.state === null || run.state.state === "running") ? <Running run={run} /> : <Failed />;
+}
+
+function Running({ run }: { readonly run: Run }): ReactElement {
+  const elapsed = useElapsed(run.of);
   const percent = run.state?.percent ?? null;
   return (
     <div className="progress" role="status" data-testid="progress">
@@ -23,15 +25,13 @@ export function Progress(): ReactElement | null {
   );
 }
 
-function useElapsed(going: boolean): number {
+function useElapsed(of: unknown): number {
   const [elapsed, setElapsed] = useState(0);
   useEffect(() => {
-    setElapsed(0);
-    if (!going) return undefined;
     const begun = performance.now();
     const timer = setInterval(() => { setElapsed((performance.now() - begun) / 1000); }, 1000);
     return () => { clearInterval(timer); };
-  }, [going]);
+  }, [of]);
   return elapsed;
 }
 

@@ -5,6 +5,7 @@ import { COMMANDS, giveCommand, printedKeys, type CommandName } from "../command
 import { exportModel, EXPORTS } from "../commands/files";
 import { MenuList, menuItem, type MenuItem } from "../diagram/popups";
 import { isDirty, useHistory, useStore } from "../store";
+import type { Severity, Summary } from "../types";
 import { Icon } from "./icons";
 import { nextTheme } from "./theme";
 
@@ -85,27 +86,30 @@ function plural(count: number, word: string): string {
 /** What the mechanism is now: freedoms, coordinates, constraints, problems. */
 function Live(): ReactElement {
   const check = useStore((state) => state.check);
-  const summary = check?.summary ?? null;
   const fresh = useStore((state) => state.checked === state.data);
-  const errors = check?.problems.filter((each) => each.severity === "error").length ?? 0;
-  const warnings = check?.problems.filter((each) => each.severity === "warning").length ?? 0;
-  const show = (): void => { useStore.setState({ tab: "problems" }); };
+  const count = (severity: Severity): number => check?.problems.filter((each) => each.severity === severity).length ?? 0;
+  const [errors, warnings] = [count("error"), count("warning")];
+  const worst = errors > 0 ? "error" : warnings > 0 ? "warning" : "check";
   return (
-    <div className={`live${fresh ? "" : " stale"}`} data-testid="live" aria-label="What the mechanism is">
-      {summary !== null && errors === 0 && (
-        <span className="counts">
-          {summary.freedoms !== null && <b>{summary.freedoms === 1 ? "1 freedom" : `${summary.freedoms} freedoms`}</b>}
-          <span>{plural(summary.coordinates.length, "coordinate")}</span>
-          <span>{plural(summary.constraints, "constraint")}</span>
-          {summary.redundant.length > 0 && <span className="warning">{summary.redundant.length} redundant</span>}
-        </span>
-      )}
+    <div className={`live${fresh ? "" : " stale"}`} data-testid="live" role="group" aria-label="What the mechanism is">
+      {check?.summary != null && errors === 0 && <Counts summary={check.summary} />}
       {check !== null && (
-        <button type="button" className={`state ${errors > 0 ? "error" : warnings > 0 ? "warning" : "good"}`} onClick={show}>
-          <Icon name={errors > 0 ? "error" : warnings > 0 ? "warning" : "check"} size={16} />
-          {errors > 0 ? plural(errors, "error") : warnings > 0 ? plural(warnings, "warning") : "Ready"}
+        <button type="button" className={`state ${worst === "check" ? "good" : worst}`} onClick={() => { useStore.setState({ tab: "problems" }); }}>
+          <Icon name={worst} size={16} />
+          {worst === "error" ? plural(errors, "error") : worst === "warning" ? plural(warnings, "warning") : "Ready"}
         </button>
       )}
     </div>
+  );
+}
+
+function Counts({ summary }: { readonly summary: Summary }): ReactElement {
+  return (
+    <span className="counts">
+      {summary.freedoms !== null && <b>{plural(summary.freedoms, "freedom")}</b>}
+      <span>{plural(summary.coordinates.length, "coordinate")}</span>
+      <span>{plural(summary.constraints, "constraint")}</span>
+      {summary.redundant.length > 0 && <span className="warning">{summary.redundant.length} redundant</span>}
+    </span>
   );
 }
