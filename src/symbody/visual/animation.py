@@ -105,12 +105,16 @@ class Animation:
 
     def _repr_html_(self) -> str:
         """Return the page in a frame of its own, which exported notebooks keep."""
-        source = html.escape(self.html, quote=True)
-        name = html.escape(self.title, quote=True)
+        source, name = _attribute(self.html), _attribute(self.title)
         return (
             f'<iframe srcdoc="{source}" title="{name}" sandbox="allow-scripts" width="100%" '
             f'height="{_HEIGHT}" style="border:0" allowfullscreen></iframe>'
         )
+
+
+def _attribute(text: str) -> str:
+    """Return a text as the value of an attribute, whatever the encoding of the page round it."""
+    return html.escape(text, quote=True).encode("ascii", "xmlcharrefreplace").decode("ascii")
 
 
 @checked_arguments
