@@ -23,6 +23,8 @@ from symbody.visual.scene.scene import Floats
 
 # Quantities without a value are drawn as if they had this one.
 ASSUMED: Final = 1
+# Pictures are made of numbers in single precision, and squares of them are formed.
+_LARGEST: Final = 1e30
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +43,7 @@ class ModelNumbers:
     assumed: tuple[str, ...]
 
     def number(self, formula: Formula, default: float = 0.0, /, **names: float) -> float:
-        """Return the value of a formula, or `default` where it has no finite one.
+        """Return the value of a formula, or `default` where it has none that can be drawn.
 
         Parameters
         ----------
@@ -53,7 +55,9 @@ class ModelNumbers:
         except ExpressionError:
             return default
         number = default if value is None else as_float(value)
-        return number if math.isfinite(number) else default
+        if not abs(number) < _LARGEST:  # or not a number
+            return default
+        return number if abs(number) > 1.0 / _LARGEST else 0.0
 
     def vector(self, formulas: Iterable[Formula], **names: float) -> Floats:
         """Return the values of several formulas, 0 where one has none."""
