@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import symbody as sb
+from symbody.errors import ModelError
 from symbody.formats.native import model_from_toml
 from symbody.visual.scene import make_scene, scene_to_json
 from symbody.visual.scene.scene import Scene, SceneBody, Solid
@@ -199,6 +200,11 @@ def test_parameters_without_value_are_noted() -> None:
     scene = make_scene(model)
     assert scene.notes == ("m, L have no value: drawn as if 1",)
     assert np.all(np.isfinite(numbers(scene)))
+
+
+def test_values_of_no_parameter_are_refused() -> None:
+    with pytest.raises(ModelError, match=r"the model has no parameter 'l'"):
+        make_scene(pendulum(), {"l": 3})
 
 
 def test_bodies_without_lengths_are_seen() -> None:

@@ -83,7 +83,7 @@ def make_scene(
     Raises
     ------
     ModelError
-        If values are no formulas, or formulas depend on each other in a circle.
+        If names are no parameters, values no formulas, or formulas depend on each other in a circle.
     """
     numbers = model_numbers(model, parameters)
     courses = {name: np.asarray(values, dtype=np.float64) for name, values in motion.items()}

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from symbody.errors import ExpressionError
+from symbody.errors import ExpressionError, nearest
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Constant, Graph, Symbol
 from symbody.expr.language.formula import Formula, build
@@ -92,16 +92,24 @@ def model_numbers(model: Model, parameters: Mapping[str, Value]) -> ModelNumbers
     Parameters
     ----------
     parameters : mapping of name to number or formula
-        Take the place of the model's values; what is no parameter has no influence.
+        Take the place of the model's values.
 
     Raises
     ------
     ModelError
-        With all values that are no formulas, or formulas that depend on each other in a circle.
+        With all names that are no parameters and values that are no formulas, or formulas that depend on each
+        other in a circle.
     """
     door = Door("parameters")
     changed: dict[str, Formula | None] = dict(model.parameters)
-    changed |= {name: door.angle(value, name) for name, value in parameters.items() if name in changed}
+    for name, value in parameters.items():
+        if name in changed:
+            changed[name] = door.angle(value, name)
+        else:
+            door.refuse(
+                "parameters.unknown", name, f"the model has no parameter {name!r}", "",
+                nearest(name, model.parameters),
+            )  # fmt: skip
     door.close()
     values: dict[str, Constant] = {"t": 0}
     assumed = []
