@@ -123,7 +123,9 @@ class Evaluator:
             return np.where(moving, violation / np.where(moving, fastest, 1.0), violation)
         values: Floats = self.task.evaluated(self.task.compiled(name, quick=True), t, q, u)
         symbol = name[1:-1] if name.startswith("(") and name.endswith(")") else name
-        if symbol in self.task.eqs.measured_angles:  # measured within half a turn, but motions go on
+        if (
+            values.ndim == 1 and symbol in self.task.eqs.measured_angles
+        ):  # measured within half a turn, but motions go on
             return np.unwrap(values)
         return np.moveaxis(values, 0, -1)
 

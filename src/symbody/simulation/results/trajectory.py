@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from symbody.arguments import checked_arguments
 from symbody.equations.showing.units import Units
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
+from symbody.notebook import Displayed
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
@@ -42,7 +43,7 @@ class Evaluate(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Trajectory:
+class Trajectory(Displayed):
     """The samples of a motion; time is the last axis of every array.
 
     Attributes
