@@ -114,10 +114,10 @@ def model_numbers(model: Model, parameters: Mapping[str, Value]) -> ModelNumbers
     values: dict[str, Constant] = {"t": 0}
     assumed = []
     for name in dependence_order(changed):
-        value = _value(changed[name], values)
-        if value is None:
+        number = _value(changed[name], values)
+        if number is None:
             assumed.append(name)
-        values[name] = ASSUMED if value is None else value
+        values[name] = ASSUMED if number is None else number
     return ModelNumbers(values, tuple(assumed))
 
 
