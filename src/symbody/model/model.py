@@ -24,6 +24,7 @@ from symbody.model.parameters import dependence_order, known_values, resolve
 from symbody.model.shapes.shape import BodyShape, shapes_from
 from symbody.model.table import Table
 from symbody.model.uses import Triple
+from symbody.notebook import Displayed
 
 E = TypeVar("E", bound=Element)
 
@@ -33,7 +34,7 @@ KINDS: Final = ("body", "joint", "spring", "torsion_spring", "force", "torque", 
 
 @final
 @dataclass(frozen=True, slots=True, init=False, repr=False)
-class Model:
+class Model(Displayed):
     """A mechanism: bodies, joints and forces by name, with parameters and inputs.
 
     Everything is copied in and checked at once; a Model that exists is free of contradictions.

@@ -156,7 +156,7 @@ class Evaluator:
 def _in_time(name: str, values: Floats, angles: Sequence[str]) -> Floats:
     """Return values with time last; angles measured within half a turn go on."""
     symbol = name[1:-1] if name.startswith("(") and name.endswith(")") else name
-    return np.unwrap(values) if symbol in angles else np.moveaxis(values, 0, -1)
+    return np.unwrap(values) if values.ndim == 1 and symbol in angles else np.moveaxis(values, 0, -1)
 
 
 class EventFunctions:

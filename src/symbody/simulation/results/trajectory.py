@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
 from symbody.model.model import Model
+from symbody.notebook import Displayed
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
@@ -32,7 +33,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Trajectory:
+class Trajectory(Displayed):
     """The samples of a motion; time is the last axis of every array.
 
     Attributes

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
+from symbody.notebook import Displayed
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
@@ -26,7 +27,7 @@ _ACCEPTED, _REJECTED, _EVALUATIONS, _SAMPLES = range(4)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Sweep:
+class Sweep(Displayed):
     """All motions of a sweep: arrays have the cases first and time last.
 
     Attributes
