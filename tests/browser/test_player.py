@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import re
 from pathlib import Path
@@ -17,7 +18,10 @@ PIXELS = """() => {
   [canvas.width, canvas.height] = [320, 180];
   const context = canvas.getContext("2d", { willReadFrequently: true });
   context.drawImage(window.symbodyPlayer.viewer.canvas, 0, 0, 320, 180);
-  return [...context.getImageData(0, 0, 320, 180).data];
+  const { data } = context.getImageData(0, 0, 320, 180);
+  let text = "";
+  for (let at = 0; at < data.length; at += 8192) text += String.fromCharCode(...data.subarray(at, at + 8192));
+  return btoa(text);
 }"""
 
 
@@ -29,7 +33,8 @@ def pixels(page: Any, time: float | None = None) -> np.ndarray:
     """The picture (180, 320, 4), at a time if one is given."""
     if time is not None:
         page.evaluate("t => symbodyPlayer.setTime(t)", time)
-    return np.array(page.evaluate(PIXELS), dtype=np.int16).reshape(180, 320, 4)
+    data = np.frombuffer(base64.b64decode(page.evaluate(PIXELS)), dtype=np.uint8)
+    return data.astype(np.int16).reshape(180, 320, 4)
 
 
 def changed(first: np.ndarray, second: np.ndarray) -> int:

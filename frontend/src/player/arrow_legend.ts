@@ -9,7 +9,7 @@ const ROWS: readonly { group: VectorGroup; title: string }[] = [
   { group: "reaction", title: "reaction" },
 ];
 const LONGEST = 90; // pixels
-const WIDEST_CURL = 34;
+const WIDEST_CURL = 40;
 
 interface Row {
   readonly group: VectorGroup;

@@ -18,7 +18,7 @@ function start(): void {
   try {
     const data = decodeData(JSON.parse(holder.textContent));
     document.title = data.title;
-    window.symbodyPlayer = new Player(root, data, { keysFrom: document });
+    window.symbodyPlayer = new Player(root, data, { keysFrom: document, embedded: window.self !== window.top });
   } catch (error) {
     root.append(damaged(error));
   }

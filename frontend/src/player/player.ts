@@ -9,6 +9,7 @@ import { create, download, fileName, setText } from "./dom";
 import { helpDialog } from "./help";
 import { SelectionCard, Tooltip } from "./info";
 import { commandOf, targetOf, type Command } from "./keys";
+import { topInset, watchLayout } from "./layout";
 import { FrameLoop } from "./loop";
 import { watchPointer } from "./pointer";
 import { applySetting } from "./apply_setting";
@@ -22,6 +23,8 @@ import { Triad } from "./triad";
 export interface PlayerContext {
   /** What key presses are taken from: the document of a page of its own, else the player. */
   readonly keysFrom?: Document;
+  /** Whether the player is part of a longer page: the wheel scrolls that page until the picture is chosen. */
+  readonly embedded?: boolean;
   onTime?(time: number): void;
   onPlaying?(playing: boolean): void;
   onSelect?(element: SceneElement | null): void;
@@ -69,6 +72,7 @@ export class Player {
       : new Transport(this.clock, source.events, run, (time) => { this.seek(time); }, (speed) => { this.settings.set("speed", speed); });
     this.toolbar = createToolbar(this, scene, source, run);
     this.assemble(title);
+    this.ends.push(watchLayout(root, this.stage));
     this.listen();
     this.settings.follow((name) => { applySetting(this, name); });
     this.begin();
@@ -160,6 +164,7 @@ export class Player {
       return new Viewer(this.stage, this.data.scene, this.data.source, {
         invalidate: () => { this.loop.wake(); },
         animate: () => !prefersReducedMotion(),
+        topInset: () => topInset(this.stage),
         onHover: (element, x, y) => {
           const area = this.stage.getBoundingClientRect();
           this.tooltip?.showAt(element, x - area.left, y - area.top);
@@ -184,6 +189,7 @@ export class Player {
       const canvas = viewer.canvas;
       canvas.tabIndex = 0;
       canvas.setAttribute("role", "img");
+      if (this.context.embedded === true) zoomWhenFocused(viewer);
       canvas.setAttribute("aria-label", `${title}: picture in three dimensions. Press question mark for keys.`);
       corner.append(this.triad.element);
     }
@@ -254,6 +260,12 @@ export class Player {
     for (const part of [this.legend, this.selection, this.tooltip]) part?.update();
     return moving;
   }
+}
+
+function zoomWhenFocused({ canvas, rig }: Viewer): void {
+  rig.controls.enableZoom = false;
+  canvas.addEventListener("focus", () => { rig.controls.enableZoom = true; });
+  canvas.addEventListener("blur", () => { rig.controls.enableZoom = false; });
 }
 
 function webglMessage(curves: boolean): HTMLElement {

@@ -1,7 +1,7 @@
 /** The axes of the ground as the camera sees them, in a corner of the picture. */
 
 import type { Camera } from "three";
-import { Vector3 } from "three";
+import { Quaternion, Vector3 } from "three";
 import { createSvg } from "./dom";
 
 const AXES = ["x", "y", "z"] as const;
@@ -11,7 +11,7 @@ export class Triad {
   readonly element: SVGElement;
   private readonly arms: { line: SVGElement; text: SVGElement; group: SVGElement }[];
   private readonly axis = new Vector3();
-  private last = "";
+  private readonly last = new Quaternion(0, 0, 0, 0);
 
   constructor() {
     this.arms = AXES.map((name) => {
@@ -27,9 +27,8 @@ export class Triad {
   }
 
   update(camera: Camera): void {
-    const turn = camera.quaternion.toArray().map((each) => each.toFixed(3)).join();
-    if (turn === this.last) return;
-    this.last = turn;
+    if (this.last.equals(camera.quaternion)) return;
+    this.last.copy(camera.quaternion);
     const inverse = camera.quaternion.clone().invert();
     this.arms.forEach(({ line, text, group }, index) => {
       this.axis.set(0, 0, 0).setComponent(index, 1).applyQuaternion(inverse);

@@ -10,7 +10,7 @@ export type ViewName = (typeof VIEW_NAMES)[number];
 
 const ANGLE = 30; // of the perspective, degrees
 const PARALLEL_ANGLE = 1; // so small that parallels look parallel
-const MARGIN = 1.2;
+const MARGIN = 1.16;
 const TURN_SECONDS = 0.28;
 
 interface Turn {
@@ -56,6 +56,7 @@ export class CameraRig {
   private readonly radius: number;
   private readonly up: Vector3;
   private height = 1;
+  private covered = 0;
 
   constructor(
     canvas: HTMLElement,
@@ -91,8 +92,11 @@ export class CameraRig {
     return this.camera.fov === PARALLEL_ANGLE;
   }
 
-  resize(width: number, height: number): void {
+  /** Take the size of the picture, of which `covered` pixels at the top are not to be used. */
+  resize(width: number, height: number, covered: number): void {
     this.height = height;
+    this.covered = covered;
+    this.camera.setViewOffset(width, height, 0, -covered / 2, width, height);
     this.camera.aspect = width / Math.max(height, 1);
     this.camera.updateProjectionMatrix();
     if (this.fits && this.turn === null) this.fit(true);
@@ -214,10 +218,11 @@ export class CameraRig {
     const middle = this.extent.box.getCenter(new Vector3());
     // a point at (x, y, z) is inside if |x - a| / tan + z <= distance: the planes of the four sides
     const [toRight, toLeft] = this.sides(right, direction, tan * this.camera.aspect, middle);
-    const [upwards, downwards] = this.sides(above, direction, tan, middle);
+    const free = tan * (1 - this.covered / this.height);
+    const [upwards, downwards] = this.sides(above, direction, free, middle);
     const target = middle
       .addScaledVector(right, ((toRight - toLeft) * tan * this.camera.aspect) / 2)
-      .addScaledVector(above, ((upwards - downwards) * tan) / 2);
+      .addScaledVector(above, ((upwards - downwards) * free) / 2);
     const distance = MARGIN * Math.max((toRight + toLeft) / 2, (upwards + downwards) / 2);
     return { target, distance: Math.max(distance, 0.05 * this.scene.size) };
   }

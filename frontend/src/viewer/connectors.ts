@@ -11,6 +11,7 @@ import { createTube, type Tube } from "./tube";
 
 const ROPE_POINTS = 40;
 const TUBE_SIDES = 7;
+const USUAL_TURNS = 8;
 const HOUSING = 0.55; // part of the shortest length that a damper's cylinder takes
 
 interface Part {
@@ -109,7 +110,7 @@ function tubeMesh(tube: Tube, material: MeshStandardMaterial): Mesh {
 }
 
 function springPart(connector: Connector, material: MeshStandardMaterial, size: number): Part {
-  const turns = Math.min(Math.max(Math.round(connector.coils), 2), 60);
+  const turns = connector.coils > 0 ? Math.min(Math.max(Math.round(connector.coils), 2), 60) : USUAL_TURNS;
   const radius = connector.radius > 0 ? connector.radius : 0.03 * size;
   const tube = createTube(coilPoints(turns), TUBE_SIDES, 0.14 * radius);
   const across: [number, number, number] = [0, 0, 0];

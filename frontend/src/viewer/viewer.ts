@@ -40,6 +40,8 @@ export interface ViewerHooks {
   onHover?: (element: SceneElement | null, x: number, y: number) => void;
   /** Whether the camera may glide; not where reduced motion is preferred. */
   animate: () => boolean;
+  /** Pixels at the top that something covers: the mechanism is shown below them. */
+  topInset?: () => number;
 }
 
 export class Viewer {
@@ -283,7 +285,7 @@ export class Viewer {
     const { clientWidth, clientHeight } = this.host;
     if (clientWidth === 0 || clientHeight === 0) return;
     this.stage.resize(clientWidth, clientHeight);
-    this.rig.resize(clientWidth, clientHeight);
+    this.rig.resize(clientWidth, clientHeight, this.hooks.topInset?.() ?? 0);
     this.hooks.invalidate();
   }
 }

@@ -97,6 +97,7 @@ function open(model: WidgetModel, frame: HTMLElement, sender: TimeSender): Shown
     const first = typeof time === "number" ? time : data.settings.time;
     const settings = { ...data.settings, time: first, autoplay: model.get("playing") === true };
     const player = new Player(root, { ...data, source: live, settings }, {
+      embedded: true,
       onTime: (time) => {
         live.show(null); // a chosen time takes the place of a live state
         sender.send(time);
