@@ -25,6 +25,10 @@ class Services:
         self.jobs = Jobs(self._reserve, settings.limits)
         self._interactive = NewestOnly(self._reserve)
 
+    def warm(self) -> None:
+        """Begin to load what the first check needs."""
+        self._reserve.warm()
+
     def check(self, request: CheckRequest) -> Answer:
         """Return what is wrong with a model, what it is, and its picture."""
         payload = {"data": request.data, "folder": self.documents.folder_of(request.document)}
