@@ -24,7 +24,8 @@ EPS = float(np.finfo(float).eps)
 # The models of all examples that have one file more than their folder says.
 NAMES = (
     "projectile/projectile", "projectile/projectile_free", "rr_robot/rr_robot", "spinning_top/spinning_top",
-    "spinning_top_omega/spinning_top_omega", "slider_crank/slider_crank", "spatial_four_bar/spatial_four_bar",
+    "spinning_top_omega/spinning_top_omega", "slider_crank/slider_crank", "four_bar/four_bar",
+    "spatial_four_bar/spatial_four_bar",
 )  # fmt: skip
 
 

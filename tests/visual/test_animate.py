@@ -154,7 +154,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str, str]] = {
     "model": (
         {"model": sb.load_model(EXAMPLES / "rr_robot" / "rr_robot.toml")},
         "trajectory.another_model",
-        "beta_1",
+        "no joint",
     ),
 }
 

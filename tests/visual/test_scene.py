@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import symbody as sb
+from symbody.errors import ModelError
 from symbody.formats.native import model_from_toml
 from symbody.visual.scene import make_scene, scene_to_json
 from symbody.visual.scene.scene import Scene, SceneBody, Solid
@@ -201,6 +202,11 @@ def test_parameters_without_value_are_noted() -> None:
     assert np.all(np.isfinite(numbers(scene)))
 
 
+def test_values_of_no_parameter_are_refused() -> None:
+    with pytest.raises(ModelError, match=r"the model has no parameter 'l'"):
+        make_scene(pendulum(), {"l": 3})
+
+
 def test_bodies_without_lengths_are_seen() -> None:
     scene = make_scene(sb.Model("m", [sb.Body("B", 1)], gravity=(0, 0, -1)))
     assert scene.size == 1.0 and body(scene, "B").solids
@@ -270,6 +276,32 @@ def test_what_rolls_has_its_radius_and_a_floor() -> None:
     assert math.isclose(reach, 0.4) and np.allclose(np.abs(axes(tyre)[:, 2]), (0, 1, 0))
     (floor,) = solids(scene, "ground", "box", "roll")
     assert floor.opacity < 1 and math.isclose(floor.at[2] + 0.5 * floor.size[2], 0.0, abs_tol=1e-12)
+
+
+def test_a_floor_is_as_large_as_the_motion_and_drawn_once() -> None:
+    model = load(EXAMPLES / "bicycle" / "bicycle.toml")
+    scene = make_scene(model, motion={"x": np.linspace(0, 30, 9), "z": [0.3], "rear": np.zeros(9)})
+    (floor,) = [solid for solid in body(scene, "ground").solids if solid.kind == "box"]
+    assert floor.at[0] - 0.5 * floor.size[0] < -0.3 and floor.at[0] + 0.5 * floor.size[0] > 31
+
+
+def test_wheels_with_shapes_of_users_have_no_others() -> None:
+    disc = sb.Body("Disc", 1, (1, 2, 1), shapes=[sb.Sphere(0.4)])
+    scene = make_scene(sb.Model("m", [disc, sb.Rolling("roll", "ground", "Disc", 0.4, axis="y")]))
+    assert [solid.kind for solid in body(scene, "Disc").solids] == ["sphere"]
+    assert [solid.kind for solid in body(scene, "ground").solids] == ["box"]
+
+
+def test_numbers_beyond_any_picture_do_no_harm() -> None:
+    far = sb.Body("B", "1e299", (0, 0, 1), frames={"pin": sb.Frame(("1e200", "1e-200", 0))})
+    scene = make_scene(sb.Model("m", [sb.Revolute("j", "ground", far["pin"])]))
+    assert np.all(np.isfinite(numbers(scene))) and scene.size == 1.0
+
+
+@pytest.mark.parametrize("length", [1e-9, 1e9])
+def test_mechanisms_of_any_size_look_alike(length: float) -> None:
+    usual, other = make_scene(pendulum(), {"L": 1}), make_scene(pendulum(), {"L": length})
+    assert np.allclose(numbers(other) / length, numbers(usual))
 
 
 def test_points_of_a_surface_fulfil_its_equation() -> None:

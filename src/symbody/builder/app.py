@@ -88,6 +88,7 @@ def _page(request: Request, builder: Builder) -> Response:
         return answer
     if not settings.is_key(request.cookies.get(cookie, "")):
         return HTMLResponse(_CLOSED, status_code=403)
+    builder.warm()  # while the page loads
     text = Path(settings.pages, "index.html").read_text(encoding="utf-8")
     tag = _TOKEN_TAG.format(escape(settings.token))
     empty = _TOKEN_TAG.format("")

@@ -83,6 +83,7 @@ def listening_socket(port: int | None) -> socket.socket:
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             listener.bind(("127.0.0.1", candidate))
+            listener.listen(128)  # from now on the port is taken, and whoever connects waits
             return listener
         except (OSError, OverflowError):
             listener.close()

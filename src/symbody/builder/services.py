@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from symbody.builder.documents import Documents
+from symbody.builder.file_names import file_stem
 from symbody.builder.jobs import Jobs
 from symbody.builder.model_text import text_from_data
 from symbody.builder.requests import CheckRequest, ExportRequest, JobRequest, OutputsRequest, PoseRequest
@@ -23,6 +24,10 @@ class Services:
         self._reserve = Reserve()
         self.jobs = Jobs(self._reserve, settings.limits)
         self._interactive = NewestOnly(self._reserve)
+
+    def warm(self) -> None:
+        """Begin to load what the first check needs."""
+        self._reserve.warm()
 
     def check(self, request: CheckRequest) -> Answer:
         """Return what is wrong with a model, what it is, and its picture."""
@@ -75,13 +80,3 @@ class Services:
     def close(self) -> None:
         """End all processes."""
         self._reserve.close()
-
-
-def file_stem(name: str) -> str:
-    """Return a name that every system takes for a file.
-
-    >>> file_stem("a/b: c")
-    'a_b_c'
-    """
-    plain = "".join(letter if letter.isalnum() or letter in "-_" else " " for letter in name)
-    return "_".join(plain.split())[:60] or "model"

@@ -101,13 +101,19 @@ class Worker:
 
 
 class Reserve:
-    """Workers on demand: one is always on the way, because loading takes seconds."""
+    """Workers on demand: once there is need, one is always on the way, because loading takes seconds."""
 
     def __init__(self) -> None:
         self._lock = Lock()
-        self._spare: Worker | None = Worker()
+        self._spare: Worker | None = None
         self._given: list[Worker] = []
         self._is_open = True
+
+    def warm(self) -> None:
+        """Begin a worker, if there is none in reserve."""
+        with self._lock:
+            if self._is_open and self._spare is None:
+                self._spare = Worker()
 
     def take(self) -> Worker:
         """Return a worker, and begin another."""
@@ -132,7 +138,7 @@ class NewestOnly:
 
     def __init__(self, reserve: Reserve) -> None:
         self._reserve = reserve
-        self._worker = reserve.take()
+        self._worker: Worker | None = None
         self._free = Condition()
         self._is_busy = False
         self._newest: dict[tuple[str, str], int] = {}
@@ -162,7 +168,7 @@ class NewestOnly:
             return spent > limit or (self._newest[key] != ticket and spent > _GRACE)
 
         try:
-            if not self._worker.is_alive:
+            if self._worker is None or not self._worker.is_alive:
                 self._worker = self._reserve.take()
             return self._worker.run(task, payload, is_over=is_over)
         except TimeoutError:

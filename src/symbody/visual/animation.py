@@ -105,12 +105,16 @@ class Animation:
 
     def _repr_html_(self) -> str:
         """Return the page in a frame of its own, which exported notebooks keep."""
-        source = html.escape(self.html, quote=True)
-        name = html.escape(self.title, quote=True)
+        source, name = _attribute(self.html), _attribute(self.title)
         return (
             f'<iframe srcdoc="{source}" title="{name}" sandbox="allow-scripts" width="100%" '
             f'height="{_HEIGHT}" style="border:0" allowfullscreen></iframe>'
         )
+
+
+def _attribute(text: str) -> str:
+    """Return a text as the value of an attribute, whatever the encoding of the page round it."""
+    return html.escape(text, quote=True).encode("ascii", "xmlcharrefreplace").decode("ascii")
 
 
 @checked_arguments
@@ -184,8 +188,10 @@ def live_mechanism(
 ) -> LiveAnimation:
     """Return a mechanism with sliders; see `animate`."""
     if path is not None:
-        what, fix = "a page cannot move a mechanism by sliders", "leave path out, or give a motion"
-        raise UsageError(Problem("animation.live_page", str(path), what, fix=fix))
+        raise UsageError(
+            Problem("animation.live_page", str(path), "a page cannot move a mechanism by sliders",
+                    fix="leave path out, or give a motion")
+        )  # fmt: skip
     _check_options(options)
     mechanism = slider_mechanism(eqs, sliders)
     data = mechanism.data(mechanism.first, title or eqs.model.name, options)
@@ -203,9 +209,10 @@ def new_widget(data: PageData, mechanism: SliderMechanism | None = None) -> Any:
     try:
         module = import_module("symbody.visual.notebook_widget")
     except ImportError:
-        what = "live pictures need anywidget, which is not installed"
-        fix = "pip install symbody[notebook], or leave live=True out"
-        raise EnvironmentFault(Problem("animation.no_anywidget", "animate", what, fix=fix)) from None
+        raise EnvironmentFault(
+            Problem("animation.no_anywidget", "live", "live pictures need anywidget, which is not installed",
+                    fix="pip install symbody[notebook], or leave live=True out")
+        ) from None  # fmt: skip
     return module.MechanismWidget(data, mechanism)
 
 
@@ -266,7 +273,11 @@ def make_animation(
     scene = make_scene(motion_run.model, motion_run.parameters, courses)
     pair = _span(times)
     motion = make_motion(motion_run, scene, None if pair else times, curves, vectors, pair)
-    settings = {**options, "traces": [_point(scene, name) for name in traces]}
+    settings = {
+        **options,
+        "speed": float(options["speed"]),
+        "traces": [_point(scene, name) for name in traces],
+    }
     return Animation(scene, motion, title or scene.name, settings)
 
 
@@ -274,8 +285,8 @@ def _check_options(options: Mapping[str, Any]) -> None:
     for name, words in (("view", get_args(View)), ("theme", get_args(Theme))):
         word = options.get(name, "auto")
         if word not in words:
-            what, fix = f"{word!r} is no {name}", f"choose one of {', '.join(words)}"
-            raise UsageError(Problem("animation.option", name, what, fix=fix))
+            fix = f"choose one of {', '.join(words)}"
+            raise UsageError(Problem("animation.option", name, f"{word!r} is no {name}", fix=fix))
     speed = options.get("speed", 1.0)
     if not (np.isfinite(speed) and speed > 0.0):
         raise UsageError(Problem("animation.option", "speed", f"{speed} is no speed", fix="give one above 0"))
@@ -309,9 +320,10 @@ def _no_model() -> UsageError:
 def _page_path(path: str | PathLike[str]) -> Path:
     target = Path(path)
     if target.suffix.lower() not in (".html", ".htm"):
-        what = f"animate writes pages, not {target.suffix or 'such files'}"
-        fix = "end the name with .html; films and pictures are made by save_animation"
-        raise UsageError(Problem("animation.suffix", str(path), what, fix=fix))
+        raise UsageError(
+            Problem("animation.suffix", str(path), f"a page is no {target.suffix or 'such'} file",
+                    fix="end the name with .html; films and pictures are made by save_animation")
+        )  # fmt: skip
     return target
 
 

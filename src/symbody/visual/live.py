@@ -155,8 +155,10 @@ def _slider_range(eqs: EquationSet, first: State, size: float, slider: Slider) -
         reach = math.pi if eqs.units.get(name, "") == "rad" else size
     low, high = bounds or (value - reach, value + reach)
     if not (np.isfinite([low, high]).all() and low < high):
-        what = f"a slider cannot go from {low} to {high}"
-        raise UsageError(Problem("animation.slider", name, what, fix="give (name, lowest, highest)"))
+        raise UsageError(
+            Problem("animation.slider", name, f"a slider cannot go from {low} to {high}",
+                    fix="give (name, lowest, highest)")
+        )  # fmt: skip
     return SliderRange(name, float(low), float(high), min(max(value, low), high), eqs.units.get(name, ""))
 
 
@@ -168,8 +170,10 @@ def _number(state: State, name: str) -> float:
     eqs = state.eqs
     if value.shape != () or name not in _coordinates(eqs):
         known = (*eqs.coordinate_names, *eqs.parameter_names)
-        what = f"{name!r} is neither a coordinate nor a parameter"
-        raise UsageError(Problem("animation.unknown_slider", repr(name), what, fix=nearest(name, known)))
+        raise UsageError(
+            Problem("animation.unknown_slider", name, f"{name!r} is neither a coordinate nor a parameter",
+                    fix=nearest(name, known))
+        )  # fmt: skip
     return float(value)
 
 

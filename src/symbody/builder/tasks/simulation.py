@@ -11,10 +11,11 @@ import numpy as np
 from symbody.builder.tasks.json_values import curve, finite
 from symbody.builder.tasks.options import SimulateOptions, read_options
 from symbody.builder.tasks.reading import complete_model
-from symbody.builder.worker_process import Report, TaskFailure
+from symbody.builder.worker_process import Report
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.showing.joint_outputs import effort_names
+from symbody.errors import Problem, UsageError
 from symbody.simulation.progress import StagedProgress
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulate import simulate
@@ -139,24 +140,19 @@ def more_curves(payload: Mapping[str, Any], report: Report) -> Answer:
     UsageError
         If a name is neither an output nor an expression.
     """
-    finished = finished_run()
+    finished = kept_run()
+    if finished is None:
+        what = "this process holds no motion"
+        raise UsageError(Problem("builder.no_run", "outputs", what, fix="simulate again"))
     motion = make_motion(
         finished.run, finished.scene, times=finished.motion.times, curves=payload["names"], vectors="none"
     )
     return {"curves": [curve(each.name, each.unit, each.values) for each in motion.curves]}
 
 
-def finished_run() -> FinishedRun:
-    """Return the run of this process.
-
-    Raises
-    ------
-    TaskFailure
-        If there is none.
-    """
-    if not _FINISHED:
-        raise TaskFailure([])
-    return _FINISHED[0]
+def kept_run() -> FinishedRun | None:
+    """Return the run of this process, None if it has computed none."""
+    return _FINISHED[0] if _FINISHED else None
 
 
 def _times(options: SimulateOptions) -> list[float] | None:

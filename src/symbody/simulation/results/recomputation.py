@@ -139,8 +139,10 @@ def check_names(eqs: EquationSet, coordinate_names: Names, speed_names: Names) -
 
 
 def _another_model(model: Model, why: str) -> UsageError:
-    what, fix = "the motion is not one of this model", "give the model that the motion was computed from"
-    return UsageError(Problem("trajectory.another_model", f"model {model.name}", what, why, fix))
+    return UsageError(
+        Problem("trajectory.another_model", model.name, "the motion is not one of this model", why,
+                "give the model that the motion was computed from")
+    )  # fmt: skip
 
 
 def _unknown_value(t: float, q: Floats, u: Floats) -> float:
@@ -148,7 +150,7 @@ def _unknown_value(t: float, q: Floats, u: Floats) -> float:
 
 
 def _unknown(name: str, why: str) -> UsageError:
-    fix = f"store it with the motion: run.save(path, {name!r})"
     return UsageError(
-        Problem("trajectory.not_computable", repr(name), f"{name} cannot be computed from the file", why, fix)
-    )
+        Problem("trajectory.not_computable", repr(name), f"{name} cannot be computed from the file", why,
+                f"store it with the motion: run.save(path, {name!r})")
+    )  # fmt: skip

@@ -366,10 +366,11 @@ class Trajectory(Displayed):
 
 
 def _no_model() -> UsageError:
-    what = "the motion does not say which mechanism moves"
-    why = "its file was written by an older version, or its equations were placed by hand"
-    fix = "give model=, the model that it was computed from"
-    return UsageError(Problem("trajectory.no_model", "run", what, why, fix))
+    return UsageError(
+        Problem("trajectory.no_model", "run", "the motion does not say which mechanism moves",
+                "its file was written by an older version, or its equations were placed by hand",
+                "give model=, the model that it was computed from")
+    )  # fmt: skip
 
 
 def _at(what: str, fix: str) -> UsageError:

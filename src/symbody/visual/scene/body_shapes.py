@@ -42,7 +42,7 @@ def body_shapes(basis: SceneBasis, body: Body, is_wheel: bool = False) -> list[F
     radius = basis.rod if mass else _THIN * basis.rod
     apart = [point for point in points if np.linalg.norm(point) > SAME_POINT * basis.size]
     if not apart:
-        return [] if is_wheel else _marked(_compact(basis, body, mass))
+        return [] if is_wheel else _with_marks(_compact(basis, body, mass))
     if is_wheel and len(points) == 1:
         return []
     if len(points) == 1:
@@ -125,11 +125,11 @@ def _pendulum(basis: SceneBasis, body: Body, point: Floats, mass: float, radius:
     length = float(np.linalg.norm(point))
     direction = -point / length
     if sum(edge > 0.0 for edge in edges) == 3:
-        shape = _smaller(_solid_of_inertia(basis, body), length)
+        shape = _limit_size(_solid_of_inertia(basis, body), length)
         if shape.solid.kind == "sphere":  # a disc shows how it spins
             size = (0.4 * length, 0.1 * length)
             shape = fixed_shape(body.name, body.name, "cylinder", size, along(np.zeros(3), direction))
-        return [*shapes, *_marked(shape)]
+        return [*shapes, *_with_marks(shape)]
     edge = max(edges)
     if sum(edge > 0.0 for edge in edges) == 1:  # a thin rod: shown as long as it is
         end = direction * min(0.5 * edge, 1.2 * length)
@@ -137,7 +137,7 @@ def _pendulum(basis: SceneBasis, body: Body, point: Floats, mass: float, radius:
     return [*shapes, ball(body.name, body.name, np.zeros(3), 3.0 * radius)]
 
 
-def _marked(shape: FixedShape) -> list[FixedShape]:
+def _with_marks(shape: FixedShape) -> list[FixedShape]:
     """Return a shape, with marks if it is round, so that its turning is seen."""
     solid = shape.solid
     where = RigidTransform(np.array(solid.at), rotation_matrix(solid.quaternion))
@@ -151,7 +151,7 @@ def _marked(shape: FixedShape) -> list[FixedShape]:
     return [shape, mark]
 
 
-def _smaller(shape: FixedShape, largest: float) -> FixedShape:
+def _limit_size(shape: FixedShape, largest: float) -> FixedShape:
     """Return a shape whose sizes are at most so large."""
     solid = shape.solid
     factor = min(1.0, largest / max(solid.size))

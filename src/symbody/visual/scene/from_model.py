@@ -38,12 +38,12 @@ from symbody.visual.scene.connectors import (
     spring_damper_connectors,
     torsion_shapes,
 )
-from symbody.visual.scene.fixed_shape import GLASS, GROUND_COLOR, FixedShape
+from symbody.visual.scene.fixed_shape import GROUND_COLOR, FixedShape
 from symbody.visual.scene.gears import gear_shapes
 from symbody.visual.scene.ground_shapes import ground_shapes
 from symbody.visual.scene.joint_shapes import joint_shapes
 from symbody.visual.scene.numbers import ModelNumbers, model_numbers
-from symbody.visual.scene.patches import curve_shapes, line_shapes, plane_shapes, surface_shapes
+from symbody.visual.scene.patches import curve_shapes, floor_shapes, line_shapes, plane_shapes, surface_shapes
 from symbody.visual.scene.poses import as_point
 from symbody.visual.scene.scene import (
     Connector,
@@ -83,7 +83,7 @@ def make_scene(
     Raises
     ------
     ModelError
-        If values are no formulas, or formulas depend on each other in a circle.
+        If names are no parameters, values no formulas, or formulas depend on each other in a circle.
     """
     numbers = model_numbers(model, parameters)
     courses = {name: np.asarray(values, dtype=np.float64) for name, values in motion.items()}
@@ -125,42 +125,19 @@ def _shapes(basis: SceneBasis, given: Mapping[str, list[FixedShape]]) -> list[Fi
     given : mapping of body to its shapes
         Where the model has some, which take the place of the usual ones.
     """
-    gears = gear_shapes(basis)
     rollers = [element for element in basis.model.constraints if isinstance(element, Rolling)]
-    wheels = {shape.body for shape in gears} | {element.end.body for element in rollers}
-    shapes = list(given.get(GROUND, ()))
+    wheels = [*gear_shapes(basis), *(shape for each in rollers for shape in rolling_shapes(basis, each))]
+    wheels = [shape for shape in wheels if shape.body == GROUND or shape.body not in given]
+    names = {shape.body for shape in wheels}
+    shapes = [*given.get(GROUND, ()), *floor_shapes(basis)]
     for body in basis.model.bodies:
-        shapes += given.get(body.name) or body_shapes(basis, body, body.name in wheels)
+        shapes += given.get(body.name) or body_shapes(basis, body, body.name in names)
     for joint in basis.model.joints:
         shapes += [*joint_shapes(basis, joint), *drive_shapes(basis, joint)]
     for element in basis.model.elements:
         make = _SHAPES.get(type(element))
         shapes += [] if make is None else make(basis, element)
-    return _without_floors_twice(basis, [*shapes, *gears])
-
-
-def _without_floors_twice(basis: SceneBasis, shapes: list[FixedShape]) -> list[FixedShape]:
-    """Return shapes without boxes in the plane of another of the same size: a floor is drawn once."""
-    floors: list[FixedShape] = []
-    rest = []
-    for shape in shapes:
-        if shape.solid.opacity == GLASS and shape.solid.kind == "box":
-            if any(_are_coplanar(shape, floor, basis.rod) for floor in floors):
-                continue
-            floors.append(shape)
-        rest.append(shape)
-    return rest
-
-
-def _are_coplanar(shape: FixedShape, other: FixedShape, thickness: float) -> bool:
-    """Return whether two patches on one body lie in one plane."""
-    if (shape.body, shape.solid.size) != (other.body, other.solid.size):
-        return False
-    w, x, y, z = shape.solid.quaternion
-    normal = np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
-    apart = np.subtract(shape.solid.at, other.solid.at)
-    is_turned_alike = abs(abs(np.dot(shape.solid.quaternion, other.solid.quaternion)) - 1.0) < 1e-9
-    return is_turned_alike and abs(float(normal @ apart)) < 0.1 * thickness
+    return [*shapes, *wheels]
 
 
 def _connectors(basis: SceneBasis) -> list[Connector]:
@@ -213,10 +190,6 @@ def _type_of(joint: Joint) -> str:
     return "".join(f"_{c.lower()}" if c.isupper() else c for c in type(joint).__name__).lstrip("_")
 
 
-def _rolling(basis: SceneBasis, element: Rolling) -> list[FixedShape]:
-    return [*rolling_shapes(basis, element), *plane_shapes(basis, element)]
-
-
 # What elements that are no joints are drawn as.
 _SHAPES: Final[Mapping[type, Callable[..., list[FixedShape]]]] = MappingProxyType(
     {
@@ -227,7 +200,6 @@ _SHAPES: Final[Mapping[type, Callable[..., list[FixedShape]]]] = MappingProxyTyp
         PointOnLine: line_shapes,
         PointOnPlane: plane_shapes,
         PointOnSurface: surface_shapes,
-        Rolling: _rolling,
         TorsionSpring: torsion_shapes,
     }
 )

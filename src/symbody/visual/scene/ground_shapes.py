@@ -13,7 +13,7 @@ from symbody.model.loads.springs import Bushing
 from symbody.model.naming import GROUND
 from symbody.visual.scene.basis import Link, SceneBasis
 from symbody.visual.scene.fixed_shape import GROUND_COLOR, FixedShape, mesh_shape
-from symbody.visual.scene.meshes import flat_shaded, join_meshes
+from symbody.visual.scene.meshes import join_meshes, split_faces
 from symbody.visual.scene.poses import RigidTransform, axes_along, axis_rotation
 from symbody.visual.scene.scene import Floats, SceneMesh
 
@@ -80,4 +80,4 @@ def _hexahedron(corners: Floats) -> SceneMesh:
     """Return a solid from the corners (8, 3) of its lower and its upper face."""
     faces = [(3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
     triangles = [np.array([[a, b, c], [a, c, d]], dtype=np.int32) for a, b, c, d in faces]
-    return flat_shaded(corners, triangles)
+    return split_faces(corners, triangles)

@@ -37,14 +37,14 @@ def read_mesh(path: Path) -> SceneMesh:
         )  # fmt: skip
     _check_file(path, where)
     trimesh = _trimesh(where, suffix)
-    mesh = _loaded(trimesh, where)
+    mesh = _load(trimesh, where)
     if len(mesh.faces) > MOST_TRIANGLES:
         mesh = _coarser(mesh)
     mesh = trimesh.graph.smooth_shade(mesh, angle=_SHARP)  # sharp edges have vertices of their own
     return SceneMesh(np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int32))
 
 
-def stretched(mesh: SceneMesh, factors: Floats) -> SceneMesh:
+def stretch_mesh(mesh: SceneMesh, factors: Floats) -> SceneMesh:
     """Return a mesh with other lengths along x, y and z; one that is mirrored keeps its outside."""
     triangles = mesh.triangles if np.prod(factors) > 0.0 else mesh.triangles[:, ::-1]
     return SceneMesh(mesh.vertices * factors, triangles)
@@ -89,7 +89,7 @@ def _check_file(path: Path, where: str) -> None:
         )  # fmt: skip
 
 
-def _loaded(trimesh: Any, where: str) -> Any:
+def _load(trimesh: Any, where: str) -> Any:
     """Return the mesh of a file as trimesh holds it, in metres."""
     try:
         mesh = trimesh.load(where, force="mesh", process=True)

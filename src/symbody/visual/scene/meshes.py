@@ -59,7 +59,7 @@ def ring(radius: float, thickness: float, segments: int = 48) -> SceneMesh:
 
 
 def prism(outline: Floats, thickness: float) -> SceneMesh:
-    """Return an outline in the plane z = 0, star-shaped about its mean, as thick as told about that plane.
+    """Return an outline in the plane z = 0, star-shaped about its mean, with a thickness about that plane.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def prism(outline: Floats, thickness: float) -> SceneMesh:
         np.stack([np.full(count, 2 * count), nxt, around], axis=1),
         np.stack([np.full(count, 2 * count + 1), count + around, count + nxt], axis=1),
     ]
-    return flat_shaded(vertices, [cap.astype(np.int32) for cap in caps] + [_ring_band(0, count, count)])
+    return split_faces(vertices, [cap.astype(np.int32) for cap in caps] + [_ring_band(0, count, count)])
 
 
 def cone_prism(outline: Floats, height: float, share: float) -> SceneMesh:
@@ -104,7 +104,7 @@ def cone_prism(outline: Floats, height: float, share: float) -> SceneMesh:
     parts = [*caps, _ring_band(0, count, count)]
     if height < 0.0:
         parts = [part[:, ::-1] for part in parts]
-    return flat_shaded(np.vstack([vertices, centres]), parts)
+    return split_faces(np.vstack([vertices, centres]), parts)
 
 
 def hollow_prism(inner: Floats, outer: Floats, thickness: float) -> SceneMesh:
@@ -118,10 +118,10 @@ def hollow_prism(inner: Floats, outer: Floats, thickness: float) -> SceneMesh:
         _ring_band(inner_low, inner_high, count)[:, ::-1], _ring_band(outer_low, outer_high, count),
     ]  # fmt: skip
     bands[0], bands[1] = bands[0][:, ::-1], bands[1][:, ::-1]
-    return flat_shaded(np.vstack(levels), bands)
+    return split_faces(np.vstack(levels), bands)
 
 
-def flat_shaded(vertices: Floats, parts: Sequence[Triangles]) -> SceneMesh:
+def split_faces(vertices: Floats, parts: Sequence[Triangles]) -> SceneMesh:
     """Return a mesh in which parts share no vertices, so that edges between them stay sharp."""
     blocks, triangles, count = [], [], 0
     for part in parts:

@@ -85,8 +85,10 @@ def make_motion(
 
 def _model(run: Trajectory) -> Model:
     if run.t.size == 0:
-        what = "the motion has no samples: nothing of it was computed"
-        raise UsageError(Problem("animation.no_samples", "run", what, fix="see run.status and run.notes"))
+        raise UsageError(
+            Problem("animation.no_samples", "run", "the motion has no samples: nothing of it was computed",
+                    fix="see run.status and run.notes")
+        )  # fmt: skip
     if run.model is None:
         raise UsageError(
             Problem("animation.no_model", "run", "the motion does not say which mechanism moves",
@@ -196,7 +198,7 @@ def _chosen_times(run: Trajectory, times: ArrayLike) -> Floats:
 
 
 def _times(what: str, fix: str) -> UsageError:
-    return UsageError(Problem("animation.times", "times", what, fix=fix))
+    return UsageError(Problem("animation.times", "times", f"nothing can be shown: {what}", fix=fix))
 
 
 def _curves(run: Trajectory, names: Iterable[str]) -> tuple[MotionCurve, ...]:

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from symbody.errors import ExpressionError
+from symbody.errors import ExpressionError, nearest
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Constant, Graph, Symbol
 from symbody.expr.language.formula import Formula, build
@@ -23,6 +23,8 @@ from symbody.visual.scene.scene import Floats
 
 # Quantities without a value are drawn as if they had this one.
 ASSUMED: Final = 1
+# Pictures are made of numbers in single precision, and squares of them are formed.
+_LARGEST: Final = 1e30
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +43,7 @@ class ModelNumbers:
     assumed: tuple[str, ...]
 
     def number(self, formula: Formula, default: float = 0.0, /, **names: float) -> float:
-        """Return the value of a formula, or `default` where it has no finite one.
+        """Return the value of a formula, or `default` where it has none that can be drawn.
 
         Parameters
         ----------
@@ -53,7 +55,9 @@ class ModelNumbers:
         except ExpressionError:
             return default
         number = default if value is None else as_float(value)
-        return number if math.isfinite(number) else default
+        if not abs(number) < _LARGEST:  # or not a number
+            return default
+        return number if abs(number) > 1.0 / _LARGEST else 0.0
 
     def vector(self, formulas: Iterable[Formula], **names: float) -> Floats:
         """Return the values of several formulas, 0 where one has none."""
@@ -88,24 +92,32 @@ def model_numbers(model: Model, parameters: Mapping[str, Value]) -> ModelNumbers
     Parameters
     ----------
     parameters : mapping of name to number or formula
-        Take the place of the model's values; what is no parameter has no influence.
+        Take the place of the model's values.
 
     Raises
     ------
     ModelError
-        With all values that are no formulas, or formulas that depend on each other in a circle.
+        With all names that are no parameters and values that are no formulas, or formulas that depend on each
+        other in a circle.
     """
     door = Door("parameters")
     changed: dict[str, Formula | None] = dict(model.parameters)
-    changed |= {name: door.angle(value, name) for name, value in parameters.items() if name in changed}
+    for name, value in parameters.items():
+        if name in changed:
+            changed[name] = door.angle(value, name)
+        else:
+            door.refuse(
+                "parameters.unknown", name, f"the model has no parameter {name!r}", "",
+                nearest(name, model.parameters),
+            )  # fmt: skip
     door.close()
     values: dict[str, Constant] = {"t": 0}
     assumed = []
     for name in dependence_order(changed):
-        value = _value(changed[name], values)
-        if value is None:
+        number = _value(changed[name], values)
+        if number is None:
             assumed.append(name)
-        values[name] = ASSUMED if value is None else value
+        values[name] = ASSUMED if number is None else number
     return ModelNumbers(values, tuple(assumed))
 
 

@@ -22,6 +22,7 @@ from symbody.visual.scene.fixed_shape import (
     mesh_shape,
     shift_frame,
 )
+from symbody.visual.scene.freedoms import PARALLEL
 from symbody.visual.scene.level_surface import level_surface
 from symbody.visual.scene.meshes import prism, tube
 from symbody.visual.scene.poses import RigidTransform
@@ -33,23 +34,57 @@ _SAMPLES: Final = 160
 _CELLS: Final = 22
 
 
-def plane_shapes(basis: SceneBasis, element: Rolling | PointOnPlane) -> list[FixedShape]:
-    """Return a translucent patch of the plane, as large as what moves on it needs."""
+def floor_shapes(basis: SceneBasis) -> list[FixedShape]:
+    """Return the planes that something rolls on, each once, as large as all that rolls on it needs."""
+    floors: list[tuple[Rolling, RigidTransform, Floats]] = []
+    for element in basis.model.constraints:
+        if not isinstance(element, Rolling):
+            continue
+        where = _plane_frame(basis, element)
+        course = basis.frames[element.start].point(basis.course(element.start, element.end))
+        for k, (other, plane, points) in enumerate(floors):
+            if other.start.body == element.start.body and _are_coplanar(plane, where, basis.rod):
+                floors[k] = (other, plane, np.vstack([points, course]))
+                break
+        else:
+            floors.append((element, where, course))
+    return [_patch(basis, element, where, course, _FLOOR * basis.size) for element, where, course in floors]
+
+
+def plane_shapes(basis: SceneBasis, element: PointOnPlane) -> list[FixedShape]:
+    """Return a patch of the plane that a point is held in, and the point."""
+    course = basis.frames[element.start].point(basis.course(element.start, element.end))
+    where = _plane_frame(basis, element)
+    return [_patch(basis, element, where, course, _PATCH * basis.size), _point(basis, element)]
+
+
+def _plane_frame(basis: SceneBasis, element: Rolling | PointOnPlane) -> RigidTransform:
+    """Return a frame on start's body whose z axis is the normal."""
     normal = element.normal if isinstance(element, Rolling) else element.axis
     frame = basis.frames[element.start]
-    direction = frame.axes @ basis.numbers.axis(normal)
+    return along(frame.at, frame.axes @ basis.numbers.axis(normal))
+
+
+def _are_coplanar(plane: RigidTransform, other: RigidTransform, thickness: float) -> bool:
+    """Return whether two planes are one."""
+    normal = plane.axes[:, 2]
+    is_parallel = bool(np.linalg.norm(np.cross(normal, other.axes[:, 2])) < PARALLEL)
+    return is_parallel and abs(float(normal @ (other.at - plane.at))) < 0.1 * thickness
+
+
+def _patch(
+    basis: SceneBasis, element: Rolling | PointOnPlane, where: RigidTransform, course: Floats, side: float
+) -> FixedShape:
+    """Return a translucent square in the plane z = 0 of a frame, about points (N, 3) of the body."""
     thickness = 0.15 * basis.rod
-    where = along(frame.at, direction)
-    course = where.inverse().point(frame.point(basis.course(element.start, element.end)))[:, :2]
-    low, high = course.min(axis=0), course.max(axis=0)
-    side = (_FLOOR if isinstance(element, Rolling) else _PATCH) * basis.size
+    inside = where.inverse().point(course)[:, :2]
+    low, high = inside.min(axis=0), inside.max(axis=0)
     side = max(side, float((high - low).max()) + 0.5 * side)
     x, y = 0.5 * (low + high)
-    where = shift_frame(where, float(x), float(y), -0.5 * thickness)
+    centre = shift_frame(where, float(x), float(y), -0.5 * thickness)
     color = GROUND_COLOR if element.start.body == GROUND else ""
     size = (side, side, thickness)
-    shape = fixed_shape(element.start.body, element.name, "box", size, where, color, GLASS)
-    return [shape] if isinstance(element, Rolling) else [shape, _point(basis, element)]
+    return fixed_shape(element.start.body, element.name, "box", size, centre, color, GLASS)
 
 
 def line_shapes(basis: SceneBasis, element: PointOnLine) -> list[FixedShape]:
@@ -141,9 +176,7 @@ def _area(outline: Floats) -> float:
     return float(np.sum(outline[:, 0] * after[:, 1] - outline[:, 1] * after[:, 0]))
 
 
-def _seen_from_start(
-    basis: SceneBasis, element: Rolling | PointOnPlane | PointOnLine | PointOnSurface
-) -> Floats:
+def _seen_from_start(basis: SceneBasis, element: PointOnLine | PointOnSurface) -> Floats:
     """Return the origin of end in the axes of start's body, at the start."""
     end = basis.bodies[element.end.body].point(basis.frames[element.end].at)
     return basis.bodies[element.start.body].inverse().point(end)

@@ -14,7 +14,7 @@ from symbody.model.shapes import BodyShape, Box, Capsule, Cone, Cylinder, Mesh, 
 from symbody.model.shapes.colors import hex_color
 from symbody.visual.scene.basis import SceneBasis
 from symbody.visual.scene.fixed_shape import FixedShape, fixed_shape, mesh_shape
-from symbody.visual.scene.mesh_files import read_mesh, stretched
+from symbody.visual.scene.mesh_files import read_mesh, stretch_mesh
 from symbody.visual.scene.poses import frame_transform
 from symbody.visual.scene.scene import SceneMesh, SolidKind
 
@@ -49,7 +49,7 @@ def _solid(basis: SceneBasis, body: str, shape: BodyShape, read: Meshes, notes: 
     key = f"{shape.place} {factors}"
     if key not in read:
         try:
-            read[key] = stretched(read_mesh(Path(shape.place)), factors)
+            read[key] = stretch_mesh(read_mesh(Path(shape.place)), factors)
         except SymbodyError as error:
             problem = error.problems[0]
             notes.append(f"{body}: a box stands for {shape.path}: {problem.what}; {problem.fix}")
