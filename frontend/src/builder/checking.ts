@@ -17,19 +17,20 @@ async function check(data: Model): Promise<void> {
     const answer = await api.check(useStore.getState().document?.id ?? "", data, own.signal);
     useStore.setState({ check: answer, checked: data, offline: false });
   } catch (error) {
-    if (own.signal.aborted) return;
-    const lost = error instanceof ServerError && error.status === 0;
-    const { check: before } = useStore.getState();
-    if (lost) {
-      useStore.setState({ offline: true });
-      pending = setTimeout(() => { void check(useStore.getState().data); }, 2000);
-      return;
-    }
-    useStore.setState({
-      checked: data,
-      check: { summary: null, picture: before?.picture ?? null, values: {}, formulas: before?.formulas ?? {}, problems: problemsOf(error) },
-    });
+    if (!own.signal.aborted) takeFailure(data, error);
   }
+}
+
+/** Keep the picture of before; without a server look for it again. */
+function takeFailure(data: Model, error: unknown): void {
+  if (error instanceof ServerError && error.status === 0) {
+    useStore.setState({ offline: true });
+    pending = setTimeout(() => { void check(useStore.getState().data); }, 2000);
+    return;
+  }
+  const { check: before } = useStore.getState();
+  const kept = { picture: before?.picture ?? null, formulas: before?.formulas ?? {} };
+  useStore.setState({ checked: data, check: { ...kept, summary: null, values: {}, problems: problemsOf(error) } });
 }
 
 /** Check the model now and after each change; return what ends it. */

@@ -34,6 +34,7 @@ export const COMMANDS = {
   redo: { title: "Redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], run: redo, enabled: hasDocument },
   insert: { title: "Add an element…", keys: ["/"], run: insertInMiddle, enabled: hasDocument },
   frame: { title: "Add a frame", keys: ["Shift+F"], run: () => { insertFrame(useStore.getState().selection[0]!); }, enabled: isBody },
+  fields: { title: "To the properties", keys: ["F4"], run: toProperties, enabled: hasDocument, inText: true },
   rename: { title: "Rename", keys: ["F2"], run: editing.renameSelection, enabled: isEntry },
   cut: { title: "Cut", keys: ["Ctrl+X"], run: editing.cutSelection, enabled: hasSelection },
   copy: { title: "Copy", keys: ["Ctrl+C"], run: editing.copySelection, enabled: hasSelection },
@@ -47,7 +48,7 @@ export const COMMANDS = {
   simulate: { title: "Simulate", keys: ["F5"], run: () => { simulate(); }, enabled: hasDocument, inText: true },
   cancel: { title: "Cancel what is running", keys: ["Shift+Escape"], run: () => { void cancelJob(); }, enabled: ({ run }) => run !== null, inText: true },
   help: { title: "Keys and gestures", keys: ["?"], run: () => { useStore.setState({ dialog: "help" }); } },
-  escape: { title: "Close, or select nothing", keys: ["Escape"], run: escape },
+  escape: { title: "Close, back to the diagram, or select nothing", keys: ["Escape"], run: escape, inText: true },
 } satisfies Record<string, Command>;
 
 export type CommandName = keyof typeof COMMANDS;
@@ -60,7 +61,22 @@ function escape(): void {
   const { popup, dialog, document } = useStore.getState();
   if (popup !== null) useStore.setState({ popup: null });
   else if (dialog !== null && document !== null) useStore.setState({ dialog: null });
-  else select([], "Nothing selected");
+  else if (!backToDiagram()) select([], "Nothing selected");
+}
+
+/** Put the focus into the first field of the right side. */
+function toProperties(): void {
+  document.querySelector<HTMLElement>(".properties input, .properties select, .properties button")?.focus();
+}
+
+/** Put the focus onto what is selected in the diagram; return whether it was elsewhere in a field. */
+function backToDiagram(): boolean {
+  const active = document.activeElement;
+  if (!(active instanceof HTMLElement) || active.closest(".properties, .left, .panel") === null) return false;
+  const [id] = useStore.getState().selection;
+  active.blur();
+  document.querySelector<HTMLElement>(`.react-flow [data-id="${id ?? GROUND}"]`)?.focus();
+  return true;
 }
 
 export function giveCommand(name: CommandName): void {
@@ -69,10 +85,11 @@ export function giveCommand(name: CommandName): void {
 }
 
 function keyText(event: KeyboardEvent): string {
+  const { key: name } = event;
   const control = event.ctrlKey || event.metaKey ? "Ctrl+" : "";
-  const key = event.key.length === 1 ? event.key.toUpperCase() : event.key;
+  const key = name.length === 1 ? name.toUpperCase() : name;
   // characters such as "?" need Shift on some keyboards
-  const shift = event.shiftKey && (event.key.length > 1 || /[A-Z]/i.test(event.key)) ? "Shift+" : "";
+  const shift = event.shiftKey && (name.length > 1 || /[A-Z]/i.test(name)) ? "Shift+" : "";
   return `${control}${event.altKey ? "Alt+" : ""}${shift}${key}`;
 }
 
@@ -81,18 +98,19 @@ function isText(target: EventTarget | null): boolean {
   return target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement;
 }
 
+/** Whether what has the focus keeps a key press for itself: texts, windows, and the picture with keys of its own. */
+function isKept(keys: string, target: EventTarget | null): boolean {
+  if (isText(target)) return true;
+  if (useStore.getState().dialog !== null) return keys !== "Escape";
+  return target instanceof Element && target.closest(".sb-player") !== null && !keys.includes("Ctrl");
+}
+
 /** Give the command of a key press, if it has one here. */
 export function takeKey(event: KeyboardEvent): void {
   if (event.defaultPrevented) return;
-  const target = event.target instanceof Element ? event.target : null;
-  const text = isText(event.target);
-  const picture = target?.closest(".sb-player") ?? null;
   const keys = keyText(event);
   const command = Object.values(COMMANDS as Record<string, Command>).find((each) => each.keys.includes(keys));
-  if (command === undefined || (text && command.inText !== true)) return;
-  // the picture has keys of its own
-  if (picture !== null && !keys.includes("Ctrl") && command.inText !== true) return;
-  if (useStore.getState().dialog !== null && command.inText !== true && keys !== "Escape") return;
+  if (command === undefined || (command.inText !== true && isKept(keys, event.target))) return;
   event.preventDefault();
   if (command.enabled?.(useStore.getState()) ?? true) command.run();
 }

@@ -33,15 +33,17 @@ export function likelyEnds(data: Model, selection: readonly EntryId[]): Ends {
 
 export function insertElement(section: string, type: string, spot: Spot | null = null, ends: Ends | null = null): void {
   const { schema, data, selection } = useStore.getState();
-  const element = schema?.elements.find((each) => each.section === section && each.type === type);
-  if (schema === null || element === undefined) return;
+  if (schema === null) return;
+  const element = schema.elements.find((each) => each.section === section && each.type === type);
+  if (element === undefined) return;
   const joined = joins(element) ? (ends ?? likelyEnds(data, selection)) : null;
   const { data: next, ids } = addElement(schema.schema, data, element, joined, spot);
   endGesture();
   edit(() => next);
-  useStore.setState({ popup: null, leftTab: useStore.getState().leftTab });
-  select(ids, `${element.title} ${entryAt(next, ids[0]!)?.name ?? ""} added`);
-  if (spot === null && joined === null) showNode(ids[0]!);
+  useStore.setState({ popup: null });
+  const [id] = ids;
+  select(ids, `${element.title} added`);
+  if (spot === null && joined === null) showNode(id!);
 }
 
 /** Give a body, or the ground, another frame. */

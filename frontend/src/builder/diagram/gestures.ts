@@ -40,7 +40,7 @@ export function isValid({ source, target }: Connection | Edge): boolean {
   return source !== target;
 }
 
-let lastPointer: readonly [number, number] = [0, 0];
+let lastPointer: [number, number] = [0, 0];
 
 export function connect(connection: Connection): void {
   const ends = endsOfConnection(connection);
@@ -48,17 +48,19 @@ export function connect(connection: Connection): void {
   queueMicrotask(() => { useStore.setState({ popup: { kind: "types", x: lastPointer[0], y: lastPointer[1], ends } }); });
 }
 
+function nodeAt(x: number, y: number): EntryId | undefined {
+  return document.elementFromPoint(x, y)?.closest<HTMLElement>(".react-flow__node")?.dataset["id"];
+}
+
 /** A drop on a body beside its ports joins its own axes. */
-export function endConnection(event: globalThis.MouseEvent | TouchEvent, state: FinalConnectionState): void {
+export function endConnection(event: globalThis.MouseEvent | TouchEvent, { isValid: taken, fromNode, fromHandle }: FinalConnectionState): void {
   const point = "changedTouches" in event ? event.changedTouches[0] : event;
   if (point === undefined) return;
   lastPointer = [point.clientX, point.clientY];
-  if (state.isValid === true || state.fromNode === null || state.fromHandle === null) return;
-  const node = document.elementFromPoint(point.clientX, point.clientY)?.closest<HTMLElement>(".react-flow__node");
-  const target = node?.dataset["id"];
-  if (target === undefined) return;
-  if (target === state.fromNode.id) say("A body is not joined to itself.");
-  else connect({ source: state.fromNode.id, sourceHandle: state.fromHandle.id ?? null, target, targetHandle: "@" });
+  const target = nodeAt(...lastPointer);
+  if (taken || fromNode === null || target === undefined) return;
+  if (target === fromNode.id) say("A body is not joined to itself.");
+  else connect({ source: fromNode.id, sourceHandle: fromHandle.id ?? null, target, targetHandle: "@" });
 }
 
 export function reconnected(edge: JointFlowEdge, connection: Connection): void {
@@ -110,12 +112,15 @@ export function press(event: KeyboardEvent): void {
     const { selection } = useStore.getState();
     select(event.shiftKey ? [...new Set([...selection, id])] : [id], `${nameOf(id)} selected`);
   }
+  nudgeBy(event);
+}
+
+function nudgeBy(event: KeyboardEvent): void {
   const arrow = ARROWS[event.key];
-  if (arrow !== undefined && !event.ctrlKey && !event.metaKey) {
-    event.preventDefault();
-    const step = event.altKey ? 1 : event.shiftKey ? 5 * GRID : GRID;
-    nudge(arrow[0] * step, arrow[1] * step);
-  }
+  if (arrow === undefined || event.ctrlKey || event.metaKey) return;
+  event.preventDefault();
+  const step = event.altKey ? 1 : event.shiftKey ? 5 * GRID : GRID;
+  nudge(arrow[0] * step, arrow[1] * step);
 }
 
 export function renameNode(_: unknown, node: Node): void {

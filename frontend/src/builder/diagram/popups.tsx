@@ -22,6 +22,10 @@ export function Popups(): ReactElement | null {
   );
 }
 
+function stepOf(key: string): number {
+  return key === "ArrowDown" ? 1 : key === "ArrowUp" ? -1 : 0;
+}
+
 function close(): void {
   useStore.setState({ popup: null });
 }
@@ -66,7 +70,7 @@ function Chooser({ title, accepts, choose }: ChooserProps): ReactElement {
   useEffect(() => { list.current?.querySelector('[aria-selected="true"]')?.scrollIntoView({ block: "nearest" }); }, [place]);
   const press = (event: KeyboardEvent): void => {
     event.stopPropagation();
-    const step = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
+    const step = stepOf(event.key);
     const chosen = ordered[place];
     if (step !== 0) {
       event.preventDefault();
@@ -132,15 +136,14 @@ export function MenuList({ label, items, done = close }: { readonly label: strin
   const box = useRef<HTMLDivElement>(null);
   useEffect(() => { box.current?.querySelector<HTMLElement>("button:not(:disabled)")?.focus(); }, []);
   const press = (event: KeyboardEvent): void => {
+    const step = stepOf(event.key);
+    if (event.key === "Escape" || event.key === "Tab") done();
+    if (step === 0 && event.key !== "Escape") return;
     const buttons = [...(box.current?.querySelectorAll<HTMLElement>("button:not(:disabled)") ?? [])];
     const at = buttons.indexOf(document.activeElement as HTMLElement);
-    const step = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
-    if (event.key === "Escape" || event.key === "Tab") done();
     if (step !== 0) buttons[(at + step + buttons.length) % buttons.length]?.focus();
-    if (step !== 0 || event.key === "Escape") {
-      event.preventDefault();
-      event.stopPropagation();
-    }
+    event.preventDefault();
+    event.stopPropagation();
   };
   return (
     <div ref={box} className="menu" role="menu" aria-label={label} onKeyDown={press}>

@@ -1,6 +1,6 @@
 /** The choice of a file of this computer. */
 
-import { useEffect, useState, type FormEvent, type ReactElement } from "react";
+import { useEffect, useState, type SyntheticEvent, type ReactElement } from "react";
 import { api, problemsOf } from "../api";
 import { openFile, openModel, saveTo } from "../commands/files";
 import { ProblemLines } from "../panels/field_frame";
@@ -72,7 +72,7 @@ export function SaveDialog(): ReactElement {
   const notice = useStore((state) => state.notice);
   const [name, setName] = useState(() => (document?.name ?? "model").replace(/(\.toml)?$/, ".toml").replace(/\s+/g, "_"));
   const exists = folder?.entries.some((each) => each.name === name) ?? false;
-  const accept = (event: FormEvent): void => {
+  const accept = (event: SyntheticEvent): void => {
     event.preventDefault();
     if (folder !== null) void saveTo(joined(folder.path, name.endsWith(".toml") ? name : `${name}.toml`), exists);
   };

@@ -1,6 +1,6 @@
 /** How long to simulate, and with what inputs. */
 
-import { useState, type FormEvent, type ReactElement } from "react";
+import { useState, type SyntheticEvent, type ReactElement } from "react";
 import { simulate, simulationOptions } from "../commands/jobs";
 import { textOf } from "../model/entries";
 import { isArray } from "../model/pointers";
@@ -15,7 +15,7 @@ export function SimulateDialog(): ReactElement {
   const [inputs, setInputs] = useState(before.inputs);
   const seconds = Number(end);
   const valid = Number.isFinite(seconds) && seconds > 0;
-  const accept = (event: FormEvent): void => {
+  const accept = (event: SyntheticEvent): void => {
     event.preventDefault();
     if (!valid) return;
     useStore.setState({ dialog: null });

@@ -83,7 +83,7 @@ export function addElement(
 /** Return the place to the right of all that is there. */
 function nextSpot(others: ReadonlyMap<string, Spot>): Spot {
   const spots = [...others.values()];
-  const last = spots.reduce((far, each) => (each[0] > far[0] ? each : far), [-160, 60] as Spot);
+  const last = spots.reduce<Spot>((far, each) => (each[0] > far[0] ? each : far), [-160, 60]);
   return [last[0] + 220, last[1]];
 }
 
@@ -98,7 +98,7 @@ export function addFrame(data: Model, id: EntryId, name = ""): Edited {
 /** Return data without a frame; what was joined there is joined to the body itself. */
 export function removeFrame(data: Model, id: EntryId, frame: string): Model {
   const body = id === GROUND ? GROUND : (entryAt(data, id)?.name ?? "");
-  const moved = entriesOf(data).reduce((within, entry) => rejoined(within, entry.id, `${body}.${frame}`, body), data);
+  const moved = entriesOf(data).reduce<Model>((within, entry) => rejoined(within, entry.id, `${body}.${frame}`, body), data);
   return withValue(moved, pointerOf(id, "frames", frame), undefined);
 }
 

@@ -74,7 +74,7 @@ function Table({ section, title, tip, unnamed, rename }: TableProps): ReactEleme
     <fieldset className="field table" data-testid={section}>
       <legend>{title}</legend>
       <datalist id={list}>{names.map((each) => <option key={each} value={each} />)}</datalist>
-      {Object.entries(fields).map(([name, value]) => <TableRow key={name} section={section} name={name} value={value} list={list} rename={rename} />)}
+      {Object.entries(fields).map(([name, value], index) => <TableRow key={index} section={section} name={name} value={value} list={list} rename={rename} />)}
       <button type="button" className="button small" onClick={add}><Icon name="plus" size={14} /> Add {section === "initial" ? "an initial value" : "a parameter"}</button>
       <p className="tip">{tip}</p>
       <ProblemLines problems={problems} />
@@ -127,7 +127,7 @@ function Inputs(): ReactElement {
   return (
     <FieldGroup label="Inputs" tip="Quantities given from outside while it moves, such as motor torques." problems={useProblems("/inputs")}>
       {names.map((name, index) => (
-        <div className="map-head" key={`${index} ${name}`}>
+        <div className="map-head" key={index}>
           <NameInput pointer={`/inputs/${index}`} label={`Input ${index + 1}`} value={name} change={(text) => { change(index, text); }} />
           <button type="button" className="icon-button" aria-label={`Remove ${name}`} onClick={() => { endGesture(); edit((data) => withValue(data, "/inputs", names.filter((_, place) => place !== index))); }}><Icon name="trash" size={14} /></button>
         </div>

@@ -12,6 +12,7 @@ import { edit, endGesture, useStore } from "../store";
 import type { Json, JsonObject } from "../types";
 import { AxisControl } from "./axis_control";
 import { Field } from "./field";
+import { useProblems } from "./field_frame";
 import { FormulaInput, LiveInput, NameInput, setValue, type InputProps } from "./inputs";
 
 /** The fields of an object of the schema. */
@@ -58,7 +59,7 @@ export function MapControl({ pointer, node, value, field }: MapProps): ReactElem
   };
   return (
     <div className="map">
-      {Object.entries(value).map(([key, each]) => <MapRow key={key} name={key} each={each} pointer={pointer} node={node} frames={frames} />)}
+      {Object.entries(value).map(([key, each], index) => <MapRow key={index} name={key} each={each} pointer={pointer} node={node} frames={frames} />)}
       <button type="button" className="button small" data-pointer={pointer} onClick={add}><Icon name="plus" size={14} /> Add {frames ? "a frame" : labelOf(field.key).toLowerCase()}</button>
     </div>
   );
@@ -89,18 +90,27 @@ function removeRow({ name, pointer, frames }: RowProps): void {
 function MapRow(props: RowProps): ReactElement {
   const { name, each, pointer, node, frames } = props;
   const own = `${pointer}${joinPointer(name)}`;
-  const wrong = useStore((state) => state.check?.problems.some((problem) => problem.pointer.startsWith(`${own}/`)) ?? false);
+  const wrong = useProblems(own).length > 0;
   const [open, setOpen] = useState(!frames || wrong);
+  const object = isObject(each) ? each : null;
   return (
     <div className={`map-row${open ? " open" : ""}`}>
-      <div className="map-head">
-        {frames && <button type="button" className="icon-button" aria-expanded={open} aria-label={`Frame ${name}`} onClick={() => { setOpen(!open); }}><Icon name={open ? "down" : "right"} size={14} /></button>}
-        <NameInput pointer={`${own}#name`} label={`Name of ${name}`} value={name} change={(text) => { renameRow(props, text); }} />
-        {frames && isObject(each) && !open && <FramePlace pointer={own} value={each} name={name} />}
-        {isFormula(node) && <FormulaInput pointer={own} value={each} label={name} />}
-        <button type="button" className="icon-button" aria-label={`Remove ${name}`} title={`Remove ${name}`} onClick={() => { removeRow(props); }}><Icon name="trash" size={14} /></button>
-      </div>
-      {open && isObject(each) && <div className="nested"><Fields node={node} pointer={own} value={each} /></div>}
+      <RowHead {...props} open={open} setOpen={setOpen} />
+      {open && object !== null && <div className="nested"><Fields node={node} pointer={own} value={object} /></div>}
+    </div>
+  );
+}
+
+function RowHead(props: RowProps & { readonly open: boolean; readonly setOpen: (open: boolean) => void }): ReactElement {
+  const { name, each, pointer, node, frames, open, setOpen } = props;
+  const own = `${pointer}${joinPointer(name)}`;
+  return (
+    <div className="map-head">
+      {frames && <button type="button" className="icon-button" aria-expanded={open} aria-label={`Frame ${name}`} onClick={() => { setOpen(!open); }}><Icon name={open ? "down" : "right"} size={14} /></button>}
+      <NameInput pointer={`${own}#name`} label={`Name of ${name}`} value={name} change={(text) => { renameRow(props, text); }} />
+      {frames && isObject(each) && !open && <FramePlace pointer={own} value={each} name={name} />}
+      {isFormula(node) && <FormulaInput pointer={own} value={each} label={name} />}
+      <button type="button" className="icon-button" aria-label={`Remove ${name}`} title={`Remove ${name}`} onClick={() => { removeRow(props); }}><Icon name="trash" size={14} /></button>
     </div>
   );
 }

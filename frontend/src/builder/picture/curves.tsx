@@ -7,7 +7,7 @@ import { decodeMotion, decodeScene, sourceOf, type MotionCurve, type StateSource
 import { resolvedTheme } from "../shell/theme";
 import { useStore, type Simulated } from "../store";
 import type { JsonObject } from "../types";
-import { isObject } from "../model/pointers";
+import { isArray, isObject } from "../model/pointers";
 import { textOf } from "../model/entries";
 import { pictureNow } from "./shown";
 
@@ -27,10 +27,10 @@ function RunLine({ simulated, stale }: { readonly simulated: Simulated; readonly
   const run = simulated.result?.["run"];
   const facts: JsonObject = isObject(run) ? run : {};
   const parts = [
-    textOf(facts["status"]), textOf(facts["advice"]),
+    facts["success"] === false ? `${textOf(facts["status"])}: ${textOf(facts["advice"])}` : "",
     facts["energy_drift"] == null ? "" : `energy drift ${Number(facts["energy_drift"]).toExponential(1)}`,
     facts["violation"] == null ? "" : `constraints within ${Number(facts["violation"]).toExponential(1)}`,
-    facts["seconds"] == null ? "" : `computed in ${Number(facts["seconds"]).toFixed(2)} s`,
+    facts["seconds"] == null ? "" : `computed in ${durationText(Number(facts["seconds"]))}`,
   ];
   return (
     <p className="run-line soft">
@@ -40,6 +40,10 @@ function RunLine({ simulated, stale }: { readonly simulated: Simulated; readonly
   );
 }
 
+function durationText(seconds: number): string {
+  return seconds < 0.1 ? `${(1000 * seconds).toFixed(1)} ms` : `${seconds.toFixed(2)} s`;
+}
+
 /** Ask for another curve by its name. */
 function MoreOutputs({ simulated }: { readonly simulated: Simulated }): ReactElement {
   const [text, setText] = useState("");
@@ -47,8 +51,8 @@ function MoreOutputs({ simulated }: { readonly simulated: Simulated }): ReactEle
     if (text.trim() === "") return;
     try {
       const answer = await api.outputs(simulated.job, [text.trim()]);
-      const more = Array.isArray(answer["curves"]) ? answer["curves"] : [];
-      const motion = simulated.motion as { curves: unknown[] };
+      const more = isArray(answer["curves"]) ? answer["curves"] : [];
+      const motion = simulated.motion as { readonly curves: readonly unknown[] };
       useStore.setState({ simulated: { ...simulated, motion: { ...motion, curves: [...motion.curves, ...more] } } });
       setText("");
     } catch (error) {

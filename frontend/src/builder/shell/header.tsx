@@ -93,13 +93,16 @@ function Live(): ReactElement {
   return (
     <div className={`live${fresh ? "" : " stale"}`} data-testid="live" role="group" aria-label="What the mechanism is">
       {check?.summary != null && errors === 0 && <Counts summary={check.summary} />}
-      {check !== null && (
-        <button type="button" className={`state ${worst === "check" ? "good" : worst}`} onClick={() => { useStore.setState({ tab: "problems" }); }}>
-          <Icon name={worst} size={16} />
-          {worst === "error" ? plural(errors, "error") : worst === "warning" ? plural(warnings, "warning") : "Ready"}
-        </button>
-      )}
+      {check !== null && <StateButton worst={worst} text={worst === "error" ? plural(errors, "error") : worst === "warning" ? plural(warnings, "warning") : "Ready"} />}
     </div>
+  );
+}
+
+function StateButton({ worst, text }: { readonly worst: "error" | "warning" | "check"; readonly text: string }): ReactElement {
+  return (
+    <button type="button" className={`state ${worst === "check" ? "good" : worst}`} onClick={() => { useStore.setState({ tab: "problems" }); }}>
+      <Icon name={worst} size={16} /> {text}
+    </button>
   );
 }
 
