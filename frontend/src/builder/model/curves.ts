@@ -20,14 +20,17 @@ export type Curve = readonly [Spot, Spot, Spot, Spot];
 export function curveOf(start: End, end: End, { lane, lanes, source, target }: Pick<DiagramEdge, "lane" | "lanes" | "source" | "target">): Curve {
   const [dx, dy] = [end.x - start.x, end.y - start.y];
   const length = Math.hypot(dx, dy) || 1;
-  const reach = Math.min(170, Math.max(36, 0.42 * length));
+  const usual = Math.min(170, Math.max(36, 0.42 * length));
+  // lines from above and below bend early, before they run into the next node of the column
+  const reachOf = ({ side }: End): number => ((side === "top" || side === "bottom") && Math.abs(dx) > 60 ? Math.min(usual, 48) : usual);
+  const [first, second] = [reachOf(start), reachOf(end)];
   const off = (lane - (lanes - 1) / 2) * LANE * (source > target ? -1 : 1) * (4 / 3);
   const [nx, ny] = [(-dy / length) * off, (dx / length) * off];
   const [ax, ay] = OUTWARD[start.side];
   const [bx, by] = OUTWARD[end.side];
   return [
-    [start.x, start.y], [start.x + ax * reach + nx, start.y + ay * reach + ny],
-    [end.x + bx * reach + nx, end.y + by * reach + ny], [end.x, end.y],
+    [start.x, start.y], [start.x + ax * first + nx, start.y + ay * first + ny],
+    [end.x + bx * second + nx, end.y + by * second + ny], [end.x, end.y],
   ]; // prettier-ignore
 }
 
@@ -55,19 +58,23 @@ function overlap(a: Box, b: Box): number {
   return width > 0 && height > 0 ? width * height : 0;
 }
 
-const PARTS = [0.5, 0.42, 0.58, 0.34, 0.66, 0.27, 0.73];
+const PARTS = [0.5, 0.44, 0.56, 0.38, 0.62, 0.32, 0.68, 0.26, 0.74, 0.2, 0.8, 0.14, 0.86];
 
 /** Return for each edge the part of its line at which its badge covers least of nodes and other badges. */
 export function badgeParts(
   graph: DiagramGraph, spots: ReadonlyMap<string, Spot>, endOf: (node: string, frame: string) => End, widthOf: (edge: DiagramEdge) => number,
 ): ReadonlyMap<string, number> { // prettier-ignore
-  const taken: Box[] = graph.nodes.map((node) => {
+  const nodes: Box[] = graph.nodes.map((node) => {
     const [x, y] = spots.get(node.id)!;
     const { width, height } = sizeOf(node);
     return { x: x - 8, y: y - 8, width: width + 16, height: height + 16 };
   });
-  const parts = new Map<string, number>();
-  for (const edge of graph.edges) {
+  const chosen = new Map<string, { readonly part: number; readonly box: Box }>();
+  // long badges have fewer places; later rounds see where all others went
+  const order = [...graph.edges].sort((one, other) => widthOf(other) - widthOf(one));
+  for (const edge of [...order, ...order, ...order]) {
+    chosen.delete(edge.id);
+    const taken = [...nodes, ...[...chosen.values()].map(({ box }) => box)];
     const curve = curveOf(endOf(edge.source, edge.sourceFrame), endOf(edge.target, edge.targetFrame), edge);
     const width = widthOf(edge) + 8;
     const boxes = PARTS.map((part) => {
@@ -75,9 +82,7 @@ export function badgeParts(
       return { part, box: { x: x - width / 2, y: y - 17, width, height: 34 } };
     });
     const costs = boxes.map(({ box }) => taken.reduce((sum, other) => sum + overlap(box, other), 0));
-    const best = boxes[costs.indexOf(Math.min(...costs))]!;
-    parts.set(edge.id, best.part);
-    taken.push(best.box);
+    chosen.set(edge.id, boxes[costs.indexOf(Math.min(...costs))]!);
   }
-  return parts;
+  return new Map([...chosen].map(([id, { part }]) => [id, part]));
 }

@@ -50,8 +50,9 @@ export function automaticSpots(graph: DiagramGraph): ReadonlyMap<string, Spot> {
 }
 
 function arranged(graph: DiagramGraph): ReadonlyMap<string, Spot> {
+  const longest = Math.max(0, ...graph.edges.map((each) => 44 + 8 * each.name.length));
   const plan = new Graph({ multigraph: true });
-  plan.setGraph({ rankdir: "LR", nodesep: 70, ranksep: 130, edgesep: 30, marginx: 40, marginy: 40 });
+  plan.setGraph({ rankdir: "LR", nodesep: 70, ranksep: Math.max(130, 70 + longest), edgesep: 30, marginx: 40, marginy: 40 });
   plan.setDefaultEdgeLabel(() => ({}));
   for (const node of graph.nodes) if (node.kind !== "coupling") plan.setNode(node.id, { ...sizeOf(node) });
   const order = distances(graph);
@@ -154,10 +155,10 @@ export function withoutLayout(data: Model): Model {
 export function sidesOf(data: Model, graph: DiagramGraph, spots: ReadonlyMap<string, Spot>): ReadonlyMap<string, Side> {
   const kept = valueAt(data, "/layout/sides");
   const boxes = new Map(graph.nodes.map((node) => [node.id, { at: spots.get(node.id)!, size: sizeOf(node) }]));
-  const sums = new Map<string, [number, number]>();
+  const leads = new Map<string, Leading>();
   for (const { source, sourceFrame, target, targetFrame } of graph.edges) {
-    addTowards(sums, `${source} ${sourceFrame}`, boxes.get(source)!, boxes.get(target)!);
-    addTowards(sums, `${target} ${targetFrame}`, boxes.get(target)!, boxes.get(source)!);
+    addTowards(leads, `${source} ${sourceFrame}`, boxes.get(source)!, boxes.get(target)!);
+    addTowards(leads, `${target} ${targetFrame}`, boxes.get(target)!, boxes.get(source)!);
   }
   const sides = new Map<string, Side>();
   for (const node of graph.nodes) {
@@ -165,7 +166,7 @@ export function sidesOf(data: Model, graph: DiagramGraph, spots: ReadonlyMap<str
       const key = `${node.id} ${frame}`;
       const said = isObject(kept) ? kept[referenceText({ body: layoutName(node), frame })] : undefined;
       const free: Side = node.kind === "ground" ? "right" : frame === "" ? "bottom" : index % 2 === 1 ? "left" : "right";
-      sides.set(key, SIDES.find((each) => each === said) ?? sideTowards(sums.get(key)) ?? free);
+      sides.set(key, SIDES.find((each) => each === said) ?? sideTowards(leads.get(key)) ?? free);
     });
   }
   return sides;
@@ -181,15 +182,26 @@ function gap(start: number, length: number, other: number, otherLength: number):
   return other > start + length ? other - start - length : Math.min(0, other + otherLength - start);
 }
 
-function addTowards(sums: Map<string, [number, number]>, key: string, from: Placed, to: Placed): void {
-  const before = sums.get(key) ?? [0, 0];
-  const across = gap(from.at[0], from.size.width, to.at[0], to.size.width);
-  const down = gap(from.at[1], from.size.height, to.at[1], to.size.height);
-  sums.set(key, [before[0] + across, before[1] + down]);
+/** What the edges of a port lead to: the room on either side, and the sum of that below. */
+interface Leading {
+  readonly left: number;
+  readonly right: number;
+  readonly down: number;
 }
 
-function sideTowards(sum: Spot | undefined): Side | null {
-  if (sum === undefined || (sum[0] === 0 && sum[1] === 0)) return null;
-  if (Math.abs(sum[0]) >= 0.6 * Math.abs(sum[1])) return sum[0] > 0 ? "right" : "left";
-  return sum[1] > 0 ? "bottom" : "top";
+function addTowards(leads: Map<string, Leading>, key: string, from: Placed, to: Placed): void {
+  const { left, right, down } = leads.get(key) ?? { left: 0, right: 0, down: 0 };
+  const across = gap(from.at[0], from.size.width, to.at[0], to.size.width);
+  const below = gap(from.at[1], from.size.height, to.at[1], to.size.height);
+  leads.set(key, { left: left + Math.max(0, -across), right: right + Math.max(0, across), down: down + below });
+}
+
+function sideTowards(leading: Leading | undefined): Side | null {
+  if (leading === undefined) return null;
+  const { left, right, down } = leading;
+  // a line to either side leaves in the middle
+  if (left > 0 && right > 0) return down < 0 ? "top" : "bottom";
+  if (left + right === 0 && down === 0) return null;
+  if (left + right >= 0.6 * Math.abs(down)) return right > 0 ? "right" : "left";
+  return down > 0 ? "bottom" : "top";
 }

@@ -25,7 +25,7 @@ export function FieldFrame({ label, unit = "", tip = "", problems, children }: F
   const id = useId();
   return (
     <div className={`field${problems.some((each) => each.severity === "error") ? " wrong" : ""}`}>
-      <label htmlFor={id}>{label}{unit !== "" && <span className="unit">{unit}</span>}</label>
+      <div className="label"><label htmlFor={id}>{label}</label>{unit !== "" && <span className="unit">{unit}</span>}</div>
       {children(id, `${id}-tip ${id}-wrong`)}
       {tip !== "" && <p className="tip" id={`${id}-tip`}>{tip}</p>}
       <ProblemLines id={`${id}-wrong`} problems={problems} />

@@ -87,7 +87,7 @@ function TypeChoice({ entry, element, schema }: { readonly entry: Entry; readonl
   };
   return (
     <div className="field">
-      <label htmlFor="entry-type">Type</label>
+      <div className="label"><label htmlFor="entry-type">Type</label></div>
       <Choice id="entry-type" pointer={`/${entry.id}/type`} value={element.type} options={others.map((each) => ({ value: each.type, text: each.title }))} change={change} />
     </div>
   );

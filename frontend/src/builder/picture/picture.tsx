@@ -4,7 +4,7 @@ import { useEffect, useRef, type ReactElement } from "react";
 import { Player } from "../../player/player";
 import { DEFAULTS } from "../../player/settings";
 import { decodeMotion, decodeScene, LiveSource, sourceOf, type SceneElement } from "../../viewer";
-import { entryNamed, GROUND, type EntryId } from "../model/entries";
+import { entriesOf, entryNamed, GROUND, type EntryId } from "../model/entries";
 import { select, useStore } from "../store";
 import { resolvedTheme } from "../shell/theme";
 import type { Model } from "../types";
@@ -83,10 +83,16 @@ export function Picture(): ReactElement {
   return (
     <section className="picture" aria-label="Picture in three dimensions" data-testid="picture">
       <div ref={host} className="picture-host" />
-      {picture === null && <p className="soft picture-empty">The mechanism appears here as soon as it has a body.</p>}
+      {picture === null && <Empty />}
       <PictureBar moves={moves} />
     </section>
   );
+}
+
+function Empty(): ReactElement {
+  const bodies = useStore((state) => entriesOf(state.data).some((each) => each.section === "body"));
+  const problems = useStore((state) => state.check !== null);
+  return <p className="soft picture-empty">{bodies && !problems ? "Assembling…" : bodies ? "There is no picture until the errors are mended." : "The mechanism appears here as soon as it has a body."}</p>;
 }
 
 /** Show a picture; where only the places of bodies differ, they alone change. */

@@ -12,7 +12,7 @@ import { nextTheme } from "./theme";
 export function Header(): ReactElement {
   const { canUndo, canRedo } = useHistory();
   return (
-    <header className="top">
+    <header className="topbar">
       <FileMenu />
       <Title />
       <div className="tools" role="toolbar" aria-label="Commands">
