@@ -122,7 +122,9 @@ class BuilderPage:
             self.keys("Tab")
             if self.page.evaluate(found).strip() == label:
                 return
-        raise AssertionError(f"Tab does not lead to {label}")
+        where = self.page.evaluate("document.activeElement.outerHTML.slice(0, 200)")
+        selected = self.state("selection")
+        raise AssertionError(f"Tab does not lead to {label}, but to {where}; selected: {selected}")
 
     def type_into(self, label: str, value: str) -> None:
         self.go_to(label)

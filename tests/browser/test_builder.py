@@ -13,7 +13,7 @@ from symbody.formats.model_files import examples_folder
 
 from .builder_page import BuilderPage, overlaps, running_builder
 
-PAGES = "src/symbody/builder/pages/index.html"
+
 HARMLESS = ("GPU stall", "GroupMarkerNotSet")
 
 
@@ -141,3 +141,216 @@ def test_a_slider_crank_is_built_with_the_mouse(visit: Any) -> None:
     assert [each for each in builder.state("check.problems") if each["severity"] == "error"] == []
     builder.simulate()
     assert_same_motion(builder)
+
+
+def type_frames(builder: BuilderPage, frames: dict[str, str]) -> None:
+    """Give the selected body its frames, from its fields and back to the diagram."""
+    for frame, place in frames.items():
+        builder.keys("F4")
+        builder.go_to("Add a frame")
+        builder.keys("Enter", "F4")
+        latest = list(builder.state("data.body.at(-1).frames"))[-1]
+        if latest != frame:
+            builder.type_into(f"Name of {latest}", frame)
+            builder.keys("Enter")
+        builder.type_into(f"{frame} at x", place)
+        builder.keys("Escape")
+
+
+def type_rows(builder: BuilderPage, button: str, rows: dict[str, str]) -> None:
+    builder.keys("F4")
+    for name, value in rows.items():
+        builder.go_to(button)
+        builder.keys("Enter")
+        builder.page.wait_for_timeout(150)  # the focus goes to the new row
+        if button == "Add an initial value":
+            builder.keys("Shift+Tab")
+        builder.keys("Control+a")
+        builder.page.keyboard.type(name)
+        builder.keys("Tab", "Control+a")
+        builder.page.keyboard.type(value)
+    builder.keys("Escape")
+
+
+def choose(builder: BuilderPage, label: str, value: str) -> None:
+    """Set a list by its letters."""
+    builder.go_to(label)
+    builder.page.keyboard.type(value)
+    assert builder.page.evaluate("document.activeElement.value") == value
+
+
+JOINTS = (
+    ("revolute", "ground", "Crank.A", "theta"),
+    ("revolute", "Crank.B", "Rod.B", ""),
+    ("revolute", "Piston", "Rod.C", "beta"),
+    ("prismatic", "ground", "Piston", "s"),
+)
+
+
+def test_a_slider_crank_is_built_with_the_keys_alone(visit: Any) -> None:
+    builder = visit()
+    builder.page.locator(".card").first.wait_for()
+    builder.go_to("New model")
+    builder.keys("Enter")
+    builder.page.get_by_test_id("node-Ground").wait_for()
+    type_rows(builder, "Add a parameter", PARAMETERS)
+    builder.keys("F4")
+    builder.type_into("Gravity y", "-G")
+    builder.keys("Escape")
+    for name, (mass, inertia, frames) in BODIES.items():
+        builder.insert("body")
+        builder.keys("F4", "Control+a")
+        builder.page.keyboard.type(name)
+        builder.keys("Enter")
+        builder.type_into("Mass", mass)
+        for label in ("xx", "yy", "zz"):
+            builder.type_into(f"Inertia {label}", inertia if label == "zz" and inertia else "0")
+        builder.keys("Escape")
+        type_frames(builder, frames)
+    for element, start, end, coordinate in JOINTS:
+        builder.insert(element)
+        builder.keys("F4")
+        choose(builder, "Between Start", start)
+        choose(builder, "Between End", end)
+        if coordinate:
+            builder.type_into("Coordinate", coordinate)
+            builder.keys("Enter")
+        builder.keys("Escape")
+    builder.keys("Escape", "Escape")
+    builder.wait_checked()
+    type_rows(builder, "Add an initial value", INITIAL)
+    builder.wait_checked()
+    assert [each for each in builder.state("check.problems") if each["severity"] == "error"] == []
+    builder.simulate()
+    assert_same_motion(builder)
+
+
+def test_gestures_are_single_steps_and_escape_leaves_no_trace(visit: Any) -> None:
+    builder = visit()
+    page = builder.page
+    builder.open_example("slider_crank")
+    before = builder.state("data")
+    page.mouse.move(*builder.middle("port-Ground"))
+    page.mouse.down()
+    page.mouse.move(*builder.middle("port-Rod.C"), steps=6)
+    page.mouse.up()
+    page.get_by_test_id("chooser").wait_for()
+    builder.keys("Escape")
+    assert page.get_by_test_id("chooser").count() == 0
+    assert (builder.steps(), builder.state("data")) == (0, before)
+
+    x, y = builder.middle("node-Crank")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 40, y + 30, steps=8)
+    page.mouse.up()
+    assert builder.steps() == 1
+    left, top = builder.state("data.layout.nodes.Crank")
+    assert left % 10 == 0 and top % 10 == 0
+    builder.keys("Control+z")
+    assert builder.state("data") == before
+
+    page.get_by_test_id("node-Crank").click()
+    page.get_by_test_id("properties").get_by_label("Mass", exact=True).press_sequentially("23")
+    assert builder.steps() == 1
+    page.locator(".react-flow__pane").click(position={"x": 20, "y": 20})
+    builder.keys("Control+z")
+    assert builder.state("data") == before
+
+    builder.keys("Control+a", "Control+c", "Control+v")
+    names = [each["name"] for each in [*builder.state("data.body"), *builder.state("data.joint")]]
+    assert len(names) == len(set(names)) == 14
+    builder.keys("Delete")
+    assert builder.state("data.body.length") == 3
+    builder.keys("Control+z", "Control+z")
+    assert builder.state("data") == before
+
+
+def test_a_message_leads_to_its_field_and_mends_it(visit: Any) -> None:
+    builder = visit()
+    page = builder.page
+    builder.open_example("slider_crank")
+    page.get_by_test_id("node-Crank").click()
+    builder.fill("Mass", "m9")
+    builder.wait_checked()
+    field = page.get_by_test_id("properties").get_by_label("Mass", exact=True)
+    assert field.get_attribute("aria-invalid") == "true"
+    page.locator(".react-flow__pane").click(position={"x": 20, "y": 20})
+    page.get_by_role("tab", name="Problems").click()
+    page.get_by_test_id("problem").first.click()
+    page.wait_for_timeout(200)
+    assert builder.state("selection") == ["body/0"]
+    assert page.evaluate("document.activeElement.dataset.pointer") == "/body/0/mass"
+    page.get_by_role("button", name="make m9 a parameter").first.click()
+    builder.wait_checked()
+    assert builder.state("data.parameters.m9") == "1"
+    assert [each for each in builder.state("check.problems") if each["severity"] == "error"] == []
+
+
+def test_selection_trees_and_picture_go_together(visit: Any) -> None:
+    builder = visit()
+    page = builder.page
+    builder.open_example("slider_crank")
+    builder.wait("window.symbodyPicture.shown !== null")
+    page.get_by_test_id("badge-A").click()
+    assert page.evaluate("symbodyPicture.shown.player.viewer.selected.name") == "A"
+    page.evaluate("symbodyPicture.shown.player.select('Rod')")
+    assert builder.state("selection") == ["body/1"]
+    page.get_by_role("tab", name="Trees").click()
+    page.get_by_test_id("trees").get_by_role("checkbox", name="C in the rotation tree").click()
+    assert builder.state("data.joint[2].tree") == {"rotation": False}
+    assert builder.steps() == 1
+    builder.wait_checked()
+    live = page.get_by_test_id("live").inner_text()
+    assert "error" in live or builder.state("check.summary.tree_choice.C.rotation") is False
+
+
+def test_a_file_is_saved_as_it_was_and_changes_outside_are_seen(visit: Any, settings: Any) -> None:
+    path = settings.roots[0] / "crank.toml"
+    text = (examples_folder() / "slider_crank" / "slider_crank.toml").read_text(encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
+    builder = visit(expected=("409",))
+    page = builder.page
+    page.evaluate("location.hash = 'open=%s'" % path)
+    page.reload()
+    page.get_by_test_id("node-Crank").wait_for()
+    builder.keys("Control+s")
+    builder.wait("s.spoken.includes('saved')")
+    assert path.read_text(encoding="utf-8") == text
+    builder.wait_checked()
+    page.get_by_test_id("node-Crank").click()
+    builder.fill("Mass", "2*m1")
+    assert page.get_by_test_id("dirty").count() == 1
+    builder.keys("Control+s")
+    builder.wait("s.data === s.saved")
+    assert path.read_text(encoding="utf-8") == text.replace('mass = "m1"', 'mass = "2*m1"')
+    path.write_text(text + "\n# by hand\n", encoding="utf-8")
+    builder.wait("s.outside", 20)
+    builder.fill("Mass", "3*m1")
+    builder.keys("Control+s")
+    builder.wait("s.notice.length > 0")
+    assert path.read_text(encoding="utf-8").endswith("# by hand\n")
+
+
+@pytest.mark.parametrize("theme", ["light", "dark", "contrast"])
+def test_assistive_programs_find_no_serious_fault(visit: Any, theme: str) -> None:
+    from axe_playwright_python.sync_playwright import Axe
+
+    builder = visit()
+    builder.page.evaluate(f"localStorage.setItem('symbody-theme', '{theme}')")
+    builder.page.reload()
+    builder.page.locator(".card").first.wait_for()
+    serious = faults(Axe(), builder.page)
+    builder.open_example("slider_crank")
+    builder.page.get_by_test_id("badge-A").click()
+    serious += faults(Axe(), builder.page)
+    assert serious == []
+
+
+def faults(axe: Any, page: Any) -> list[str]:
+    violations = axe.run(page).response["violations"]
+    return [
+        f"{each['id']}: {each['nodes'][0]['html'][:160]}"
+        for each in violations
+        if each["impact"] in ("serious", "critical")
+    ]

@@ -110,9 +110,9 @@ function LeftSide(): ReactElement {
   const tab = useStore((state) => state.leftTab);
   return (
     <aside className="left" aria-label="Palette and trees">
-      <div className="tabs" role="tablist" aria-label="Left side">
+      <div className="tabs"><div role="tablist" aria-label="Left side">
         {LEFT.map(([name, title]) => <button key={name} type="button" role="tab" aria-selected={tab === name} onClick={() => { useStore.setState({ leftTab: name }); }}>{title}</button>)}
-      </div>
+      </div></div>
       {tab === "palette" ? <Palette /> : <Trees />}
     </aside>
   );
@@ -128,12 +128,12 @@ function LowerTabs(): ReactElement {
   const count = useAllProblems().length;
   return (
     <section className="panel" aria-label="Results">
-      <div className="tabs" role="tablist" aria-label="Results">
-        {LOWER.map(([name, title]) => (
+      <div className="tabs">
+        <div role="tablist" aria-label="Results">{LOWER.map(([name, title]) => (
           <button key={name} type="button" role="tab" aria-selected={tab === name} onClick={() => { useStore.setState({ tab: name }); }}>
             {title}{name === "problems" && count > 0 && <span className="count">{count}</span>}
           </button>
-        ))}
+        ))}</div>
         <button type="button" className="icon-button end" aria-pressed={wide} aria-label="Give results and picture the whole height" title="Give results and picture the whole height" onClick={() => { useStore.setState({ wide: !wide }); }}><Icon name="wide" size={15} /></button>
       </div>
       <div className="tab-body" role="tabpanel" aria-label={LOWER.find(([name]) => name === tab)?.[1]}>

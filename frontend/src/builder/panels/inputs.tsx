@@ -58,8 +58,8 @@ export function NameInput({ value, change, list, disabled, ...rest }: TextProps)
   };
   const press = (event: KeyboardEvent): void => {
     if (event.key === "Enter") accept();
-    else if (event.key === "Escape") {
-      event.stopPropagation();
+    else if (event.key === "Escape" && text !== value) {
+      event.stopPropagation(); // the first press rejects the name, the next leaves the field
       setText(value);
     }
   };

@@ -51,8 +51,8 @@ export function Equations(): ReactElement {
   const tab = tabs.find((each) => each.name === shown) ?? tabs[0];
   return (
     <div className="equations">
-      <div className="subtabs" role="tablist" aria-label="Equations">
-        {tabs.map((each) => <button key={each.name} type="button" role="tab" aria-selected={each === tab} onClick={() => { setShown(each.name); }}>{each.name}</button>)}
+      <div className="subtabs"><div role="tablist" aria-label="Equations">
+        {tabs.map((each) => <button key={each.name} type="button" role="tab" aria-selected={each === tab} onClick={() => { setShown(each.name); }}>{each.name}</button>)}</div>
         {stale && <button type="button" className="button small" onClick={() => { giveCommand("equations"); }}>Before the last edits: derive again</button>}
       </div>
       <div className="equation-blocks" role="tabpanel" tabIndex={0} aria-label={tab?.name}>
