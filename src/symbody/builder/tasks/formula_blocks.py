@@ -8,8 +8,8 @@ from typing import Any, Final
 
 from symbody.errors import SymbodyError
 from symbody.expr.graph import Graph
-from symbody.expr.printing.latex import latex_name, to_latex_with_definitions
-from symbody.expr.printing.mathml import mathml_name, to_mathml_with_definitions
+from symbody.expr.printing.latex import to_latex_with_definitions
+from symbody.expr.printing.mathml import to_mathml_with_definitions
 from symbody.expr.printing.mathml_tables import math_element, mathml_equations, mathml_matrix
 from symbody.expr.rewrite import operation_count, tree_sizes
 from symbody.expr.sympy_bridge import to_sympy
@@ -77,11 +77,6 @@ def entry_label(symbol: str, *indices: int) -> Label:
     )
 
 
-def word_label(name: str) -> Label:
-    """Return a name of the model as a left side."""
-    return Label(mathml_name(name), latex_name(name), name)
-
-
 def number_block(title: str, symbol: str, rows: Sequence[Sequence[float]]) -> Block:
     """Return a matrix of numbers as the page shows it."""
     texts = [[f"{value:.5g}" for value in row] for row in rows]
@@ -134,7 +129,7 @@ def _latex(graph: Graph, block: FormulaBlock, nodes: Sequence[int]) -> str:
     else:
         sides = [(_side(label, written, "latex"), right) for label, right in _pairs(block, written)]
         text = ""
-    sides += [(latex_name(name), definition) for name, definition in named]
+    sides += named
     lines = " \\\\\n".join(f"{left} &= {right}" for left, right in sides)
     aligned = f"\\begin{{aligned}}\n{lines}\n\\end{{aligned}}" if sides else ""
     return "\n\n".join(part for part in (text, aligned) if part)
@@ -145,7 +140,7 @@ def _mathml(graph: Graph, block: FormulaBlock, nodes: Sequence[int], latex: str)
         return " " * (_MOST_CHARACTERS + 1)
     texts, named = to_mathml_with_definitions(graph, nodes, LONG)
     written = _Written(dict(zip(nodes, texts, strict=True)), named)
-    definitions = [(mathml_name(name), definition) for name, definition in named]
+    definitions = named
     if "\\begin{bmatrix}" in latex and block.name is not None:
         matrix = mathml_matrix(_matrix_rows(block, written))
         parts = [math_element(f"{block.name.mathml}<mo>=</mo>{matrix}", block=True)]

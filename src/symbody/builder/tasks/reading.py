@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -18,6 +19,9 @@ from symbody.model.model import KINDS, Model
 Value = TypeVar("Value")
 Data = dict[str, Any]
 
+_UNKNOWN: Final = re.compile(r"there is no .*?'([^']+)'")
+_RATE: Final = re.compile(r"_d?dot$")
+_NAME: Final = re.compile(r"\w+")
 _ROUNDS: Final = 40  # faults that are taken out of an incomplete model one after the other
 
 
@@ -86,6 +90,7 @@ def read_model(data: Data, folder: str) -> ReadModel:
         kind: list(range(len(data[kind]))) for kind in KINDS if isinstance(data.get(kind), list)
     }
     rest = {key: value for key, value in data.items() if key != "layout"}
+    gone: set[str] = set()  # words of what was left out: that they are unknown is no further fault
     for _ in range(_ROUNDS):
         try:
             return ReadModel(from_data(rest, folder=folder), problems)
@@ -94,13 +99,31 @@ def read_model(data: Data, folder: str) -> ReadModel:
         for fault in faults:
             told = {**fault, "pointer": _original(fault["pointer"], places)}
             told["repair"] = fault["repair"] if told["pointer"] == fault["pointer"] else None
-            if not any(_is_same(told, known) for known in problems):
+            if not (_follows(fault, gone) or any(_is_same(told, known) for known in problems)):
                 problems.append(told)
         smaller = _without(rest, faults, places)
         if smaller is None:
             return ReadModel(None, problems)
+        gone |= _words([entry for kind in places for entry in rest[kind] if entry not in smaller[kind]])
         rest = smaller
     return ReadModel(None, problems)
+
+
+def _follows(fault: PageProblem, gone: set[str]) -> bool:
+    """Return whether something is unknown only because the element that brings it was left out."""
+    found = _UNKNOWN.search(str(fault["what"]))
+    return found is not None and _RATE.sub("", found.group(1)) in gone
+
+
+def _words(value: Any) -> set[str]:
+    """Return all names in a part of a model."""
+    if isinstance(value, Mapping):
+        parts = [_words(each) for each in (*value.keys(), *value.values())]
+    elif isinstance(value, list):
+        parts = [_words(each) for each in value]
+    else:
+        parts = [set(_NAME.findall(value))] if isinstance(value, str) else []
+    return set[str]().union(*parts)
 
 
 def _is_same(fault: PageProblem, known: PageProblem) -> bool:
