@@ -48,6 +48,14 @@ from .model import Torque as Torque
 from .model import Universal as Universal
 from .model import Weld as Weld
 
+# what is seen of it
+from .model import Box as Box
+from .model import Capsule as Capsule
+from .model import Cone as Cone
+from .model import Cylinder as Cylinder
+from .model import Mesh as Mesh
+from .model import Sphere as Sphere
+
 # its constraints beside the joints
 from .model import Angle as Angle
 from .model import Belt as Belt

@@ -76,6 +76,12 @@ def _merge_entries(entries: AoT, before: list[Node], after: list[Node]) -> bool:
     news = [cast("Tree", node) for node in after]
     if len(olds) != len(entries):
         return False
+    if not all("name" in node for node in (*olds, *news)):  # shapes, which have none
+        if len(olds) != len(news) or any(a["type"] != b["type"] for a, b in zip(olds, news, strict=True)):
+            return False
+        for entry, old, node in zip(entries, olds, news, strict=True):
+            _merge(entry, old, node)
+        return True
     names = [node["name"] for node in news]
     kept = [k for k, node in enumerate(olds) if node["name"] in names]
     if [olds[k]["name"] for k in kept] != names[: len(kept)]:
@@ -97,7 +103,7 @@ def _item(key: str, node: Node) -> Item:
     if isinstance(node, dict):
         return _table(node) if key in _HEADED else _inline(node)
     if isinstance(node, list):
-        if node and all(isinstance(entry, dict) and "name" in entry for entry in node):
+        if node and all(isinstance(entry, dict) and {"name", "type"} & set(entry) for entry in node):
             tables = tomlkit.aot()
             for entry in node:
                 tables.append(_table(cast("Tree", entry)))
@@ -108,7 +114,7 @@ def _item(key: str, node: Node) -> Item:
 
 def _table(content: Tree) -> Table:
     # A table of tables only needs no header: [body.frames.tip] says it all.
-    table = tomlkit.table(is_super_table=set(content) == {"frames"})
+    table = tomlkit.table(is_super_table=set(content) <= {"frames", "shape"})
     for key, node in content.items():
         table.append(key, _item(key, node))
     return table

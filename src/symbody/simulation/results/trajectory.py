@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from itertools import product
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from symbody.arguments import checked_arguments
 from symbody.equations.showing.units import Units
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
+from symbody.model.model import Model
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
@@ -25,6 +26,7 @@ from symbody.simulation.results.archive import (
     unwritable,
     write_archive,
 )
+from symbody.simulation.results.provenance import Provenance
 from symbody.simulation.status import Status
 
 if TYPE_CHECKING:
@@ -38,6 +40,15 @@ class Evaluate(Protocol):
 
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the output with time last, from t (N,), q (n_q, N) and u (n_u, N)."""
+        ...
+
+
+@runtime_checkable
+class EvaluateTogether(Evaluate, Protocol):
+    """Computes several outputs by one function, which is compiled once."""
+
+    def together(self, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
+        """Return the outputs with time last."""
         ...
 
 
@@ -71,6 +82,8 @@ class Trajectory:
         Of the model.
     events : tuple of Occurrence
         (name, t, state) of what happened, in order.
+    provenance : Provenance, optional
+        What it was computed from; see `model` and `parameters`.
     """
 
     t: Floats
@@ -87,6 +100,7 @@ class Trajectory:
     notes: tuple[str, ...] = ()
     name: str = ""
     events: tuple[Occurrence, ...] = ()
+    provenance: Provenance | None = None
 
     def __post_init__(self) -> None:
         rows = (("q", self.q, self.coordinate_names), ("u", self.u, self.speed_names))
@@ -102,6 +116,16 @@ class Trajectory:
     def success(self) -> bool:
         """Whether the motion was computed as far as was asked."""
         return self.status.success
+
+    @property
+    def model(self) -> Model | None:
+        """The mechanism that moves; None where nobody described it, or a file of an older version did not."""
+        return None if self.provenance is None else self.provenance.model
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The value that every parameter of the model had; empty without a model."""
+        return {} if self.provenance is None else self.provenance.parameters
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -124,6 +148,24 @@ class Trajectory:
             raise self._unknown(name)
         values = self.evaluate(name, np.atleast_1d(self.t), self._with_time(self.q), self._with_time(self.u))
         return values if self.t.ndim else values[..., 0]
+
+    @checked_arguments
+    def outputs(self, *names: str) -> dict[str, Floats]:
+        """Return the samples of several outputs, as by ``run[name]``, computed by one compiled function.
+
+        Raises
+        ------
+        UsageError
+            An unknown name.
+        """
+        values = {name: self._known(name) for name in names}
+        missing = [name for name, array in values.items() if array is None]
+        if len(missing) < 2 or not isinstance(self.evaluate, EvaluateTogether):
+            return {name: self[name] for name in names}
+        t, q, u = np.atleast_1d(self.t), self._with_time(self.q), self._with_time(self.u)
+        made = dict(zip(missing, self.evaluate.together(missing, t, q, u), strict=True))
+        shaped = {name: array if self.t.ndim else array[..., 0] for name, array in made.items()}
+        return {name: shaped[name] if array is None else array for name, array in values.items()}
 
     def _known(self, name: str) -> Floats | None:
         """Return what is stored under a name."""

@@ -14,7 +14,7 @@ from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
-from symbody.simulation.sweeps.evaluation import Evaluation
+from symbody.simulation.sweeps.evaluation import CaseEvaluator, Evaluation
 
 if TYPE_CHECKING:
     import xarray
@@ -131,10 +131,11 @@ class Sweep:
             self.speed_names,
             self.status[case],
             Statistics(accepted, rejected, evaluations, 0.0),
-            lambda name, t, q, u: self.evaluation.of_case(case, name, t, q, u),
+            CaseEvaluator(self.evaluation, case),
             units=self.units,
             notes=(f"case {case}: {values}", *((note,) if note else ()), *self.notes),
             name=self.name,
+            provenance=self.evaluation.provenance(case),
         )
 
     @checked_arguments
