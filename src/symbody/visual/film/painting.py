@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from symbody.visual.film.camera import Camera
 from symbody.visual.film.drawing import Bytes, Stroke
-from symbody.visual.film.facets import Facets, Floats, Ints
+from symbody.visual.film.facets import Facets, Ints
 from symbody.visual.film.layer import Grid, Layer, make_layer
 from symbody.visual.film.palette import color_text, components, edge_color
 from symbody.visual.film.stage import Instant, Stage, Strand
@@ -172,8 +172,3 @@ def _strands(
         lines = tuple(stretches.points / backdrop.grid.per_point)
         strokes.append(Stroke(lines, color_text(each.color), width, opacity))
     return [stroke for stroke in strokes if stroke.lines]
-
-
-def overlay_points(camera: Camera, points: Floats) -> Floats:
-    """Return where points (N, 3) of space are drawn: (N, 2) [pt]."""
-    return camera.project(points)[:, :2]

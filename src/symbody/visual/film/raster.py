@@ -6,19 +6,17 @@ from typing import Final
 
 import numpy as np
 from matplotlib.backends.backend_agg import RendererAgg
-from matplotlib.font_manager import FontProperties
 from matplotlib.path import Path
-from matplotlib.textpath import TextPath
 from matplotlib.transforms import Affine2D
 from PIL import Image
 
 from symbody.visual.film.drawing import Bytes, Drawing, Filled, Stroke, Words
 from symbody.visual.film.facets import Floats
 from symbody.visual.film.palette import components
+from symbody.visual.film.text_metrics import text_outline, text_width
 
 POINTS_PER_PIXEL: Final = 0.75  # 96 pixels and 72 points are an inch
 DASHES: Final = (4.0, 2.6)  # points
-_FAMILY: Final = "DejaVu Sans"
 
 
 def pixels_of(drawing: Drawing, size: tuple[int, int]) -> Bytes:
@@ -55,22 +53,11 @@ def path_of_lines(lines: tuple[Floats, ...]) -> Path:
 
 def path_of_words(words: Words) -> Path:
     """Return the outlines of letters, in points from the upper left corner of the picture."""
-    outline = TextPath((0, 0), words.text, size=words.size, prop=font(words.bold), usetex=False)
-    shift = {"start": 0.0, "middle": 0.5, "end": 1.0}[words.side] * text_width(words.text, words.size, words.bold)
+    outline = text_outline(words.text, words.size, words.bold)
+    share = {"start": 0.0, "middle": 0.5, "end": 1.0}[words.side]
+    shift = share * text_width(words.text, words.size, words.bold)
     place = Affine2D().scale(1, -1).translate(words.at[0] - shift, words.at[1])
     return place.transform_path(outline)
-
-
-def text_width(text: str, size: float, bold: bool = False) -> float:
-    """Return the width of a line of text [pt]."""
-    if not text.strip():
-        return 0.3 * size * len(text)
-    return float(TextPath((0, 0), text, size=size, prop=font(bold), usetex=False).get_extents().x1)
-
-
-def font(bold: bool) -> FontProperties:
-    """Return the typeface of all pictures; text is never read as mathematics."""
-    return FontProperties(family=_FAMILY, weight="bold" if bold else "normal", math_fontfamily=None)
 
 
 def _draw_stroke(renderer: RendererAgg, stroke: Stroke, place: Affine2D, scale: float) -> None:

@@ -1,0 +1,46 @@
+"""Films as images that move: GIF with one palette for all frames, and PNG."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from PIL import Image
+
+from symbody.visual.film.drawing import Bytes
+
+FASTEST: Final = 50.0  # frames in a second; browsers play shorter delays slowly
+_COLORS: Final = 256
+
+
+def frame_delays(count: int, fps: float) -> list[int]:
+    """Return how long frames stay [ms]: in whole hundredths of a second, whose sum is right.
+
+    >>> frame_delays(3, 30.0)
+    [30, 40, 30]
+    """
+    ends = np.round(100.0 * np.arange(count + 1) / fps).astype(int)
+    return [10 * int(each) for each in np.diff(ends)]
+
+
+def shared_palette(frames: Sequence[Bytes]) -> Image.Image:
+    """Return an image whose palette fits frames (height, width, 3) together."""
+    return Image.fromarray(np.concatenate(frames)).quantize(_COLORS, method=Image.Quantize.MEDIANCUT)
+
+
+def write_gif(frames: Iterable[Bytes], path: Path, delays: Sequence[int], palette: Image.Image) -> None:
+    """Write frames to a GIF that is played again and again."""
+    images = (Image.fromarray(f).quantize(palette=palette, dither=Image.Dither.NONE) for f in frames)
+    first = next(images)
+    first.save(
+        path, format="GIF", save_all=True, append_images=images, duration=delays, loop=0, optimize=False
+    )
+
+
+def write_apng(frames: Iterable[Bytes], path: Path, delays: Sequence[int]) -> None:
+    """Write frames to a PNG that moves, and is played again and again."""
+    images: Iterator[Image.Image] = (Image.fromarray(each) for each in frames)
+    first = next(images)
+    first.save(path, format="PNG", save_all=True, append_images=images, duration=delays, loop=0)
