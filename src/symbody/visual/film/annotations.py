@@ -1,4 +1,4 @@
-"""What is drawn over bodies: frames, traces, forces and their scale, axes, a scale bar, gravity, time, title."""
+"""What is drawn over bodies: frames, traces, forces and their scale, axes, scale bar, gravity, time."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import numpy as np
 
 from symbody.visual.film.arrows import arrow
 from symbody.visual.film.camera import Camera
-from symbody.visual.film.drawing import Mark, Stroke, Words
+from symbody.visual.film.drawing import Caption, Mark, Stroke
 from symbody.visual.film.facets import Floats
 from symbody.visual.film.palette import AXES, FORCE, TORQUE, TRACES, Paper
 from symbody.visual.film.shapes import rotation_of
-from symbody.visual.film.stage import Pose
+from symbody.visual.film.stage import BodyPlaces
 from symbody.visual.film.text_metrics import text_width
 from symbody.visual.scene.scene import MotionVector, Scene, SceneMotion, VectorKind
 
@@ -29,7 +29,7 @@ _LONGEST: Final = 0.28  # of the scene's size: the longest force
 _SHORT: Final = 0.12  # shares of an axis below this are seen as a point
 
 
-def frame_marks(scene: Scene, camera: Camera, pose: Pose) -> list[Mark]:
+def frame_marks(scene: Scene, camera: Camera, pose: BodyPlaces) -> list[Mark]:
     """Return the axes of all frames of bodies."""
     marks: list[Mark] = []
     for place, body in enumerate(scene.bodies):
@@ -62,7 +62,11 @@ def vector_scales(motion: SceneMotion, size: float) -> dict[VectorKind, float]:
 
 
 def vector_marks(
-    camera: Camera, pose: Pose, vectors: Sequence[MotionVector], k: int, scales: Mapping[VectorKind, float]
+    camera: Camera,
+    pose: BodyPlaces,
+    vectors: Sequence[MotionVector],
+    k: int,
+    scales: Mapping[VectorKind, float],
 ) -> list[Mark]:
     """Return the arrows of forces and torques at a sample; those of torques have two heads."""
     marks: list[Mark] = []
@@ -87,7 +91,7 @@ def legend_marks(camera: Camera, size: Size, paper: Paper, scales: Mapping[Vecto
         x = size[0] - MARGIN - text_width(text, SMALL) - 6.0
         color, heads = (FORCE, 1) if kind == "force" else (TORQUE, 2)
         marks += arrow(np.array([x - length, y]), np.array([x, y]), color, 1.8, heads)
-        marks.append(Words((x + 6.0, y + 0.35 * SMALL), text, SMALL, paper.ink))
+        marks.append(Caption((x + 6.0, y + 0.35 * SMALL), text, SMALL, paper.ink))
     return marks
 
 
@@ -104,10 +108,12 @@ def corner_marks(scene: Scene, camera: Camera, size: Size, paper: Paper) -> list
         along = np.array([directions[0, k], -directions[1, k]])
         marks += arrow(origin, origin + _AXIS * along, AXES[k], 1.2)
         x, y = origin + (_AXIS + 6.0) * along
-        marks.append(Words((float(x), float(y) + 0.35 * SMALL), "xyz"[k], SMALL, AXES[k], "middle"))
+        marks.append(Caption((float(x), float(y) + 0.35 * SMALL), "xyz"[k], SMALL, AXES[k], "middle"))
     if not camera.distance:
         right = max([0.0, *(float(directions[0, k]) for k in shown)])
-        marks += _scale_bar(camera, (float(origin[0]) + right * (_AXIS + 8.0) + 18.0, size[1] - MARGIN), paper)
+        marks += _scale_bar(
+            camera, (float(origin[0]) + right * (_AXIS + 8.0) + 18.0, size[1] - MARGIN), paper
+        )
     return marks + _gravity(scene, camera, size, paper)
 
 
@@ -115,9 +121,9 @@ def heading_marks(size: Size, paper: Paper, title: str | None, stamp: str) -> li
     """Return the title in the upper left corner and the time in the lower right one."""
     marks: list[Mark] = []
     if title:
-        marks.append(Words((MARGIN, MARGIN + 0.75 * TITLE), title, TITLE, paper.ink, bold=True))
+        marks.append(Caption((MARGIN, MARGIN + 0.75 * TITLE), title, TITLE, paper.ink, bold=True))
     if stamp:
-        marks.append(Words((size[0] - MARGIN, size[1] - MARGIN), stamp, SMALL + 0.5, paper.ink, "end"))
+        marks.append(Caption((size[0] - MARGIN, size[1] - MARGIN), stamp, SMALL + 0.5, paper.ink, "end"))
     return marks
 
 
@@ -154,7 +160,7 @@ def _scale_bar(camera: Camera, at: tuple[float, float], paper: Paper) -> list[Ma
     end = x + length * camera.scale
     ticks = tuple(np.array([[each, y - 3.0], [each, y]]) for each in (x, end))
     bar = Stroke((np.array([[x, y], [end, y]]), *ticks), paper.ink, 1.0)
-    return [bar, Words(((x + end) / 2, y - 4.5), with_unit(length, "m"), SMALL, paper.ink, "middle")]
+    return [bar, Caption(((x + end) / 2, y - 4.5), with_unit(length, "m"), SMALL, paper.ink, "middle")]
 
 
 def _gravity(scene: Scene, camera: Camera, size: Size, paper: Paper) -> list[Mark]:
@@ -167,5 +173,5 @@ def _gravity(scene: Scene, camera: Camera, size: Size, paper: Paper) -> list[Mar
     middle = np.array([size[0] - MARGIN - 0.6 * _AXIS, MARGIN + 0.6 * _AXIS])
     start, end = middle - 0.5 * _AXIS * seen, middle + 0.5 * _AXIS * seen
     x, y = middle + 9.0 * np.array([-abs(seen[1]), abs(seen[0])])
-    letter = Words((float(x), float(y) + 0.3 * SMALL), "g", SMALL, paper.faint, "middle")
+    letter = Caption((float(x), float(y) + 0.3 * SMALL), "g", SMALL, paper.faint, "middle")
     return [*chain(arrow(start, end, paper.faint, 1.3)), letter]

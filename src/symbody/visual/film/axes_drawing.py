@@ -13,7 +13,7 @@ from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 
-from symbody.visual.film.drawing import Drawing, Filled, Stroke, Words
+from symbody.visual.film.drawing import Caption, Drawing, Filled, Stroke
 from symbody.visual.film.facets import Floats
 from symbody.visual.film.polylines import join_lines
 from symbody.visual.film.raster import DASHES
@@ -56,7 +56,7 @@ def draw_on_axes(axes: Axes, drawing: Drawing) -> None:
             _write(axes, mark, order)
 
 
-def _write(axes: Axes, words: Words, order: int) -> None:
+def _write(axes: Axes, words: Caption, order: int) -> None:
     text = axes.text(
         *words.at, words.text.replace("$", r"\$"), fontsize=words.size, color=words.color,
         ha=_SIDES[words.side], va="baseline", weight="bold" if words.bold else "normal", zorder=order,

@@ -53,7 +53,7 @@ class Camera:
     distance: float = 0.0
 
     def project(self, points: Floats) -> Floats:
-        """Return points (..., 3) [m] as x to the right [pt], y downwards [pt] and depth away from the eye [m].
+        """Return points (..., 3) [m] as x rightwards [pt], y downwards [pt] and depth from the eye [m].
 
         In perspective the depth is bent so that a plane of space stays a plane.
         """

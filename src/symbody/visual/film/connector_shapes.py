@@ -17,7 +17,9 @@ SIDES: Final = 8  # of the wire
 WIRE: Final = 0.16  # of the radius of a coil
 LEAD: Final = 0.1  # of a spring's length at each end is straight
 HANGING: Final = 40  # points of a rope
-_STEEPEST: Final = 18.0  # half the span of a hanging rope, in its parameter; beyond it both halves are vertical
+_STEEPEST: Final = (
+    18.0  # half the span of a hanging rope, in its parameter; beyond it both halves are vertical
+)
 
 
 def coil_points(start: Floats, end: Floats, radius: float, coils: int, side: Floats) -> tuple[Floats, Floats]:
@@ -49,10 +51,15 @@ def tube(points: Floats, outwards: Floats, radius: float) -> Facets:
     first = unit(outwards - np.sum(outwards * tangents, axis=1, keepdims=True) * tangents)
     second = np.cross(tangents, first)
     turn = 2 * np.pi * np.arange(SIDES) / SIDES
-    rings = first[:, np.newaxis] * np.cos(turn)[:, np.newaxis] + second[:, np.newaxis] * np.sin(turn)[:, np.newaxis]
+    rings = (
+        first[:, np.newaxis] * np.cos(turn)[:, np.newaxis]
+        + second[:, np.newaxis] * np.sin(turn)[:, np.newaxis]
+    )
     triangles = grid_triangles(len(points), SIDES)
     normals = rings.reshape(-1, 3)
-    facets = facets_of((points[:, np.newaxis] + radius * rings).reshape(-1, 3), triangles, True, normals[triangles])
+    facets = facets_of(
+        (points[:, np.newaxis] + radius * rings).reshape(-1, 3), triangles, True, normals[triangles]
+    )
     return replace(facets, creases=np.zeros_like(facets.creases))
 
 
@@ -65,7 +72,7 @@ def cylinder_between(start: Floats, end: Floats, radius: float) -> Facets:
     axis = unit(along) if length > 0.0 else np.array([0.0, 0.0, 1.0])
     side = side_of(axis, np.array([0.0, 0.0, 1.0]))
     turned = np.stack([side, np.cross(axis, side), axis], axis=1)
-    return facets.turned(turned, (start + end) / 2)
+    return facets.rotate(turned, (start + end) / 2)
 
 
 def damper(start: Floats, end: Floats, radius: float, shortest: float) -> Facets:

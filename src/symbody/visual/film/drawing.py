@@ -1,4 +1,4 @@
-"""`Drawing`: a finished picture as data: filled samples below, strokes, filled shapes and words above them."""
+"""`Drawing`: a finished picture as data: filled samples below, strokes, filled shapes and words above."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Filled:
 
 
 @dataclass(frozen=True, slots=True)
-class Words:
+class Caption:
     """A line of text.
 
     Attributes
@@ -78,7 +78,7 @@ class Words:
     halo: str = ""
 
 
-Mark = Stroke | Filled | Words
+Mark = Stroke | Filled | Caption
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,7 +93,7 @@ class Drawing:
         ``"#rrggbb"``.
     samples : (H, W, 3) array of bytes
         Colours of surfaces, without edges, row by row from the top.
-    marks : tuple of Stroke, Filled and Words
+    marks : tuple of Stroke, Filled and Caption
         What lies above, from the lowest to the uppermost.
     """
 

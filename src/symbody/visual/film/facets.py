@@ -1,4 +1,4 @@
-"""`Facets`: triangles with normals, colours and edges, whatever they come from; ready to be posed and drawn."""
+"""`Facets`: triangles with normals, colours and edges, whatever they come from."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
-# Faces that meet at a smaller angle are parts of one curved surface: it is shaded smoothly and has no edge there.
+# Faces that meet at a smaller angle are parts of one curved surface, which has no edge there.
 CREASE: Final = np.cos(np.radians(38.0))
 
 
@@ -56,7 +56,7 @@ class Facets:
     neighbours: Ints
     creases: Bools
 
-    def painted(self, color: Floats, part: int, carrier: int) -> Facets:
+    def in_color(self, color: Floats, part: int, carrier: int) -> Facets:
         """Return them in one colour, as one part on one body."""
         count = len(self.triangles)
         return replace(
@@ -66,19 +66,19 @@ class Facets:
             carriers=np.full(len(self.vertices), carrier),
         )
 
-    def turned(self, rotation: Floats, position: Floats) -> Facets:
+    def rotate(self, rotation: Floats, position: Floats) -> Facets:
         """Return them turned by one rotation matrix and then moved [m]."""
         return replace(
             self, vertices=self.vertices @ rotation.T + position, normals=self.normals @ rotation.T
         )
 
-    def posed(self, rotations: Floats, positions: Floats) -> Facets:
-        """Return them in ground's axes, from rotations (B, 3, 3) to ground's axes and positions (B, 3) [m]."""
+    def to_ground(self, rotations: Floats, positions: Floats) -> Facets:
+        """Return them in ground's axes, by rotations (B, 3, 3) and positions (B, 3) [m] of bodies."""
         if not len(self.triangles):
             return self
-        own = self.carriers
-        vertices = np.einsum("vij,vj->vi", rotations[own], self.vertices) + positions[own]
-        normals = np.einsum("tij,tkj->tki", rotations[own[self.triangles[:, 0]]], self.normals)
+        carriers = self.carriers
+        vertices = np.einsum("vij,vj->vi", rotations[carriers], self.vertices) + positions[carriers]
+        normals = np.einsum("tij,tkj->tki", rotations[carriers[self.triangles[:, 0]]], self.normals)
         return replace(self, vertices=vertices, normals=normals)
 
 
@@ -96,7 +96,9 @@ NOTHING: Final = Facets(
 )
 
 
-def facets_of(vertices: Floats, triangles: Ints, closed: bool = True, normals: Floats | None = None) -> Facets:
+def facets_of(
+    vertices: Floats, triangles: Ints, closed: bool = True, normals: Floats | None = None
+) -> Facets:
     """Return the facets of a surface whose neighbours share vertices.
 
     Parameters
@@ -124,7 +126,7 @@ def facets_of(vertices: Floats, triangles: Ints, closed: bool = True, normals: F
     )
 
 
-def welded(vertices: Floats, triangles: Ints) -> tuple[Floats, Ints]:
+def weld(vertices: Floats, triangles: Ints) -> tuple[Floats, Ints]:
     """Return a mesh whose vertices of equal place are one, without triangles that have no area."""
     span = float(np.ptp(vertices, axis=0).max()) if len(vertices) else 0.0
     grid = np.round(vertices / (1e-6 * span or 1.0)).astype(np.int64)
@@ -164,7 +166,7 @@ def join_facets(pieces: Sequence[Facets]) -> Facets:
 def face_normals(vertices: Floats, triangles: Ints) -> Floats:
     """Return the unit normals (T, 3) of triangles; zero for those without area."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    return unit(np.cross(b - a, c - a))
+    return unit(np.asarray(np.cross(b - a, c - a), dtype=np.float64))
 
 
 def unit(vectors: Floats) -> Floats:
@@ -209,7 +211,7 @@ def _corner_normals(vertices: Floats, triangles: Ints, flat: Floats) -> Floats:
 
 
 def _corner_angles(vertices: Floats, triangles: Ints) -> Floats:
-    corners = vertices[triangles]
-    ahead = unit(np.roll(corners, -1, axis=1) - corners)
-    behind = unit(np.roll(corners, 1, axis=1) - corners)
+    corners: Floats = vertices[triangles]
+    ahead = unit(np.asarray(np.roll(corners, -1, axis=1) - corners, dtype=np.float64))
+    behind = unit(np.asarray(np.roll(corners, 1, axis=1) - corners, dtype=np.float64))
     return np.asarray(np.arccos(np.clip(np.sum(ahead * behind, axis=2), -1.0, 1.0)), dtype=np.float64)

@@ -41,9 +41,7 @@ def ffmpeg_program() -> str:
     return program
 
 
-def write_video(
-    frames: Iterable[Bytes], path: Path, size: tuple[int, int], fps: float, program: str
-) -> None:
+def write_video(frames: Iterable[Bytes], path: Path, size: tuple[int, int], fps: float, program: str) -> None:
     """Write frames (height, width, 3) to an MP4 or WebM file.
 
     Raises
@@ -51,7 +49,18 @@ def write_video(
     EnvironmentFault
         If ffmpeg fails.
     """
-    source = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{size[0]}x{size[1]}", "-r", f"{fps:g}", "-i", "-")
+    source = (
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "rgb24",
+        "-s",
+        f"{size[0]}x{size[1]}",
+        "-r",
+        f"{fps:g}",
+        "-i",
+        "-",
+    )
     codec = _CODECS[path.suffix.lower()]
     command = [program, "-y", "-loglevel", "error", *source, "-an", *_SHARED, *codec, str(path)]
     with tempfile.TemporaryFile() as messages:

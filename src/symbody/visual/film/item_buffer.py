@@ -55,10 +55,14 @@ def rasterize(points: Floats, triangles: Ints, shape: tuple[int, int]) -> ItemBu
     step = max(float(corners[..., 2].max()) - low, 1e-12) / _LEVELS
     # One number for depth and triangle: the least at each sample wins, without any order of drawing.
     keys = (np.clip((depths - low) / step, 0.0, _LEVELS).astype(np.int64) << 32) | items
-    buffer = np.full(shape[0] * shape[1], _EMPTY)
-    np.minimum.at(buffer, places, keys)
+    if not len(places):
+        return ItemBuffer(depth, places, items)
+    offset = int(places.min())
+    buffer = np.full(int(places.max()) + 1 - offset, _EMPTY)  # only the rows that are needed
+    np.minimum.at(buffer, places - offset, keys)
     seen = np.flatnonzero(buffer != _EMPTY)
     winners = buffer[seen]
+    seen += offset
     depth.reshape(-1)[seen] = low + step * (winners >> 32)
     return ItemBuffer(depth, seen, winners & 0xFFFFFFFF)
 
@@ -70,18 +74,18 @@ def _fragments(corners: Floats, shape: tuple[int, int]) -> tuple[Ints, Ints, Flo
     first = np.clip(np.ceil(y[:, 0] - 0.5), 0, shape[0]).astype(np.int64)
     last = np.clip(np.ceil(y[:, 2] - 0.5), 0, shape[0]).astype(np.int64)
     slope_x, slope_y = _depth_slopes(x, y, z)
-    owner, rows = _counted(first, np.maximum(last - first, 0))
+    owner, rows = _number_runs(first, np.maximum(last - first, 0))
     middle = rows + 0.5
-    left, right = _span(x[owner], y[owner], middle)
+    left, right = _span(x[owner], y[owner], np.asarray(middle, dtype=np.float64))
     start = np.clip(np.ceil(left - 0.5), 0, shape[1]).astype(np.int64)
     end = np.clip(np.ceil(right - 0.5), 0, shape[1]).astype(np.int64)
     base = z[owner, 0] + slope_y[owner] * (middle - y[owner, 0]) + slope_x[owner] * (0.5 - x[owner, 0])
-    span, columns = _counted(start, np.maximum(end - start, 0))
+    span, columns = _number_runs(start, np.maximum(end - start, 0))
     items = owner[span]
     return rows[span] * shape[1] + columns, items, base[span] + slope_x[items] * columns
 
 
-def _counted(starts: Ints, counts: Ints) -> tuple[Ints, Ints]:
+def _number_runs(starts: Ints, counts: Ints) -> tuple[Ints, Ints]:
     """Return for runs of whole numbers the run that each belongs to, and the numbers."""
     runs = np.repeat(np.arange(len(starts)), counts)
     return runs, np.arange(len(runs)) - np.repeat(np.cumsum(counts) - counts - starts, counts)

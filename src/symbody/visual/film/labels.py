@@ -8,10 +8,10 @@ from typing import Final
 import numpy as np
 
 from symbody.visual.film.camera import Camera
-from symbody.visual.film.drawing import Bytes, Mark, Stroke, Words
+from symbody.visual.film.drawing import Bytes, Caption, Mark, Stroke
 from symbody.visual.film.facets import Floats
 from symbody.visual.film.palette import Paper, components
-from symbody.visual.film.stage import Pose
+from symbody.visual.film.stage import BodyPlaces
 from symbody.visual.film.text_metrics import text_width
 from symbody.visual.scene.scene import Scene
 
@@ -26,7 +26,7 @@ _FAR: Final = 0.02  # cost of a point of distance, in shares of the name that co
 _MOVE: Final = 0.6  # cost of another place than before: names that jump in a film are hard to read
 
 
-def named_points(scene: Scene, pose: Pose) -> dict[str, Floats]:
+def named_points(scene: Scene, pose: BodyPlaces) -> dict[str, Floats]:
     """Return where joints and bodies are [m], by the words that name them."""
     points = {joint.name: pose.place(joint.start) for joint in scene.joints}
     for place, body in enumerate(scene.bodies[1:], start=1):
@@ -52,7 +52,7 @@ def place_labels(
     before : mapping, optional
         Where names were in the picture before.
     """
-    covered = _covered(samples, paper)
+    covered = _cover_mask(samples, paper)
     per_point = samples.shape[1] / size[0]
     boxes = list(taken)
     marks: list[Mark] = []
@@ -91,7 +91,7 @@ def _label(
     name: str, at: Floats, offset: tuple[float, float], half: tuple[float, float], paper: Paper
 ) -> list[Mark]:
     x, y = float(at[0]) + offset[0], float(at[1]) + offset[1]
-    words = Words((x, y + 0.35 * SIZE), name, SIZE, paper.ink, "middle", halo=paper.background)
+    words = Caption((x, y + 0.35 * SIZE), name, SIZE, paper.ink, "middle", halo=paper.background)
     # The nearest point of the name, from which the line starts.
     near = np.clip(at, (x - half[0], y - half[1]), (x + half[0], y + half[1]))
     if np.hypot(*(near - at)) < _LINE_FROM:
@@ -112,7 +112,7 @@ def _overlap(one: Box, other: Box) -> bool:
     return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
 
 
-def _covered(samples: Bytes, paper: Paper) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
+def _cover_mask(samples: Bytes, paper: Paper) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
     """Return at every fourth sample whether a body is there."""
     nothing = np.round(255 * components(paper.background)).astype(np.uint8)
     covered: np.ndarray[tuple[int, int], np.dtype[np.bool_]] = (samples[::4, ::4] != nothing).any(axis=2)

@@ -1,4 +1,4 @@
-"""`Layer`: facets as they are seen by themselves, with the colour of each sample; and which edges they have."""
+"""`Layer`: facets as they are seen by themselves, with colours of samples; and which edges they have."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ DIFFUSE: Final = 0.56
 _APART: Final = 2e-7  # of the depth of a scene, between parts of equal depth: the later lies in front
 
 _STEEP: Final = 0.45  # cosine to the line of sight: how far a tone bends around an outline
-_TONE_WIDTH: Final = 5.0  # samples, on the average
+_TONE_WIDTH: Final = 7.0  # samples, on the average
 _LEAST_STEP: Final = 1 / 22  # between tones
 
 
@@ -77,16 +77,16 @@ def make_layer(facets: Facets, camera: Camera, grid: Grid, in_tones: bool = Fals
     drawn = np.flatnonzero(is_front | ~facets.closed)
     buffer = rasterize(points, facets.triangles[drawn], grid.shape)
     buffer = ItemBuffer(buffer.depth, buffer.places, drawn[buffer.items])
-    lit = _lit(facets, camera, is_front, in_tones)
+    lit = _corner_brightness(facets, camera, is_front, in_tones)
     tones = facets.parts if in_tones else None
     shade = _brightness(lit, corners, buffer, grid, tones)[:, np.newaxis]
     base = facets.colors[buffer.items]
     tint = np.where(shade <= 1.0, base * shade, base + (1.0 - base) * (shade - 1.0))
-    edges, outlines, beside = _drawn_edges(facets, is_front)
+    edges, outlines, beside = _select_edges(facets, is_front)
     return Layer(points, buffer, (255.0 * tint + 0.5).astype(np.uint8), edges, outlines, beside)
 
 
-def _lit(facets: Facets, camera: Camera, is_front: Bools, in_tones: bool) -> Floats:
+def _corner_brightness(facets: Facets, camera: Camera, is_front: Bools, in_tones: bool) -> Floats:
     """Return the brightness at the corners (T, 3) of triangles."""
     if not in_tones:
         sides = np.where(is_front, 1.0, -1.0)[:, np.newaxis]
@@ -120,17 +120,17 @@ def _brightness(
     """
     items = buffer.items
     low, high = lit.min(axis=1), lit.max(axis=1)
-    shade = lit[items, 0]
+    shade: Floats = lit[items, 0]
     curved = np.flatnonzero((high - low)[items] > 1e-9)
     if not len(curved):
         return shade
-    own = items[curved]
+    items_there = items[curved]
     row, column = np.divmod(buffer.places[curved], grid.shape[1])
-    across, down = (slope[own] for slope in _slopes(lit, corners))
-    right, below = column + 0.5 - corners[own, 0, 0], row + 0.5 - corners[own, 0, 1]
-    values = np.clip(lit[own, 0] + across * right + down * below, low[own], high[own])
+    across, down = (slope[items_there] for slope in _slopes(lit, corners))
+    right, below = column + 0.5 - corners[items_there, 0, 0], row + 0.5 - corners[items_there, 0, 1]
+    values = np.clip(lit[items_there, 0] + across * right + down * below, low[items_there], high[items_there])
     if tone_parts is not None:
-        _, part = np.unique(tone_parts[own], return_inverse=True)
+        _, part = np.unique(tone_parts[items_there], return_inverse=True)
         part = part.reshape(-1)
         mean_slopes = np.bincount(part, np.hypot(across, down)) / np.bincount(part)
         step = np.clip(_TONE_WIDTH * mean_slopes, _LEAST_STEP, 2.0)[part]
@@ -149,7 +149,7 @@ def _slopes(values: Floats, corners: Floats) -> tuple[Floats, Floats]:
     return across, (dx[:, 0] * dv[:, 1] - dx[:, 1] * dv[:, 0]) / area
 
 
-def _drawn_edges(facets: Facets, is_front: Bools) -> tuple[Ints, Bools, Ints]:
+def _select_edges(facets: Facets, is_front: Bools) -> tuple[Ints, Bools, Ints]:
     first, second = facets.neighbours[:, 0], facets.neighbours[:, 1]
     front_first = is_front[first] if len(first) else np.zeros(0, dtype=np.bool_)
     front_second = np.where(second >= 0, is_front[second], False) if len(second) else front_first

@@ -12,7 +12,7 @@ from symbody.errors import EnvironmentFault, Problem
 
 
 @contextmanager
-def replaced_file(path: Path) -> Iterator[Path]:
+def file_replacement(path: Path) -> Iterator[Path]:
     """Yield the path of a new file beside `path`, with the same suffix, that takes its place at the end.
 
     Raises

@@ -1,4 +1,4 @@
-"""Layers put over each other: ground, earlier positions, the last position, what is transparent, and edges."""
+"""Layers over each other: ground, earlier positions, the last one, what is transparent, and edges."""
 
 from __future__ import annotations
 

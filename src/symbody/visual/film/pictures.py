@@ -17,7 +17,7 @@ from symbody.visual.film.axes_drawing import draw_on_axes, figure_of
 from symbody.visual.film.drawing import Bytes, Drawing
 from symbody.visual.film.ffmpeg import ffmpeg_program, write_video
 from symbody.visual.film.labels import Offsets
-from symbody.visual.film.new_files import replaced_file
+from symbody.visual.film.new_files import file_replacement
 from symbody.visual.film.raster import pixels_of
 from symbody.visual.film.studio import Look, Studio, make_studio
 from symbody.visual.film.svg import svg_text
@@ -97,9 +97,11 @@ def write_still(
         If the file cannot be written.
     """
     samples = range(len(motion.times))
-    with replaced_file(path) as draft:
+    with file_replacement(path) as draft:
         if path.suffix.lower() == ".png":
-            fine = next(n for n in (4, 3, 2, 1) if n == 1 or n * n * np.prod(look.size) <= _MOST_PIXEL_SAMPLES)
+            fine = next(
+                n for n in (4, 3, 2, 1) if n == 1 or n * n * np.prod(look.size) <= _MOST_PIXEL_SAMPLES
+            )
             drawing = make_studio(scene, motion, look, fine, False, track).draw(samples)[0]
             image = Image.fromarray(pixels_of(drawing, look.size))
             image.save(draft, format="PNG", optimize=True, dpi=(96, 96))
@@ -139,7 +141,7 @@ def write_film(
     studio = make_studio(scene, motion, look, 2.0, False, track)
     frames = film_frames(studio, report)
     try:
-        with replaced_file(path) as draft:
+        with file_replacement(path) as draft:
             if suffix == ".gif":
                 palette = shared_palette(_typical_frames(studio))
                 write_gif(frames, draft, frame_delays(len(motion.times), fps), palette)

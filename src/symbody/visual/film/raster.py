@@ -10,7 +10,7 @@ from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 from PIL import Image
 
-from symbody.visual.film.drawing import Bytes, Drawing, Filled, Stroke, Words
+from symbody.visual.film.drawing import Bytes, Caption, Drawing, Filled, Stroke
 from symbody.visual.film.facets import Floats
 from symbody.visual.film.palette import components
 from symbody.visual.film.text_metrics import text_outline, text_width
@@ -51,7 +51,7 @@ def path_of_lines(lines: tuple[Floats, ...]) -> Path:
     return Path(np.concatenate(lines), codes)
 
 
-def path_of_words(words: Words) -> Path:
+def path_of_words(words: Caption) -> Path:
     """Return the outlines of letters, in points from the upper left corner of the picture."""
     outline = text_outline(words.text, words.size, words.bold)
     share = {"start": 0.0, "middle": 0.5, "end": 1.0}[words.side]
@@ -82,7 +82,7 @@ def _fill(renderer: RendererAgg, path: Path, color: str, place: Affine2D) -> Non
     context.restore()
 
 
-def _draw_words(renderer: RendererAgg, words: Words, place: Affine2D) -> None:
+def _draw_words(renderer: RendererAgg, words: Caption, place: Affine2D) -> None:
     path = path_of_words(words)
     if words.halo:
         context = renderer.new_gc()

@@ -7,7 +7,6 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from symbody.visual.film.drawing import Bytes
 from symbody.visual.film.facets import Bools, Floats, Ints
@@ -19,7 +18,7 @@ _STEPS: Final = ((1, 0), (0, 1), (-1, 0), (0, -1))  # steps (x, y) along the sid
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Region:
-    """Where a picture has one colour: rings of corners (N, 2) in samples, holes among them, and the colour."""
+    """Where a picture has one colour: rings of corners (N, 2) in samples, also of holes."""
 
     rings: tuple[Floats, ...]
     color: str
@@ -39,13 +38,13 @@ def trace_regions(samples: Bytes, background: str) -> tuple[Region, ...]:
     starts, directions, colors = _sides(labels, nothing)
     if not len(starts):
         return ()
-    loops = _loops(_following(starts, directions, colors, labels.shape[1]))
+    loops = _loops(_successors(starts, directions, colors, labels.shape[1]))
     cuts = _cuts(labels)
     x, y = starts[:, 0], starts[:, 1]
     rings: dict[int, list[Floats]] = {}
     for loop in loops:
         corners = np.stack([x[loop], y[loop]], axis=1)
-        ring = _straightened(corners, cuts[corners[:, 1], corners[:, 0]])
+        ring = _straighten(corners, cuts[corners[:, 1], corners[:, 0]])
         if len(ring) >= 3 and abs(_area(ring)) >= _SMALLEST:
             rings.setdefault(int(colors[loop[0]]), []).append(ring - 1.0)
     return tuple(Region(tuple(each), f"#{color:06x}") for color, each in rings.items())
@@ -65,7 +64,7 @@ def _sides(labels: Ints, nothing: int) -> tuple[Ints, Ints, Ints]:
     return np.concatenate(starts), np.concatenate(directions), np.concatenate(colors)
 
 
-def _following(starts: Ints, directions: Ints, colors: Ints, width: int) -> Ints:
+def _successors(starts: Ints, directions: Ints, colors: Ints, width: int) -> Ints:
     """Return for each side the next around the same region; where two offer themselves, the sharper right."""
     ends = starts + np.array(_STEPS)[directions]
     row_length = width + 1
@@ -75,14 +74,14 @@ def _following(starts: Ints, directions: Ints, colors: Ints, width: int) -> Ints
     def key(points: Ints, turn: Ints) -> Ints:
         return ((color.reshape(-1) * size + points[:, 1] * row_length + points[:, 0]) << 2) | turn
 
-    own = key(starts, directions)
-    order = np.argsort(own)
-    sorted_keys = own[order]
+    keys = key(starts, directions)
+    order = np.argsort(keys)
+    sorted_keys = keys[order]
     following = np.full(len(starts), -1, dtype=np.int64)
     for turn in (1, 0, 3):  # to the right, straight on, to the left
-        wanted = key(ends, (directions + turn) % 4)
-        place = np.minimum(np.searchsorted(sorted_keys, wanted), len(own) - 1)
-        fits = (following < 0) & (sorted_keys[place] == wanted)
+        goal = key(ends, (directions + turn) % 4)
+        place = np.minimum(np.searchsorted(sorted_keys, goal), len(keys) - 1)
+        fits = (following < 0) & (sorted_keys[place] == goal)
         following[fits] = order[place[fits]]
     return following
 
@@ -112,7 +111,7 @@ def _cuts(labels: Ints) -> Bools:
     return cuts
 
 
-def _straightened(corners: Ints, is_cut: Bools) -> Floats:
+def _straighten(corners: Ints, is_cut: Bools) -> Floats:
     """Return a ring with fewer corners, the same whichever region it is the border of.
 
     Between cuts it goes through the middles of the sides, which lie nearer to the true border than corners.
@@ -123,16 +122,16 @@ def _straightened(corners: Ints, is_cut: Bools) -> Floats:
     middles = (turned[:-1] + turned[1:]) / 2
     if not len(places):
         start = int(np.lexsort((middles[:, 1], middles[:, 0]))[0])
-        return _simplified(np.concatenate([middles[start:], middles[: start + 1]]))[:-1]
+        return _simplify(np.concatenate([middles[start:], middles[: start + 1]]))[:-1]
     ends = [*(places - first).tolist(), len(corners)]
     pieces = [
-        _simplified(np.concatenate([turned[k : k + 1], middles[k:last], turned[last : last + 1]]))[:-1]
+        _simplify(np.concatenate([turned[k : k + 1], middles[k:last], turned[last : last + 1]]))[:-1]
         for k, last in pairwise(ends)
     ]
     return np.concatenate(pieces)
 
 
-def _simplified(line: Floats) -> Floats:
+def _simplify(line: Floats) -> Floats:
     """Return a line without the corners that lie within the tolerance of it, the same from both ends."""
     if len(line) < 3:
         return line

@@ -123,10 +123,10 @@ def _motion_at(run: Trajectory, scene: Scene, times: Floats, vectors: str | tupl
     """Return the motion at times; where only its samples were kept, between those."""
     if run.dense_output is not None or np.isin(times, run.t).all():
         return make_motion(run, scene, times, (), vectors)
-    return resampled(make_motion(run, scene, np.atleast_1d(run.t), (), vectors), times)
+    return resample(make_motion(run, scene, np.atleast_1d(run.t), (), vectors), times)
 
 
-def resampled(motion: SceneMotion, times: Floats) -> SceneMotion:
+def resample(motion: SceneMotion, times: Floats) -> SceneMotion:
     """Return a motion at other times, straight on between its samples."""
 
     def between(values: Floats) -> Floats:
@@ -159,7 +159,7 @@ def _film_times(run: Trajectory, times: ArrayLike | None, fps: float, speed: flo
         what = f"the film would have {count} frames, and {_MOST_FRAMES} are the most"
         fix = "give times=(START, END), a smaller fps= or a larger speed="
         raise UsageError(Problem("film.long", "times", what, fix=fix))
-    return np.minimum(first + np.arange(count) * (speed / fps), last)
+    return np.asarray(np.minimum(first + np.arange(count) * (speed / fps), last), dtype=np.float64)
 
 
 def _inside(run: Trajectory, times: ArrayLike, example: str) -> Floats:

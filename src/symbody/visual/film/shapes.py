@@ -7,10 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from symbody.visual.film.facets import NOTHING, Facets, Floats, Ints, facets_of, welded
+from symbody.visual.film.facets import NOTHING, Facets, Floats, Ints, facets_of, weld
 from symbody.visual.scene.scene import Quaternion, SceneMesh, Solid
 
-ROUND: Final = 48  # sides of a circle
+ROUND: Final = 64  # sides of a circle
 RINGS: Final = 12  # of half a sphere
 
 
@@ -34,7 +34,7 @@ def facets_of_solid(solid: Solid, meshes: tuple[SceneMesh, ...]) -> Facets:
         facets = _mesh(solid, meshes)
     else:
         facets = _primitive(solid.kind, solid.size)
-    return facets.turned(rotation_of(solid.quaternion), np.array(solid.at))
+    return facets.rotate(rotation_of(solid.quaternion), np.array(solid.at))
 
 
 def line_of_solid(solid: Solid, meshes: tuple[SceneMesh, ...]) -> Floats:
@@ -51,7 +51,7 @@ def _mesh(solid: Solid, meshes: tuple[SceneMesh, ...]) -> Facets:
     triangles = mesh.triangles.astype(np.int64)
     if np.prod(factors) < 0.0:  # a mirror turns them round
         triangles = triangles[:, ::-1]
-    vertices, corners = welded(mesh.vertices * factors, triangles)
+    vertices, corners = weld(mesh.vertices * factors, triangles)
     # Whether a file's mesh is closed and turned the right way nobody vouches for: both sides are drawn.
     return facets_of(vertices, corners, closed=False) if len(corners) else NOTHING
 
@@ -89,13 +89,13 @@ def _revolved(radii: Floats, heights: Floats) -> Facets:
         [np.outer(radii, np.cos(turn)), np.outer(radii, np.sin(turn)), np.outer(heights, np.ones(ROUND))],
         axis=-1,
     )
-    vertices, triangles = welded(rings.reshape(-1, 3), grid_triangles(len(radii), ROUND))
+    vertices, triangles = weld(rings.reshape(-1, 3), grid_triangles(len(radii), ROUND))
     return facets_of(vertices, triangles)
 
 
 @lru_cache(maxsize=256)
 def grid_triangles(rows: int, columns: int) -> Ints:
-    """Return triangles between rings of vertices, row by row, each closed; outside is to the right of a ring."""
+    """Return triangles between rings of vertices, row by row; outside is to the right of a ring."""
     row, column = np.meshgrid(np.arange(rows - 1), np.arange(columns), indexing="ij")
     ahead = (column + 1) % columns
     a, b = row * columns + column, row * columns + ahead

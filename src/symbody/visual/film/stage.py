@@ -1,4 +1,4 @@
-"""`Stage`: a scene made ready to be drawn; `Instant`: its facets and strands at one time, in ground's axes."""
+"""`Stage`: a scene made ready to be drawn; `Instant`: what moves, at one time, in ground's axes."""
 
 from __future__ import annotations
 
@@ -71,8 +71,8 @@ class Instant:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pose:
-    """Where all bodies of a scene are, ground first: rotations (B, 3, 3) to ground's axes, positions (B, 3) [m]."""
+class BodyPlaces:
+    """Where all bodies are, ground first: rotations (B, 3, 3) to ground's axes, positions (B, 3) [m]."""
 
     rotations: Floats
     positions: Floats
@@ -84,11 +84,11 @@ class Pose:
         )
 
 
-def pose_at(motion: SceneMotion, k: int) -> Pose:
+def pose_at(motion: SceneMotion, k: int) -> BodyPlaces:
     """Return where the bodies are at a sample of a motion."""
     rotations = np.concatenate([np.eye(3)[np.newaxis], rotation_of(motion.quaternions[k]).reshape(-1, 3, 3)])
     positions = np.concatenate([np.zeros((1, 3)), motion.positions[k].reshape(-1, 3)])
-    return Pose(rotations, positions)
+    return BodyPlaces(rotations, positions)
 
 
 def make_stage(scene: Scene, motion: SceneMotion) -> Stage:
@@ -102,7 +102,7 @@ def make_stage(scene: Scene, motion: SceneMotion) -> Stage:
                 strands.append(Strand(line_of_solid(solid, scene.meshes), 0.0, color, place))
                 continue
             part += 1
-            facets = facets_of_solid(solid, scene.meshes).painted(color, part, place)
+            facets = facets_of_solid(solid, scene.meshes).in_color(color, part, place)
             if solid.opacity >= _SOLID:
                 pieces[place > 0].append(facets)
             elif solid.opacity > 0.0:
@@ -111,11 +111,13 @@ def make_stage(scene: Scene, motion: SceneMotion) -> Stage:
     return Stage(scene, ground, moving, tuple(panes), tuple(strands), _shortest(scene, motion))
 
 
-def stage_at(stage: Stage, pose: Pose) -> Instant:
+def stage_at(stage: Stage, pose: BodyPlaces) -> Instant:
     """Return what moves at one time, connectors drawn anew."""
     solids, lines = _connectors(stage, pose)
-    moving = join_facets([stage.moving.posed(pose.rotations, pose.positions), *solids])
-    panes = [Pane(pane.facets.posed(pose.rotations, pose.positions), pane.opacity) for pane in stage.panes]
+    moving = join_facets([stage.moving.to_ground(pose.rotations, pose.positions), *solids])
+    panes = [
+        Pane(pane.facets.to_ground(pose.rotations, pose.positions), pane.opacity) for pane in stage.panes
+    ]
     strands = [
         Strand(
             each.points @ pose.rotations[each.carrier].T + pose.positions[each.carrier],
@@ -128,7 +130,7 @@ def stage_at(stage: Stage, pose: Pose) -> Instant:
     return Instant(moving, tuple(panes), (*strands, *lines))
 
 
-def extent(stage: Stage, poses: Sequence[Pose]) -> Floats:
+def extent(stage: Stage, poses: Sequence[BodyPlaces]) -> Floats:
     """Return points (N, 3) between which all that is drawn lies, whatever the pose [m]."""
     points = [stage.ground.vertices]
     bodies = range(1, len(stage.scene.bodies))
@@ -153,7 +155,7 @@ def _corners(stage: Stage, place: int) -> Floats:
     if not len(points):
         return np.zeros((1, 3))
     grid = np.array(np.meshgrid(*[[-1.0, -0.5, 0.0, 0.5, 1.0]] * 3)).reshape(3, -1)
-    return points[np.unique(np.argmax(points @ grid, axis=0))]
+    return np.asarray(points[np.unique(np.argmax(points @ grid, axis=0))], dtype=np.float64)
 
 
 def _shortest(scene: Scene, motion: SceneMotion) -> Floats:
@@ -167,7 +169,7 @@ def _shortest(scene: Scene, motion: SceneMotion) -> Floats:
     )
 
 
-def _connectors(stage: Stage, pose: Pose) -> tuple[list[Facets], list[Strand]]:
+def _connectors(stage: Stage, pose: BodyPlaces) -> tuple[list[Facets], list[Strand]]:
     scene = stage.scene
     solids: list[Facets] = []
     lines: list[Strand] = []
@@ -179,7 +181,7 @@ def _connectors(stage: Stage, pose: Pose) -> tuple[list[Facets], list[Strand]]:
             lines.append(Strand(rope_points(start, end, slack, _down(scene)), each.radius, color))
         elif np.linalg.norm(end - start) > 1e-6 * scene.size:
             facets = _connector(each, start, end, float(stage.shortest[place]), scene)
-            solids.append(facets.painted(color, -1 - place, 0))
+            solids.append(facets.in_color(color, -1 - place, 0))
     return solids, lines
 
 

@@ -1,4 +1,4 @@
-"""`Studio`: a scene, its motion, a camera and all choices; it makes a `Drawing` of one position or several."""
+"""`Studio`: a scene, its motion, a camera and all choices; it makes drawings."""
 
 from __future__ import annotations
 

@@ -49,7 +49,9 @@ def _mark(mark: Mark) -> str:
         more = f' opacity="{_number(mark.opacity)}"' if mark.opacity < 1.0 else ""
         if mark.dashed:
             more += f' stroke-dasharray="{DASHES[0]} {DASHES[1]}" stroke-linecap="butt"'
-        return f'<path fill="none" stroke="{mark.color}" stroke-width="{_number(mark.width)}"{more} d="{data}"/>'
+        return (
+            f'<path fill="none" stroke="{mark.color}" stroke-width="{_number(mark.width)}"{more} d="{data}"/>'
+        )
     if isinstance(mark, Filled):
         return f'<path fill="{mark.color}" d="{_path(mark.corners, closed=True)}"/>'
     more = "" if mark.side == "start" else f' text-anchor="{mark.side}"'
@@ -57,7 +59,9 @@ def _mark(mark: Mark) -> str:
     if mark.halo:
         more += f' stroke="{mark.halo}" stroke-width="{_number(0.28 * mark.size)}" paint-order="stroke"'
     place = f'x="{_number(mark.at[0])}" y="{_number(mark.at[1])}"'
-    return f'<text {place} font-size="{_number(mark.size)}" fill="{mark.color}"{more}>{escape(mark.text)}</text>'
+    return (
+        f'<text {place} font-size="{_number(mark.size)}" fill="{mark.color}"{more}>{escape(mark.text)}</text>'
+    )
 
 
 def _path(points: Floats, closed: bool) -> str:

@@ -52,7 +52,7 @@ def visible_stretches(lines: Floats, depth: NDArray[np.float32], sample: float) 
     seen = np.zeros(len(owner), dtype=np.bool_)
     limit = places[:, 2] - _TOLERANCE * sample
     for offset in (0.0, 1.2, -1.2):
-        seen |= limit <= _looked_up(depth, places[:, :2] + offset * sideways[owner])
+        seen |= limit <= _lookup(depth, places[:, :2] + offset * sideways[owner])
     return _runs(lines, lengths, owner, step, counts, seen)
 
 
@@ -62,7 +62,7 @@ def _touches(lines: Floats, shape: tuple[int, int]) -> Bools:
     return np.asarray((high >= 0.0).all(axis=1) & (low <= np.array(shape[::-1])).all(axis=1))
 
 
-def _looked_up(depth: NDArray[np.float32], places: Floats) -> Floats:
+def _lookup(depth: NDArray[np.float32], places: Floats) -> Floats:
     """Return depths at places (N, 2); outside of the picture nothing is visible."""
     height, width = depth.shape
     column, row = np.floor(places).astype(np.int64).T
@@ -76,9 +76,9 @@ def _runs(lines: Floats, lengths: Floats, owner: Ints, step: Ints, counts: Ints,
         return Stretches(np.zeros((0, 2, 2)), np.zeros(0, dtype=np.int64))
     begins = seen & np.concatenate([[True], ~seen[:-1] | (owner[1:] != owner[:-1])])
     ends = seen & np.concatenate([~seen[1:] | (owner[1:] != owner[:-1]), [True]])
-    own = owner[begins]
-    first, last = step[begins] / counts[own], (step[ends] + 1) / counts[own]
-    proper = ((last - first) * lengths[own] >= _SHORTEST) | (last - first >= 1.0)
-    own, shares = own[proper], np.stack([first, last], axis=1)[proper]
-    start, along = lines[own, 0, :2], lines[own, 1, :2] - lines[own, 0, :2]
-    return Stretches(start[:, np.newaxis] + shares[:, :, np.newaxis] * along[:, np.newaxis], own)
+    owners = owner[begins]
+    first, last = step[begins] / counts[owners], (step[ends] + 1) / counts[owners]
+    proper = ((last - first) * lengths[owners] >= _SHORTEST) | (last - first >= 1.0)
+    owners, shares = owners[proper], np.stack([first, last], axis=1)[proper]
+    start, along = lines[owners, 0, :2], lines[owners, 1, :2] - lines[owners, 0, :2]
+    return Stretches(start[:, np.newaxis] + shares[:, :, np.newaxis] * along[:, np.newaxis], owners)
