@@ -32,9 +32,7 @@ def volume(facets: Facets) -> float:
         ("capsule", (0.5, 2.0), np.pi * 0.5 + 4 * np.pi / 3 * 0.125),
     ],
 )
-def test_solids_have_their_volume_and_face_outwards(
-    kind: str, size: tuple[float, ...], exact: float
-) -> None:
+def test_solids_have_their_volume_and_face_outwards(kind: str, size: tuple[float, ...], exact: float) -> None:
     facets = facets_of_solid(Solid("it", kind, size), ())  # type: ignore[arg-type]
     # A polygon of n sides lacks 2 pi^2 / 3 n^2 of its circle; a sphere lacks it along both angles.
     assert_allclose(volume(facets), exact, rtol=0.01)

@@ -1,4 +1,4 @@
-from .plot import plot as plot
-from .plot import save_plot as save_plot
 from .film import draw_scene as draw_scene
 from .film import save_animation as save_animation
+from .plot import plot as plot
+from .plot import save_plot as save_plot

@@ -1,8 +1,8 @@
-"""Films as images that move: GIF with one palette for all frames, and PNG."""
+"""Films as GIF, with one palette for all frames."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -37,10 +37,3 @@ def write_gif(frames: Iterable[Bytes], path: Path, delays: Sequence[int], palett
     first.save(
         path, format="GIF", save_all=True, append_images=images, duration=delays, loop=0, optimize=False
     )
-
-
-def write_apng(frames: Iterable[Bytes], path: Path, delays: Sequence[int]) -> None:
-    """Write frames to a PNG that moves, and is played again and again."""
-    images: Iterator[Image.Image] = (Image.fromarray(each) for each in frames)
-    first = next(images)
-    first.save(path, format="PNG", save_all=True, append_images=images, duration=delays, loop=0)

@@ -12,7 +12,7 @@ from PIL import Image
 
 from symbody.arguments import checked_arguments
 from symbody.errors import Problem, UsageError
-from symbody.visual.film.animated_images import FASTEST, frame_delays, shared_palette, write_apng, write_gif
+from symbody.visual.film.animated_images import FASTEST, frame_delays, shared_palette, write_gif
 from symbody.visual.film.axes_drawing import draw_on_axes, figure_of
 from symbody.visual.film.drawing import Bytes, Drawing
 from symbody.visual.film.ffmpeg import ffmpeg_program, write_video
@@ -26,7 +26,7 @@ from symbody.visual.scene.scene import Scene, SceneMotion
 Report = Callable[[float], bool | None]
 
 STILLS: Final = (".png", ".svg", ".pdf")
-FILMS: Final = (".mp4", ".webm", ".gif", ".apng")
+FILMS: Final = (".mp4", ".webm", ".gif")
 _PALETTE_FRAMES: Final = 6
 _MOST_SAMPLES: Final = 6e6  # of a picture made of regions
 _FINEST: Final = 6.0  # samples in a pixel
@@ -145,8 +145,6 @@ def write_film(
             if suffix == ".gif":
                 palette = shared_palette(_typical_frames(studio))
                 write_gif(frames, draft, frame_delays(len(motion.times), fps), palette)
-            elif suffix == ".apng":
-                write_apng(frames, draft, frame_delays(len(motion.times), fps))
             else:
                 write_video(frames, draft, look.size, fps, program)
     except Cancelled:
@@ -171,8 +169,8 @@ def film_frames(studio: Studio, report: Report | None = None) -> Iterator[Bytes]
 
 
 def fastest(suffix: str, fps: float) -> float:
-    """Return how many frames in a second a format can show, at most those wanted."""
-    return min(fps, FASTEST) if suffix in (".gif", ".apng") else fps
+    """Return how many frames in a second a format can show, at most the given ones."""
+    return min(fps, FASTEST) if suffix == ".gif" else fps
 
 
 def _typical_frames(studio: Studio) -> list[Bytes]:

@@ -51,7 +51,7 @@ def save_animation(
     Parameters
     ----------
     path : path
-        Its suffix chooses: .mp4 and .webm (by the program ffmpeg), .gif and .apng are films; .png, .svg and
+        Its suffix chooses: .mp4, .webm (both by the program ffmpeg) and .gif are films; .png, .svg and
         .pdf are pictures.
     times : (start, end) or (N,) array, optional
         Of a film where it begins and ends [s], by default all of the motion. Of a picture one time or

@@ -11,7 +11,7 @@ from symbody.visual.film.facets import NOTHING, Facets, Floats, Ints, facets_of,
 from symbody.visual.scene.scene import Quaternion, SceneMesh, Solid
 
 ROUND: Final = 64  # sides of a circle
-RINGS: Final = 12  # of half a sphere
+RINGS: Final = 16  # of half a sphere
 
 
 def rotation_of(quaternion: Floats | Quaternion) -> Floats:
