@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import inspect
-import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, is_dataclass
-from pathlib import Path
 from types import MappingProxyType
 from typing import Final, TypeVar
 
@@ -164,9 +162,7 @@ def ground_frames(entry: object, problems: list[Problem]) -> dict[str, Frame]:
     return _frames(entry, "model", ("ground", "frames"), problems)
 
 
-def shapes_from_entries(
-    entries: object, where: str, folder: str, problems: list[Problem]
-) -> list[BodyShape]:
+def shapes_from_entries(entries: object, where: str, folder: str, problems: list[Problem]) -> list[BodyShape]:
     """Return the shapes of a list of tables; faults are added to `problems`."""
     shapes = []
     for k, entry in enumerate(entries if isinstance(entries, list) else []):
@@ -197,23 +193,11 @@ def shape_entries(shapes: Iterable[BodyShape], folder: str | None = None) -> lis
             if value is not None and (name in _needed(shape) or value != getattr(plain, name)):
                 entry[name] = node_of(value)
         if isinstance(shape, Mesh):
-            entry["path"] = _path_from(shape, folder)
+            entry["path"] = shape.path if folder is None else shape.path_from(folder)
             if "scale" in entry and len(set(shape.scale)) == 1:
                 entry["scale"] = shape.scale[0]
         entries.append(entry)
     return entries
-
-
-def _path_from(mesh: Mesh, folder: str | None) -> str:
-    """Return the path of a mesh from another folder, with slashes; on another drive it is absolute."""
-    if folder is None or os.path.isabs(mesh.path) or "://" in mesh.path:
-        return mesh.path
-    if os.path.realpath(folder) == os.path.realpath(mesh.folder):
-        return mesh.path
-    try:
-        return Path(os.path.relpath(mesh.place, folder)).as_posix()
-    except ValueError:
-        return os.path.abspath(mesh.place)
 
 
 def entry_of(element: Element, folder: str | None = None) -> dict[str, Node]:

@@ -184,7 +184,9 @@ def _content(model: Model, folder: str | None = None) -> dict[str, Node]:
     if fixed:
         content["ground"] = fixed
     for kind in KINDS:
-        entries: list[Node] = [entry_of(element, folder) for element in model.elements if element.kind == kind]
+        entries: list[Node] = [
+            entry_of(element, folder) for element in model.elements if element.kind == kind
+        ]
         if entries:
             content[kind] = entries
     if model.initial:

@@ -74,7 +74,12 @@ Factors = Annotated[
     Any,
     PlainValidator(_factors),
     WithJsonSchema(
-        {"anyOf": [_TEXT_OR_NUMBER, {"type": "array", "items": _TEXT_OR_NUMBER, "minItems": 3, "maxItems": 3}]}
+        {
+            "anyOf": [
+                _TEXT_OR_NUMBER,
+                {"type": "array", "items": _TEXT_OR_NUMBER, "minItems": 3, "maxItems": 3},
+            ]
+        }
     ),
 ]
 Axis = Annotated[

@@ -76,12 +76,8 @@ def _merge_entries(entries: AoT, before: list[Node], after: list[Node]) -> bool:
     news = [cast("Tree", node) for node in after]
     if len(olds) != len(entries):
         return False
-    if not all("name" in node for node in (*olds, *news)):  # shapes, which have none
-        if len(olds) != len(news) or any(a["type"] != b["type"] for a, b in zip(olds, news, strict=True)):
-            return False
-        for entry, old, node in zip(entries, olds, news, strict=True):
-            _merge(entry, old, node)
-        return True
+    if not all("name" in node for node in (*olds, *news)):
+        return _merge_in_order(entries, olds, news)
     names = [node["name"] for node in news]
     kept = [k for k, node in enumerate(olds) if node["name"] in names]
     if [olds[k]["name"] for k in kept] != names[: len(kept)]:
@@ -95,6 +91,15 @@ def _merge_entries(entries: AoT, before: list[Node], after: list[Node]) -> bool:
         _merge(entry, olds[k], node)
     for node in news[len(kept) :]:
         entries.append(_table(node))
+    return True
+
+
+def _merge_in_order(entries: AoT, olds: list[Tree], news: list[Tree]) -> bool:
+    """Change tables without names, as those of shapes; return False if they are others than before."""
+    if [old["type"] for old in olds] != [node["type"] for node in news]:
+        return False
+    for entry, old, node in zip(entries, olds, news, strict=True):
+        _merge(entry, old, node)
     return True
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import final
 
 from symbody.arguments import checked_arguments
@@ -29,7 +30,7 @@ class Mesh(BodyShape):
     folder : str
         Where the path starts: that of the model file that names it; "" is the working directory.
     at : (3,) number or formula
-        Origin of the file's axes [m], in the body's axes from its centre of mass; of the ground from its origin.
+        Origin of the file's axes [m], in the body's axes from its centre of mass.
     rotate : iterable of (axis, angle)
         Successive turns from the body's axes to its own.
     matrix : (3, 3) number or formula, optional
@@ -79,6 +80,16 @@ class Mesh(BodyShape):
     def place(self) -> str:
         """The path of the file from the working directory."""
         return os.path.join(self.folder, self.path)
+
+    def path_from(self, folder: str) -> str:
+        """Return the path from another folder, with slashes; absolute paths and addresses stay."""
+        is_same = os.path.realpath(folder) == os.path.realpath(self.folder)
+        if is_same or os.path.isabs(self.path) or "://" in self.path:
+            return self.path
+        try:
+            return Path(os.path.relpath(self.place, folder)).as_posix()
+        except ValueError:  # on another drive
+            return os.path.abspath(self.place)
 
 
 def _path(door: Door, value: object, path: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -58,9 +58,14 @@ class BodyShape(ABC):
 
 
 def set_shape(
-    shape: BodyShape, sizes: dict[str, tuple[Reader, object]], at: object, rotate: object, matrix: object,
-    color: object, opacity: object,
-) -> None:  # fmt: skip
+    shape: BodyShape,
+    sizes: Mapping[str, tuple[Reader, object]],
+    at: Iterable[Value],
+    rotate: Turns,
+    matrix: Rows | None,
+    color: object,
+    opacity: object,
+) -> None:
     """Set the fields of a new shape from the arguments of its constructor.
 
     Parameters
@@ -90,15 +95,17 @@ def shapes_from(door: Door, values: object, path: str) -> tuple[BodyShape, ...]:
     items = [values] if isinstance(values, BodyShape) else door.items(values, path)
     for k, item in enumerate(items):
         if not isinstance(item, BodyShape):
-            cure = "give Box, Cylinder, Sphere, Capsule, Cone or Mesh"
-            door.refuse("model.not_a_shape", f"{path}[{k}]", f"{item!r} is not a shape", "", cure)
+            door.refuse(
+                "model.not_a_shape", f"{path}[{k}]", f"{item!r} is not a shape", "",
+                "give Box, Cylinder, Sphere, Capsule, Cone or Mesh",
+            )  # fmt: skip
     return tuple(item for item in items if isinstance(item, BodyShape))
 
 
-def _frame(door: Door, at: object, rotate: object, matrix: object) -> Frame:
+def _frame(door: Door, at: Iterable[Value], rotate: Turns, matrix: Rows | None) -> Frame:
     """Return where a shape stands; faults are those of a frame, with the shape's name before them."""
     try:
-        return Frame(at, rotate, matrix)  # each is read as the frame reads it, whatever it is
+        return Frame(at, rotate, matrix)
     except SymbodyError as error:
         for problem in error.problems:
             path = problem.where.partition(", ")[2]

@@ -23,7 +23,7 @@ class Box(BodyShape):
     size : (3,) number or formula
         Edges along x, y and z [m].
     at : (3,) number or formula
-        Its centre [m], in the body's axes from its centre of mass; of the ground from its origin.
+        Its centre [m], in the body's axes from its centre of mass.
     rotate : iterable of (axis, angle)
         Successive turns from the body's axes to its own.
     matrix : (3, 3) number or formula, optional
@@ -70,7 +70,7 @@ class Cylinder(BodyShape):
     radius, length : number or formula
         [m]
     at : (3,) number or formula
-        Its centre [m], in the body's axes from its centre of mass; of the ground from its origin.
+        Its centre [m], in the body's axes from its centre of mass.
     rotate : iterable of (axis, angle)
         Successive turns from the body's axes to its own.
     matrix : (3, 3) number or formula, optional
@@ -119,7 +119,7 @@ class Capsule(BodyShape):
     radius, length : number or formula
         The length is that of the cylinder, without its caps [m].
     at : (3,) number or formula
-        Its centre [m], in the body's axes from its centre of mass; of the ground from its origin.
+        Its centre [m], in the body's axes from its centre of mass.
     rotate : iterable of (axis, angle)
         Successive turns from the body's axes to its own.
     matrix : (3, 3) number or formula, optional
@@ -168,7 +168,7 @@ class Cone(BodyShape):
     radius, length : number or formula
         Of its base, and from base to tip [m].
     at : (3,) number or formula
-        The point half way up its axis [m], in the body's axes from its centre of mass; of the ground from its origin.
+        The point half way up its axis [m], in the body's axes from its centre of mass.
     rotate : iterable of (axis, angle)
         Successive turns from the body's axes to its own.
     matrix : (3, 3) number or formula, optional
@@ -217,7 +217,7 @@ class Sphere(BodyShape):
     radius : number or formula
         [m]
     at : (3,) number or formula
-        Its centre [m], in the body's axes from its centre of mass; of the ground from its origin.
+        Its centre [m], in the body's axes from its centre of mass.
     rotate : iterable of (axis, angle)
         Successive turns from the body's axes to its own.
     matrix : (3, 3) number or formula, optional

@@ -13,7 +13,8 @@ from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
-from symbody.simulation.results.trajectory import Evaluate, EvaluateTogether, Trajectory
+from symbody.simulation.results.evaluate import Evaluate, EvaluateTogether
+from symbody.simulation.results.trajectory import Trajectory
 
 Floats = NDArray[np.float64]
 

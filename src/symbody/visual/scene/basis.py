@@ -167,10 +167,12 @@ def _largest_distance(points: Iterable[Floats]) -> float:
 def _size(
     model: Model, numbers: ModelNumbers, placed: Iterable[RigidTransform], lengths: Iterable[float]
 ) -> float:
-    """Return a length that fits the mechanism [m]: of the box round its frames, else of its formulas, else 1."""
+    """Return a length that fits the mechanism [m]: of the box round its frames, else of formulas, else 1."""
     points = np.array([frame.at for frame in placed])
     radii = [numbers.number(part.radius) for part in model.constraints if isinstance(part, Rolling)]
     size = max([float(np.ptp(points, axis=0).max()), *lengths, *(2.0 * abs(radius) for radius in radii)])
     if size > 0.0:
         return size
-    return max((abs(numbers.number(formula)) for formula in model_lengths(model)), default=0.0) or 1.0
+    shapes = [*model.ground_shapes, *(shape for body in model.bodies for shape in body.shapes)]
+    formulas = [formula for shape in shapes for _, formula in shape.lengths] or model_lengths(model)
+    return max((abs(numbers.number(formula)) for formula in formulas), default=0.0) or 1.0

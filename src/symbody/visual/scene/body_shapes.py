@@ -70,7 +70,7 @@ def inertia_box(basis: SceneBasis, body: Body) -> tuple[tuple[float, float, floa
 
 
 def _solid_of_inertia(basis: SceneBasis, body: Body, mass: float) -> FixedShape:
-    """Return a box of a body's inertia, or a cylinder if two of its moments are equal; without any a block."""
+    """Return a box of a body's inertia, or a cylinder if two moments are equal; without any a block."""
     edges, axes = inertia_box(basis, body)
     given = [edge for edge in edges if edge > 0.0]
     if len(given) < 2:

@@ -54,6 +54,7 @@ from symbody.visual.scene.scene import (
     SceneMesh,
     Solid,
 )
+from symbody.visual.scene.user_shapes import user_shapes
 from symbody.visual.scene.view import gravity_of, plane_normal, up_direction
 from symbody.visual.scene.wheels import knife_shapes, rolling_shapes
 
@@ -89,7 +90,8 @@ def make_scene(
     basis = scene_basis(model, numbers, courses)
     gravity, normal = gravity_of(basis), plane_normal(basis)
     up = up_direction(gravity, normal)
-    solids, meshes = _with_meshes([*_shapes(basis), *ground_shapes(basis, up, normal)])
+    given, remarks = user_shapes(basis)
+    solids, meshes = _with_meshes([*_shapes(basis, given), *ground_shapes(basis, up, normal)])
     return Scene(
         name=model.name,
         size=float(basis.size),
@@ -103,7 +105,7 @@ def make_scene(
             for joint in model.joints
         ),
         meshes=meshes,
-        notes=_notes(numbers),
+        notes=(*_notes(numbers), *remarks),
     )
 
 
@@ -115,12 +117,20 @@ def _notes(numbers: ModelNumbers) -> tuple[str, ...]:
     return (f"{', '.join(numbers.assumed)} {verb} no value: drawn as if 1",)
 
 
-def _shapes(basis: SceneBasis) -> list[FixedShape]:
-    """Return all solids, those of bodies first; bodies that are wheels have no other shape than their rods."""
+def _shapes(basis: SceneBasis, given: Mapping[str, list[FixedShape]]) -> list[FixedShape]:
+    """Return all solids, those of bodies first; bodies that are wheels have no other shape than rods.
+
+    Parameters
+    ----------
+    given : mapping of body to its shapes
+        Where the model has some, which take the place of the usual ones.
+    """
     gears = gear_shapes(basis)
     rollers = [element for element in basis.model.constraints if isinstance(element, Rolling)]
     wheels = {shape.body for shape in gears} | {element.end.body for element in rollers}
-    shapes = [shape for body in basis.model.bodies for shape in body_shapes(basis, body, body.name in wheels)]
+    shapes = list(given.get(GROUND, ()))
+    for body in basis.model.bodies:
+        shapes += given.get(body.name) or body_shapes(basis, body, body.name in wheels)
     for joint in basis.model.joints:
         shapes += [*joint_shapes(basis, joint), *drive_shapes(basis, joint)]
     for element in basis.model.elements:
@@ -130,7 +140,7 @@ def _shapes(basis: SceneBasis) -> list[FixedShape]:
 
 
 def _without_floors_twice(basis: SceneBasis, shapes: list[FixedShape]) -> list[FixedShape]:
-    """Return shapes without boxes that lie in the plane of another of the same size: a floor is drawn once."""
+    """Return shapes without boxes in the plane of another of the same size: a floor is drawn once."""
     floors: list[FixedShape] = []
     rest = []
     for shape in shapes:

@@ -51,9 +51,8 @@ def gear_outline(
     flank_radii, angles = np.r_[radii, radii[::-1]], np.r_[-half, half[::-1]]
     centres = 2.0 * math.pi / teeth * np.arange(teeth)
     all_angles = (centres[:, np.newaxis] + angles).ravel()
-    return np.tile(flank_radii, teeth)[:, np.newaxis] * np.stack(
-        [np.cos(all_angles), np.sin(all_angles)], axis=1
-    )
+    directions = np.stack([np.cos(all_angles), np.sin(all_angles)], axis=1)
+    return np.asarray(np.tile(flank_radii, teeth)[:, np.newaxis] * directions)
 
 
 def ring_outlines(radius: float, teeth: int) -> tuple[Floats, Floats]:

@@ -22,7 +22,7 @@ _WIDTH, _THICKNESS, _DEPTH = 4.0, 0.7, 3.6
 
 
 def ground_shapes(basis: SceneBasis, up: Floats, normal: Floats | None) -> list[FixedShape]:
-    """Return a foot below each joint, spring and rope on ground; joints that slide have their rail instead."""
+    """Return a foot below each joint, spring and rope on ground; joints that slide have rails instead."""
     places: list[tuple[str, Floats]] = []
     for link in basis.links:
         slides = isinstance(link, Joint) and basis.freedoms[link.name].translations > 0

@@ -229,7 +229,7 @@ def _screw(site: JointSite) -> list[FixedShape]:
 
 def _across(site: JointSite, slide: Floats) -> Floats:
     """Return the direction of the start frame across a guide that is nearest to a main axis."""
-    return np.eye(3)[int(np.argmin(np.abs(slide)))]
+    return np.asarray(np.eye(3)[int(np.argmin(np.abs(slide)))])
 
 
 # By rotations and translations; two or three translations are one.

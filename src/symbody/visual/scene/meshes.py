@@ -78,10 +78,7 @@ def prism(outline: Floats, thickness: float) -> SceneMesh:
         np.stack([np.full(count, 2 * count), nxt, around], axis=1),
         np.stack([np.full(count, 2 * count + 1), count + around, count + nxt], axis=1),
     ]
-    sides = np.vstack([
-        np.stack([around, nxt, count + nxt], axis=1), np.stack([around, count + nxt, count + around], axis=1)
-    ])  # fmt: skip
-    return flat_shaded(vertices, [*caps, sides])
+    return flat_shaded(vertices, [cap.astype(np.int32) for cap in caps] + [_ring_band(0, count, count)])
 
 
 def hollow_prism(inner: Floats, outer: Floats, thickness: float) -> SceneMesh:

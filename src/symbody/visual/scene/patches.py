@@ -34,19 +34,18 @@ _CELLS: Final = 22
 
 def plane_shapes(basis: SceneBasis, element: Rolling | PointOnPlane) -> list[FixedShape]:
     """Return a translucent patch of the plane, below or about where the other body is at the start."""
-    is_floor = isinstance(element, Rolling)
     normal = element.normal if isinstance(element, Rolling) else element.axis
     frame = basis.frames[element.start]
     direction = frame.axes @ basis.numbers.axis(normal)
     foot = _seen_from_start(basis, element)
     at = foot - ((foot - frame.at) @ direction) * direction
-    side = (_FLOOR if is_floor else _PATCH) * basis.size
+    side = (_FLOOR if isinstance(element, Rolling) else _PATCH) * basis.size
     thickness = 0.15 * basis.rod
     where = along(at - 0.5 * thickness * direction, direction)
     color = GROUND_COLOR if element.start.body == GROUND else ""
     size = (side, side, thickness)
     shape = fixed_shape(element.start.body, element.name, "box", size, where, color, GLASS)
-    return [shape] if is_floor else [shape, _point(basis, element)]
+    return [shape] if isinstance(element, Rolling) else [shape, _point(basis, element)]
 
 
 def line_shapes(basis: SceneBasis, element: PointOnLine) -> list[FixedShape]:

@@ -1,0 +1,64 @@
+/** Builds the player page, the notebook widget and the file of licences into the Python package. */
+
+import { createHash } from "node:crypto";
+import { mkdir, readFile, writeFile } from "node:fs/promises";
+import { fileURLToPath } from "node:url";
+import { build } from "vite";
+import { writeLicenses } from "./licenses.mjs";
+
+const root = fileURLToPath(new URL("..", import.meta.url));
+const pages = fileURLToPath(new URL("../../src/symbody/visual/pages/", import.meta.url));
+const MOST_BYTES = 900_000;
+
+/** Return the code and the style of one entry, each as one text. */
+async function bundle(entry, format) {
+  const results = await build({
+    root,
+    configFile: false,
+    logLevel: "warn",
+    define: { "process.env.NODE_ENV": '"production"' },
+    build: {
+      write: false,
+      target: "es2022",
+      cssMinify: true,
+      assetsInlineLimit: 1e9,
+      rolldownOptions: { output: { minify: true } }, // a library is left long otherwise
+      lib: { entry, formats: [format], name: "symbody", fileName: "bundle", cssFileName: "bundle" },
+    },
+  });
+  const outputs = [results].flat().flatMap((each) => each.output);
+  const chunks = outputs.filter((each) => each.type === "chunk");
+  if (chunks.length !== 1) throw new Error(`${entry} gives ${chunks.length} files, not one`);
+  const style = outputs.filter((each) => each.type === "asset" && each.fileName.endsWith(".css"));
+  return { script: chunks[0].code.trim(), style: style.map((each) => String(each.source)).join("\n") };
+}
+
+async function writePlayer() {
+  const { script, style } = await bundle("src/player/main.ts", "iife");
+  // nothing in the code may end its element
+  const safe = script.replaceAll("</script", "<\\/script").replaceAll("<!--", "<\\!--");
+  const hash = `sha256-${createHash("sha256").update(safe, "utf8").digest("base64")}`;
+  const template = await readFile(`${root}/player.html`, "utf8");
+  const page = template
+    .replace("%STYLE%", () => style)
+    .replace("%SCRIPT%", () => safe)
+    .replace("%SCRIPT_HASH%", () => hash);
+  await write("player.html", page);
+}
+
+async function writeWidget() {
+  const { script } = await bundle("src/widget/widget.ts", "es");
+  await write("widget.js", script);
+}
+
+async function write(name, text) {
+  const bytes = Buffer.byteLength(text);
+  if (bytes > MOST_BYTES) throw new Error(`${name} has ${bytes} bytes, at most ${MOST_BYTES}`);
+  await writeFile(`${pages}${name}`, text);
+  console.log(`${name}: ${(bytes / 1000).toFixed(0)} kB`);
+}
+
+await mkdir(pages, { recursive: true });
+await writePlayer();
+await writeWidget();
+await writeLicenses();

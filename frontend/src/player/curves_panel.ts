@@ -1,0 +1,125 @@
+/** All panels of curves, in step with the time and with each other. */
+
+import type { StateSource } from "../viewer";
+import { groupCurves, toCsv } from "./curve_table";
+import { create, download, fileName, setText } from "./dom";
+import { iconButton } from "./icons";
+import { Plot } from "./plot";
+import { formatTime } from "./transport";
+
+const LEAST_HEIGHT = 84;
+const TIME_AXIS = 20; // the height that the numbers of the time take under the last panel
+const GAP = 4;
+
+export class CurvesPanel {
+  readonly element: HTMLElement;
+  readonly plots: Plot[];
+  private readonly list = create("div", { class: "sb-plots" });
+  private readonly readout = create("span", { class: "sb-number sb-hover" });
+  private readonly watcher: ResizeObserver;
+  private time = 0;
+  private hovered: number | null = null;
+
+  constructor(
+    private readonly source: StateSource,
+    private readonly title: string,
+    shown: readonly string[] | null,
+    seek: (time: number) => void,
+  ) {
+    const hooks = { seek, hover: (time: number | null) => { this.hover(time); }, choose: () => undefined };
+    const groups = groupCurves(source.curves);
+    this.plots = groups.map((group, index) => new Plot(group, source.times, source.events, shown, hooks, index === groups.length - 1));
+    this.list.append(...this.plots.map((plot) => plot.element));
+    this.element = create("section", { class: "sb-curves", "aria-label": "Curves" }, this.createHeader(), this.list);
+    this.watcher = new ResizeObserver(() => { this.resize(); });
+    this.watcher.observe(this.list);
+  }
+
+  showTime(time: number): void {
+    this.time = time;
+    for (const plot of this.plots) {
+      plot.showTime(time);
+      if (this.hovered === null) plot.showValues(time);
+    }
+  }
+
+  /** Draw anew in the colours of another theme. */
+  repaint(): void {
+    for (const plot of this.plots) plot.chart.redraw(false); // the paths stay
+  }
+
+  resize(): void {
+    const room = (this.list.clientHeight - TIME_AXIS) / this.plots.length - GAP;
+    const height = Math.max(LEAST_HEIGHT, Math.floor(room));
+    for (const plot of this.plots) plot.resize(plot.last ? height + TIME_AXIS : height);
+    this.showTime(this.time);
+  }
+
+  saveCsv(): void {
+    const curves = this.plots.flatMap((plot) => plot.drawn.map((index) => plot.group.curves[index]!));
+    download(fileName(this.title, ".csv"), new Blob([toCsv(this.source.times, curves)], { type: "text/csv" }));
+  }
+
+  savePng(): void {
+    picture(this.plots, this.element).toBlob((blob) => {
+      if (blob !== null) download(fileName(this.title, "_curves.png"), blob);
+    });
+  }
+
+  dispose(): void {
+    this.watcher.disconnect();
+    for (const plot of this.plots) plot.dispose();
+  }
+
+  private createHeader(): HTMLElement {
+    return create(
+      "div",
+      { class: "sb-curves-head" },
+      this.readout,
+      iconButton("zoomOut", "Show the whole time (double-click a plot)", "", () => { for (const plot of this.plots) plot.resetZoom(); }),
+      iconButton("table", "Save the curves as CSV", "", () => { this.saveCsv(); }),
+      iconButton("camera", "Save the curves as a picture", "", () => { this.savePng(); }),
+    );
+  }
+
+  private hover(time: number | null): void {
+    if (time === null && this.hovered === null) return;
+    this.hovered = time;
+    const { start, end } = this.source;
+    setText(this.readout, time === null ? "" : `t ${formatTime(time, end - start)} s`);
+    for (const plot of this.plots) plot.showValues(time ?? this.time);
+  }
+}
+
+/** Return the plots, each with the names of its curves over it, on one canvas. */
+function picture(plots: readonly Plot[], styled: HTMLElement): HTMLCanvasElement {
+  const style = getComputedStyle(styled);
+  const ratio = window.devicePixelRatio || 1;
+  const head = 26 * ratio;
+  const sources = plots.map((plot) => plot.chart.ctx.canvas);
+  const canvas = document.createElement("canvas");
+  canvas.width = Math.max(...sources.map((each) => each.width));
+  canvas.height = sources.reduce((sum, each) => sum + each.height + head, 0);
+  const context = canvas.getContext("2d");
+  if (context === null) return canvas;
+  context.fillStyle = style.getPropertyValue("--sb-surface");
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  context.font = `${12 * ratio}px system-ui, sans-serif`;
+  context.textBaseline = "middle";
+  let top = 0;
+  plots.forEach((plot, index) => {
+    let left = 12 * ratio;
+    for (const curve of plot.drawn) {
+      const { stroke } = plot.chart.series[curve + 1]!;
+      context.fillStyle = typeof stroke === "function" ? String(stroke(plot.chart, curve + 1)) : style.color;
+      context.fillRect(left, top + head / 2 - ratio, 18 * ratio, 2 * ratio);
+      context.fillStyle = style.getPropertyValue("--sb-text");
+      const { name } = plot.group.curves[curve]!;
+      context.fillText(name, left + 24 * ratio, top + head / 2);
+      left += context.measureText(name).width + 44 * ratio;
+    }
+    context.drawImage(sources[index]!, 0, top + head);
+    top += head + sources[index]!.height;
+  });
+  return canvas;
+}

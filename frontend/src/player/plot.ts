@@ -1,0 +1,220 @@
+/** One panel of curves with a legend whose ticks choose what is drawn. */
+
+import uPlot from "uplot";
+import type { MotionEvent } from "../viewer";
+import { valueAt, formatValue, type CurveGroup } from "./curve_table";
+import { create, setText } from "./dom";
+
+const DASHES: readonly (readonly number[])[] = [[], [8, 4], [2, 3], [10, 3, 2, 3]];
+const COLORS = 8; // that the style has for curves
+export const MOST_SHOWN = 6; // curves that a panel shows at first
+
+interface Row {
+  readonly box: HTMLInputElement;
+  readonly value: HTMLElement;
+}
+
+export interface PlotHooks {
+  seek(time: number): void;
+  /** The time under the pointer, or null. */
+  hover(time: number | null): void;
+  choose(): void;
+}
+
+export class Plot {
+  readonly element = create("div", { class: "sb-plot" });
+  readonly chart: uPlot;
+  private readonly rows: Row[];
+  private readonly cursor = create("div", { class: "sb-time-cursor", "aria-hidden": "true" });
+  private time = 0;
+
+  constructor(
+    readonly group: CurveGroup,
+    private readonly times: Float64Array,
+    events: readonly MotionEvent[],
+    shown: readonly string[] | null,
+    private readonly hooks: PlotHooks,
+    readonly last: boolean,
+  ) {
+    const visible = (index: number): boolean =>
+      shown === null ? index < MOST_SHOWN : shown.includes(group.curves[index]!.name);
+    const area = create("div", { class: "sb-plot-area" });
+    this.rows = group.curves.map((_, index) => this.createRow(index, visible(index)));
+    this.element.append(area, this.createLegend());
+    const series = group.curves.map((curve, index) => ({
+      label: curve.name,
+      stroke: (chart: uPlot) => variable(chart, curveColor(index)),
+      dash: [...curveDash(index)],
+      width: 2,
+      show: visible(index),
+      points: { show: false },
+    }));
+    const options: uPlot.Options = {
+      width: 300,
+      height: 120,
+      legend: { show: false },
+      scales: { x: { time: false } },
+      series: [{}, ...series],
+      axes: [timeAxis(last), valueAxis(group.unit)],
+      cursor: { sync: { key: "symbody" }, drag: { x: true, y: false, setScale: true }, points: { size: 7 } },
+      hooks: {
+        draw: [(chart) => { drawEvents(chart, events); }],
+        setSize: [() => { this.showTime(this.time); }],
+        setScale: [() => { this.showTime(this.time); }],
+        setCursor: [(chart) => { this.hover(chart); }],
+      },
+    };
+    this.chart = new uPlot(options, [times, ...group.curves.map((each) => each.values)] as uPlot.AlignedData, area);
+    this.chart.over.append(this.cursor);
+    this.followPointer();
+  }
+
+  /** The curves that are drawn. */
+  get drawn(): readonly number[] {
+    return this.rows.flatMap((row, index) => (row.box.checked ? [index] : []));
+  }
+
+  resize(height: number): void {
+    const area = this.chart.root.parentElement;
+    const width = area?.clientWidth ?? 0;
+    if (width > 40 && height > 40) this.chart.setSize({ width, height });
+  }
+
+  showTime(time: number): void {
+    this.time = time;
+    const { min, max } = this.chart.scales["x"] ?? {};
+    if (min === undefined || max === undefined || min === null || max === null) return;
+    const inside = time >= min && time <= max;
+    this.cursor.hidden = !inside;
+    if (inside) this.cursor.style.transform = `translateX(${this.chart.valToPos(time, "x").toFixed(1)}px)`;
+  }
+
+  showValues(time: number): void {
+    this.rows.forEach((row, index) => {
+      setText(row.value, formatValue(valueAt(this.times, this.group.curves[index]!.values, time)));
+    });
+  }
+
+  resetZoom(): void {
+    this.chart.setScale("x", { min: this.times[0]!, max: this.times[this.times.length - 1]! });
+  }
+
+  dispose(): void {
+    this.chart.destroy();
+  }
+
+  private createRow(index: number, checked: boolean): Row {
+    const box = create("input", { type: "checkbox" });
+    box.checked = checked;
+    box.addEventListener("change", () => {
+      this.chart.setSeries(index + 1, { show: box.checked });
+      this.hooks.choose();
+    });
+    return { box, value: create("span", { class: "sb-number" }) };
+  }
+
+  private createLegend(): HTMLElement {
+    const unit = this.group.unit === "" ? "" : ` ${this.group.unit}`;
+    const rows = this.rows.map((row, index) => {
+      const name = this.group.curves[index]!.name;
+      return create("label", { class: "sb-curve", title: name + unit }, row.box, swatch(index), create("span", { class: "sb-curve-name" }, name), row.value);
+    });
+    const title = this.group.unit === "" ? "no unit" : this.group.unit;
+    return create("div", { class: "sb-legend", role: "group", "aria-label": `Curves, ${title}`, tabindex: 0 }, ...rows);
+  }
+
+  private hover(chart: uPlot): void {
+    const { left } = chart.cursor;
+    const inside = left !== undefined && left >= 0 && chart.cursor.event !== undefined && chart.cursor.event !== null;
+    this.hooks.hover(inside ? chart.posToVal(left, "x") : null);
+  }
+
+  /** A press without a drag sets the time; a drag that begins on the time's line moves it. */
+  private followPointer(): void {
+    const { over } = this.chart;
+    let pressed = 0;
+    over.addEventListener("pointerdown", (event) => { pressed = event.clientX; });
+    over.addEventListener("click", (event) => {
+      if (Math.abs(event.clientX - pressed) < 4) this.seekAt(event);
+    });
+    this.cursor.addEventListener("pointerdown", (event) => {
+      this.cursor.setPointerCapture(event.pointerId);
+      event.stopPropagation();
+    });
+    this.cursor.addEventListener("mousedown", (event) => { event.stopPropagation(); });
+    this.cursor.addEventListener("pointermove", (event) => {
+      if (this.cursor.hasPointerCapture(event.pointerId)) this.seekAt(event);
+    });
+  }
+
+  private seekAt(event: MouseEvent): void {
+    const { left } = this.chart.over.getBoundingClientRect();
+    this.hooks.seek(this.chart.posToVal(event.clientX - left, "x"));
+  }
+}
+
+/** Return the style's variable with the colour of a curve. */
+function curveColor(index: number): string {
+  return `--sb-curve-${index % COLORS}`;
+}
+
+function curveDash(index: number): readonly number[] {
+  return DASHES[Math.floor(index / COLORS) % DASHES.length]!;
+}
+
+function swatch(index: number): HTMLElement {
+  const element = create("span", { class: "sb-swatch" });
+  element.style.setProperty("--sb-swatch", `var(${curveColor(index)})`);
+  element.classList.toggle("sb-dashed", curveDash(index).length > 0);
+  return element;
+}
+
+function variable(chart: uPlot, name: string): string {
+  return getComputedStyle(chart.root).getPropertyValue(name);
+}
+
+const FONT = '12px system-ui, "Segoe UI", sans-serif';
+
+/** Axes take their colours from the page's style, at each drawing. */
+function plainAxis(): uPlot.Axis {
+  const rule = (chart: uPlot): string => variable(chart, "--sb-rule");
+  return {
+    stroke: (chart) => variable(chart, "--sb-soft"),
+    font: FONT,
+    grid: { stroke: rule, width: 1 },
+    ticks: { stroke: rule, width: 1, size: 4 },
+  };
+}
+
+/** The axis of time; its numbers stand under the last panel only. */
+function timeAxis(last: boolean): uPlot.Axis {
+  if (!last) return { ...plainAxis(), size: 6, values: (_, splits) => splits.map(() => ""), ticks: { show: false } };
+  return { ...plainAxis(), size: 24, gap: 2, values: (_, splits) => splits.map((each, index) => (index === splits.length - 1 ? `${formatTick(each)} s` : formatTick(each))) };
+}
+
+function valueAxis(unit: string): uPlot.Axis {
+  const named = unit === "" ? {} : { label: unit, labelFont: FONT, labelSize: 18, labelGap: 0 };
+  return { ...plainAxis(), ...named, size: 54, space: 22, values: (_, splits) => splits.map(formatTick) };
+}
+
+function formatTick(value: number): string {
+  const size = Math.abs(value);
+  const text = size !== 0 && (size < 1e-3 || size >= 1e5) ? value.toExponential(0) : String(Number(value.toPrecision(5)));
+  return text.replace("-", "−");
+}
+
+function drawEvents(chart: uPlot, events: readonly MotionEvent[]): void {
+  const { ctx, bbox } = chart;
+  ctx.save();
+  ctx.strokeStyle = variable(chart, "--sb-event");
+  ctx.setLineDash([4, 4]);
+  for (const { t } of events) {
+    const x = Math.round(chart.valToPos(t, "x", true)) + 0.5;
+    if (x < bbox.left || x > bbox.left + bbox.width) continue;
+    ctx.beginPath();
+    ctx.moveTo(x, bbox.top);
+    ctx.lineTo(x, bbox.top + bbox.height);
+    ctx.stroke();
+  }
+  ctx.restore();
+}

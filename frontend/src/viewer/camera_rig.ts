@@ -1,0 +1,234 @@
+/** The camera: orbit, pan, zoom, standard views, and a view that holds the whole motion. */
+
+import { MathUtils, PerspectiveCamera, Vector3 } from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import type { Scene } from "./contract";
+import type { Extent } from "./paths";
+
+export const VIEW_NAMES = ["front", "top", "right", "isometric"] as const;
+export type ViewName = (typeof VIEW_NAMES)[number];
+
+const ANGLE = 30; // of the perspective, degrees
+const PARALLEL_ANGLE = 1; // so small that parallels look parallel
+const MARGIN = 1.2;
+const TURN_SECONDS = 0.28;
+
+interface Turn {
+  readonly fromOffset: Vector3;
+  readonly toOffset: Vector3;
+  readonly fromTarget: Vector3;
+  readonly toTarget: Vector3;
+  started: number;
+}
+
+/** Return the direction from the mechanism to the camera of a standard view. */
+export function viewDirection(scene: Scene, view: ViewName): Vector3 {
+  const up = new Vector3(...scene.up).normalize();
+  const front = frontDirection(scene, up);
+  const right = new Vector3().crossVectors(up, front).normalize();
+  switch (view) {
+    case "front":
+      return front;
+    case "right":
+      return right;
+    case "top":
+      return up.addScaledVector(front, 1e-4).normalize();
+    case "isometric":
+      return front.addScaledVector(right, 0.75).addScaledVector(up, 0.7).normalize();
+  }
+}
+
+/** Of a planar mechanism its normal; else level, such that x runs to the right if it can. */
+function frontDirection(scene: Scene, up: Vector3): Vector3 {
+  if (scene.normal !== null) {
+    const normal = new Vector3(...scene.normal).normalize();
+    if (Math.abs(normal.dot(up)) < 0.99) return normal;
+  }
+  const side = Math.abs(up.x) < 0.9 ? new Vector3(1, 0, 0) : new Vector3(0, 1, 0);
+  return new Vector3().crossVectors(side, up).normalize();
+}
+
+export class CameraRig {
+  readonly camera = new PerspectiveCamera(ANGLE, 1, 0.01, 1000);
+  readonly controls: OrbitControls;
+  private turn: Turn | null = null;
+  private readonly radius: number;
+  private readonly up: Vector3;
+  private height = 1;
+
+  constructor(
+    canvas: HTMLElement,
+    private readonly scene: Scene,
+    private readonly extent: Extent,
+    private readonly animate: () => boolean,
+    invalidate: () => void,
+  ) {
+    this.up = new Vector3(...scene.up).normalize();
+    this.camera.up.copy(this.up); // before the controls, which read it once
+    this.radius = extent.box.getSize(new Vector3()).length() / 2;
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = animate();
+    this.controls.dampingFactor = 0.18;
+    this.controls.zoomToCursor = true;
+    this.controls.addEventListener("change", invalidate);
+    this.controls.addEventListener("start", () => {
+      this.turn = null;
+    });
+  }
+
+  get distance(): number {
+    return this.camera.position.distanceTo(this.controls.target);
+  }
+
+  /** Pixels of a metre at the target. */
+  get pixelsPerMetre(): number {
+    return this.height / (2 * this.distance * Math.tan(MathUtils.degToRad(this.camera.fov) / 2));
+  }
+
+  get parallel(): boolean {
+    return this.camera.fov === PARALLEL_ANGLE;
+  }
+
+  resize(width: number, height: number): void {
+    this.height = height;
+    this.camera.aspect = width / Math.max(height, 1);
+    this.camera.updateProjectionMatrix();
+  }
+
+  /** Look from a standard direction at the whole motion. */
+  view(view: ViewName, now: boolean): void {
+    this.moveTo(viewDirection(this.scene, view), now);
+  }
+
+  /** Hold the whole motion in the picture, from the present direction. */
+  fit(now = false): void {
+    this.moveTo(this.offset().normalize(), now);
+  }
+
+  setParallel(parallel: boolean): void {
+    const before = Math.tan(MathUtils.degToRad(this.camera.fov) / 2);
+    this.camera.fov = parallel ? PARALLEL_ANGLE : ANGLE;
+    const after = Math.tan(MathUtils.degToRad(this.camera.fov) / 2);
+    const offset = this.offset().multiplyScalar(before / after);
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.camera.updateProjectionMatrix();
+    this.finish();
+  }
+
+  /** Turn by angles [rad] to the left and up. */
+  orbit(left: number, up: number): void {
+    const offset = this.offset().applyAxisAngle(this.up, left);
+    const height = offset.angleTo(this.up);
+    const pitch = MathUtils.clamp(height - up, 0.01, Math.PI - 0.01) - height;
+    const right = new Vector3().crossVectors(this.up, offset).normalize();
+    offset.applyAxisAngle(right, pitch);
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.finish();
+  }
+
+  /** Shift the picture by parts of its height. */
+  pan(right: number, up: number): void {
+    const metres = this.height / this.pixelsPerMetre;
+    const shift = new Vector3(right * metres, up * metres, 0).applyQuaternion(this.camera.quaternion);
+    this.camera.position.sub(shift);
+    this.controls.target.sub(shift);
+    this.finish();
+  }
+
+  zoom(factor: number): void {
+    const offset = this.offset().divideScalar(factor);
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.finish();
+  }
+
+  /** Go on with a turn or with damping; return whether more is to come. */
+  step(now: number): boolean {
+    const turning = this.turn !== null && this.stepTurn(this.turn, now);
+    const moved = this.controls.update();
+    const distance = this.distance;
+    this.camera.near = Math.max(distance - 6 * this.radius, 0.005 * distance);
+    this.camera.far = distance + 12 * this.radius;
+    this.camera.updateProjectionMatrix();
+    return turning || moved;
+  }
+
+  dispose(): void {
+    this.controls.dispose();
+  }
+
+  private offset(): Vector3 {
+    return this.camera.position.clone().sub(this.controls.target);
+  }
+
+  private finish(): void {
+    this.turn = null;
+    this.controls.update();
+    this.controls.dispatchEvent({ type: "change" });
+  }
+
+  private moveTo(direction: Vector3, now: boolean): void {
+    const { target, distance } = this.fitted(direction);
+    const offset = direction.clone().multiplyScalar(distance);
+    if (now || !this.animate()) {
+      this.controls.target.copy(target);
+      this.camera.position.copy(target).add(offset);
+      this.finish();
+      return;
+    }
+    this.turn = {
+      fromOffset: this.offset(),
+      toOffset: offset,
+      fromTarget: this.controls.target.clone(),
+      toTarget: target,
+      started: NaN,
+    };
+    this.controls.dispatchEvent({ type: "change" });
+  }
+
+  private stepTurn(turn: Turn, now: number): boolean {
+    if (Number.isNaN(turn.started)) turn.started = now;
+    const part = MathUtils.clamp((now - turn.started) / (1000 * TURN_SECONDS), 0, 1);
+    const eased = part * part * (3 - 2 * part);
+    const length = MathUtils.lerp(turn.fromOffset.length(), turn.toOffset.length(), eased);
+    const offset = turn.fromOffset.clone().normalize().lerp(turn.toOffset.clone().normalize(), eased);
+    if (offset.lengthSq() < 1e-6) offset.copy(turn.toOffset); // opposite directions
+    offset.setLength(length);
+    this.controls.target.lerpVectors(turn.fromTarget, turn.toTarget, eased);
+    this.camera.position.copy(this.controls.target).add(offset);
+    if (part >= 1) this.turn = null;
+    return part < 1;
+  }
+
+  /** The target and the distance at which every point of the motion is in the middle of the picture. */
+  private fitted(direction: Vector3): { target: Vector3; distance: number } {
+    const right = new Vector3().crossVectors(this.up, direction);
+    if (right.lengthSq() < 1e-8) right.set(1, 0, 0);
+    right.normalize();
+    const above = new Vector3().crossVectors(direction, right);
+    const tan = Math.tan(MathUtils.degToRad(this.camera.fov) / 2);
+    const middle = this.extent.box.getCenter(new Vector3());
+    // a point at (x, y, z) is inside if |x - a| / tan + z <= distance: the planes of the four sides
+    const [toRight, toLeft] = this.sides(right, direction, tan * this.camera.aspect, middle);
+    const [upwards, downwards] = this.sides(above, direction, tan, middle);
+    const target = middle
+      .addScaledVector(right, ((toRight - toLeft) * tan * this.camera.aspect) / 2)
+      .addScaledVector(above, ((upwards - downwards) * tan) / 2);
+    const distance = MARGIN * Math.max((toRight + toLeft) / 2, (upwards + downwards) / 2);
+    return { target, distance: Math.max(distance, 0.05 * this.scene.size) };
+  }
+
+  /** The largest of z + x / tan and of z - x / tan over all points. */
+  private sides(axis: Vector3, direction: Vector3, tan: number, middle: Vector3): [number, number] {
+    const { points } = this.extent;
+    const point = new Vector3();
+    let [more, less] = [-Infinity, -Infinity];
+    for (let at = 0; at < points.length; at += 3) {
+      point.fromArray(points, at).sub(middle);
+      const across = point.dot(axis) / tan;
+      const towards = point.dot(direction);
+      more = Math.max(more, towards + across);
+      less = Math.max(less, towards - across);
+    }
+    return [more, less];
+  }
+}

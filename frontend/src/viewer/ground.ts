@@ -1,0 +1,96 @@
+/** A grid that fades into the distance, under the mechanism or behind a planar one. */
+
+import { Color, DoubleSide, Mesh, PlaneGeometry, Quaternion, ShaderMaterial, Vector3, type Box3 } from "three";
+import { roundDown } from "./arrow_scale";
+import type { Scene } from "./contract";
+import type { Layer } from "./layer";
+import type { Theme } from "./palette";
+
+const VERTEX = `
+varying vec2 place;
+void main() {
+  place = position.xy;
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+}`;
+
+const FRAGMENT = `
+uniform vec3 color;
+uniform float opacity;
+uniform float step_;
+uniform float reach;
+uniform vec2 offset;
+varying vec2 place;
+float lines(vec2 at, float width) {
+  vec2 slope = max(fwidth(at), vec2(1e-6));
+  vec2 near = abs(fract(at - 0.5) - 0.5) / slope;
+  float crowd = clamp(1.6 - 2.5 * max(slope.x, slope.y), 0.0, 1.0);
+  return crowd * (1.0 - clamp(min(near.x, near.y) / width, 0.0, 1.0));
+}
+void main() {
+  vec2 at = (place + offset) / step_;
+  float strength = max(0.45 * lines(at, 1.1), lines(at / 5.0, 1.4));
+  float fade = 1.0 - smoothstep(0.25, 1.0, length(place) / reach);
+  gl_FragColor = vec4(color, opacity * strength * fade);
+  if (gl_FragColor.a < 0.004) discard;
+  #include <colorspace_fragment>
+}`;
+
+/** The distance between lines [m], and the grid itself. */
+export class GroundGrid implements Layer {
+  readonly object: Mesh<PlaneGeometry, ShaderMaterial>;
+  readonly spacing: number;
+
+  constructor(scene: Scene, box: Box3) {
+    const center = box.getCenter(new Vector3());
+    const extent = box.getSize(new Vector3()).length();
+    this.spacing = roundDown(extent / 10);
+    const reach = 2 * extent;
+    const normal = new Vector3(...(scene.normal ?? scene.up)).normalize();
+    const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), normal);
+    const below = lowest(box, normal) - 0.004 * scene.size;
+    const place = center.clone().addScaledVector(normal, below - center.dot(normal));
+    const inPlane = place.clone().applyQuaternion(turn.clone().invert());
+    const material = new ShaderMaterial({
+      vertexShader: VERTEX,
+      fragmentShader: FRAGMENT,
+      uniforms: {
+        color: { value: new Color() },
+        opacity: { value: 0.3 },
+        step_: { value: this.spacing },
+        reach: { value: reach },
+        offset: { value: [inPlane.x, inPlane.y] },
+      },
+      transparent: true,
+      depthWrite: false,
+      side: DoubleSide,
+    });
+    this.object = new Mesh(new PlaneGeometry(2 * reach, 2 * reach), material);
+    this.object.position.copy(place);
+    this.object.quaternion.copy(turn);
+    this.object.renderOrder = -1;
+    this.object.raycast = () => undefined;
+  }
+
+  update(): void {
+    // fixed on the ground
+  }
+
+  setTheme(theme: Theme): void {
+    const { uniforms } = this.object.material;
+    (uniforms["color"]!.value as Color).set(theme.grid);
+    uniforms["opacity"]!.value = theme.gridOpacity;
+  }
+
+  dispose(): void {
+    this.object.geometry.dispose();
+    this.object.material.dispose();
+  }
+}
+
+/** Return the least coordinate of a box along a direction. */
+function lowest(box: Box3, direction: Vector3): number {
+  const x = direction.x > 0 ? box.min.x : box.max.x;
+  const y = direction.y > 0 ? box.min.y : box.max.y;
+  const z = direction.z > 0 ? box.min.z : box.max.z;
+  return direction.x * x + direction.y * y + direction.z * z;
+}

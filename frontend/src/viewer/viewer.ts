@@ -1,0 +1,289 @@
+/** The picture of a mechanism in an element of a page; free of any framework. */
+
+import { Matrix4, type Vector3 } from "three";
+import { GravityArrow, VectorArrows } from "./arrows";
+import { BodyLines } from "./body_lines";
+import { CameraRig, type ViewName } from "./camera_rig";
+import { Connectors } from "./connectors";
+import type { Scene, VectorKind } from "./contract";
+import { GroundGrid } from "./ground";
+import { Labels } from "./labels";
+import { labelItems } from "./label_items";
+import { anchorPoint, writeMatrices, type Counts, type Instant, type Layer, type SceneElement } from "./layer";
+import { FrameAxes, JointMarks } from "./marks";
+import { GRAVITY_COLOR, THEMES, type ThemeName } from "./palette";
+import { chosenTimes, gravityEnds, motionExtent, shortestLengths, visitStates, withPoints } from "./paths";
+import { elementNamed, Picker } from "./picker";
+import { GeometryStore, Solids, type Look } from "./solids";
+import { restPose, type Pose, type StateSource } from "./source";
+import { Stage } from "./stage";
+import { tracePoints, Traces, type TraceMode } from "./traces";
+
+const GHOST_OPACITY = 0.16;
+
+/** What of the picture is shown. */
+export interface Shown {
+  frames: boolean;
+  joints: boolean;
+  labels: boolean;
+  grid: boolean;
+  gravity: boolean;
+  force: boolean;
+  torque: boolean;
+  reaction: boolean;
+}
+
+export interface ViewerHooks {
+  /** Called when something changed that the next `render` will draw. */
+  invalidate(): void;
+  onSelect?(element: SceneElement | null): void;
+  onHover?(element: SceneElement | null, x: number, y: number): void;
+  /** Whether the camera may glide; not where reduced motion is preferred. */
+  animate(): boolean;
+}
+
+export class Viewer {
+  readonly counts: Counts = { rebuilt: 0, frames: 0 };
+  readonly rig: CameraRig;
+  readonly shown: Shown = {
+    frames: false, joints: false, labels: false, grid: true, gravity: true,
+    force: true, torque: true, reaction: true,
+  }; // prettier-ignore
+  selected: SceneElement | null = null;
+  private readonly stage: Stage;
+  private readonly pose: Pose;
+  private readonly instant: Instant & { time: number };
+  private readonly store: GeometryStore;
+  readonly solids: Solids;
+  readonly connectors: Connectors;
+  readonly arrows: VectorArrows;
+  private readonly axes: FrameAxes;
+  readonly joints: JointMarks;
+  private readonly traces: Traces;
+  private readonly grid: GroundGrid;
+  private readonly gravity: GravityArrow | null;
+  private readonly layers: Layer[];
+  private readonly labels: Labels;
+  private readonly picker: Picker;
+  private readonly watcher: ResizeObserver;
+  private readonly firstRebuilt: number;
+  private ghosts: Solids | null = null;
+  private look: Look = "solid";
+  private hovered = "";
+  private stale = true;
+
+  /** Throws `WebGLMissing` where the browser has none. */
+  constructor(
+    readonly host: HTMLElement,
+    readonly scene: Scene,
+    readonly source: StateSource,
+    private readonly hooks: ViewerHooks,
+  ) {
+    this.stage = new Stage(scene.up);
+    this.pose = restPose(scene.bodies.length);
+    this.instant = { time: source.start, matrices: scene.bodies.map(() => new Matrix4()) };
+    const moved = motionExtent(scene, source);
+    const fall = gravityEnds(scene, moved.box);
+    const extent = fall === null ? moved : withPoints(moved, fall);
+    this.store = new GeometryStore(scene);
+    this.solids = new Solids(scene, this.store);
+    this.connectors = new Connectors(scene, this.store, shortestLengths(scene, source), this.counts);
+    this.arrows = new VectorArrows(scene, source);
+    this.axes = new FrameAxes(scene);
+    this.joints = new JointMarks(scene);
+    this.traces = new Traces(scene, source, this.counts);
+    this.grid = new GroundGrid(scene, moved.box);
+    this.gravity = fall === null ? null : new GravityArrow(...fall, GRAVITY_COLOR);
+    this.layers = [this.grid, this.solids, new BodyLines(scene), this.connectors, this.axes, this.arrows, this.traces, this.joints];
+    if (this.gravity !== null) this.layers.push(this.gravity);
+    for (const layer of this.layers) this.stage.scene.add(layer.object);
+    this.picker = new Picker(scene, this);
+    this.firstRebuilt = this.counts.rebuilt;
+    host.append(this.stage.canvas);
+    this.rig = new CameraRig(this.stage.canvas, scene, extent, hooks.animate, hooks.invalidate);
+    this.labels = new Labels(labelItems(scene, source, this));
+    host.append(this.labels.element);
+    this.watcher = new ResizeObserver(() => { this.resize(); });
+    this.watcher.observe(host);
+    this.resize();
+    this.rig.view(scene.normal === null ? "isometric" : "front", true);
+  }
+
+  get canvas(): HTMLCanvasElement {
+    return this.stage.canvas;
+  }
+
+  /** What tests and the next tools need to see of the picture. */
+  get statistics(): { frames: number; rebuilt: number; calls: number; solids: number; triangles: number } {
+    const { calls, triangles } = this.stage.renderer.info.render;
+    const rebuilt = this.counts.rebuilt - this.firstRebuilt;
+    return { frames: this.counts.frames, rebuilt, calls, solids: this.solids.count, triangles };
+  }
+
+  setTime(time: number): void {
+    this.instant.time = time;
+    this.stale = true;
+    this.hooks.invalidate();
+  }
+
+  setTheme(name: ThemeName): void {
+    const theme = THEMES[name];
+    this.stage.setTheme(theme);
+    for (const layer of this.layers) layer.setTheme?.(theme);
+    this.hooks.invalidate();
+  }
+
+  show(what: keyof Shown, on: boolean): void {
+    this.shown[what] = on;
+    this.axes.object.visible = this.shown.frames;
+    this.joints.object.visible = this.shown.joints;
+    this.grid.object.visible = this.shown.grid;
+    if (this.gravity !== null) this.gravity.object.visible = this.shown.gravity;
+    for (const group of ["force", "torque", "reaction"] as const) this.arrows.shown[group] = this.shown[group];
+    this.setTime(this.instant.time);
+  }
+
+  setLook(look: Look): void {
+    this.look = look;
+    this.solids.setLook(look);
+    this.connectors.setWire(look === "wire");
+    this.ghosts?.setLook(look === "wire" ? "wire" : "solid");
+    this.hooks.invalidate();
+  }
+
+  setArrowFactor(factor: number): void {
+    this.arrows.factor = factor;
+    this.setTime(this.instant.time);
+  }
+
+  metresPer(kind: VectorKind): number {
+    return this.arrows.metresPer(kind);
+  }
+
+  /** Draw so many translucent copies along the motion. */
+  setGhosts(count: number): void {
+    this.ghosts?.dispose();
+    this.ghosts = null;
+    if (count > 0) {
+      const ghosts = new Solids(this.scene, this.store, count, GHOST_OPACITY, 1);
+      visitStates(this.scene, this.source, chosenTimes(this.source, count), (instant, copy) => {
+        ghosts.writeCopy(copy, instant.matrices);
+      });
+      ghosts.object.traverse((each) => { each.raycast = () => undefined; });
+      this.ghosts = ghosts;
+      this.stage.scene.add(ghosts.object);
+      this.setLook(this.look);
+    }
+    this.hooks.invalidate();
+  }
+
+  /** Trace these points ("body.frame") and no others. */
+  setTraces(names: readonly string[], mode: TraceMode): void {
+    this.traces.mode = mode;
+    this.traces.choose(tracePoints(this.scene).filter((point) => names.includes(point.name)));
+    this.setTime(this.instant.time);
+  }
+
+  view(name: ViewName, now = false): void {
+    this.rig.view(name, now);
+  }
+
+  /** Mark an element, or none; the callback hears of it. */
+  select(element: SceneElement | string | null): void {
+    this.selected = typeof element === "string" ? elementNamed(this.scene, element) : element;
+    this.paint();
+    this.hooks.onSelect?.(this.selected);
+  }
+
+  /** Mark what is under the pointer; coordinates in the page. */
+  pointAt(pageX: number, pageY: number): SceneElement | null {
+    const element = this.elementAt(pageX, pageY);
+    const name = element?.name ?? "";
+    if (name !== this.hovered) {
+      this.hovered = name;
+      this.paint();
+    }
+    this.hooks.onHover?.(element, pageX, pageY);
+    return element;
+  }
+
+  clearPointer(): void {
+    if (this.hovered !== "") {
+      this.hovered = "";
+      this.paint();
+    }
+    this.hooks.onHover?.(null, 0, 0);
+  }
+
+  elementAt(pageX: number, pageY: number): SceneElement | null {
+    const area = this.stage.canvas.getBoundingClientRect();
+    const x = (2 * (pageX - area.left)) / area.width - 1;
+    const y = 1 - (2 * (pageY - area.top)) / area.height;
+    return this.picker.pick(x, y, this.rig.camera);
+  }
+
+  /** Write where an element is now, in ground's axes [m]; return whether it has a place. */
+  positionOf(element: SceneElement, into: Vector3): boolean {
+    const joint = this.scene.joints.find((each) => each.name === element.name);
+    if (element.kind === "joint" && joint !== undefined) {
+      anchorPoint(joint.start, this.instant, into);
+      return true;
+    }
+    const matrix = this.instant.matrices[element.body];
+    if (matrix === undefined) return false;
+    into.setFromMatrixPosition(matrix);
+    return true;
+  }
+
+  bodyPosition(body: number, into: Vector3): Vector3 {
+    return into.setFromMatrixPosition(this.instant.matrices[body]!);
+  }
+
+  /** Where a vector's arrow ends, or null where it isn't drawn. */
+  vectorTip(index: number): Vector3 | null {
+    return this.arrows.isShown(index) ? this.arrows.tips[index]! : null;
+  }
+
+  get gravityPlace(): Vector3 | null {
+    return this.gravity?.middle ?? null;
+  }
+
+  /** Draw; return whether the camera still moves. */
+  render(now: number): boolean {
+    const moving = this.rig.step(now);
+    if (this.stale) {
+      this.source.poseAt(this.instant.time, this.pose);
+      writeMatrices(this.pose, this.instant.matrices);
+      for (const layer of this.layers) layer.update(this.instant);
+      this.stale = false;
+    }
+    this.stage.draw(this.rig.camera);
+    this.labels.update(this.rig.camera, this.stage.width, this.stage.height);
+    this.counts.frames += 1;
+    return moving;
+  }
+
+  dispose(): void {
+    this.watcher.disconnect();
+    this.rig.dispose();
+    this.ghosts?.dispose();
+    for (const layer of this.layers) layer.dispose();
+    this.store.dispose();
+    this.labels.element.remove();
+    this.stage.dispose();
+  }
+
+  private paint(): void {
+    const selected = this.selected?.name ?? "";
+    for (const layer of [this.solids, this.connectors, this.joints, this.arrows]) layer.paint(selected, this.hovered);
+    this.hooks.invalidate();
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.host;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    this.stage.resize(clientWidth, clientHeight);
+    this.rig.resize(clientWidth, clientHeight);
+    this.hooks.invalidate();
+  }
+}
