@@ -95,11 +95,11 @@ def _view_of(scene: Scene, view: View | None) -> tuple[Floats, float, bool]:
     if isinstance(view, Mapping):
         unknown = [key for key in view if key not in KEYS]
         if unknown:
-            raise _no_view(repr(unknown[0]), f"a view has no {unknown[0]!r}", nearest(str(unknown[0]), KEYS))
+            raise _no_view(f"has no {unknown[0]!r}", nearest(str(unknown[0]), KEYS))
         zoom = view.get("zoom", 1.0)
         if isinstance(zoom, bool) or not isinstance(zoom, int | float) or not 0.0 < zoom < 1e6:
-            raise _no_view("zoom", f"zoom = {zoom!r} enlarges nothing", "give a number above 0, such as 2")
-        up = None if view.get("up") is None else _direction(view["up"], "up")
+            raise _no_view(f"cannot have zoom = {zoom!r}", "give a number above 0, such as 2")
+        up = None if view.get("up") is None else _direction(view["up"])
         return _axes_of(scene, view.get("direction"), up), float(zoom), bool(view.get("perspective", False))
     return _axes_of(scene, view, None), 1.0, False
 
@@ -112,10 +112,10 @@ def _axes_of(scene: Scene, view: Any, up: Floats | None) -> Floats:
         view = "isometric"
     if isinstance(view, str):
         if view not in VIEWS:
-            raise _no_view(repr(view), f"there is no view {view!r}", nearest(view, VIEWS))
+            raise _no_view(f"cannot be {view!r}", nearest(view, VIEWS))
         eye, top = (np.array(each) @ np.stack([right, forward, above]) for each in VIEWS[view])
         return _camera_axes(eye, top if up is None else up, forward)
-    return _camera_axes(_direction(view, "view"), above if up is None else up, forward)
+    return _camera_axes(_direction(view), above if up is None else up, forward)
 
 
 def _home_axes(up: Floats) -> tuple[Floats, Floats, Floats]:
@@ -135,16 +135,16 @@ def _camera_axes(eye: Floats, up: Floats, second_up: Floats) -> Floats:
     return np.stack([np.cross(above, towards), above, towards])
 
 
-def _direction(value: Any, name: str) -> Floats:
+def _direction(value: Any) -> Floats:
     try:
         vector = np.array([float(each) for each in value])
     except (TypeError, ValueError):
         vector = np.zeros(0)
     if vector.shape != (3,) or not np.isfinite(vector).all() or not np.linalg.norm(vector) > 0.0:
         fix = "give one of " + ", ".join(VIEWS) + ", or three components towards the eye, such as (1, -1, 1)"
-        raise _no_view(name, f"{value!r} is no direction", fix)
+        raise _no_view(f"has no direction {value!r}", fix)
     return unit(vector)
 
 
-def _no_view(where: str, what: str, fix: str) -> UsageError:
-    return UsageError(Problem("film.view", f"view, {where}", what, "", fix))
+def _no_view(what: str, fix: str) -> UsageError:
+    return UsageError(Problem("film.view", "view", f"a view {what}", fix=fix))

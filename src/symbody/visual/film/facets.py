@@ -212,6 +212,5 @@ def _corner_normals(vertices: Floats, triangles: Ints, flat: Floats) -> Floats:
 
 def _corner_angles(vertices: Floats, triangles: Ints) -> Floats:
     corners: Floats = vertices[triangles]
-    ahead = unit(np.asarray(np.roll(corners, -1, axis=1) - corners, dtype=np.float64))
-    behind = unit(np.asarray(np.roll(corners, 1, axis=1) - corners, dtype=np.float64))
+    ahead, behind = (unit(corners[:, order] - corners) for order in ([1, 2, 0], [2, 0, 1]))
     return np.asarray(np.arccos(np.clip(np.sum(ahead * behind, axis=2), -1.0, 1.0)), dtype=np.float64)

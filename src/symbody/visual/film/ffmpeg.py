@@ -35,9 +35,10 @@ def ffmpeg_program() -> str:
         return str(imageio_ffmpeg.get_ffmpeg_exe())
     program = shutil.which("ffmpeg")
     if program is None:
-        what = "films are written by the program ffmpeg, and there is none here"
-        fix = "pip install symbody[film], or install ffmpeg so that it is on PATH; a .gif needs neither"
-        raise EnvironmentFault(Problem("film.no_ffmpeg", "", what, fix=fix))
+        raise EnvironmentFault(
+            Problem("film.no_ffmpeg", "", "films are written by the program ffmpeg, and there is none here",
+                    fix="pip install symbody[film], or put ffmpeg on PATH; a .gif needs neither")
+        )  # fmt: skip
     return program
 
 
@@ -73,9 +74,10 @@ def write_video(frames: Iterable[Bytes], path: Path, size: tuple[int, int], fps:
         if process.returncode:
             messages.seek(0)
             lines = messages.read().decode("utf-8", "replace").strip().splitlines() or ["no reason was given"]
-            what = f"ffmpeg cannot make this film: {lines[-1]}"
-            fix = "pip install symbody[film] brings one that can, or end the name with .gif"
-            raise EnvironmentFault(Problem("film.ffmpeg", program, what, fix=fix))
+            raise EnvironmentFault(
+                Problem("film.ffmpeg", program, f"ffmpeg cannot make this film: {lines[-1]}",
+                        fix="pip install symbody[film] brings one that can, or end the name with .gif")
+            )  # fmt: skip
 
 
 def _feed(process: subprocess.Popen[bytes], frames: Iterable[Bytes]) -> None:

@@ -43,6 +43,7 @@ def _mask() -> int:
 
 
 def _unwritable(path: Path, error: OSError) -> EnvironmentFault:
-    what = f"the picture cannot be written: {error.strerror or error}"
-    fix = "choose a folder that exists, is yours and has room"
-    return EnvironmentFault(Problem("film.unwritable", str(path), what, fix=fix))
+    return EnvironmentFault(
+        Problem("film.unwritable", str(path), f"the picture cannot be written: {error.strerror or error}",
+                fix="choose a folder that exists, is yours and has room")
+    )  # fmt: skip

@@ -12,7 +12,7 @@ from PIL import Image
 
 from symbody.arguments import checked_arguments
 from symbody.errors import Problem, UsageError
-from symbody.visual.film.animated_images import FASTEST, frame_delays, shared_palette, write_gif
+from symbody.visual.film.animated_images import frame_delays, shared_palette, write_gif
 from symbody.visual.film.axes_drawing import draw_on_axes, figure_of
 from symbody.visual.film.drawing import Bytes, Drawing
 from symbody.visual.film.ffmpeg import ffmpeg_program, write_video
@@ -47,9 +47,10 @@ def file_kind(path: Path) -> str:
     """
     suffix = path.suffix.lower()
     if suffix not in STILLS + FILMS:
-        what = f"{suffix!r} is no format of pictures or films" if suffix else "the name has no suffix"
         fix = f"end it with one of {', '.join(FILMS)} for a film or {', '.join(STILLS)} for a picture"
-        raise UsageError(Problem("film.format", str(path), what, fix=fix))
+        raise UsageError(
+            Problem("film.format", str(path), what="the name does not end like a picture or a film", fix=fix)
+        )
     return suffix
 
 
@@ -166,11 +167,6 @@ def film_frames(studio: Studio, report: Report | None = None) -> Iterator[Bytes]
         yield pixels_of(drawing, studio.look.size)
         if report is not None and report((k + 1) / count) is False:
             raise Cancelled
-
-
-def fastest(suffix: str, fps: float) -> float:
-    """Return how many frames in a second a format can show, at most the given ones."""
-    return min(fps, FASTEST) if suffix == ".gif" else fps
 
 
 def _typical_frames(studio: Studio) -> list[Bytes]:

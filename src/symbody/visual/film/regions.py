@@ -11,7 +11,7 @@ import numpy as np
 from symbody.visual.film.drawing import Bytes
 from symbody.visual.film.facets import Bools, Floats, Ints
 
-# Samples. Middles of sides lie within half of one from a straight border, so within one from each other's line.
+# Samples. Middles of sides lie within half of one from a straight border, so within one from any chord.
 TOLERANCE: Final = 1.05
 _SMALLEST: Final = 2.0  # square samples
 _STEPS: Final = ((1, 0), (0, 1), (-1, 0), (0, -1))  # steps (x, y) along the sides of a sample, clockwise

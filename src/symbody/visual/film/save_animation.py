@@ -16,8 +16,9 @@ from symbody.errors import Problem, UsageError
 from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import told
 from symbody.simulation.results.trajectory import Trajectory
+from symbody.visual.film.animated_images import FASTEST
 from symbody.visual.film.facets import Floats
-from symbody.visual.film.pictures import STILLS, fastest, file_kind, write_film, write_still
+from symbody.visual.film.pictures import STILLS, file_kind, write_film, write_still
 from symbody.visual.film.studio import Look
 from symbody.visual.scene import make_motion, make_scene
 from symbody.visual.scene.scene import Scene, SceneMotion
@@ -46,62 +47,42 @@ def save_animation(
     title: str | None = None,
     progress: Progress | bool | None = True,
 ) -> None:
-    """Write a film or a picture of a motion to a file; no browser is needed.
+    """Write a film or a picture of a motion to a file, without a browser; docs/film.md shows examples.
 
     Parameters
     ----------
     path : path
-        Its suffix chooses: .mp4, .webm (both by the program ffmpeg) and .gif are films; .png, .svg and
-        .pdf are pictures.
+        Ends with .mp4, .webm (both by the program ffmpeg) or .gif: a film; .png, .svg or .pdf: a picture.
     times : (start, end) or (N,) array, optional
-        Of a film where it begins and ends [s], by default all of the motion. Of a picture one time or
-        several, which are laid over each other, the last solid and earlier ones fainter; by default the
-        start.
+        Where a film begins and ends [s]; of a picture one time or several, laid over each other, the last
+        solid. By default the whole motion, or its start.
     view : str, (3,) or mapping, optional
-        "front", "back", "left", "right", "top", "bottom", "isometric", or the direction from the mechanism to
-        the eye in ground's axes. A mapping has "direction" (either of these), "up" (what is drawn upwards),
-        "zoom" and "perspective" (True: what is far looks small). By default planar mechanisms are seen
-        against the normal of their plane, others isometrically.
+        See `Look`, as for traces, labels, frames, dark, ghosts and title.
     size : (width, height)
-        Of films and .png in pixels; in .svg and .pdf 96 of them are an inch.
-    fps : float
-        Frames in a second; a .gif has at most 50.
-    speed : float
-        Seconds of the motion in a second of the film.
-    traces : sequence of str
-        Points whose ways are drawn: ``"body.frame"``, or a body for its centre of mass.
-    labels, frames : bool
-        Whether joints and bodies are named, and the axes of their frames drawn.
+        In pixels; in .svg and .pdf 96 of them are an inch.
+    fps, speed : float
+        Frames in a second (of a .gif at most 50); seconds of the motion in a second of the film.
     vectors : str or sequence of str
         Forces and torques that are drawn: "all", "applied", or names of elements.
-    dark : bool
-        Whether the picture is dark.
-    ghosts : float
-        How opaque earlier positions in a picture are, from 0 to 1.
-    title : str, optional
-        Stands in the upper left corner.
     progress : bool or callable, optional
-        True shows a bar while a film is made; a callable takes the share that is done, and ends the work
-        by returning False. Then, as after an interrupt, no file is written.
+        True shows a bar while a film is made; a callable takes the share that is done, and ends the work by
+        returning False. Then, as after an interrupt, no file is written.
 
     Raises
     ------
     UsageError
-        An unknown suffix, view, point or element, times outside of the motion, or a size or speed that makes
-        no picture.
+        An unknown suffix, view, point or element; times outside of the motion; a size or speed of no picture.
     EnvironmentFault
         If the file cannot be written, or ffmpeg is missing.
     """
     target = Path(path)
-    suffix = file_kind(target)
+    is_still = file_kind(target) in STILLS
     _check(run, fps, speed, ghosts)
     look = Look(view, _pixels(size), tuple(traces), labels, frames, dark, ghosts, title)
-    is_still = suffix in STILLS
-    rate = fastest(suffix, fps)
+    rate = fps if target.suffix.lower() != ".gif" else min(fps, FASTEST)
     shown = _still_times(run, times) if is_still else _film_times(run, times, rate, speed)
     scene = _scene(run)
-    chosen = vectors if isinstance(vectors, str) else tuple(vectors) or "none"
-    motion = _motion_at(run, scene, shown, chosen)
+    motion = _motion_at(run, scene, shown, vectors or "none")
     track = _track(run, scene, shown, is_still) if traces else None
     if is_still:
         write_still(scene, motion, target, look, track)
@@ -112,14 +93,16 @@ def save_animation(
 
 def _scene(run: Trajectory) -> Scene:
     if run.model is None:
-        what = "the motion does not say which mechanism moves"
-        why = "its file was written by an older version, or its equations were placed by hand"
-        raise UsageError(Problem("film.no_model", "run", what, why, "compute it again with simulate"))
+        raise UsageError(
+            Problem("film.no_model", "run", "the motion does not say which mechanism moves",
+                    "its file was written by an older version, or its equations were placed by hand",
+                    "compute it again with simulate")
+        )  # fmt: skip
     courses = {name: np.atleast_1d(run[name]) for name in run.coordinate_names}
     return make_scene(run.model, run.parameters, courses)
 
 
-def _motion_at(run: Trajectory, scene: Scene, times: Floats, vectors: str | tuple[str, ...]) -> SceneMotion:
+def _motion_at(run: Trajectory, scene: Scene, times: Floats, vectors: str | Sequence[str]) -> SceneMotion:
     """Return the motion at times; where only its samples were kept, between those."""
     if run.dense_output is not None or np.isin(times, run.t).all():
         return make_motion(run, scene, times, (), vectors)
@@ -156,9 +139,10 @@ def _film_times(run: Trajectory, times: ArrayLike | None, fps: float, speed: flo
     first, last = float(ends[0]), float(ends[-1])
     count = max(1, round((last - first) / speed * fps))
     if count > _MOST_FRAMES:
-        what = f"the film would have {count} frames, and {_MOST_FRAMES} are the most"
-        fix = "give times=(START, END), a smaller fps= or a larger speed="
-        raise UsageError(Problem("film.long", "times", what, fix=fix))
+        raise UsageError(
+            Problem("film.long", "times", f"the film would have {count} frames, {_MOST_FRAMES} are the most",
+                    fix="give times=(START, END), a smaller fps= or a larger speed=")
+        )  # fmt: skip
     return np.asarray(np.minimum(first + np.arange(count) * (speed / fps), last), dtype=np.float64)
 
 
@@ -170,8 +154,10 @@ def _inside(run: Trajectory, times: ArrayLike, example: str) -> Floats:
     first, last = _range(run)
     slack = 1e-9 * max(last - first, 1e-300)
     if chosen.size == 0 or not ((chosen >= first - slack) & (chosen <= last + slack)).all():
-        what = f"{times!r} is not within the motion, which goes from {first:g} to {last:g} s"
-        raise UsageError(Problem("film.times", "times", what, fix=f"give times such as {example}"))
+        raise UsageError(
+            Problem("film.times", "times", f"{times!r} is not within the motion: {first:g} to {last:g} s",
+                    fix=f"give times such as {example}")
+        )  # fmt: skip
     return np.clip(chosen, first, last)
 
 
@@ -181,21 +167,28 @@ def _range(run: Trajectory) -> tuple[float, float]:
 
 def _pixels(size: tuple[int, int]) -> tuple[int, int]:
     if len(size) != 2 or not all(_SIZES[0] <= each <= _SIZES[1] for each in size):
-        what = f"size = {size!r} makes no picture"
-        fix = f"give width and height in pixels, from {_SIZES[0]} to {_SIZES[1]}, such as (960, 540)"
-        raise UsageError(Problem("film.size", "size", what, fix=fix))
+        raise UsageError(
+            Problem("film.size", "size", f"size = {size!r} makes no picture",
+                    fix=f"give width and height in pixels, {_SIZES[0]} to {_SIZES[1]}, such as (960, 540)")
+        )  # fmt: skip
     return int(size[0]), int(size[1])
 
 
 def _check(run: Trajectory, fps: float, speed: float, ghosts: float) -> None:
     if not isinstance(run, Trajectory):
-        fix = "give what simulate returns; of a sweep, one case: sweep.trajectory(3)"
-        raise UsageError(Problem("film.not_a_motion", "run", f"{run!r} is no motion", fix=fix))
+        raise UsageError(
+            Problem("film.not_a_motion", "run", f"{run!r} is no motion",
+                    fix="give what simulate returns; of a sweep, one case: sweep.trajectory(3)")
+        )  # fmt: skip
     if run.t.size == 0:
-        what = "the motion has no samples: nothing of it was computed"
-        raise UsageError(Problem("film.no_samples", "run", what, fix="see run.status and run.notes"))
+        raise UsageError(
+            Problem("film.no_samples", "run", "the motion has no samples: nothing of it was computed",
+                    fix="see run.status and run.notes")
+        )  # fmt: skip
     limits = (("fps", fps, 0.01, 1000.0), ("speed", speed, 1e-9, 1e9), ("ghosts", ghosts, 0.0, 1.0))
     for name, value, low, high in limits:
         if not low <= value <= high:
-            fix = f"give a number from {low:g} to {high:g}"
-            raise UsageError(Problem("film.number", name, f"{name} = {value!r} makes no film", fix=fix))
+            raise UsageError(
+                Problem("film.number", name, f"{name} = {value!r} makes no film",
+                        fix=f"give a number from {low:g} to {high:g}")
+            )  # fmt: skip

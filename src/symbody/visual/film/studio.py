@@ -41,17 +41,20 @@ class Look:
     Attributes
     ----------
     view : str, (3,) or mapping, optional
-        From where one looks, as `save_animation` takes it.
+        "front", "back", "left", "right", "top", "bottom", "isometric", or the direction from the mechanism to
+        the eye in ground's axes. A mapping has "direction" (either of these), "up" (what is drawn upwards),
+        "zoom" and "perspective" (True: what is far looks small). By default planar mechanisms are seen
+        against the normal of their plane, others isometrically.
     size : (width, height)
         In pixels; 96 are an inch where lengths count.
     traces : tuple of str
         Points whose ways are drawn: ``"body.frame"``, or a body for its centre of mass.
     labels, frames : bool
-        Whether names and axes are drawn.
+        Whether joints and bodies are named, and the axes of frames drawn.
     dark : bool
         Whether the picture is dark.
     ghosts : float
-        How opaque earlier positions are.
+        How opaque earlier positions in a picture are, from 0 to 1.
     title : str, optional
         In the upper left corner.
     """
@@ -188,6 +191,7 @@ def _trace(scene: Scene, track: SceneMotion, name: str) -> Floats:
         points[body.name] = Anchor(place, (0.0, 0.0, 0.0))
         points |= {f"{body.name}.{frame.name}": Anchor(place, frame.at) for frame in body.frames}
     if name not in points:
-        what = f"no body has a point {name!r} whose way could be drawn"
-        raise UsageError(Problem("film.trace", "traces", what, "", nearest(name, points)))
+        raise UsageError(
+            Problem("film.trace", "traces", f"there is no point {name!r}", fix=nearest(name, points))
+        )
     return np.array([pose_at(track, k).place(points[name]) for k in range(len(track.times))])
