@@ -34,7 +34,7 @@ WHITE = np.array([255, 255, 255])
 
 
 def studio(scene: Scene, motion: SceneMotion, look: Look = FRONT, per_pixel: float = 3.0) -> Studio:
-    return make_studio(scene, motion, look, per_pixel, in_tones=False)
+    return make_studio(scene, motion, look, per_pixel)
 
 
 def body_strokes(drawing: Drawing, color: str | None = None) -> list[Stroke]:

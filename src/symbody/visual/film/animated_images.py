@@ -25,9 +25,14 @@ def frame_delays(count: int, fps: float) -> list[int]:
     return [10 * int(each) for each in np.diff(ends)]
 
 
-def shared_palette(frames: Sequence[Bytes]) -> Image.Image:
-    """Return an image whose palette fits frames (height, width, 3) together."""
-    return Image.fromarray(np.concatenate(frames)).quantize(_COLORS, method=Image.Quantize.MEDIANCUT)
+def shared_palette(frames: Sequence[Bytes], paper: str) -> Image.Image:
+    """Return an image whose palette fits frames (height, width, 3) and the paper."""
+    image = Image.fromarray(np.concatenate(frames)).quantize(_COLORS, method=Image.Quantize.MEDIANCUT)
+    colors = np.array(image.getpalette("RGB")).reshape(-1, 3)
+    exact = [int(paper[k : k + 2], 16) for k in (1, 3, 5)]
+    colors[np.argmin(((colors - exact) ** 2).sum(axis=1))] = exact
+    image.putpalette(colors.reshape(-1).tolist())
+    return image
 
 
 def write_gif(frames: Iterable[Bytes], path: Path, delays: Sequence[int], palette: Image.Image) -> None:

@@ -207,7 +207,7 @@ def _corner_normals(vertices: Floats, triangles: Ints, flat: Floats) -> Floats:
     sums = np.stack(
         [np.bincount(mine, flat[other // 3, k] * weights, minlength=len(corners)) for k in range(3)], axis=1
     )
-    return unit(sums).reshape(-1, 3, 3)
+    return unit(np.asarray(sums, dtype=np.float64)).reshape(-1, 3, 3)
 
 
 def _corner_angles(vertices: Floats, triangles: Ints) -> Floats:

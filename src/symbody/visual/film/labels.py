@@ -27,8 +27,8 @@ _MOVE: Final = 0.6  # cost of another place than before: names that jump in a fi
 
 
 def named_points(scene: Scene, pose: BodyPlaces) -> dict[str, Floats]:
-    """Return where joints and bodies are [m], by the words that name them."""
-    points = {joint.name: pose.place(joint.start) for joint in scene.joints}
+    """Return where joints and bodies are [m], by the words that name them; a free joint has no place."""
+    points = {joint.name: pose.place(joint.end) for joint in scene.joints if joint.type != "free"}
     for place, body in enumerate(scene.bodies[1:], start=1):
         points.setdefault(body.name, pose.positions[place])
     return points

@@ -20,7 +20,6 @@ DIFFUSE: Final = 0.56
 _APART: Final = 2e-7  # of the depth of a scene, between parts of equal depth: the later lies in front
 
 _STEEP: Final = 0.45  # cosine to the line of sight: how far a tone bends around an outline
-_TONE_WIDTH: Final = 7.0  # samples, on the average
 _LEAST_STEP: Final = 1 / 22  # between tones
 
 
@@ -60,13 +59,14 @@ class Layer:
     edge_triangles: Ints
 
 
-def make_layer(facets: Facets, camera: Camera, grid: Grid, in_tones: bool = False) -> Layer:
+def make_layer(facets: Facets, camera: Camera, grid: Grid, tone_width: float = 0.0) -> Layer:
     """Return facets as a camera sees them.
 
     Parameters
     ----------
-    in_tones : bool
-        Whether curved surfaces are painted in a few tones, which a vector format can say in few words.
+    tone_width : float
+        How many samples wide tones of curved surfaces are on the average, where these are painted in a few
+        tones, which a vector format can say in few words; 0: they are painted smoothly.
     """
     points = camera.project(facets.vertices) * np.array([grid.per_point, grid.per_point, 1.0])
     parts = np.zeros(len(points))
@@ -77,9 +77,11 @@ def make_layer(facets: Facets, camera: Camera, grid: Grid, in_tones: bool = Fals
     drawn = np.flatnonzero(is_front | ~facets.closed)
     buffer = rasterize(points, facets.triangles[drawn], grid.shape)
     buffer = ItemBuffer(buffer.depth, buffer.places, drawn[buffer.items])
-    lit = _corner_brightness(facets, camera, is_front, in_tones)
-    tones = facets.parts if in_tones else None
-    shade = _brightness(lit, corners, buffer, grid, tones)[:, np.newaxis]
+    lit = _corner_brightness(facets, camera, is_front, tone_width > 0.0)
+    shade = _brightness(lit, corners, buffer, grid)
+    if tone_width:
+        shade = _tones(shade, lit, corners, facets.parts, buffer, tone_width)
+    shade = shade[:, np.newaxis]
     base = facets.colors[buffer.items]
     tint = np.where(shade <= 1.0, base * shade, base + (1.0 - base) * (shade - 1.0))
     edges, outlines, beside = _select_edges(facets, is_front)
@@ -111,32 +113,40 @@ def _turning(corners: Floats) -> Floats:
     return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], dtype=np.float64)
 
 
-def _brightness(
-    lit: Floats, corners: Floats, buffer: ItemBuffer, grid: Grid, tone_parts: Ints | None
-) -> Floats:
-    """Return the brightness at each place that is seen, from that at corners (T, 3) of triangles.
+def _brightness(lit: Floats, corners: Floats, buffer: ItemBuffer, grid: Grid) -> Floats:
+    """Return the brightness at each place that is seen, from that at corners (T, 3) of triangles."""
+    shade: Floats = lit[buffer.items, 0]
+    curved = _curved(lit, buffer)
+    items = buffer.items[curved]
+    row, column = np.divmod(buffer.places[curved], grid.shape[1])
+    across, down = (slope[items] for slope in _slopes(lit, corners))
+    right, below = column + 0.5 - corners[items, 0, 0], row + 0.5 - corners[items, 0, 1]
+    values = lit[items, 0] + across * right + down * below
+    shade[curved] = np.clip(values, lit.min(axis=1)[items], lit.max(axis=1)[items])
+    return shade
 
-    Where parts of triangles are given, each has so few tones that none is thinner than some samples.
-    """
-    items = buffer.items
-    low, high = lit.min(axis=1), lit.max(axis=1)
-    shade: Floats = lit[items, 0]
-    curved = np.flatnonzero((high - low)[items] > 1e-9)
+
+def _tones(
+    shade: Floats, lit: Floats, corners: Floats, parts: Ints, buffer: ItemBuffer, width: float
+) -> Floats:
+    """Return brightnesses in so few steps for each part that tones have a width [samples] on the average."""
+    curved = _curved(lit, buffer)
     if not len(curved):
         return shade
-    items_there = items[curved]
-    row, column = np.divmod(buffer.places[curved], grid.shape[1])
-    across, down = (slope[items_there] for slope in _slopes(lit, corners))
-    right, below = column + 0.5 - corners[items_there, 0, 0], row + 0.5 - corners[items_there, 0, 1]
-    values = np.clip(lit[items_there, 0] + across * right + down * below, low[items_there], high[items_there])
-    if tone_parts is not None:
-        _, part = np.unique(tone_parts[items_there], return_inverse=True)
-        part = part.reshape(-1)
-        mean_slopes = np.bincount(part, np.hypot(across, down)) / np.bincount(part)
-        step = np.clip(_TONE_WIDTH * mean_slopes, _LEAST_STEP, 2.0)[part]
-        values = AMBIENT + step * np.round((values - AMBIENT) / step)
-    shade[curved] = values
-    return shade
+    items = buffer.items[curved]
+    across, down = (slope[items] for slope in _slopes(lit, corners))
+    _, part = np.unique(parts[items], return_inverse=True)
+    part = part.reshape(-1)
+    mean_slopes = np.bincount(part, np.hypot(across, down)) / np.bincount(part)
+    step = np.clip(width * mean_slopes, _LEAST_STEP, 2.0)[part]
+    toned = shade.copy()
+    toned[curved] = AMBIENT + step * np.round((shade[curved] - AMBIENT) / step)
+    return toned
+
+
+def _curved(lit: Floats, buffer: ItemBuffer) -> Ints:
+    """Return at which places a triangle is seen that is not equally bright all over."""
+    return np.flatnonzero(np.ptp(lit, axis=1)[buffer.items] > 1e-9)
 
 
 def _slopes(values: Floats, corners: Floats) -> tuple[Floats, Floats]:

@@ -22,6 +22,7 @@ Depths = NDArray[np.float32]
 OUTLINE: Final = 0.9  # points: widths of lines
 INNER_EDGE: Final = 0.55
 THINNEST: Final = 1.3  # of ropes
+_GHOSTLY: Final = 3.0  # times wider are tones of ghosts
 _FRONT: Final = np.float32(-np.inf)
 
 
@@ -35,8 +36,8 @@ class Backdrop:
         How it is seen.
     paper : str
         The colour behind all.
-    in_tones : bool
-        Whether curved surfaces have a few tones.
+    tone_width : float
+        Of tones on curved surfaces [samples]; 0: they are smooth.
     samples : (H, W, 3) array of bytes
         The ground painted.
     facets, layer
@@ -46,7 +47,7 @@ class Backdrop:
     camera: Camera
     grid: Grid
     paper: str
-    in_tones: bool
+    tone_width: float
     samples: Bytes
     facets: Facets
     layer: Layer
@@ -57,13 +58,13 @@ class Backdrop:
         return 1.0 / (self.camera.scale * self.grid.per_point)
 
 
-def make_backdrop(stage: Stage, camera: Camera, grid: Grid, paper: str, in_tones: bool) -> Backdrop:
+def make_backdrop(stage: Stage, camera: Camera, grid: Grid, paper: str, tone_width: float) -> Backdrop:
     """Return the ground of a stage, painted."""
-    layer = make_layer(stage.ground, camera, grid, in_tones)
+    layer = make_layer(stage.ground, camera, grid, tone_width)
     samples = np.empty((*grid.shape, 3), dtype=np.uint8)
     samples[:] = np.round(255 * components(paper)).astype(np.uint8)
     _paint(samples, layer.buffer.places, layer.colors, 1.0)
-    return Backdrop(camera, grid, paper, in_tones, samples, stage.ground, layer)
+    return Backdrop(camera, grid, paper, tone_width, samples, stage.ground, layer)
 
 
 def paint(backdrop: Backdrop, instants: Sequence[Instant], ghost: float) -> tuple[Bytes, tuple[Stroke, ...]]:
@@ -75,7 +76,7 @@ def paint(backdrop: Backdrop, instants: Sequence[Instant], ghost: float) -> tupl
         How opaque the latest ghost is; the first is half as much.
     """
     last = instants[-1]
-    top = make_layer(last.moving, backdrop.camera, backdrop.grid, backdrop.in_tones)
+    top = make_layer(last.moving, backdrop.camera, backdrop.grid, backdrop.tone_width)
     ground = backdrop.layer.buffer.depth
     samples = backdrop.samples.copy()
     strokes: list[Stroke] = []
@@ -98,7 +99,7 @@ def _ghost(
     samples: Bytes, backdrop: Backdrop, instant: Instant, covered: Depths, opacity: float
 ) -> list[Stroke]:
     facets = instant.moving
-    layer = make_layer(facets, backdrop.camera, backdrop.grid, backdrop.in_tones)
+    layer = make_layer(facets, backdrop.camera, backdrop.grid, _GHOSTLY * backdrop.tone_width)
     shown = _in_front(layer, backdrop.layer.buffer.depth)
     _paint(samples, layer.buffer.places[shown], layer.colors[shown], opacity)
     depth = np.minimum(layer.buffer.depth, covered)
@@ -114,7 +115,7 @@ def _panes(samples: Bytes, backdrop: Backdrop, instant: Instant, solid: Depths) 
     strokes = []
     axis = backdrop.camera.axes[2]
     for pane in sorted(instant.panes, key=lambda each: float((each.facets.vertices @ axis).mean())):
-        layer = make_layer(pane.facets, backdrop.camera, backdrop.grid, backdrop.in_tones)
+        layer = make_layer(pane.facets, backdrop.camera, backdrop.grid, backdrop.tone_width)
         shown = _in_front(layer, solid)
         _paint(samples, layer.buffer.places[shown], layer.colors[shown], pane.opacity)
         # Its own surface hides none of its edges: one sees through it.

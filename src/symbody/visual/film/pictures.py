@@ -30,6 +30,7 @@ FILMS: Final = (".mp4", ".webm", ".gif")
 _PALETTE_FRAMES: Final = 6
 _MOST_SAMPLES: Final = 6e6  # of a picture made of regions
 _FINEST: Final = 6.0  # samples in a pixel
+TONE_WIDTH: Final = 7.0  # samples, on the average
 _MOST_PIXEL_SAMPLES: Final = 4e7
 
 
@@ -81,7 +82,7 @@ def vector_drawing(
 ) -> Drawing:
     """Return a picture whose surfaces have few tones, fit for files of regions."""
     finest = np.sqrt(_MOST_SAMPLES / (look.size[0] * look.size[1]))
-    studio = make_studio(scene, motion, look, float(np.clip(finest, 1.0, _FINEST)), True, track)
+    studio = make_studio(scene, motion, look, float(np.clip(finest, 1.0, _FINEST)), TONE_WIDTH, track)
     return studio.draw(samples)[0]
 
 
@@ -103,7 +104,7 @@ def write_still(
             fine = next(
                 n for n in (4, 3, 2, 1) if n == 1 or n * n * np.prod(look.size) <= _MOST_PIXEL_SAMPLES
             )
-            drawing = make_studio(scene, motion, look, fine, False, track).draw(samples)[0]
+            drawing = make_studio(scene, motion, look, fine, track=track).draw(samples)[0]
             image = Image.fromarray(pixels_of(drawing, look.size))
             image.save(draft, format="PNG", optimize=True, dpi=(96, 96))
             return
@@ -139,12 +140,12 @@ def write_film(
     """
     suffix = path.suffix.lower()
     program = ffmpeg_program() if suffix in (".mp4", ".webm") else ""
-    studio = make_studio(scene, motion, look, 2.0, False, track)
+    studio = make_studio(scene, motion, look, 2.0, track=track)
     frames = film_frames(studio, report)
     try:
         with file_replacement(path) as draft:
             if suffix == ".gif":
-                palette = shared_palette(_typical_frames(studio))
+                palette = shared_palette(_typical_frames(studio), studio.paper.background)
                 write_gif(frames, draft, frame_delays(len(motion.times), fps), palette)
             else:
                 write_video(frames, draft, look.size, fps, program)

@@ -37,7 +37,7 @@ def join_lines(lines: Iterable[Floats]) -> tuple[Floats, ...]:
         while (following := _next(chain[-1], pieces, ends, unused)) is not None:
             chain.append(following)
         points = np.concatenate([chain[0], *(each[1:] for each in chain[1:])])
-        chains.append(_without_needless(points))
+        chains.append(points[corners_to_keep(points, _STRAIGHT)])
     return tuple(chains)
 
 
@@ -69,15 +69,24 @@ def _place(point: Floats) -> tuple[int, int]:
     return round(float(point[0]) * _GRID), round(float(point[1]) * _GRID)
 
 
-def _without_needless(points: Floats) -> Floats:
-    """Return a line without the corners at which it goes straight on."""
-    if len(points) < 3:
-        return points
-    kept = [points[0]]
-    for point, following in zip(points[1:-1], points[2:], strict=True):
-        along, away = following - kept[-1], point - kept[-1]
+def corners_to_keep(points: Floats, tolerance: float) -> list[int]:
+    """Return the corners by which a line (N, 2) stays within a tolerance, by Douglas and Peucker's rule."""
+    kept = [0, len(points) - 1]
+    waiting = [(0, len(points) - 1)]
+    while waiting:
+        first, last = waiting.pop()
+        if last - first < 2:
+            continue
+        along, away = points[last] - points[first], points[first + 1 : last] - points[first]
         length = float(np.hypot(*along))
-        is_between = 0.0 <= float(away @ along) <= length**2
-        if not is_between or abs(float(along[0] * away[1] - along[1] * away[0])) > _STRAIGHT * length:
-            kept.append(point)
-    return np.array([*kept, points[-1]])
+        if length > 0.0:
+            # Beyond the ends of the chord the nearer end counts: a line may come back on itself.
+            share = np.clip(away @ along / length**2, 0.0, 1.0)
+            away = away - share[:, np.newaxis] * along
+        distances = np.hypot(away[:, 0], away[:, 1])
+        farthest = int(np.argmax(distances))
+        if distances[farthest] > tolerance:
+            middle = first + 1 + farthest
+            kept.append(middle)
+            waiting += [(first, middle), (middle, last)]
+    return sorted(kept)

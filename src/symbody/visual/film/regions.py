@@ -10,6 +10,7 @@ import numpy as np
 
 from symbody.visual.film.drawing import Bytes
 from symbody.visual.film.facets import Bools, Floats, Ints
+from symbody.visual.film.polylines import corners_to_keep
 
 # Samples. Middles of sides lie within half of one from a straight border, so within one from any chord.
 TOLERANCE: Final = 1.05
@@ -140,31 +141,8 @@ def _simplify(line: Floats) -> Floats:
     if (line[0] == line[-1]).all():  # closed: its sense of turning decides, and the farthest corner cuts it
         backwards = _area(line) < 0.0
     points = line[::-1] if backwards else line
-    kept = [0, *_corners_between(points), len(points) - 1]
-    short = points[kept]
+    short = points[corners_to_keep(points, TOLERANCE)]
     return short[::-1] if backwards else short
-
-
-def _corners_between(points: Floats) -> list[int]:
-    """Return the corners that stay, by Douglas and Peucker's rule."""
-    kept: list[int] = []
-    waiting = [(0, len(points) - 1)]
-    while waiting:
-        first, last = waiting.pop()
-        if last - first < 2:
-            continue
-        along, away = points[last] - points[first], points[first + 1 : last] - points[first]
-        length = float(np.hypot(*along))
-        if length > 0.0:
-            distances = np.abs(along[0] * away[:, 1] - along[1] * away[:, 0]) / length
-        else:
-            distances = np.hypot(away[:, 0], away[:, 1])
-        farthest = int(np.argmax(distances))
-        if distances[farthest] > TOLERANCE:
-            middle = first + 1 + farthest
-            kept.append(middle)
-            waiting += [(first, middle), (middle, last)]
-    return sorted(kept)
 
 
 def _area(ring: Floats) -> float:

@@ -22,7 +22,7 @@ from symbody.visual.film.annotations import (
 from symbody.visual.film.camera import View, fit_camera
 from symbody.visual.film.drawing import Drawing, Mark
 from symbody.visual.film.facets import Floats
-from symbody.visual.film.labels import Offsets, named_points, place_labels
+from symbody.visual.film.labels import Box, Offsets, named_points, place_labels
 from symbody.visual.film.layer import Grid
 from symbody.visual.film.painting import Backdrop, make_backdrop, paint
 from symbody.visual.film.palette import DARK, LIGHT, Paper
@@ -124,7 +124,7 @@ class Studio:
         offsets: Offsets = {}
         if self.look.labels:
             named = named_points(scene, poses[-1])
-            corners = ((0.0, size[1] - 56.0, 190.0, size[1]), (size[0] - 60.0, 0.0, size[0], 44.0))
+            corners = _corners(size, len(self.scales))
             names, offsets = place_labels(named, camera, painted, size, self.paper, corners, before)
             marks += names
         marks += corner_marks(scene, camera, size, self.paper)
@@ -134,12 +134,22 @@ class Studio:
         return Drawing(size, self.paper.background, painted, tuple(marks)), offsets
 
 
+def _corners(size: tuple[float, float], scales: int) -> tuple[Box, ...]:
+    """Return where axes and scale bar, gravity, and time with legend stand: no names there."""
+    width, height = size
+    return (
+        (0.0, height - 58.0, 150.0, height),
+        (width - 60.0, 0.0, width, 44.0),
+        (width - 130.0, height - 28.0 - 16.0 * scales, width, height),
+    )
+
+
 def make_studio(
     scene: Scene,
     motion: SceneMotion,
     look: Look,
     per_pixel: float,
-    in_tones: bool,
+    tone_width: float = 0.0,
     track: SceneMotion | None = None,
 ) -> Studio:
     """Return what makes pictures of a motion.
@@ -148,8 +158,8 @@ def make_studio(
     ----------
     per_pixel : float
         How many samples a pixel has, in width and in height.
-    in_tones : bool
-        Whether curved surfaces have a few tones, as files of regions need it.
+    tone_width : float
+        Of tones on curved surfaces [samples]; 0: they are smooth, which files of regions cannot say.
     track : SceneMotion, optional
         The same motion at other times, for traces.
 
@@ -169,7 +179,7 @@ def make_studio(
     width = round(per_pixel * look.size[0])
     grid = Grid((round(per_pixel * look.size[1]), width), width / size[0])
     paper = DARK if look.dark else LIGHT
-    backdrop = make_backdrop(stage, camera, grid, paper.background, in_tones)
+    backdrop = make_backdrop(stage, camera, grid, paper.background, tone_width)
     scales = vector_scales(motion, scene.size)
     return Studio(stage, motion, look, paper, backdrop, scales, track.times, traces, _decimals(motion.times))
 
