@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 import symbody as sb
 from symbody.visual.scene.basis import scene_basis
+from symbody.visual.scene.belts import belt_line
 from symbody.visual.scene.from_model import make_scene
 from symbody.visual.scene.gear_profile import gear_outline, ring_outlines
-from symbody.visual.scene.gears import belt_line
 from symbody.visual.scene.numbers import model_numbers
 from symbody.visual.scene.poses import RigidTransform, rotation_matrix
 
@@ -153,3 +153,42 @@ def test_belts_touch_their_pulleys_and_do_not_cut_them(is_crossed: bool) -> None
     between = np.vstack([closed[:-1] * (1 - s) + closed[1:] * s for s in np.linspace(0, 1, 9)])
     assert np.linalg.norm(between, axis=1).min() > 0.49
     assert np.linalg.norm(between - [2.0, 0.0], axis=1).min() > 0.19
+
+
+@pytest.mark.parametrize(("ratio", "height"), [(-1.5, 1.0), (2.0, 1.0), (-0.5, -0.7), (-1.0, 0.0)])
+def test_wheels_on_crossing_axes_are_cones_with_one_tip(ratio: float, height: float) -> None:
+    model = sb.Model(
+        "bevel",
+        [
+            sb.Revolute("j1", "ground.a", sb.Body("W1", 1, (0, 0, 1)), coordinate="a"),
+            sb.Revolute("j2", "ground", sb.Body("W2", 1, (0, 0, 1)), coordinate="b", axis="x"),
+            sb.Gear("g", ["a", "b"], ratio=ratio),
+        ],
+        ground={"a": sb.Frame((0, 0, height))},
+    )
+    for angle in (0.0, 0.1, 0.2, 0.3):
+        scene = make_scene(model)
+        coordinates = {"b": np.array([angle]), "a": np.array([ratio * angle])}
+        places = scene_basis(model, model_numbers(model, {}), coordinates).bodies
+        points = []
+        for body in scene.bodies[1:]:
+            (solid,) = (each for each in body.solids if each.kind == "mesh")
+            assert solid.mesh is not None
+            own = places[body.name] @ RigidTransform(np.array(solid.at), rotation_matrix(solid.quaternion))
+            mesh = scene.meshes[solid.mesh].vertices
+            points.append(own.point(mesh[: (len(mesh) - 2) // 4]))  # the outline of the large end
+        centres = [outline.mean(axis=0) for outline in points]
+        touch = centres[0] + centres[1]  # for axes at right angles with one tip in the origin
+        side = np.cross(centres[0], centres[1]) / np.linalg.norm(np.cross(centres[0], centres[1]))
+        phases, numbers = [], []
+        for outline, centre in zip(points, centres, strict=True):
+            radii = np.linalg.norm(outline - centre, axis=1)
+            tips = (outline - centre)[radii > radii.max() - 1e-9]
+            forward = (touch - centre) / np.linalg.norm(touch - centre)
+            numbers.append(len(tips) // 2)
+            angles = np.arctan2(tips @ side, tips @ forward)
+            phases.append(np.angle(np.exp(1j * numbers[-1] * angles).sum()) / (2 * math.pi))
+        # Teeth of one stand half a pitch beside those of the other where they touch.
+        assert math.isclose((phases[0] - phases[1]) % 1.0, 0.5, abs_tol=1e-6)
+        assert math.isclose(numbers[1] / numbers[0], abs(ratio))
+        assert math.isclose(np.linalg.norm(centres[0]) / np.linalg.norm(centres[1]), abs(ratio))

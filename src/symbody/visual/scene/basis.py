@@ -32,6 +32,8 @@ from symbody.visual.scene.scene import Floats
 # Radius of rods: this share of the mechanism's size, or of a usual body's length if that is less.
 _ROD: Final = 0.014
 _ROD_OF_BODY: Final = 0.045
+# At most so many moments of a motion are looked at.
+_MOMENTS: Final = 16
 # Points nearer than this share of the size are one.
 SAME_POINT: Final = 1e-6
 
@@ -50,11 +52,16 @@ class SceneBasis:
         Those of the model and those that stand for bodies without one.
     freedoms : mapping of joint to JointFreedoms
     coordinates : mapping of name to float
-        At the start.
+        At the start; zero where neither model nor motion has a value.
+    doubtful : frozenset of str
+        Joints that have such coordinates.
     travel : mapping of name to (lowest, highest)
         Of the coordinates whose motion is known.
-    bodies : mapping of name to RigidTransform
-        Where bodies stand at the start, in ground's axes; loops may be open.
+    moments : tuple of mapping of body to RigidTransform
+        Where bodies stand in ground's axes, at the start and at some later times if the motion is known;
+        loops may be open.
+    links : tuple of Link
+        What connects two frames, except the joints of bodies that move freely.
     size : float
         Of the mechanism [m].
     rod : float
@@ -67,10 +74,17 @@ class SceneBasis:
     joints: tuple[Joint, ...]
     freedoms: Mapping[str, JointFreedoms]
     coordinates: Mapping[str, float]
+    doubtful: frozenset[str]
     travel: Mapping[str, tuple[float, float]]
-    bodies: Mapping[str, RigidTransform]
+    moments: tuple[Mapping[str, RigidTransform], ...]
+    links: tuple[Link, ...]
     size: float
     rod: float
+
+    @property
+    def bodies(self) -> Mapping[str, RigidTransform]:
+        """Where bodies stand at the start."""
+        return self.moments[0]
 
     def frame(self, address: Address) -> RigidTransform:
         """Return where a frame stands in ground's axes at the start."""
@@ -85,16 +99,14 @@ class SceneBasis:
         points = [frame.at for address, frame in self.frames.items() if address.body == body != GROUND]
         return _largest_distance(points) if points else 0.0
 
-    @property
-    def links(self) -> tuple[Link, ...]:
-        """What connects two frames, except the joints of bodies that move freely."""
-        kinds = (Joint, Contact, SpringDamper, TorsionSpring, Bushing)
-        elements = (element for element in self.model.elements if isinstance(element, kinds))
-        return tuple(
-            element
-            for element in elements
-            if not isinstance(element, Joint) or self.freedoms[element.name].translations < 3
-        )
+    def course(self, start: Address, end: Address) -> Floats:
+        """Return the places (N, 3) of a frame's origin in another frame, at the moments [m]."""
+        return np.array([
+            (bodies[start.body] @ self.frames[start]).inverse().point(
+                bodies[end.body].point(self.frames[end].at)
+            )
+            for bodies in self.moments
+        ])  # fmt: skip
 
     def points(self, body: str) -> list[Floats]:
         """Return the distinct points of a body [m] where something is connected to it, in its axes."""
@@ -119,20 +131,21 @@ def scene_basis(
         Values that coordinates take, the first one at the start; by default the model's initial values.
     """
     courses = {name: np.atleast_1d(values) for name, values in (motion or {}).items()}
-    start: dict[str, Formula | float] = dict(model.initial)
-    start |= {name: float(values[0]) for name, values in courses.items() if values.size}
+    courses = {name: values[np.isfinite(values)] for name, values in courses.items()}
+    courses = {name: values for name, values in courses.items() if values.size}
     frames = frame_transforms(model, numbers)
     joints = (*model.joints, *model.free_joints)
-    coordinates: dict[str, float] = {}
-    steps = {}
-    for joint in joints:
-        values = joint_coordinates(joint, numbers, start)
-        steps[joint.name] = joint_transform(joint, numbers, values)
-        coordinates |= values
-    bodies = body_transforms(joints, frames, steps)
-    bodies |= {body.name: RigidTransform() for body in model.bodies if body.name not in bodies}
+    freedoms = {joint.name: joint_freedoms(joint, numbers) for joint in joints}
+    start: dict[str, Formula | float] = dict(model.initial)
+    start |= {name: float(values[0]) for name, values in courses.items()}
+    doubtful = frozenset(joint.name for joint in joints if not _is_known(joint, start))
+    count = max((values.size for values in courses.values()), default=1)
+    moments = [
+        _placed_bodies(model, numbers, frames, doubtful, _values_at(start, courses, place))
+        for place in np.linspace(0, count - 1, min(count, _MOMENTS)).astype(int).tolist()
+    ]
     lengths = _body_lengths(frames)
-    size = _size(model, numbers, [bodies[each.body] @ frame for each, frame in frames.items()], lengths)
+    size = _size(model, numbers, [moments[0][each.body] @ frame for each, frame in frames.items()], lengths)
     rod = _ROD * size
     usual = [length for length in lengths if length > SAME_POINT * size]
     if usual:
@@ -142,13 +155,60 @@ def scene_basis(
         numbers=numbers,
         frames=frames,
         joints=joints,
-        freedoms={joint.name: joint_freedoms(joint, numbers) for joint in joints},
-        coordinates=coordinates,
-        travel={name: (float(v.min()), float(v.max())) for name, v in courses.items() if v.size},
-        bodies=bodies,
+        freedoms=freedoms,
+        coordinates={
+            name: value
+            for joint in joints
+            for name, value in joint_coordinates(joint, numbers, start).items()
+        },
+        doubtful=doubtful,
+        travel={name: (float(values.min()), float(values.max())) for name, values in courses.items()},
+        moments=tuple(moments),
+        links=_links(model, freedoms),
         size=size,
         rod=rod,
     )
+
+
+def _values_at(
+    start: Mapping[str, Formula | float], courses: Mapping[str, Floats], place: int
+) -> dict[str, Formula | float]:
+    """Return the values of coordinates at one of the times of a motion."""
+    later = {name: float(values[min(place, values.size - 1)]) for name, values in courses.items()}
+    return {**start, **later}
+
+
+def _placed_bodies(
+    model: Model,
+    numbers: ModelNumbers,
+    frames: Mapping[Address, RigidTransform],
+    doubtful: frozenset[str],
+    values: Mapping[str, Formula | float],
+) -> dict[str, RigidTransform]:
+    """Return where bodies stand in ground's axes at some values of coordinates."""
+    joints = (*model.joints, *model.free_joints)
+    steps = {
+        joint.name: joint_transform(joint, numbers, joint_coordinates(joint, numbers, values))
+        for joint in joints
+    }
+    bodies = body_transforms(joints, frames, steps, doubtful)
+    return {**{body.name: RigidTransform() for body in model.bodies}, **bodies}
+
+
+def _links(model: Model, freedoms: Mapping[str, JointFreedoms]) -> tuple[Link, ...]:
+    """Return what connects two frames, except the joints of bodies that move freely."""
+    kinds = (Joint, Contact, SpringDamper, TorsionSpring, Bushing)
+    return tuple(
+        element
+        for element in model.elements
+        if isinstance(element, kinds)
+        and not (isinstance(element, Joint) and freedoms[element.name].translations == 3)
+    )
+
+
+def _is_known(joint: Joint, values: Mapping[str, object]) -> bool:
+    """Return whether all coordinates of a joint have values, or are prescribed."""
+    return all(name in values or name in joint.motions for name in joint.coordinates)
 
 
 def _body_lengths(frames: Mapping[Address, RigidTransform]) -> list[float]:

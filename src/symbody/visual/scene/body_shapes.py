@@ -27,8 +27,8 @@ from symbody.visual.scene.wheels import ball_with_marks
 
 # Bodies without extent: the edge of the heaviest, and of the lightest, as shares of the size.
 _LARGEST, _SMALLEST = 0.17, 0.07
-# Solids of inertia have edges up to this share of the size.
-_WIDEST: Final = 0.7
+# Solids of inertia have edges up to this share of the size: of bodies without extent, and beside others.
+_WIDEST, _WIDE = 0.7, 0.35
 # Massless bodies are this much thinner.
 _THIN: Final = 0.6
 # Points off a line, or off a plane, by this share of the extent are on it.
@@ -42,7 +42,7 @@ def body_shapes(basis: SceneBasis, body: Body, is_wheel: bool = False) -> list[F
     radius = basis.rod if mass else _THIN * basis.rod
     apart = [point for point in points if np.linalg.norm(point) > SAME_POINT * basis.size]
     if not apart:
-        return [] if is_wheel else _marked(_solid_of_inertia(basis, body, mass))
+        return [] if is_wheel else _marked(_compact(basis, body, mass))
     if is_wheel and len(points) == 1:
         return []
     if len(points) == 1:
@@ -69,18 +69,24 @@ def inertia_box(basis: SceneBasis, body: Body) -> tuple[tuple[float, float, floa
     return (a, b, c), RigidTransform(axes=axes)
 
 
-def _solid_of_inertia(basis: SceneBasis, body: Body, mass: float) -> FixedShape:
-    """Return a box of a body's inertia, or a cylinder if two moments are equal; without any a block."""
+def _compact(basis: SceneBasis, body: Body, mass: float) -> FixedShape:
+    """Return what stands for a body without extent: a block if it slides, else a solid of its inertia."""
+    edges, _ = inertia_box(basis, body)
+    slides = _slide_axes(basis, body)
+    if slides is not None or sum(edge > 0.0 for edge in edges) < 2:
+        return _block(basis, body, mass, slides)
+    return _solid_of_inertia(basis, body)
+
+
+def _solid_of_inertia(basis: SceneBasis, body: Body) -> FixedShape:
+    """Return a box of a body's inertia, or a cylinder if two of its moments are equal, or a ball."""
     edges, axes = inertia_box(basis, body)
-    given = [edge for edge in edges if edge > 0.0]
-    if len(given) < 2:
-        return _block(basis, body, mass)
-    low, high = _SMALLEST * 0.3 * basis.size, _WIDEST * basis.size
+    is_alone = all(basis.extent(other.name) == 0.0 for other in basis.model.bodies)
+    low, high = _SMALLEST * 0.3 * basis.size, (_WIDEST if is_alone else _WIDE) * basis.size
     scale = min(1.0, high / max(edges))
     a, b, c = (max(low, scale * edge) for edge in edges)
     name = body.name
-    order = [(a, b, c, 2), (b, c, a, 0), (c, a, b, 1)]
-    for first, second, length, k in order:
+    for first, second, length, k in ((a, b, c, 2), (b, c, a, 0), (c, a, b, 1)):
         if abs(first - second) < _OFF * first and abs(length - first) > _OFF * first:
             where = along(np.zeros(3), axes.axes[:, k])
             return fixed_shape(name, name, "cylinder", (first / 3.0**0.5, length), where)
@@ -89,26 +95,24 @@ def _solid_of_inertia(basis: SceneBasis, body: Body, mass: float) -> FixedShape:
     return fixed_shape(name, name, "box", (a, b, c), axes)
 
 
-def _block(basis: SceneBasis, body: Body, mass: float) -> FixedShape:
-    """Return a block if the body can slide but not turn, else a ball; by its share of the largest mass."""
-    masses = [abs(basis.numbers.number(other.mass)) for other in basis.model.bodies]
-    share = (mass / max(masses)) ** (1.0 / 3.0) if mass else 0.0
-    edge = basis.size * max(_SMALLEST, _LARGEST * share)
+def _slide_axes(basis: SceneBasis, body: Body) -> RigidTransform | None:
+    """Return axes of a body along those of a joint in which it slides and does not turn, if there is one."""
+    for joint in basis.joints:
+        freedoms = basis.freedoms[joint.name]
+        for address in (joint.start, joint.end):
+            if address.body == body.name and freedoms.slides and not freedoms.rotations:
+                return RigidTransform(axes=basis.frames[address].axes)
+    return None
+
+
+def _block(basis: SceneBasis, body: Body, mass: float, slides: RigidTransform | None) -> FixedShape:
+    """Return a block if the body slides, else a ball; by its share of the largest mass."""
     if not mass:
         return ball(body.name, body.name, np.zeros(3), _THIN * basis.rod)
-    freedoms = [
-        (basis.freedoms[joint.name], joint)
-        for joint in basis.joints
-        if body.name in (joint.start.body, joint.end.body)
-    ]
-    for each, joint in freedoms:
-        if each.slides and not each.rotations:
-            address = joint.start if joint.start.body == body.name else joint.end
-            axes = basis.frames[address].axes
-            if joint.start.body != body.name:  # the directions are those of start
-                axes = basis.frames[address].axes
-            where = RigidTransform(axes=axes)
-            return fixed_shape(body.name, body.name, "box", (edge, edge, edge), where)
+    masses = [abs(basis.numbers.number(other.mass)) for other in basis.model.bodies]
+    edge = basis.size * max(_SMALLEST, _LARGEST * (mass / max(masses)) ** (1.0 / 3.0))
+    if slides is not None:
+        return fixed_shape(body.name, body.name, "box", (edge, edge, edge), slides)
     return ball(body.name, body.name, np.zeros(3), 0.5 * edge)
 
 
@@ -121,7 +125,7 @@ def _pendulum(basis: SceneBasis, body: Body, point: Floats, mass: float, radius:
     length = float(np.linalg.norm(point))
     direction = -point / length
     if sum(edge > 0.0 for edge in edges) == 3:
-        shape = _smaller(_solid_of_inertia(basis, body, mass), length)
+        shape = _smaller(_solid_of_inertia(basis, body), length)
         if shape.solid.kind == "sphere":  # a disc shows how it spins
             size = (0.4 * length, 0.1 * length)
             shape = fixed_shape(body.name, body.name, "cylinder", size, along(np.zeros(3), direction))

@@ -38,7 +38,7 @@ from symbody.visual.scene.connectors import (
     spring_damper_connectors,
     torsion_shapes,
 )
-from symbody.visual.scene.fixed_shape import GLASS, FixedShape
+from symbody.visual.scene.fixed_shape import GLASS, GROUND_COLOR, FixedShape
 from symbody.visual.scene.gears import gear_shapes
 from symbody.visual.scene.ground_shapes import ground_shapes
 from symbody.visual.scene.joint_shapes import joint_shapes
@@ -188,6 +188,8 @@ def _with_meshes(shapes: Iterable[FixedShape]) -> tuple[dict[str, list[Solid]], 
             if place == len(meshes):
                 meshes.append(shape.mesh)
             solid = replace(solid, mesh=place)
+        if shape.body == GROUND and not solid.color:
+            solid = replace(solid, color=GROUND_COLOR)
         solids.setdefault(shape.body, []).append(solid)
     return solids, tuple(meshes)
 

@@ -30,7 +30,7 @@ from symbody.visual.scene.scene import Floats
 _HINGE, _PIN, _BALL, _RAIL = 2.0, 1.25, 2.2, 0.9
 # Half the length of a guide beyond what is known of its motion, as a share of the mechanism's size.
 _REACH: Final = 0.3
-_MARGIN: Final = 6.0
+_MARGIN: Final = 9.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,13 +67,14 @@ class JointSite:
     def range_of(self, number: int) -> tuple[float, float]:
         """Return the lowest and highest displacement of a guide along its slide of this number [m]."""
         name = self.joint.translation_coordinates[number]
-        at_start = self.basis.coordinates[name]
-        if name in self.basis.travel:
-            low, high = self.basis.travel[name]
-            margin = _MARGIN * self.rod
-        else:
-            low = high = at_start
-            margin = min(_REACH * self.basis.size, self.basis.extent(self.joint.start.body) or np.inf)
+        low, high = self.basis.travel.get(name, (self.basis.coordinates[name],) * 2)
+        if self.joint.name in self.basis.doubtful and self.freedoms.slides_in == "start":
+            course = self.basis.course(self.joint.start, self.joint.end) @ self.freedoms.slides[number]
+            low, high = float(course.min()), float(course.max())
+        margin = _MARGIN * self.rod
+        if high - low < margin:
+            extent = self.basis.extent(self.joint.start.body)
+            margin = max(margin, min(_REACH * self.basis.size, 0.5 * extent if extent else np.inf))
         return low - margin, high + margin
 
 

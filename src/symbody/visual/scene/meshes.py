@@ -81,6 +81,32 @@ def prism(outline: Floats, thickness: float) -> SceneMesh:
     return flat_shaded(vertices, [cap.astype(np.int32) for cap in caps] + [_ring_band(0, count, count)])
 
 
+def cone_prism(outline: Floats, height: float, share: float) -> SceneMesh:
+    """Return what is between an outline (N, 2) in the plane z = 0 and a tip above, or below, up to a share.
+
+    Parameters
+    ----------
+    height : float
+        Of the tip.
+    share : float
+        How much of the way to the tip is there, below 1.
+    """
+    count = len(outline)
+    base = np.column_stack([outline, np.zeros(count)])
+    vertices = np.vstack([base, base * (1.0 - share) + np.array([0.0, 0.0, share * height])])
+    centres = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, share * height]])
+    around = np.arange(count)
+    nxt = (around + 1) % count
+    caps = [
+        np.stack([np.full(count, 2 * count), nxt, around], axis=1).astype(np.int32),
+        np.stack([np.full(count, 2 * count + 1), count + around, count + nxt], axis=1).astype(np.int32),
+    ]
+    parts = [*caps, _ring_band(0, count, count)]
+    if height < 0.0:
+        parts = [part[:, ::-1] for part in parts]
+    return flat_shaded(np.vstack([vertices, centres]), parts)
+
+
 def hollow_prism(inner: Floats, outer: Floats, thickness: float) -> SceneMesh:
     """Return what is between two outlines (N, 2) of as many points in the plane z = 0."""
     count = len(inner)

@@ -20,6 +20,7 @@ from symbody.visual.scene.fixed_shape import (
     ball,
     fixed_shape,
     mesh_shape,
+    shift_frame,
 )
 from symbody.visual.scene.level_surface import level_surface
 from symbody.visual.scene.meshes import prism, tube
@@ -33,15 +34,18 @@ _CELLS: Final = 22
 
 
 def plane_shapes(basis: SceneBasis, element: Rolling | PointOnPlane) -> list[FixedShape]:
-    """Return a translucent patch of the plane, below or about where the other body is at the start."""
+    """Return a translucent patch of the plane, as large as what moves on it needs."""
     normal = element.normal if isinstance(element, Rolling) else element.axis
     frame = basis.frames[element.start]
     direction = frame.axes @ basis.numbers.axis(normal)
-    foot = _seen_from_start(basis, element)
-    at = foot - ((foot - frame.at) @ direction) * direction
-    side = (_FLOOR if isinstance(element, Rolling) else _PATCH) * basis.size
     thickness = 0.15 * basis.rod
-    where = along(at - 0.5 * thickness * direction, direction)
+    where = along(frame.at, direction)
+    course = where.inverse().point(frame.point(basis.course(element.start, element.end)))[:, :2]
+    low, high = course.min(axis=0), course.max(axis=0)
+    side = (_FLOOR if isinstance(element, Rolling) else _PATCH) * basis.size
+    side = max(side, float((high - low).max()) + 0.5 * side)
+    x, y = 0.5 * (low + high)
+    where = shift_frame(where, float(x), float(y), -0.5 * thickness)
     color = GROUND_COLOR if element.start.body == GROUND else ""
     size = (side, side, thickness)
     shape = fixed_shape(element.start.body, element.name, "box", size, where, color, GLASS)

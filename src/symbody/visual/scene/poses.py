@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -167,6 +166,7 @@ def body_transforms(
     joints: Iterable[Joint],
     frames: Mapping[Address, RigidTransform],
     steps: Mapping[str, RigidTransform],
+    doubtful: Collection[str] = (),
 ) -> dict[str, RigidTransform]:
     """Return where bodies stand in ground's axes, from joint to joint; joints that close loops are left out.
 
@@ -174,18 +174,23 @@ def body_transforms(
     ----------
     steps : mapping of joint to RigidTransform
         Where its end frame stands in its start frame.
+    doubtful : collection of joint
+        Those whose coordinates are not known: bodies are placed over others where that can be.
     """
-    neighbours: dict[str, list[tuple[str, RigidTransform]]] = {}
-    for joint in joints:
-        step = frames[joint.start] @ steps[joint.name] @ frames[joint.end].inverse()
-        neighbours.setdefault(joint.start.body, []).append((joint.end.body, step))
-        neighbours.setdefault(joint.end.body, []).append((joint.start.body, step.inverse()))
+    waiting = sorted(joints, key=lambda joint: joint.name in doubtful)
     transforms = {GROUND: RigidTransform()}
-    waiting = deque([GROUND])
-    while waiting:
-        body = waiting.popleft()
-        for other, step in neighbours.get(body, ()):
-            if other not in transforms:
-                transforms[other] = transforms[body] @ step
-                waiting.append(other)
-    return transforms
+    while True:
+        joint = next((each for each in waiting if _leads_on(each, transforms)), None)
+        if joint is None:
+            return transforms
+        waiting.remove(joint)
+        step = frames[joint.start] @ steps[joint.name] @ frames[joint.end].inverse()
+        if joint.start.body in transforms:
+            transforms[joint.end.body] = transforms[joint.start.body] @ step
+        else:
+            transforms[joint.start.body] = transforms[joint.end.body] @ step.inverse()
+
+
+def _leads_on(joint: Joint, reached: Collection[str]) -> bool:
+    """Return whether one body of a joint is among those reached, and the other is not."""
+    return (joint.start.body in reached) != (joint.end.body in reached)
