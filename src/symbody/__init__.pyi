@@ -141,4 +141,6 @@ from .analysis import solve_index_1 as solve_index_1
 # its pictures
 from .visual import plot as plot
 from .visual import save_plot as save_plot
+from .visual import Animation as Animation
+from .visual import animate as animate
 from .visual import save_animation as save_animation

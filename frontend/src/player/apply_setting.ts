@@ -1,60 +1,46 @@
 /** What a changed setting does to the picture and the page. */
 
+import type { Viewer } from "../viewer";
 import type { Player } from "./player";
 import type { SettingValues } from "./settings";
 import { resolveTheme } from "./theme";
 
+type Name = keyof SettingValues;
+
 const SHOWN = ["frames", "joints", "labels", "grid", "gravity", "force", "torque", "reaction"] as const;
 
-export function applySetting(player: Player, name: keyof SettingValues): void {
-  const { viewer, clock, settings, root } = player;
-  const { values } = settings;
-  const shown = SHOWN.find((each) => each === name);
-  if (shown !== undefined) viewer?.show(shown, values[shown]);
-  switch (name) {
-    case "theme": {
-      const theme = resolveTheme(values.theme);
-      root.dataset["theme"] = theme;
-      viewer?.setTheme(theme);
-      player.curves?.repaint();
-      break;
-    }
-    case "speed":
-      clock.speed = values.speed > 0 ? values.speed : 1;
-      break;
-    case "loop":
-      clock.loop = values.loop;
-      break;
-    case "curves":
-      root.classList.toggle("sb-no-curves", !values.curves || player.curves === null);
-      break;
-    default:
-      if (viewer !== null) applyToPicture(player, name);
-  }
-  player.wake();
-}
+const IN_PICTURE: Partial<Record<Name, (viewer: Viewer, values: SettingValues) => void>> = {
+  view: (viewer, { view }) => {
+    if (view !== "auto") viewer.view(view, true);
+  },
+  parallel: (viewer, { parallel }) => {
+    if (viewer.rig.parallel !== parallel) viewer.rig.setParallel(parallel);
+  },
+  look: (viewer, { look }) => { viewer.setLook(look); },
+  arrowFactor: (viewer, { arrowFactor }) => { viewer.setArrowFactor(arrowFactor); },
+  ghosts: (viewer, { ghosts }) => { viewer.setGhosts(ghosts); },
+  traces: (viewer, { traces, traceMode }) => { viewer.setTraces(traces, traceMode); },
+  traceMode: (viewer, { traces, traceMode }) => { viewer.setTraces(traces, traceMode); },
+  ...Object.fromEntries(
+    SHOWN.map((name) => [name, (viewer: Viewer, values: SettingValues) => { viewer.show(name, values[name]); }]),
+  ),
+};
 
-function applyToPicture({ viewer, settings: { values } }: Player, name: keyof SettingValues): void {
-  switch (name) {
-    case "view":
-      if (values.view !== "auto") viewer?.view(values.view, true);
-      break;
-    case "parallel":
-      if (viewer !== null && viewer.rig.parallel !== values.parallel) viewer.rig.setParallel(values.parallel);
-      break;
-    case "look":
-      viewer?.setLook(values.look);
-      break;
-    case "arrowFactor":
-      viewer?.setArrowFactor(values.arrowFactor);
-      break;
-    case "ghosts":
-      viewer?.setGhosts(values.ghosts);
-      break;
-    case "traces":
-    case "traceMode":
-      viewer?.setTraces(values.traces, values.traceMode);
-      break;
-    default:
-  }
+const IN_PAGE: Partial<Record<Name, (player: Player, values: SettingValues) => void>> = {
+  theme: (player, values) => {
+    const theme = resolveTheme(values.theme);
+    player.root.dataset["theme"] = theme;
+    player.viewer?.setTheme(theme);
+    player.curves?.repaint();
+  },
+  speed: ({ clock }, { speed }) => { clock.speed = speed > 0 ? speed : 1; },
+  loop: ({ clock }, { loop }) => { clock.loop = loop; },
+  curves: ({ root, curves }, values) => { root.classList.toggle("sb-no-curves", !values.curves || curves === null); },
+};
+
+export function applySetting(player: Player, name: Name): void {
+  const { values } = player.settings;
+  IN_PAGE[name]?.(player, values);
+  if (player.viewer !== null) IN_PICTURE[name]?.(player.viewer, values);
+  player.wake();
 }

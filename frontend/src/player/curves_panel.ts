@@ -4,7 +4,7 @@ import type { StateSource } from "../viewer";
 import { groupCurves, toCsv } from "./curve_table";
 import { create, download, fileName, setText } from "./dom";
 import { iconButton } from "./icons";
-import { Plot } from "./plot";
+import { curveColor, Plot } from "./plot";
 import { formatTime } from "./transport";
 
 const LEAST_HEIGHT = 84;
@@ -110,8 +110,7 @@ function picture(plots: readonly Plot[], styled: HTMLElement): HTMLCanvasElement
   plots.forEach((plot, index) => {
     let left = 12 * ratio;
     for (const curve of plot.drawn) {
-      const { stroke } = plot.chart.series[curve + 1]!;
-      context.fillStyle = typeof stroke === "function" ? String(stroke(plot.chart, curve + 1)) : style.color;
+      context.fillStyle = style.getPropertyValue(curveColor(curve));
       context.fillRect(left, top + head / 2 - ratio, 18 * ratio, 2 * ratio);
       context.fillStyle = style.getPropertyValue("--sb-text");
       const { name } = plot.group.curves[curve]!;

@@ -76,7 +76,7 @@ function range(
   label: string,
   limits: { min: number; max: number; step: number },
   change: (value: number) => void,
-): { row: HTMLElement; show(value: number, text: string): void } {
+): { row: HTMLElement; show: (value: number, text: string) => void } {
   const input = create("input", { type: "range", "aria-label": label, ...limits });
   const output = create("span", { class: "sb-number" });
   input.addEventListener("input", () => { change(Number(input.value)); });
@@ -136,7 +136,7 @@ function filter(list: HTMLElement): HTMLElement {
   input.addEventListener("input", () => {
     const text = input.value.toLowerCase();
     for (const row of list.children) {
-      if (row instanceof HTMLElement) row.hidden = !(row.textContent ?? "").toLowerCase().includes(text);
+      if (row instanceof HTMLElement) row.hidden = !row.textContent.toLowerCase().includes(text);
     }
   });
   return input;

@@ -107,12 +107,16 @@ const ITS_OWN: Record<KeyTarget, RegExp> = {
 /** Return what a key press means, or null. */
 export function commandOf(press: KeyPress, target: KeyTarget): Command | null {
   if (press.altKey || ITS_OWN[target].test(press.key)) return null;
-  const arrow = press.key.startsWith("Arrow");
-  const control = press.ctrlKey || press.metaKey;
-  if (control && !arrow) return null; // the browser's own
-  const prefix = arrow && control ? "Ctrl+" : arrow && press.shiftKey ? "Shift+" : "";
   const key = press.key.length === 1 ? press.key.toLowerCase() : press.key;
-  return KEYS[prefix + key] ?? null;
+  const prefix = prefixOf(press);
+  return prefix === null ? null : (KEYS[prefix + key] ?? null);
+}
+
+/** Return what stands before a key in `KEYS`, or null for what the browser does itself. */
+function prefixOf({ key, ctrlKey, metaKey, shiftKey }: KeyPress): string | null {
+  const arrow = key.startsWith("Arrow");
+  if (ctrlKey || metaKey) return arrow ? "Ctrl+" : null;
+  return arrow && shiftKey ? "Shift+" : "";
 }
 
 /** Return what kind of target an element is. */

@@ -16,7 +16,7 @@ function start(): void {
   const holder = document.getElementById("symbody-data");
   if (root === null || holder === null) return;
   try {
-    const data = decodeData(JSON.parse(holder.textContent ?? "null"));
+    const data = decodeData(JSON.parse(holder.textContent));
     document.title = data.title;
     window.symbodyPlayer = new Player(root, data, { keysFrom: document });
   } catch (error) {

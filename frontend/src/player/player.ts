@@ -230,21 +230,29 @@ export class Player {
   private draw(seconds: number, now: number): boolean {
     this.clock.advance(seconds);
     const { time, playing } = this.clock;
-    if (time !== this.drawnTime) {
-      const first = Number.isNaN(this.drawnTime);
-      this.drawnTime = time;
-      this.viewer?.setTime(time);
-      this.curves?.showTime(time);
-      if (!first) this.context.onTime?.(time);
-    }
+    if (time !== this.drawnTime) this.showTime(time);
     this.transport?.update();
-    if (playing !== this.wasPlaying) this.context.onPlaying?.((this.wasPlaying = playing));
-    const moving = this.viewer?.render(now) ?? false;
-    if (this.viewer !== null) this.triad.update(this.viewer.rig.camera);
-    this.legend?.update();
-    this.selection?.update();
-    this.tooltip?.update();
+    if (playing !== this.wasPlaying) {
+      this.wasPlaying = playing;
+      this.context.onPlaying?.(playing);
+    }
+    const moving = this.viewer !== null && this.drawPicture(this.viewer, now);
     return playing || moving;
+  }
+
+  private showTime(time: number): void {
+    const first = Number.isNaN(this.drawnTime);
+    this.drawnTime = time;
+    this.viewer?.setTime(time);
+    this.curves?.showTime(time);
+    if (!first) this.context.onTime?.(time);
+  }
+
+  private drawPicture(viewer: Viewer, now: number): boolean {
+    const moving = viewer.render(now);
+    this.triad.update(viewer.rig.camera);
+    for (const part of [this.legend, this.selection, this.tooltip]) part?.update();
+    return moving;
   }
 }
 

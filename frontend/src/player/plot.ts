@@ -83,8 +83,7 @@ export class Plot {
   showTime(time: number): void {
     this.time = time;
     const { min, max } = this.chart.scales["x"] ?? {};
-    if (min === undefined || max === undefined || min === null || max === null) return;
-    const inside = time >= min && time <= max;
+    const inside = typeof min === "number" && typeof max === "number" && time >= min && time <= max;
     this.cursor.hidden = !inside;
     if (inside) this.cursor.style.transform = `translateX(${this.chart.valToPos(time, "x").toFixed(1)}px)`;
   }
@@ -104,7 +103,7 @@ export class Plot {
   }
 
   private createRow(index: number, checked: boolean): Row {
-    const box = create("input", { type: "checkbox" });
+    const box = create("input", { type: "checkbox", "aria-label": this.group.curves[index]!.name });
     box.checked = checked;
     box.addEventListener("change", () => {
       this.chart.setSeries(index + 1, { show: box.checked });
@@ -125,7 +124,7 @@ export class Plot {
 
   private hover(chart: uPlot): void {
     const { left } = chart.cursor;
-    const inside = left !== undefined && left >= 0 && chart.cursor.event !== undefined && chart.cursor.event !== null;
+    const inside = left !== undefined && left >= 0;
     this.hooks.hover(inside ? chart.posToVal(left, "x") : null);
   }
 
@@ -154,7 +153,7 @@ export class Plot {
 }
 
 /** Return the style's variable with the colour of a curve. */
-function curveColor(index: number): string {
+export function curveColor(index: number): string {
   return `--sb-curve-${index % COLORS}`;
 }
 

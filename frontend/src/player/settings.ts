@@ -68,7 +68,7 @@ const CHOICES: Partial<Record<keyof SettingValues, readonly unknown[]>> = {
 export function settingsFrom(options: unknown): SettingValues {
   const values: SettingValues = { ...DEFAULTS };
   if (typeof options !== "object" || options === null) return values;
-  for (const [name, value] of Object.entries(options)) {
+  for (const [name, value] of Object.entries(options as Record<string, unknown>)) {
     if (isSetting(name) && fits(name, value)) Object.assign(values, { [name]: value });
   }
   values.ghosts = Math.min(Math.max(Math.round(values.ghosts), 0), MOST_GHOSTS);
@@ -83,7 +83,7 @@ function fits(name: keyof SettingValues, value: unknown): boolean {
   const choices = CHOICES[name];
   if (choices !== undefined) return choices.includes(value);
   if (name === "traces" || name === "shownCurves") {
-    return Array.isArray(value) && value.every((each) => typeof each === "string");
+    return Array.isArray(value) && value.every((each: unknown) => typeof each === "string");
   }
   if (name === "time") return typeof value === "number" && Number.isFinite(value);
   return typeof value === typeof DEFAULTS[name];

@@ -52,6 +52,7 @@ export class CameraRig {
   readonly camera = new PerspectiveCamera(ANGLE, 1, 0.01, 1000);
   readonly controls: OrbitControls;
   private turn: Turn | null = null;
+  private fits = true; // until the user moves the camera
   private readonly radius: number;
   private readonly up: Vector3;
   private height = 1;
@@ -73,6 +74,7 @@ export class CameraRig {
     this.controls.addEventListener("change", invalidate);
     this.controls.addEventListener("start", () => {
       this.turn = null;
+      this.fits = false;
     });
   }
 
@@ -93,6 +95,7 @@ export class CameraRig {
     this.height = height;
     this.camera.aspect = width / Math.max(height, 1);
     this.camera.updateProjectionMatrix();
+    if (this.fits && this.turn === null) this.fit(true);
   }
 
   /** Look from a standard direction at the whole motion. */
@@ -160,8 +163,9 @@ export class CameraRig {
     return this.camera.position.clone().sub(this.controls.target);
   }
 
-  private finish(): void {
+  private finish(fits = false): void {
     this.turn = null;
+    this.fits = fits;
     this.controls.update();
     this.controls.dispatchEvent({ type: "change" });
   }
@@ -172,9 +176,10 @@ export class CameraRig {
     if (now || !this.animate()) {
       this.controls.target.copy(target);
       this.camera.position.copy(target).add(offset);
-      this.finish();
+      this.finish(true);
       return;
     }
+    this.fits = true;
     this.turn = {
       fromOffset: this.offset(),
       toOffset: offset,

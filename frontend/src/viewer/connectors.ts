@@ -17,7 +17,8 @@ interface Part {
   readonly connector: Connector;
   readonly meshes: readonly Mesh[];
   readonly material: MeshStandardMaterial;
-  update(start: Vector3, end: Vector3): void;
+  /** `carrier` is the matrix of the body at the start. */
+  update(start: Vector3, end: Vector3, carrier: Matrix4): void;
 }
 
 const start = new Vector3();
@@ -42,7 +43,7 @@ export class Connectors implements Layer {
     for (const part of this.parts) {
       anchorPoint(part.connector.start, instant, start);
       anchorPoint(part.connector.end, instant, end);
-      part.update(start, end);
+      part.update(start, end, instant.matrices[part.connector.start.body]!);
     }
   }
 
@@ -77,7 +78,7 @@ function colorOf(connector: Connector): string {
 
 function downOf(scene: Scene): Point {
   const down = new Vector3(...(scene.gravity ?? scene.up)).normalize();
-  return scene.gravity === null ? (down.negate().toArray() as Point) : (down.toArray() as Point);
+  return scene.gravity === null ? down.negate().toArray() : down.toArray();
 }
 
 function createPart(
@@ -112,11 +113,23 @@ function springPart(connector: Connector, material: MeshStandardMaterial, size: 
   const radius = connector.radius > 0 ? connector.radius : 0.03 * size;
   const tube = createTube(coilPoints(turns), TUBE_SIDES, 0.14 * radius);
   const across: [number, number, number] = [0, 0, 0];
-  const update = (from: Vector3, to: Vector3): void => {
+  const side = new Vector3();
+  let axis = -1;
+  const update = (from: Vector3, to: Vector3, carrier: Matrix4): void => {
+    // the turns begin in a direction of the body that carries them, the same at each return to a time
+    if (axis < 0) axis = mostAcross(side.subVectors(to, from), carrier);
+    side.setFromMatrixColumn(carrier, axis).toArray(across);
     writeCoil([from.x, from.y, from.z], [to.x, to.y, to.z], turns, radius, across, tube.path);
     tube.update();
   };
   return { connector, material, meshes: [tubeMesh(tube, material)], update };
+}
+
+/** Return which of a body's axes is the most perpendicular to a direction. */
+function mostAcross(direction: Vector3, carrier: Matrix4): number {
+  const axis = new Vector3();
+  const along = [0, 1, 2].map((each) => Math.abs(axis.setFromMatrixColumn(carrier, each).dot(direction)));
+  return along.indexOf(Math.min(...along));
 }
 
 function ropePart(connector: Connector, material: MeshStandardMaterial, down: Point, size: number): Part {

@@ -1,7 +1,7 @@
 /** Where points of bodies are along the motion: paths of traces, extents of the whole. */
 
 import { Box3, Matrix4, Vector3 } from "three";
-import type { Anchor, Scene } from "./contract";
+import type { Anchor, Scene, Solid } from "./contract";
 import { placeMatrix, writeMatrices, type Instant } from "./layer";
 import { makeGeometry, shapeOf } from "./shapes";
 import { restPose, type StateSource } from "./source";
@@ -60,25 +60,26 @@ export function shortestLengths(scene: Scene, source: StateSource): number[] {
 function bodyBox(scene: Scene, body: number): Box3 {
   const box = new Box3();
   const { solids, frames } = scene.bodies[body]!;
-  for (const solid of solids) {
-    const { key, scale } = shapeOf(solid);
-    const geometry = makeGeometry(key.startsWith("mesh") ? "box" : key, scene.meshes);
-    if (key.startsWith("mesh")) meshBox(scene, solid.mesh ?? 0, geometry.boundingBox ??= new Box3());
-    else geometry.computeBoundingBox();
-    if (geometry.boundingBox !== null && !geometry.boundingBox.isEmpty()) {
-      box.union(geometry.boundingBox.applyMatrix4(placeMatrix(solid.at, solid.quaternion, scale)));
-    }
-    geometry.dispose();
-  }
+  for (const solid of solids) box.union(solidBox(scene, solid));
+  // a ground's frames may be far from all that is drawn
   if (body > 0 || box.isEmpty()) for (const frame of frames) box.expandByPoint(new Vector3(...frame.at));
-  for (const { start, end } of scene.connectors) {
-    for (const anchor of [start, end]) if (anchor.body === body) box.expandByPoint(new Vector3(...anchor.at));
-  }
+  const anchors = scene.connectors.flatMap((each) => [each.start, each.end]);
+  for (const anchor of anchors) if (anchor.body === body) box.expandByPoint(new Vector3(...anchor.at));
   return box;
 }
 
-function meshBox(scene: Scene, mesh: number, into: Box3): void {
-  into.setFromArray(scene.meshes[mesh]!.vertices);
+function solidBox(scene: Scene, solid: Solid): Box3 {
+  const { key, scale } = shapeOf(solid);
+  const box = new Box3();
+  if (solid.mesh !== null) {
+    box.setFromArray(scene.meshes[solid.mesh]!.vertices);
+  } else {
+    const geometry = makeGeometry(key, scene.meshes, true);
+    geometry.computeBoundingBox();
+    box.union(geometry.boundingBox ?? box);
+    geometry.dispose();
+  }
+  return box.isEmpty() ? box : box.applyMatrix4(placeMatrix(solid.at, solid.quaternion, scale));
 }
 
 /** What a camera has to hold: points on everything along the motion, and their box. */
@@ -109,8 +110,8 @@ export function motionExtent(scene: Scene, source: StateSource): Extent {
   return { points: new Float32Array(points), box };
 }
 
-function diagonal(points: readonly number[]): number {
-  return points.length === 0 ? 0 : new Box3().setFromArray(points as number[]).getSize(new Vector3()).length();
+function diagonal(points: number[]): number {
+  return points.length === 0 ? 0 : new Box3().setFromArray(points).getSize(new Vector3()).length();
 }
 
 function boxCorners(box: Box3): Vector3[] {

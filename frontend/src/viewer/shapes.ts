@@ -24,42 +24,38 @@ export interface Shape {
 }
 
 /** Return which geometry a solid shares, and its factors. */
-export function shapeOf(solid: Solid): Shape {
-  const [a = 1, b = 1, c = 1] = solid.size;
-  switch (solid.kind) {
+export function shapeOf({ kind, size, mesh }: Solid): Shape {
+  const [a, b, c] = [size[0] ?? 1, size[1] ?? 1, size[2] ?? 1];
+  switch (kind) {
     case "box":
-      return { key: "box", scale: new Vector3(a, b, c), doubleSided: false };
+      return { key: kind, scale: new Vector3(a, b, c), doubleSided: false };
     case "cylinder":
     case "cone":
-      return { key: solid.kind, scale: new Vector3(a, a, b), doubleSided: false };
+      return { key: kind, scale: new Vector3(a, a, b), doubleSided: false };
     case "sphere":
-      return { key: "sphere", scale: new Vector3(a, a, a), doubleSided: false };
+      return { key: kind, scale: new Vector3(a, a, a), doubleSided: false };
     case "capsule":
       return { key: `capsule ${(b / a).toPrecision(3)}`, scale: new Vector3(a, a, a), doubleSided: false };
-    case "mesh":
-    case "line":
-      return { key: `mesh ${solid.mesh ?? 0}`, scale: new Vector3(a, b, c), doubleSided: true };
+    default:
+      return { key: `mesh ${mesh ?? 0}`, scale: new Vector3(a, b, c), doubleSided: true };
   }
 }
 
+type Maker = (around: number, parameter: number) => BufferGeometry;
+
+const MAKERS: Readonly<Record<string, Maker>> = {
+  box: () => new BoxGeometry(1, 1, 1),
+  cylinder: (around) => new CylinderGeometry(1, 1, 1, around).rotateX(Math.PI / 2),
+  cone: (around) => new ConeGeometry(1, 1, around).rotateX(Math.PI / 2),
+  sphere: (around) => new SphereGeometry(1, around, Math.round(0.6 * around)).rotateX(Math.PI / 2),
+  capsule: (around, length) => new CapsuleGeometry(1, length, Math.round(around / 4), around).rotateX(Math.PI / 2),
+};
+
 /** Return the geometry of a key; cylinders, cones and capsules stand along z; `coarse` where there are many. */
 export function makeGeometry(key: string, meshes: readonly SceneMesh[], coarse = false): BufferGeometry {
-  const around = coarse ? 16 : 36;
-  const [kind, parameter = "0"] = key.split(" ");
-  switch (kind) {
-    case "box":
-      return new BoxGeometry(1, 1, 1);
-    case "cylinder":
-      return new CylinderGeometry(1, 1, 1, around).rotateX(Math.PI / 2);
-    case "cone":
-      return new ConeGeometry(1, 1, around).rotateX(Math.PI / 2);
-    case "sphere":
-      return new SphereGeometry(1, around, coarse ? 10 : 22).rotateX(Math.PI / 2);
-    case "capsule":
-      return new CapsuleGeometry(1, Number(parameter), coarse ? 4 : 8, around).rotateX(Math.PI / 2);
-    default:
-      return meshGeometry(meshes[Number(parameter)]!);
-  }
+  const [kind = "", parameter = "0"] = key.split(" ");
+  const make = MAKERS[kind];
+  return make === undefined ? meshGeometry(meshes[Number(parameter)]!) : make(coarse ? 16 : 36, Number(parameter));
 }
 
 function meshGeometry(mesh: SceneMesh): BufferGeometry {

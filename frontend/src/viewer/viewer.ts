@@ -35,11 +35,11 @@ export interface Shown {
 
 export interface ViewerHooks {
   /** Called when something changed that the next `render` will draw. */
-  invalidate(): void;
-  onSelect?(element: SceneElement | null): void;
-  onHover?(element: SceneElement | null, x: number, y: number): void;
+  invalidate: () => void;
+  onSelect?: (element: SceneElement | null) => void;
+  onHover?: (element: SceneElement | null, x: number, y: number) => void;
   /** Whether the camera may glide; not where reduced motion is preferred. */
-  animate(): boolean;
+  animate: () => boolean;
 }
 
 export class Viewer {

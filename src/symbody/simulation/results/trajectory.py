@@ -278,7 +278,7 @@ class Trajectory:
 
     @checked_arguments
     def save(self, path: Path, *names: str) -> None:
-        """Write the trajectory and its model to a file for `load`; outputs that are not states only if named."""
+        """Write the trajectory and its model to a file for `load`; outputs beside the states if named."""
         stored = {**self.stored, **{name: self[name] for name in names if name not in self.names}}
         arrays = {"t": self.t, "q": self.q, "u": self.u}
         arrays |= {f"stored_{k}": values for k, values in enumerate(stored.values())}

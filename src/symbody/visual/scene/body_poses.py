@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import networkx as nx
@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from symbody.graph.trees import Trees
 from symbody.model.model import Model
 from symbody.model.naming import GROUND
 
@@ -69,10 +68,9 @@ class Chain:
         return Poses(np.moveaxis(positions[:-1], 1, 0), np.moveaxis(quaternions, 1, 0))
 
 
-def chain_of(model: Model, names: Sequence[str], trees: Trees | None = None) -> Chain:
-    """Return bodies with their neighbours on the way to ground, along joints that are in both trees."""
+def chain_of(model: Model, names: Sequence[str], inside: Collection[str] | None = None) -> Chain:
+    """Return bodies with their neighbours on the way to ground, along joints `inside` both trees."""
     places = {name: k for k, name in enumerate(names)}
-    inside = None if trees is None else {*trees.rotation} & {*trees.translation}
     net = nx.Graph()
     net.add_nodes_from([GROUND, *names])
     for joint in model.joints:

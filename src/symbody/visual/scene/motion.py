@@ -14,8 +14,8 @@ from symbody.errors import Problem, UsageError
 from symbody.model.model import Model
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.visual.curves import curves_of
-from symbody.visual.scene.arrows import Arrow, arrows_of, vectors_of
 from symbody.visual.scene.body_poses import Chain, Floats, chain_of, of_one_sign
+from symbody.visual.scene.force_arrows import Arrow, arrows_of, vectors_of
 from symbody.visual.scene.sampling import Sampled, sample, thin
 from symbody.visual.scene.scene import MotionCurve, Scene, SceneMotion
 
@@ -32,6 +32,7 @@ def make_motion(
     times: ArrayLike | None = None,
     curves: Sequence[str] | None = None,
     vectors: str | Sequence[str] | None = None,
+    span: tuple[float, float] | None = None,
 ) -> SceneMotion:
     """Return where the bodies of a scene are during a motion.
 
@@ -52,6 +53,8 @@ def make_motion(
     vectors : "all", "applied", "none" or sequence of str, optional
         Forces and torques to be drawn: those named by their elements; by default those of `Force` and
         `Torque`, if they are few. "all" adds reactions of joints and forces of springs.
+    span : (start, end), optional
+        The part of the motion that is shown [s]; by default all of it.
 
     Raises
     ------
@@ -62,17 +65,20 @@ def make_motion(
     if curves is None:
         curves = run.coordinate_names[:_MOST_CURVES]
     arrows = arrows_of(model, scene, vectors)
-    trees = None if run.provenance is None else run.provenance.trees
-    chain = chain_of(model, [body.name for body in scene.bodies[1:]], trees)
+    inside = None
+    if run.provenance is not None:
+        trees = run.provenance.trees
+        inside = {*trees.rotation} & {*trees.translation}
+    chain = chain_of(model, [body.name for body in scene.bodies[1:]], inside)
     source = _Source(run, chain, tuple(curves), tuple(arrows))
-    samples = _samples(source, scene.size, times)
+    samples = _samples(source, scene.size, times, span)
     shown = source.outputs(samples.times)
     return SceneMotion(
         samples.times,
         samples.poses.positions,
         of_one_sign(samples.poses.quaternions),
         _curves(shown, curves),
-        vectors_of(arrows, {name: np.asarray(shown.stored[name]) for name in shown.stored}),
+        vectors_of(arrows, {name: np.asarray(shown.stored[name]) for name in shown.stored}, scene.size),
         tuple((name, float(t)) for name, t, _ in run.events),
     )
 
@@ -146,17 +152,35 @@ def _between(run: Trajectory, name: str, times: Floats) -> Floats:
     return rows.reshape(*run.stored[name].shape[:-1], times.size)
 
 
-def _samples(source: _Source, size: float, times: ArrayLike | None) -> Sampled:
+def _samples(
+    source: _Source, size: float, times: ArrayLike | None, span: tuple[float, float] | None
+) -> Sampled:
     run = source.run
     if times is not None:
         return source.sampled(_chosen_times(run, times))
     bodies = max(len(source.chain.names), 1)
     most = min(MOST_SAMPLES, max(_FEWEST, _MOST_POSES // bodies))
-    every = np.unique(np.atleast_1d(run.t))
+    every = _inside(run, np.unique(np.atleast_1d(run.t)), span)
     if run.dense_output is None:
         return thin(source.sampled(every), size, most)
     ends = [float(t) for _, t, _ in run.events if every[0] < t < every[-1]]
     return sample(source.sampled, np.union1d(every, ends), size, most)
+
+
+def _inside(run: Trajectory, every: Floats, span: tuple[float, float] | None) -> Floats:
+    """Return the times between two, and these themselves where the motion is known there."""
+    if span is None:
+        return every
+    first, last = span
+    if not every[0] <= first < last <= every[-1]:
+        raise _times(
+            f"{first:g} to {last:g} s is no part of the motion",
+            f"it runs from {every[0]:g} to {every[-1]:g} s",
+        )
+    between = every[(every >= first) & (every <= last)]
+    if run.dense_output is None:
+        return between if between.size else every[[int(np.argmin(np.abs(every - first)))]]
+    return np.union1d(between, [first, last])
 
 
 def _chosen_times(run: Trajectory, times: ArrayLike) -> Floats:

@@ -23,7 +23,7 @@ Outputs = Mapping[str, Floats]
 
 # So many applied forces and torques are drawn without a word.
 _FEW: Final = 6
-# Arrows that are never longer than this share of the longest of their kind are left out.
+# Forces and torques that never exceed this share of the largest are left out.
 _NOTHING: Final = 1e-9
 
 
@@ -77,19 +77,22 @@ def arrows_of(model: Model, scene: Scene, chosen: str | Iterable[str] | None) ->
     return [arrow for arrow in every if arrow.name in names or _element(arrow) in names]
 
 
-def vectors_of(arrows: Sequence[Arrow], outputs: Outputs) -> tuple[MotionVector, ...]:
-    """Return arrows with their values; those that are always zero are left out."""
+def vectors_of(arrows: Sequence[Arrow], outputs: Outputs, size: float) -> tuple[MotionVector, ...]:
+    """Return arrows with their values; those that are always zero, up to rounding, are left out.
+
+    Parameters
+    ----------
+    size : float
+        Of the scene [m]: torques are compared with the largest force on an arm so long.
+    """
     values = [arrow.values(outputs) for arrow in arrows]
-    lengths = [float(np.abs(array).max(initial=0.0)) for array in values]
-    kinds = {arrow.kind for arrow in arrows}
-    longest = {
-        kind: max(length for arrow, length in zip(arrows, lengths, strict=True) if arrow.kind == kind)
-        for kind in kinds
-    }
+    arms = [size if arrow.kind == "force" else 1.0 for arrow in arrows]
+    sizes = [arm * float(np.abs(array).max(initial=0.0)) for arm, array in zip(arms, values, strict=True)]
+    least = _NOTHING * max(sizes, default=0.0)
     return tuple(
         MotionVector(arrow.name, arrow.kind, arrow.anchor, array)
-        for arrow, array, length in zip(arrows, values, lengths, strict=True)
-        if length > _NOTHING * longest[arrow.kind]
+        for arrow, array, large in zip(arrows, values, sizes, strict=True)
+        if large > least
     )
 
 
@@ -181,5 +184,5 @@ def _turned(matrices: Floats, components: Floats) -> Floats:
 def _unknown(name: str, known: Iterable[str]) -> Problem:
     return Problem(
         "animation.unknown_vector", repr(name), f"nothing that {name!r} names acts on a body", "",
-        f'{nearest(name, known)}; "all" draws every force and reaction'.lstrip("; "),
+        f'{nearest(name, known).rstrip(".")} "all" draws every force and reaction'.lstrip(),
     )  # fmt: skip
