@@ -87,6 +87,8 @@ class Picture:
     def tube(self, points: Array, outwards: Array, radius: float, color: str) -> None:
         """Draw a bar of round section along points; directions out of its bend say how it is turned."""
         tangents = np.gradient(points, axis=0)
+        if np.allclose(points[0], points[-1]):
+            tangents[[0, -1]] = points[1] - points[-2]
         tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
         first = outwards - np.sum(outwards * tangents, axis=1, keepdims=True) * tangents
         first /= np.linalg.norm(first, axis=1, keepdims=True)
