@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -17,6 +18,7 @@ SIDES: Final = 8  # of the wire
 WIRE: Final = 0.16  # of the radius of a coil
 LEAD: Final = 0.1  # of a spring's length at each end is straight
 HANGING: Final = 40  # points of a rope
+_UNIT: Final = Solid("", "cylinder", (1.0, 1.0))
 _STEEPEST: Final = (
     18.0  # half the span of a hanging rope, in its parameter; beyond it both halves are vertical
 )
@@ -55,11 +57,15 @@ def tube(points: Floats, outwards: Floats, radius: float) -> Facets:
         first[:, np.newaxis] * np.cos(turn)[:, np.newaxis]
         + second[:, np.newaxis] * np.sin(turn)[:, np.newaxis]
     )
-    triangles = grid_triangles(len(points), SIDES)
-    normals = rings.reshape(-1, 3)
-    facets = facets_of(
-        (points[:, np.newaxis] + radius * rings).reshape(-1, 3), triangles, True, normals[triangles]
-    )
+    facets = _tube_template(len(points))
+    normals = rings.reshape(-1, 3)[facets.triangles]
+    return replace(facets, vertices=(points[:, np.newaxis] + radius * rings).reshape(-1, 3), normals=normals)
+
+
+@lru_cache(maxsize=64)
+def _tube_template(count: int) -> Facets:
+    """Return the triangles and edges of a tube with as many rings; its vertices are still nowhere."""
+    facets = facets_of(np.zeros((count * SIDES, 3)), grid_triangles(count, SIDES))
     return replace(facets, creases=np.zeros_like(facets.creases))
 
 
@@ -67,12 +73,14 @@ def cylinder_between(start: Floats, end: Floats, radius: float) -> Facets:
     """Return a cylinder whose axis goes from a point to a point."""
     along = end - start
     length = float(np.linalg.norm(along))
-    solid = Solid("", "cylinder", (radius, max(length, 1e-9)))
-    facets = facets_of_solid(solid, ())
+    facets = facets_of_solid(_UNIT, ())
     axis = unit(along) if length > 0.0 else np.array([0.0, 0.0, 1.0])
     side = side_of(axis, np.array([0.0, 0.0, 1.0]))
     turned = np.stack([side, np.cross(axis, side), axis], axis=1)
-    return facets.rotate(turned, (start + end) / 2)
+    stretched = turned * np.array([radius, radius, length])
+    return replace(
+        facets.rotate(turned, np.zeros(3)), vertices=facets.vertices @ stretched.T + (start + end) / 2
+    )
 
 
 def damper(start: Floats, end: Floats, radius: float, shortest: float) -> Facets:

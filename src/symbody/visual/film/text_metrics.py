@@ -16,6 +16,7 @@ def font(bold: bool) -> FontProperties:
     return FontProperties(family=_FAMILY, weight="bold" if bold else "normal")
 
 
+@lru_cache(maxsize=512)
 def text_outline(text: str, size: float, bold: bool) -> TextPath:
     """Return the outlines of letters [pt], upwards from the start of the baseline; dollars are dollars."""
     return TextPath((0, 0), text.replace("$", r"\$"), size=size, prop=font(bold), usetex=False)
