@@ -54,6 +54,7 @@ def test_gif_has_its_frames(tmp_path: Path) -> None:
             total += image.info["duration"]
             frames.append(np.asarray(image.convert("RGB")).astype(int))
     assert total == 600
+    assert all((each[0, 0] == 255).all() for each in frames)  # the paper is white, not nearly so
     assert shares[-1] == 1.0 and len(shares) == 12
     columns = [np.flatnonzero((each[:, :, 2] - each[:, :, 0] > 40).any(axis=0)).mean() for each in frames]
     assert (np.diff(columns) > 1.0).all()  # the blue ball goes to the right

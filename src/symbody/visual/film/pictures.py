@@ -145,8 +145,9 @@ def write_film(
     try:
         with file_replacement(path) as draft:
             if suffix == ".gif":
-                palette = shared_palette(_typical_frames(studio), studio.paper.background)
-                write_gif(frames, draft, frame_delays(len(motion.times), fps), palette)
+                palette = shared_palette(_typical_frames(studio))
+                delays = frame_delays(len(motion.times), fps)
+                write_gif(frames, draft, delays, palette, studio.paper.background)
             else:
                 write_video(frames, draft, look.size, fps, program)
     except Cancelled:

@@ -31,7 +31,7 @@ from symbody.visual.scene.scene import Anchor, Scene, SceneMotion, VectorKind
 
 POINTS_PER_PIXEL: Final = 0.75  # 96 pixels and 72 points are an inch
 _MARGIN: Final = 44.0  # points around the mechanism
-_SMALL_MARGIN: Final = 0.09  # of the picture, where it is small
+_SMALL_MARGIN: Final = 0.13  # of the picture, where it is small
 
 
 @dataclass(frozen=True, slots=True)
