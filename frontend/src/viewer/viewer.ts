@@ -1,6 +1,6 @@
 /** The picture of a mechanism in an element of a page; free of any framework. */
 
-import { Matrix4, type Vector3 } from "three";
+import { Matrix4, Vector3 } from "three";
 import { GravityArrow, VectorArrows } from "./arrows";
 import { BodyLines } from "./body_lines";
 import { CameraRig, type ViewName } from "./camera_rig";
@@ -11,7 +11,7 @@ import { Labels } from "./labels";
 import { labelItems } from "./label_items";
 import { anchorPoint, writeMatrices, type Counts, type Instant, type Layer, type SceneElement } from "./layer";
 import { FrameAxes, JointMarks } from "./marks";
-import { GRAVITY_COLOR, THEMES, type ThemeName } from "./palette";
+import { THEMES, type ThemeName } from "./palette";
 import { chosenTimes, gravityEnds, motionExtent, shortestLengths, visitStates, withPoints } from "./paths";
 import { elementNamed, Picker } from "./picker";
 import { GeometryStore, Solids, type Look } from "./solids";
@@ -52,6 +52,8 @@ export class Viewer {
     force: true, torque: true, reaction: true,
   }; // prettier-ignore
   selected: SceneElement | null = null;
+  /** Whether the camera goes with the body of the selection. */
+  follow = false;
   private readonly stage: Stage;
   private readonly pose: Pose;
   private readonly instant: Instant & { time: number };
@@ -72,6 +74,8 @@ export class Viewer {
   private ghosts: Solids | null = null;
   private look: Look = "solid";
   private hovered = "";
+  private readonly followedTo = new Vector3();
+  private readonly here = new Vector3();
   private stale = true;
 
   /** Throws `WebGLMissing` where the browser has none. */
@@ -95,7 +99,7 @@ export class Viewer {
     this.joints = new JointMarks(scene);
     this.traces = new Traces(scene, source, this.counts);
     this.grid = new GroundGrid(scene, moved.box);
-    this.gravity = fall === null ? null : new GravityArrow(...fall, GRAVITY_COLOR);
+    this.gravity = fall === null ? null : new GravityArrow(...fall);
     this.layers = [this.grid, this.solids, new BodyLines(scene), this.connectors, this.axes, this.arrows, this.traces, this.joints];
     if (this.gravity !== null) this.layers.push(this.gravity);
     for (const layer of this.layers) this.stage.scene.add(layer.object);
@@ -193,6 +197,7 @@ export class Viewer {
   /** Mark an element, or none; the callback hears of it. */
   select(element: SceneElement | string | null): void {
     this.selected = typeof element === "string" ? elementNamed(this.scene, element) : element;
+    if (this.selected !== null) this.bodyPosition(this.selected.body, this.followedTo);
     this.paint();
     this.hooks.onSelect?.(this.selected);
   }
@@ -258,6 +263,7 @@ export class Viewer {
       writeMatrices(this.pose, this.instant.matrices);
       for (const layer of this.layers) layer.update(this.instant);
       this.stale = false;
+      if (this.selected !== null) this.goWith(this.selected.body);
     }
     this.stage.draw(this.rig.camera);
     this.labels.update(this.rig.camera, this.stage.width, this.stage.height);
@@ -273,6 +279,12 @@ export class Viewer {
     this.store.dispose();
     this.labels.element.remove();
     this.stage.dispose();
+  }
+
+  private goWith(body: number): void {
+    this.bodyPosition(body, this.here);
+    if (this.follow) this.rig.shift(this.followedTo.subVectors(this.here, this.followedTo));
+    this.followedTo.copy(this.here);
   }
 
   private paint(): void {
