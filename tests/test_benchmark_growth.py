@@ -12,6 +12,7 @@ def ratio(cell: str) -> float:
     return float(cell.partition("(")[2].rstrip("x)"))
 
 
+@pytest.mark.exhaustive
 def test_figures_of_one_size_stand_in_every_column(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(growth, "_peer_seconds", lambda links, limit: 3.0)
     (table,) = growth.tables(Settings(rounds=1), [2])

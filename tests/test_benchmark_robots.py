@@ -16,6 +16,7 @@ from benchmarks.robot_checks import largest, wrong
 from benchmarks.timing import Settings
 
 
+@pytest.mark.exhaustive
 def test_robots_are_measured_without_peers() -> None:
     arm = Robot("robot_arm/robot_arm.urdf", False, 0, 0)
     absent = Robot("no_such/robot.urdf", False, 0, 0)

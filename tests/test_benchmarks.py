@@ -65,6 +65,7 @@ def values_of(problem: Problem, points: Floats) -> Floats:
     return algebra.compile(problem.differentiate(algebra, x, problem.build(algebra, x))).many(points)
 
 
+@pytest.mark.exhaustive
 def test_nodes_table_has_all_figures() -> None:
     (table,) = nodes.tables(ONCE, count=500)
     assert len(table.rows) == 1 + 2 * 4
@@ -89,6 +90,7 @@ def test_expressions_tables_are_complete_for_symbody() -> None:
         assert table.notes == ("Absent: left out, no_such_package is not installed",)
 
 
+@pytest.mark.exhaustive
 def test_a_peer_stands_beside_symbody_with_its_difference() -> None:
     (table,) = expressions.tables(ONCE, [serial_chain(1)], [engine("Wrong")])
     wrong = dict(zip(table.columns, table.rows[1], strict=True))
@@ -96,6 +98,7 @@ def test_a_peer_stands_beside_symbody_with_its_difference() -> None:
     assert 1e-5 < float(wrong["difference"]) < 1e-2
 
 
+@pytest.mark.exhaustive
 def test_who_hangs_or_fails_is_named_and_the_others_go_on() -> None:
     settings = Settings(limit=3.0, rounds=2)
     (table,) = expressions.tables(settings, [serial_chain(1)], [engine("Sleeper"), engine("Refuser")])
@@ -106,6 +109,7 @@ def test_who_hangs_or_fails_is_named_and_the_others_go_on() -> None:
     assert table.notes == ("Sleeper, build: > 3 s", "Refuser, build: ArithmeticError: no sines here")
 
 
+@pytest.mark.exhaustive
 def test_derivation_tables_compare_equal_mechanisms() -> None:
     families = {"some": [pendulum_on_cart(2), spatial_chain(2), *derivation.FAMILIES["examples"]]}
     files, compared = derivation.tables(ONCE, ["spring_mass_damper"], families)
@@ -127,6 +131,7 @@ def fails() -> object:
     raise ArithmeticError("no equations here")
 
 
+@pytest.mark.exhaustive
 def test_a_peer_that_fails_is_not_asked_for_larger_mechanisms() -> None:
     small, large = pendulum_on_cart(1), pendulum_on_cart(2)
     members = [Mechanism(small.name, small.model, fails), large]
@@ -287,6 +292,7 @@ def test_motion_table_compares_evaluations() -> None:
         assert 0.8 < share < 1.25  # the same method with the same control of steps
 
 
+@pytest.mark.exhaustive
 def test_trajectories_of_equal_accuracy() -> None:
     """Whatever engines are installed, all that step the same function reach the same angles."""
     loose, tight = trajectories.tables(Settings(rounds=1), 2, 0.5)

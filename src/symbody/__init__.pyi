@@ -48,6 +48,14 @@ from .model import Torque as Torque
 from .model import Universal as Universal
 from .model import Weld as Weld
 
+# what is seen of it
+from .model import Box as Box
+from .model import Capsule as Capsule
+from .model import Cone as Cone
+from .model import Cylinder as Cylinder
+from .model import Mesh as Mesh
+from .model import Sphere as Sphere
+
 # its constraints beside the joints
 from .model import Angle as Angle
 from .model import Belt as Belt
@@ -133,3 +141,6 @@ from .analysis import solve_index_1 as solve_index_1
 # its pictures
 from .visual import plot as plot
 from .visual import save_plot as save_plot
+from .visual import Animation as Animation
+from .visual import animate as animate
+from .visual import save_animation as save_animation

@@ -31,6 +31,7 @@ def derived(links: int) -> str:
     return sb.generate_code(sb.form_equations(chain(links)), ["xdot", "kinetic_energy"])
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("times", [150, pytest.param(1000, marks=pytest.mark.exhaustive)])
 def test_many_derivations_leave_memory_constant(times: int) -> None:
     model = chain(2)

@@ -24,7 +24,7 @@ def test_units_of_what_joints_and_frames_tell(tmp_path: Path) -> None:
     run = sb.simulate(crane(), 0.1)
     run.save(tmp_path / "run.npz")
     expected = {
-        "x": "m", "x_dot": "m/s", "x_ddot": "m/s^2", "phi": "rad", "phi_dot": "rad/s", "energy": "J",
+        "x": "m", "x_dot": "m/s", "x_ddot": "m/s^2", "phi": "rad", "phi_dot": "rad/s", "energy": "J", "F": "N",
         "effort slide": "N", "effort hinge": "N m",
         "reaction hinge Fx": "N", "reaction hinge Fz": "N", "reaction slide Mx": "N m", "reaction slide Mz": "N m",
         "frame r Load ground": "m", "frame v Load ground ground x": "m/s", "frame vdot Load Cart": "m/s^2",
@@ -32,10 +32,10 @@ def test_units_of_what_joints_and_frames_tell(tmp_path: Path) -> None:
     }  # fmt: skip
     for found in (run, sb.Trajectory.load(tmp_path / "run.npz")):
         assert {name: found.units.get(name) for name in expected} == expected
-        for unknown in ("effort free", "frame R Load ground", "frame", "frame r", "F"):
+        for unknown in ("effort free", "frame R Load ground", "frame", "frame r", "E"):
             assert (unknown in found.units) is (unknown == "frame r")
         with pytest.raises(KeyError):
-            found.units["F"]
+            found.units["E"]
         assert len(found.units) == len(list(found.units)) == len(dict(found.units))
 
 

@@ -34,7 +34,7 @@ NOT_CALLED = {
     "GGL", "Lagrange", "NewtonEuler", "VirtualWork", "CompiledFunction", "EquationSet", "Equilibrium",
     "IndexOneSolution", "IndexReduction", "Linearization", "Mode", "PositionSolutions", "Positions",
     "Redundancy", "Separation", "SingularConfiguration", "State", "Status", "Sweep", "Trajectory",
-    "VelocityRatios", "Problem",
+    "VelocityRatios", "Problem", "Animation",
 }  # fmt: skip
 
 
@@ -119,6 +119,12 @@ def _put_motions(put: Callable[..., None], eqs: sb.EquationSet) -> None:
         times=[0, 0.1], parameters=None, inputs=None, guess=None)  # fmt: skip
 
 
+def _animated(usual: Path, **arguments: Any) -> object:
+    """A page, never a browser."""
+    path = usual if arguments["path"] is None else arguments["path"]
+    return sb.animate(arguments.pop("run"), **{**arguments, "path": path})
+
+
 def _put_results(put: Callable[..., None], eqs: sb.EquationSet, loop: sb.EquationSet, folder: Path) -> None:
     run = sb.simulate(eqs, 0.2)
     run.save(folder / "r.npz")
@@ -127,6 +133,11 @@ def _put_results(put: Callable[..., None], eqs: sb.EquationSet, loop: sb.Equatio
     put("plot", lambda expression, **k: sb.plot(k.pop("run"), expression, **k), run=run, expression="x",
         ax=ax, x="t", title=None, labels=None, equal=None, panels=False)  # fmt: skip
     put("save_plot", sb.save_plot, ax=ax, path=folder / "p.png")
+    put("animate", partial(_animated, folder / "a.html"), run=run, path=folder / "b.html", curves=None,
+        vectors=None, traces=(), times=None, title=None, model=None, view="auto", theme="auto", speed=1.0,
+        live=False, sliders=())  # fmt: skip
+    put("run.outputs", lambda name: run.outputs(name, "energy"), name="x")
+    put("run.of_model", run.of_model, model=None)
     one, some = sb.compile(eqs, "udot"), sb.compile(eqs, ["udot", "energy"], free=["k"])
     point: dict[str, Any] = {"t": 0.0, "q": [1.0], "u": [0.0], "r": [0.0]}
     put("f", one, p=(), out=None, threads=1, **point)

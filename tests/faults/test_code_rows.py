@@ -63,6 +63,7 @@ def test_row_70_a_missing_compiler_is_told_with_the_line_that_mends_it(library: 
     assert re.search(rf"pip install .*{library}", told) and "Traceback" not in told
 
 
+@pytest.mark.exhaustive
 def test_row_71_folders_with_any_name_and_builds_at_once(tmp_path: Path) -> None:
     store, work = tmp_path / "a b ü '$(x)", tmp_path / "unwritable"
     work.mkdir()

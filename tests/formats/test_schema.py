@@ -35,7 +35,8 @@ def words(entry: type) -> set[str]:
 
 def arguments(make: object) -> set[str]:
     names = set(inspect.signature(make).parameters)
-    return (names - {"start", "end"}) | ({"between"} if "start" in names else set())
+    kept = {"shape" if name == "shapes" else name for name in names - {"start", "end"}}
+    return kept | ({"between"} if "start" in names else set())
 
 
 def class_word(word: str) -> str:
@@ -56,7 +57,10 @@ def test_keys_of_parts_and_of_the_model() -> None:
     assert words(schema.FrameEntry) == arguments(Frame)
     assert words(schema_joints.DriveEntry) == arguments(Drive)
     kinds = set(KINDS) & words(ModelFile)
-    assert words(ModelFile) - kinds == (arguments(Model) - {"elements", "notes"}) | {"layout", "version"}
+    assert words(ModelFile) - kinds == (arguments(Model) - {"elements", "ground_shapes", "notes"}) | {
+        "layout",
+        "version",
+    }
 
 
 @pytest.mark.parametrize("value", ["m", "", 1, 1.5, Decimal("1.50"), -(10**30)])

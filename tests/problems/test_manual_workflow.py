@@ -83,7 +83,7 @@ def test_plots_of_the_manual(tmp_path: Path) -> None:
     ax = sb.plot(flight, ("X", "Y"), title="Path")
     ax.set(adjustable="box", xlim=(0, 10), ylim=(0, 2))
     assert ax.get_aspect() == 1.0 and (ax.get_xlim(), ax.get_ylim()) == ((0, 10), (0, 2))
-    assert (ax.get_xlabel(), ax.get_ylabel(), ax.get_title()) == ("X [m]", "Y [m]", "Path")
+    assert (ax.get_xlabel(), ax.get_ylabel(), ax.get_title()) == ("$X$ [m]", "$Y$ [m]", "Path")
     top = sb.plot(sb.simulate(equations_of("spinning_top"), 2.0), ("frame r Top.CoM",))
     x, y, z = top.lines[0].get_data_3d()
     assert x**2 + y**2 + z**2 == pytest.approx(1.0, abs=1e-12)  # on the sphere of radius L

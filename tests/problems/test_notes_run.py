@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
+import symbody as sb
 from symbody import mbsymba as mb
 from symbody.cli import run
+from symbody.visual.scene import make_scene
 from tests.problems.mechanisms import EXAMPLES
 
 NOTES = EXAMPLES / "notes"
@@ -38,7 +40,13 @@ def test_script_runs(
 ) -> None:
     """Each checks its own figures."""
     monkeypatch.chdir(tmp_path)
-    runpy.run_path(str(NOTES / name / f"{name}.py"), run_name="__main__")
+    names = runpy.run_path(str(NOTES / name / f"{name}.py"), run_name="__main__")
+    for equations in filter(lambda value: isinstance(value, sb.EquationSet), names.values()):
+        assert all(
+            np.isfinite(frame.at).all()
+            for body in make_scene(equations.model).bodies
+            for frame in body.frames
+        )
     assert capsys.readouterr().out.count("\n") >= 3
     pictures = sorted(tmp_path.iterdir())
     assert pictures

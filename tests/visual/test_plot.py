@@ -18,16 +18,17 @@ from numpy.typing import NDArray
 
 from symbody.errors import EnvironmentFault, UsageError
 from symbody.simulation.results.trajectory import Trajectory
-from symbody.visual.curves import SMOOTH
 from symbody.visual.plot import plot, save_plot
+from symbody.visual.sampling import SMOOTH
 from tests.simulation.right_hand_sides import oscillator, run
 
 Floats = NDArray[np.float64]
+XYZ = [f"P $r_{{{letter}}}$ [m]" for letter in "xyz"]  # how the components of "frame r P" are shown
 
 
 def outputs(name: str, t: Floats, q: Floats, u: Floats) -> Floats:
-    known = {"v_dot": -q[0], "frame r": np.array([q[0], u[0], 0.0 * t]), "pair": np.array([t, -t])}
-    known |= {"frame r x": q[0], "frame r y": u[0], "frame r Q x": t}
+    known = {"v_dot": -q[0], "frame r P": np.array([q[0], u[0], 0.0 * t]), "pair": np.array([t, -t])}
+    known |= {"frame r P x": q[0], "frame r P y": u[0], "frame r Q x": t}
     if name not in known:
         raise UsageError()
     return known[name]
@@ -58,7 +59,7 @@ def legend(ax: Axes) -> list[str]:
 
 def test_one_curve_names_its_axis_and_needs_no_legend() -> None:
     ax = plot(swing(), "x", title="A swing")
-    assert (ax.get_xlabel(), ax.get_ylabel(), ax.get_title()) == ("time [s]", "x [m]", "A swing")
+    assert (ax.get_xlabel(), ax.get_ylabel(), ax.get_title()) == ("time [s]", "$x$ [m]", "A swing")
     assert legend(ax) == []
     t, x = data(ax)
     assert (t[0], t[-1]) == (0.0, 6.0)
@@ -81,23 +82,27 @@ def test_stored_arrays_are_drawn_at_the_samples() -> None:
     kept = swing(stored={"F": 3.0 * motion.t})
     np.testing.assert_array_equal(data(plot(kept, "F")), [kept.t, 3.0 * kept.t])
     state, stored = plot(kept, "x", "F", panels=True).figure.axes
-    np.testing.assert_array_equal(data(state)[0], data(stored)[0])
+    np.testing.assert_array_equal(data(stored), [kept.t, 3.0 * kept.t])
+    assert (
+        data(state).shape[1] >= SMOOTH
+    )  # what is known in between is drawn there, whatever stands beside it
+    np.testing.assert_array_equal(data(plot(kept, "F", x="x")), [kept["x"], 3.0 * kept.t])
 
 
 def test_no_expression_means_all_coordinates() -> None:
-    assert plot(swing()).get_ylabel() == "x [m]"
+    assert plot(swing()).get_ylabel() == "$x$ [m]"
 
 
 def test_several_curves_have_a_legend_and_different_colours() -> None:
-    ax = plot(swing(), "x", "frame r")
-    assert legend(ax) == ["x [m]", "r x [m]", "r y [m]", "r z [m]"]
+    ax = plot(swing(), "x", "frame r P")
+    assert legend(ax) == ["$x$ [m]", *XYZ]
     assert ax.get_ylabel() == "length [m]"
     assert len({line.get_color() for line in ax.lines}) == 4
 
 
 def test_a_vector_makes_three_curves_with_one_axis() -> None:
-    ax = plot(swing(), "frame r")
-    assert legend(ax) == ["r x [m]", "r y [m]", "r z [m]"]
+    ax = plot(swing(), "frame r P")
+    assert legend(ax) == XYZ
     assert ax.get_ylabel() == "length [m]"
     assert plot(swing(), "pair").get_ylabel() == ""
 
@@ -105,16 +110,20 @@ def test_a_vector_makes_three_curves_with_one_axis() -> None:
 def test_curves_of_several_units_share_the_axes_unless_panels_are_asked_for() -> None:
     ax = plot(swing(), "x", "v", "v_dot")
     assert ax.figure.axes == [ax]
-    assert legend(ax) == ["x [m]", "v [m/s]", "v_dot"]
+    assert legend(ax) == ["$x$ [m]", "$v$ [m/s]", r"$\dot{v}$"]
     assert ax.get_ylabel() == ""
 
 
 def test_each_unit_has_a_panel_in_the_order_of_first_appearance() -> None:
-    ax = plot(swing(), "x", "v", "frame r", "v_dot", title="A swing", panels=True)
+    ax = plot(swing(), "x", "v", "frame r P", "v_dot", title="A swing", panels=True)
     lengths, rates, unknown = panels = ax.figure.axes
     assert lengths is ax
-    assert [panel.get_ylabel() for panel in panels] == ["x, r x, r y, r z [m]", "v [m/s]", "v_dot"]
-    assert legend(lengths) == ["x [m]", "r x [m]", "r y [m]", "r z [m]"]
+    assert [panel.get_ylabel() for panel in panels] == [
+        "$x$, P $r_{x}$, P $r_{y}$, P $r_{z}$ [m]",
+        "$v$ [m/s]",
+        r"$\dot{v}$",
+    ]
+    assert legend(lengths) == ["$x$ [m]", *XYZ]
     assert legend(rates) == legend(unknown) == []
     assert [panel.get_xlabel() for panel in panels] == ["", "", "time [s]"]
     assert [panel.get_title() for panel in panels] == ["A swing", "", ""]
@@ -125,7 +134,7 @@ def test_each_unit_has_a_panel_in_the_order_of_first_appearance() -> None:
 
 
 def test_one_unit_makes_the_same_picture_as_ever() -> None:
-    (only,) = plot(swing(), "x", "frame r").figure.axes
+    (only,) = plot(swing(), "x", "frame r P").figure.axes
     assert only.figure.get_size_inches().tolist() == [7.0, 4.2]
 
 
@@ -140,7 +149,7 @@ def test_figures_grow_with_their_panels_up_to_a_bound() -> None:
 
 def test_panels_over_another_output_mark_the_start() -> None:
     ax = plot(swing(), "v", "v_dot", x="x", panels=True)
-    assert [panel.get_xlabel() for panel in ax.figure.axes] == ["", "x [m]"]
+    assert [panel.get_xlabel() for panel in ax.figure.axes] == ["", "$x$ [m]"]
     assert [len(panel.lines) for panel in ax.figure.axes] == [2, 2]
 
 
@@ -150,17 +159,17 @@ def test_long_names_break_into_lines_beside_their_panel() -> None:
     label = plot(motion, *units, panels=True).figure.axes[1].get_ylabel()
     assert label.count("\n") >= 1 and label.replace("\n", " ").endswith("of the arm [J]")
     words = ["way of the left foot of the walker", "way of the right foot of the walker"]
-    ax = plot(swing(), "x", "frame r x", "v", labels=[*words, "v"], panels=True)
+    ax = plot(swing(), "x", "frame r P x", "v", labels=[*words, "v"], panels=True)
     assert ax.get_ylabel() == "length [m]" and len(legend(ax)) == 2
 
 
 def test_more_curves_than_colours_differ_in_their_dashes() -> None:
-    ax = plot(swing(), *["x", "frame r"] * 2, "x")
+    ax = plot(swing(), *["x", "frame r P"] * 2, "x")
     assert len({(line.get_color(), line.get_linestyle()) for line in ax.lines}) == len(ax.lines) == 9
 
 
 def test_labels_replace_names_and_must_fit() -> None:
-    ax = plot(swing(), "x", "frame r x", labels=["place", "price in $ or $"])
+    ax = plot(swing(), "x", "frame r P x", labels=["place", "price in $ or $"])
     assert legend(ax) == ["place [m]", r"price in \$ or \$ [m]"]
     both = plot(swing(), "x", "v", labels=["place", "way [m]"], panels=True)  # the unit that is read decides
     assert len(both.figure.axes) == 1
@@ -182,21 +191,21 @@ def test_a_second_plot_joins_the_panels_of_the_first() -> None:
     ax = plot(swing(), "x", "v", labels=["first", "second"], panels=True)
     assert plot(swing(), "v", "x", "v_dot", ax=ax) is ax
     upper, lower = ax.figure.axes
-    assert legend(lower) == ["second [m/s]", "v [m/s]"] and lower.get_ylabel() == "second, v [m/s]"
-    assert legend(upper) == ["first [m]", "x [m]", "v_dot"]  # what has no panel goes where it was sent
+    assert legend(lower) == ["second [m/s]", "$v$ [m/s]"] and lower.get_ylabel() == "second, $v$ [m/s]"
+    assert legend(upper) == ["first [m]", "$x$ [m]", r"$\dot{v}$"]  # what has no panel goes where it was sent
     assert upper.get_ylabel() == ""
 
 
 def test_axes_of_the_caller_take_all_units() -> None:
     figure, given = pyplot.subplots(2, 1)
     plot(swing(), "x", "v", ax=given[1])
-    assert (len(given[0].lines), legend(given[1])) == (0, ["x [m]", "v [m/s]"])
+    assert (len(given[0].lines), legend(given[1])) == (0, ["$x$ [m]", "$v$ [m/s]"])
     pyplot.close(figure)
 
 
 def test_a_path_marks_its_start_and_keeps_its_shape() -> None:
     ax = plot(swing(), "v", x="x", equal=True)
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x [m]", "v [m/s]")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("$x$ [m]", "$v$ [m/s]")
     assert ax.get_aspect() == 1.0
     x, v = data(ax)
     np.testing.assert_allclose(x**2 + v**2, 1.0, rtol=0.0, atol=60.0 * 1e-8)
@@ -206,29 +215,29 @@ def test_a_path_marks_its_start_and_keeps_its_shape() -> None:
 
 def test_a_path_in_the_plane() -> None:
     ax = plot(swing(), ("x", "v"), title="Phase")
-    assert (ax.get_xlabel(), ax.get_ylabel(), ax.get_title()) == ("x [m]", "v [m/s]", "Phase")
+    assert (ax.get_xlabel(), ax.get_ylabel(), ax.get_title()) == ("$x$ [m]", "$v$ [m/s]", "Phase")
     assert ax.get_aspect() == "auto" and legend(ax) == []  # metres and metres per second
     np.testing.assert_array_equal(data(ax), data(plot(swing(), "v", x="x")))
     assert data(ax, 1).ravel().tolist() == [1.0, 0.0]  # the dot at the start
-    assert plot(swing(), ("x", "frame r x")).get_aspect() == 1.0  # lengths both
-    assert plot(swing(), ("x", "frame r x"), equal=False).get_aspect() == "auto"
+    assert plot(swing(), ("x", "frame r P x")).get_aspect() == 1.0  # lengths both
+    assert plot(swing(), ("x", "frame r P x"), equal=False).get_aspect() == "auto"
     assert plot(swing(), ("x", "v"), equal=True).get_aspect() == 1.0
 
 
 def test_several_paths_have_a_legend_and_what_they_share_at_the_axes() -> None:
-    ax = plot(swing(), ("x", "frame r y"), ("frame r x", "frame r y"))
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("length [m]", "r y [m]")
-    assert legend(ax) == ["x, r y", "r"]
-    ax = plot(swing(), ("frame r x", "v"), ("frame r Q x", "x"), labels=["P", "Q in $"])
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x [m]", "")
+    ax = plot(swing(), ("x", "frame r P y"), ("frame r P x", "frame r P y"))
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("length [m]", "P $r_{y}$ [m]")
+    assert legend(ax) == ["$x$, P $r_{y}$", "P"]
+    ax = plot(swing(), ("frame r P x", "v"), ("frame r Q x", "x"), labels=["P", "Q in $"])
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("$x$ [m]", "")
     assert legend(ax) == ["P", r"Q in \$"]
 
 
 def test_a_path_in_space_is_a_vector_or_three_numbers() -> None:
-    ax = plot(swing(), ("frame r",))
+    ax = plot(swing(), ("frame r P",))
     assert ax.name == "3d" and ax.get_legend() is None
     labels = [getattr(ax, f"get_{letter}label")() for letter in "xyz"]
-    assert labels == ["r x [m]", "r y [m]", "r z [m]"]
+    assert labels == XYZ
     x, y, z = ax.lines[0].get_data_3d()
     np.testing.assert_allclose(x**2 + y**2, 1.0, rtol=0.0, atol=60.0 * 1e-8)
     assert set(z) == {0.0} and x.size >= SMOOTH
@@ -243,28 +252,28 @@ def test_a_path_in_space_is_a_vector_or_three_numbers() -> None:
 def test_paths_that_cannot_be_drawn_are_told() -> None:
     cases: list[tuple[tuple[str | tuple[str, ...], ...], dict[str, str], str]] = [
         ((("x",),), {}, "a path has 2 or 3 components, not 1"),
-        ((("frame r", "x"),), {}, "not 4\n.*they are r x, r y, r z, x"),
+        ((("frame r P", "x"),), {}, "not 4\n.*they are r P x, r P y, r P z, x"),
         ((("x", "v"), "v"), {}, "curves over an output and paths do not share axes"),
         ((("x", "v"),), {"x": "v"}, "do not share axes"),
-        ((("x", "v"), ("frame r",)), {}, "two components in the plane and three in space"),
+        ((("x", "v"), ("frame r P",)), {}, "two components in the plane and three in space"),
         ((("x", "v"), ("v", "x")), {"labels": "xv"}, "2 curves need 2 labels"),
     ]
     for expressions, options, message in cases:
         with pytest.raises(UsageError, match=message):
             plot(swing(), *expressions, **options)
     with pytest.raises(UsageError, match="axes for paths in space have projection='3d'"):
-        plot(swing(), ("frame r",), ax=plot(swing(), "x"))
+        plot(swing(), ("frame r P",), ax=plot(swing(), "x"))
 
 
 @pytest.mark.parametrize(
     ("name", "unit"),
     [
-        ("frame v Top.CoM ground Base x", "v Top.CoM Base x [m/s]"),
-        ("frame wdot Top ground ground z", "wdot Top z [rad/s^2]"),
-        ("frame R Top ground xy", "R Top xy"),
-        ("reaction B Fx", "reaction B Fx [N]"),
-        ("reaction B Mz", "reaction B Mz [N m]"),
-        ("x_ddot", "x_ddot [m/s^2]"),
+        ("frame v Top.CoM ground Base x", "Top.CoM Base $v_{x}$ [m/s]"),
+        ("frame wdot Top ground ground z", r"Top $\dot{\omega}_{z}$ [rad/s²]"),
+        ("frame R Top ground xy", "Top $R_{xy}$"),
+        ("reaction B Fx", "reaction B $F_{x}$ [N]"),
+        ("reaction B Mz", "reaction B $M_{z}$ [N m]"),
+        ("x_ddot", r"$\ddot{x}$ [m/s²]"),
         ("effort B", "effort B"),
     ],
 )
@@ -276,8 +285,8 @@ def test_units_follow_from_the_words_of_an_output(name: str, unit: str) -> None:
 def test_a_reaction_has_six_named_components() -> None:
     wrench = np.arange(6.0)[:, np.newaxis] * np.ones(swing().t.size)
     forces, moments = plot(swing(stored={"reaction B": wrench}), "reaction B", panels=True).figure.axes
-    assert [text.split(" ")[2] for text in legend(forces)] == ["Fx", "Fy", "Fz"]
-    assert [text.split(" ")[2] for text in legend(moments)] == ["Mx", "My", "Mz"]
+    assert [text.split(" ")[2] for text in legend(forces)] == ["$F_{x}$", "$F_{y}$", "$F_{z}$"]
+    assert [text.split(" ")[2] for text in legend(moments)] == ["$M_{x}$", "$M_{y}$", "$M_{z}$"]
     assert (forces.get_ylabel(), moments.get_ylabel()) == ("force [N]", "torque [N m]")
 
 
@@ -291,8 +300,8 @@ def test_names_that_do_not_exist_are_errors_and_leave_the_axes_alone() -> None:
         plot(swing(evaluate=None), "v", "xx", ax=ax)
     with pytest.raises(UsageError, match="did you mean 'x'"):
         plot(swing(evaluate=None), "v", x="xx", ax=ax)
-    with pytest.raises(UsageError, match=r"'frame r' has 3 components\n.*'frame r x', 'frame r y'"):
-        plot(swing(), "v", x="frame r", ax=ax)
+    with pytest.raises(UsageError, match=r"'frame r P' has 3 components\n.*'frame r P x', 'frame r P y'"):
+        plot(swing(), "v", x="frame r P", ax=ax)
     assert len(ax.lines) == 1
 
 
@@ -323,8 +332,8 @@ def test_pictures_are_written(suffix: str, tmp_path: Path) -> None:
 
 def test_nothing_is_cut_off(tmp_path: Path) -> None:
     figure, given = pyplot.subplots()
-    own = plot(swing(), "x", "frame r", title="The title of a plot")
-    panels = plot(swing(), "x", "frame r", "pair", "v", title="The title of a plot", panels=True)
+    own = plot(swing(), "x", "frame r P", title="The title of a plot")
+    panels = plot(swing(), "x", "frame r P", "pair", "v", title="The title of a plot", panels=True)
     for name, ax in (
         ("own", own),
         ("panels", panels),

@@ -11,11 +11,12 @@ from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.notebook import Displayed
 from symbody.single_flight import SingleFlight
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class State:
+class State(Displayed):
     """Positions, velocities, accelerations and multipliers that fit together.
 
     Attributes

@@ -1,4 +1,4 @@
-"""The command line: ``symbody simulate``, ``linearize``, ``equilibrium``, ``equations``, ``check``, ...
+"""The command line: ``symbody simulate``, ``animate``, ``linearize``, ``equilibrium``, ``equations``, ...
 
 Exit codes: 0 done, 2 usage, 3 model, 4 numerics, 5 environment, 130 interrupted.
 """
@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import json
 import shutil
+import webbrowser
 from collections.abc import Iterable
-from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 import numpy as np
 import typer
@@ -19,6 +19,7 @@ import typer
 import symbody
 from symbody.cli.flags import FlagCommand, FlagGroup
 from symbody.cli.model_files import example_names, example_text, load_model
+from symbody.cli.options import Force, Initials, Inputs, ModelFile, Pairs, Settings, Tree, TreeWord, option
 from symbody.cli.settings import Settled, assigned
 from symbody.cli.small_motions import linear_json, linear_lines, rest_json, rest_lines
 from symbody.cli.stages import StageBar
@@ -45,36 +46,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 command = partial(app.command, cls=FlagCommand)
-
-
-class TreeWord(StrEnum):
-    """Which coordinates the equations are formed in."""
-
-    JOINTS = "joints"
-    ABSOLUTE = "absolute"
-
-
-def _option(*flags: str, text: str, metavar: str | None = None) -> Any:
-    return typer.Option(*flags, help=text, metavar=metavar)
-
-
-ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.toml", help="The model file.")]
-Pairs = list[str] | None
-Settings = Annotated[
-    Pairs,
-    _option("--set", "-p", metavar="NAME=VALUE", text="A parameter, input or value at start; repeatable."),
-]
-Inputs = Annotated[Pairs, _option("--input", "-i", metavar="NAME=EXPRESSION", text="F='sin(t)'; repeatable.")]
-Initials = Annotated[
-    Pairs, _option("--initial", metavar="NAME=VALUE", text="x or x_dot at start; repeatable.")
-]
-Tree = Annotated[
-    TreeWord | None,
-    typer.Option(
-        "--tree", help="Coordinates of the joints, or of free bodies; by default as the model says."
-    ),
-]
-Force = Annotated[bool, _option("--force", text="Overwrite existing files.")]
 
 
 def _version(asked: bool) -> None:
@@ -137,34 +108,32 @@ def code(
 @command()
 def simulate(
     model: ModelFile,
-    end: Annotated[float, _option("--end", "-t", text="End time in s.")] = 10.0,
+    end: Annotated[float, option("--end", "-t", text="End time in s.")] = 10.0,
     parameters: Settings = None,
     inputs: Inputs = None,
     initial: Initials = None,
     curves: Annotated[
-        Pairs, _option("--show", "-s", metavar="OUTPUT", text="What to plot; repeatable; all coordinates.")
+        Pairs, option("--show", "-s", metavar="OUTPUT", text="What to plot; repeatable; all coordinates.")
     ] = None,
-    out: Annotated[Path | None, _option("--out", text="Plot file; by default beside the model.")] = None,
-    csv: Annotated[Path | None, _option("--csv", text="Also write states and curves as CSV.")] = None,
+    out: Annotated[Path | None, option("--out", text="Plot file; by default beside the model.")] = None,
+    csv: Annotated[Path | None, option("--csv", text="Also write states and curves as CSV.")] = None,
     samples: Annotated[
-        int | None, _option("--samples", text="Evenly spaced samples; default: every step.")
+        int | None, option("--samples", text="Evenly spaced samples; default: every step.")
     ] = None,
+    page: Annotated[bool, option("--animate", text="Also write a page that shows the motion.")] = False,
     tree: Tree = None,
-    as_json: Annotated[bool, _option("--json", text="Print the result as JSON.")] = False,
+    as_json: Annotated[bool, option("--json", text="Print the result as JSON.")] = False,
     force: Force = False,
-    rtol: Annotated[float, _option("--rtol", text="Relative tolerance.")] = 1e-8,
+    rtol: Annotated[float, option("--rtol", text="Relative tolerance.")] = 1e-8,
     atol: Annotated[
-        float | None, _option("--atol", text="Absolute tolerance; default: from the mechanism's scales.")
+        float | None, option("--atol", text="Absolute tolerance; default: from the mechanism's scales.")
     ] = None,
 ) -> None:
     """Form the equations, print them, compute the motion and plot it."""
-    for path in (out, csv):
+    for path in (out, csv, out.with_suffix(".html") if page and out is not None else None):
         if path is not None:
             _refuse_overwriting(path, force)
-    if samples is not None and samples < 2:
-        raise UsageError(
-            Problem("cli.samples", "--samples", f"{samples} samples make no motion", "", "give 2 or more")
-        )
+    _check_samples(samples)
     given = [assigned(parameters, "--set"), assigned(inputs, "--input"), assigned(initial, "--initial")]
     bar = StageBar()
     with bar.stage("forming the equations"):
@@ -181,7 +150,70 @@ def simulate(
         symbody.save_plot(ax, picture)
         if csv is not None:
             motion.to_csv(csv, *eqs.coordinate_names, *eqs.speed_names, *(curves or ()))
-    _print([_as_json(eqs, motion)] if as_json else _report(eqs, motion, picture))
+        pages = [_write_page(motion, picture.with_suffix(".html"), curves, None, ())] if page else []
+    _print([_as_json(eqs, motion)] if as_json else [*_report(eqs, motion), f"plot: {picture}", *pages])
+    _exit_unless_done(motion)
+
+
+@command()
+def animate(
+    model: ModelFile,
+    end: Annotated[float, option("--end", "--time", "-t", text="End time in s.")] = 10.0,
+    parameters: Settings = None,
+    inputs: Inputs = None,
+    initial: Initials = None,
+    curves: Annotated[
+        Pairs, option("--show", "-s", metavar="OUTPUT", text="A curve below; repeatable; all coordinates.")
+    ] = None,
+    vectors: Annotated[
+        Pairs,
+        option(
+            "--vectors", metavar="ELEMENT", text="Forces to draw: all, applied, none or names; repeatable."
+        ),
+    ] = None,
+    traces: Annotated[
+        Pairs, option("--trace", metavar="POINT", text="Body.frame whose way is drawn; repeatable.")
+    ] = None,
+    out: Annotated[Path | None, option("--out", "-o", text="Page; by default beside the model.")] = None,
+    show: Annotated[bool, option("--open", text="Open the page in the browser.")] = False,
+    tree: Tree = None,
+    force: Force = False,
+) -> None:
+    """Compute the motion and write a page that shows it in any browser, without a network."""
+    if out is not None:
+        _refuse_overwriting(out, force)
+    given = [assigned(parameters, "--set"), assigned(inputs, "--input"), assigned(initial, "--initial")]
+    bar = StageBar()
+    with bar.stage("forming the equations"):
+        eqs = _formed(load_model(model), tree)
+        settings = Settled.of(eqs, *given)
+    with bar.stage("compiling"):
+        motion = _motion(eqs, end, settings, None, 1e-8, None, bar)
+    target = model.with_suffix(".html") if out is None else out
+    with bar.stage("drawing"):
+        page = _write_page(motion, target, curves, vectors, traces or ())
+    _print([*_report(eqs, motion), page])
+    if show and not webbrowser.open(target.resolve().as_uri()):
+        fix = f"open {target} by hand"
+        raise EnvironmentFault(Problem("animation.no_browser", str(target), "no browser opened", fix=fix))
+    _exit_unless_done(motion)
+
+
+def _write_page(motion: Trajectory, path: Path, curves: Pairs, vectors: Pairs, traces: Iterable[str]) -> str:
+    """Write the page of a motion and return what is said of it."""
+    chosen = vectors[0] if vectors is not None and len(vectors) == 1 else vectors
+    symbody.animate(motion, path, curves=curves, vectors=chosen, traces=tuple(traces))
+    return f"page: {path}"
+
+
+def _check_samples(samples: int | None) -> None:
+    if samples is not None and samples < 2:
+        raise UsageError(
+            Problem("cli.samples", "--samples", f"{samples} samples make no motion", "", "give 2 or more")
+        )
+
+
+def _exit_unless_done(motion: Trajectory) -> None:
     if not motion.success:
         raise typer.Exit(130 if motion.status is Status.INTERRUPTED else 4)
 
@@ -189,20 +221,20 @@ def simulate(
 @command()
 def linearize(
     model: ModelFile,
-    at: Annotated[Pairs, _option("--at", metavar="NAME=VALUE", text="x or x_dot there; repeatable.")] = None,
+    at: Annotated[Pairs, option("--at", metavar="NAME=VALUE", text="x or x_dot there; repeatable.")] = None,
     parameters: Settings = None,
     inputs: Inputs = None,
     outputs: Annotated[
-        Pairs, _option("--output", "-o", metavar="OUTPUT", text="A row of C and D; repeatable.")
+        Pairs, option("--output", "-o", metavar="OUTPUT", text="A row of C and D; repeatable.")
     ] = None,
     independent: Annotated[
-        Pairs, _option("--independent", metavar="STATE", text="A state to keep; repeatable.")
+        Pairs, option("--independent", metavar="STATE", text="A state to keep; repeatable.")
     ] = None,
     cyclic: Annotated[
-        Pairs, _option("--cyclic", metavar="NAME", text="A coordinate that nothing depends on; repeatable.")
+        Pairs, option("--cyclic", metavar="NAME", text="A coordinate that nothing depends on; repeatable.")
     ] = None,
     tree: Tree = None,
-    as_json: Annotated[bool, _option("--json", text="Print the result as JSON.")] = False,
+    as_json: Annotated[bool, option("--json", text="Print the result as JSON.")] = False,
 ) -> None:
     """Print A, B, C, D of small motions about a state, eigenvalues, and what they say of stability."""
     eqs = _formed(load_model(model), tree)
@@ -216,15 +248,15 @@ def linearize(
 @command()
 def equilibrium(
     model: ModelFile,
-    near: Annotated[Pairs, _option("--near", metavar="NAME=VALUE", text="A guess; repeatable.")] = None,
+    near: Annotated[Pairs, option("--near", metavar="NAME=VALUE", text="A guess; repeatable.")] = None,
     parameters: Settings = None,
     inputs: Inputs = None,
     unknowns: Annotated[
-        Pairs, _option("--unknown", metavar="INPUT", text="An input that holds; repeatable.")
+        Pairs, option("--unknown", metavar="INPUT", text="An input that holds; repeatable.")
     ] = None,
-    fixed: Annotated[Pairs, _option("--fix", metavar="NAME=VALUE", text="x to keep; repeatable.")] = None,
+    fixed: Annotated[Pairs, option("--fix", metavar="NAME=VALUE", text="x to keep; repeatable.")] = None,
     tree: Tree = None,
-    as_json: Annotated[bool, _option("--json", text="Print the result as JSON.")] = False,
+    as_json: Annotated[bool, option("--json", text="Print the result as JSON.")] = False,
 ) -> None:
     """Print the equilibrium nearest to a guess, others found, and whether they are stable."""
     eqs = _formed(load_model(model), tree)
@@ -279,7 +311,7 @@ def _introduction(eqs: EquationSet, model: Path) -> list[str]:
     return [f"{sizes}; `symbody equations {model}` prints the equations"]
 
 
-def _report(eqs: EquationSet, motion: Trajectory, picture: Path) -> list[str]:
+def _report(eqs: EquationSet, motion: Trajectory) -> list[str]:
     statistics = motion.statistics
     return [
         *(f"note: {note}" for note in (*eqs.notes, *motion.notes)),
@@ -287,7 +319,6 @@ def _report(eqs: EquationSet, motion: Trajectory, picture: Path) -> list[str]:
         f"{statistics.accepted} steps, {statistics.evaluations} evaluations, "
         f"{statistics.loop_seconds * 1e3:.2f} ms; energy drift {motion.energy_drift:.1e} J",
         *_closing(eqs, motion),
-        f"plot: {picture}",
     ]
 
 

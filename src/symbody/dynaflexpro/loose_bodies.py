@@ -25,6 +25,7 @@ def with_free_joints(model: Model) -> tuple[Model, tuple[str, ...]]:
         inputs=model.inputs,
         initial=model.initial,
         ground=model.ground,
+        ground_shapes=model.ground_shapes,
     )
     return complete, tuple(f"body {body} is free: six coordinates, Cardan angles x-y-z" for body in loose)
 

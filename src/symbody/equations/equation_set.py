@@ -25,6 +25,7 @@ from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Roots, Sequence
 from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.model.model import Model
+from symbody.notebook import Displayed
 from symbody.single_flight import SingleFlight
 
 # Values of parameters for which equations are kept.
@@ -32,7 +33,7 @@ _MOST_VALUES: Final = 8
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class EquationSet:
+class EquationSet(Displayed):
     """Equations of motion ``M u' = F + J^T lambda``, ``J u' = gamma``, ``q' = N u + nu`` of a model.
 
     Every property that shows formulas returns SymPy objects in dynamicsymbols; the numbers come from

@@ -44,6 +44,7 @@ _OTHER_NAMES: Final = MappingProxyType(
         for other in others.split()
     }
 )
+_USUAL_TYPES: Final = MappingProxyType({"constraint": "distance", "joint": "revolute", "shape": "box"})
 _EXPECTED: Final = MappingProxyType(
     {
         "bool_type": "true or false",
@@ -107,7 +108,7 @@ def _said(found: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
             "update symbody",
         )
     if kind in ("union_tag_invalid", "union_tag_not_found"):
-        return _type_of(found, str(path[0]))
+        return _type_of(found, "shape" if "shape" in path[1:3] else str(path[0]))
     if kind in ("too_short", "too_long"):
         context = found["ctx"]
         number = context.get("min_length") or context.get("max_length")
@@ -133,7 +134,7 @@ def _causes(kind: str, value: object) -> str:
 def _type_of(found: dict[str, Any], kind: str) -> tuple[str, str, str, str]:
     known = [name.strip("'") for name in found["ctx"].get("expected_tags", "").split(", ") if name]
     if not known:
-        word = "distance" if kind == "constraint" else "revolute"
+        word = _USUAL_TYPES[kind]
         return "missing_key", "'type' is missing", "", f'add type = "{word}", for instance'
     tag = str(found["ctx"]["tag"])
     meant = _OTHER_NAMES.get(tag.lower(), "")
@@ -166,8 +167,13 @@ def _child(root: Schema, node: Schema, part: str | int) -> Schema:
 
 
 def _without_tag(location: tuple[str | int, ...]) -> Path:
-    """Return a path without the type of joint or constraint that pydantic inserts."""
-    return (*location[:2], *location[3:]) if location[:1] in _TYPED else location
+    """Return a path without the type of joint, constraint or shape that pydantic inserts."""
+    if location[:1] in _TYPED:
+        return (*location[:2], *location[3:])
+    if "shape" in location[:3] and location[0] in ("body", "ground"):
+        place = location.index("shape") + 2
+        return (*location[:place], *location[place + 1 :])
+    return location
 
 
 def _element(path: Path, data: object) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from types import MappingProxyType
 from typing import Final, TypeVar
@@ -55,6 +55,7 @@ from symbody.model.loads.curve import Curve
 from symbody.model.loads.forces import Drive, Force, SpringDamper, Torque
 from symbody.model.loads.friction import Friction
 from symbody.model.loads.springs import Bushing, TorsionSpring
+from symbody.model.shapes import BodyShape, Box, Capsule, Cone, Cylinder, Mesh, Sphere
 from symbody.model.table import Table
 
 T = TypeVar("T")
@@ -111,11 +112,14 @@ CONSTRAINTS: Final = MappingProxyType[str, Callable[..., Condition]](
         "equation": Constraint,
     }
 )
+SHAPES: Final = MappingProxyType[str, Callable[..., BodyShape]](
+    {"box": Box, "cylinder": Cylinder, "sphere": Sphere, "capsule": Capsule, "cone": Cone, "mesh": Mesh}
+)
 _TYPES: Final = MappingProxyType[str, Mapping[str, Callable[..., Element]]](
     {"joint": JOINTS, "constraint": CONSTRAINTS}
 )
 _TYPE_WORDS: Final = MappingProxyType(
-    {maker: word for types in _TYPES.values() for word, maker in types.items()}
+    {maker: word for types in (*_TYPES.values(), SHAPES) for word, maker in types.items()}
 )
 # Written even where they have their default: a reader looks for them, or other defaults depend on them.
 _ALWAYS: Final = frozenset({"angles", "axes", "axis"})
@@ -123,8 +127,8 @@ _ALWAYS: Final = frozenset({"angles", "axes", "axis"})
 _BY_COORDINATE: Final = frozenset({"armature", "force", "motion", "torque"})
 
 
-def element_from(kind: str, entry: Mapping[str, object]) -> Element:
-    """Return the element of a table that fits the schema.
+def element_from(kind: str, entry: Mapping[str, object], folder: str = "") -> Element:
+    """Return the element of a table that fits the schema; paths of meshes start from `folder`.
 
     Raises
     ------
@@ -140,6 +144,8 @@ def element_from(kind: str, entry: Mapping[str, object]) -> Element:
     label = f"{kind} {entry['name']}"
     if kind == "body":
         arguments["frames"] = _frames(arguments.get("frames", {}), label, ("frames",), problems)
+        shapes = arguments.pop("shape", [])
+        arguments["shapes"] = shapes_from_entries(shapes, f"{label}, shape", folder, problems)
     if kind == "joint":
         for word in {"force", "torque"} & set(arguments):
             arguments[word] = _drives(arguments[word], f"{label}, {word}", problems)
@@ -156,13 +162,52 @@ def ground_frames(entry: object, problems: list[Problem]) -> dict[str, Frame]:
     return _frames(entry, "model", ("ground", "frames"), problems)
 
 
-def entry_of(element: Element) -> dict[str, Node]:
-    """Return the table of an element, without what has its default."""
+def shapes_from_entries(entries: object, where: str, folder: str, problems: list[Problem]) -> list[BodyShape]:
+    """Return the shapes of a list of tables; faults are added to `problems`."""
+    shapes = []
+    for k, entry in enumerate(entries if isinstance(entries, list) else []):
+        arguments = dict(entry)
+        make = SHAPES[arguments.pop("type")]
+        if make is Mesh:
+            arguments["folder"] = folder
+        shape = _nested(make, arguments, f"{where}[{k}]", problems)
+        shapes += [] if shape is None else [shape]
+    return shapes
+
+
+def shape_entries(shapes: Iterable[BodyShape], folder: str | None = None) -> list[Node]:
+    """Return the tables of shapes, without what has its default.
+
+    Parameters
+    ----------
+    folder : str, optional
+        Where the file stands: paths of meshes lead from there; None leaves them as they are.
+    """
+    entries: list[Node] = []
+    for shape in shapes:
+        values = _values(shape)
+        values.pop("folder", None)
+        plain = type(shape)(**{name: getattr(shape, name) for name in _needed(shape)})
+        entry: dict[str, Node] = {"type": _TYPE_WORDS[type(shape)]}
+        for name, value in values.items():
+            if value is not None and (name in _needed(shape) or value != getattr(plain, name)):
+                entry[name] = node_of(value)
+        if isinstance(shape, Mesh):
+            entry["path"] = shape.path if folder is None else shape.path_from(folder)
+            if "scale" in entry and len(set(shape.scale)) == 1:
+                entry["scale"] = shape.scale[0]
+        entries.append(entry)
+    return entries
+
+
+def entry_of(element: Element, folder: str | None = None) -> dict[str, Node]:
+    """Return the table of an element, without what has its default; `folder` as in `shape_entries`."""
     entry: dict[str, Node] = {"name": element.name}
     word = _TYPE_WORDS.get(type(element))
     if word is not None:
         entry["type"] = word
     values = _values(element)
+    shapes = values.pop("shapes", ())
     if "start" in values:
         entry["between"] = [node_of(values.pop("start")), node_of(values.pop("end"))]
     given = [*_needed(element), *(_ALWAYS & set(values))]
@@ -171,6 +216,8 @@ def entry_of(element: Element) -> dict[str, Node]:
     for name, value in values.items():
         if name not in entry and value is not None and (name not in defaults or value != defaults[name]):
             entry[name] = node_of(_alone(element, value) if name in _BY_COORDINATE else value)
+    if isinstance(element, Body) and shapes:
+        entry["shape"] = shape_entries(element.shapes, folder)
     return entry
 
 
@@ -208,8 +255,8 @@ def _alone(element: Element, value: object) -> object:
     return value
 
 
-def _needed(element: Element) -> list[str]:
-    """Return the arguments without default of the element's constructor."""
+def _needed(element: Element | BodyShape) -> list[str]:
+    """Return the arguments without default of a constructor."""
     arguments = inspect.signature(type(element)).parameters.items()
     return [name for name, argument in arguments if argument.default is argument.empty]
 

@@ -10,7 +10,15 @@ from symbody.arguments import checked_arguments
 from symbody.errors import FormatError, ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.formats.checking import check_structure
-from symbody.formats.entries import Node, element_from, entry_of, ground_frames, node_of
+from symbody.formats.entries import (
+    Node,
+    element_from,
+    entry_of,
+    ground_frames,
+    node_of,
+    shape_entries,
+    shapes_from_entries,
+)
 from symbody.formats.lines import Path
 from symbody.formats.places import Locate, lines_of, pointer, relocated
 from symbody.formats.reading import read_text
@@ -55,7 +63,8 @@ def save_model(model: Model, path: str | os.PathLike[str]) -> None:
         old = read_text(path)
     except FormatError:  # missing, or no text: nothing to keep
         old = ""
-    write_text(path, model_to_toml(model, onto=old))
+    folder = os.path.dirname(os.path.abspath(os.fsdecode(path)))
+    write_text(path, _toml_text(_content(model, folder), old, folder))
 
 
 def model_from_toml(text: str, where: str = "model file") -> Model:
@@ -67,7 +76,7 @@ def model_from_toml(text: str, where: str = "model file") -> Model:
         See `load_model`.
     """
     plain = text.removeprefix("\N{ZERO WIDTH NO-BREAK SPACE}").replace("\r\n", "\n")
-    return _model(parse_toml(plain, where), lines_of(plain, where))
+    return _model(parse_toml(plain, where), lines_of(plain, where), os.path.dirname(where))
 
 
 def model_to_toml(model: Model, onto: str = "", layout: Mapping[str, Any] | None = None) -> str:
@@ -85,9 +94,7 @@ def model_to_toml(model: Model, onto: str = "", layout: Mapping[str, Any] | None
     FormatError
         If the layout holds something that TOML cannot say.
     """
-    content = _content(model)
-    merged = _merged(model, content, onto.replace("\r\n", "\n")) if onto.strip() else None
-    text = merged or write_toml(content)
+    text = _toml_text(_content(model), onto)
     return text if layout is None else _with_layout(text, layout)
 
 
@@ -124,7 +131,7 @@ def layout_of(text: str, where: str = "model file") -> dict[str, Any]:
     return layout if isinstance(layout, dict) else {}
 
 
-def _model(data: object, locate: Locate) -> Model:
+def _model(data: object, locate: Locate, folder: str = "") -> Model:
     content = check_structure(data, locate)
     problems: list[Problem] = []
     elements: list[Element] = []
@@ -132,12 +139,14 @@ def _model(data: object, locate: Locate) -> Model:
     for kind in KINDS:
         for k, entry in enumerate(content.get(kind, [])):
             try:
-                elements.append(element_from(kind, entry))
+                elements.append(element_from(kind, entry, folder))
                 paths.append((kind, k))
             except ModelError as error:
                 problems += relocated(error.problems, {f"{kind} {entry['name']}": (kind, k)}, locate)
     faults: list[Problem] = []
-    ground = ground_frames(content.get("ground", {}).get("frames", {}), faults)
+    fixed = content.get("ground", {})
+    ground = ground_frames(fixed.get("frames", {}), faults)
+    shapes = shapes_from_entries(fixed.get("shape", []), "model, ground.shape", folder, faults)
     problems += relocated(faults, {"model": ()}, locate)
     if problems:
         raise ModelError(*problems)
@@ -152,13 +161,14 @@ def _model(data: object, locate: Locate) -> Model:
             inputs=content.get("inputs", ()),
             initial=content.get("initial", {}),
             ground=ground,
+            ground_shapes=shapes,
         )
     except ModelError as error:
         raise ModelError(*relocated(error.problems, bases, locate)) from None
 
 
-def _content(model: Model) -> dict[str, Node]:
-    """Return what the file of a model says, without layout."""
+def _content(model: Model, folder: str | None = None) -> dict[str, Node]:
+    """Return what the file of a model says, without layout; `folder` as in `shape_entries`."""
     content: dict[str, Node] = {"name": model.name, "gravity": node_of(model.gravity)}
     if model.inputs:
         content["inputs"] = list(model.inputs)
@@ -166,10 +176,17 @@ def _content(model: Model) -> dict[str, Node]:
         content["parameters"] = {
             name: "" if formula is None else formula for name, formula in model.parameters.items()
         }
+    fixed: dict[str, Node] = {}
     if model.ground:
-        content["ground"] = {"frames": node_of(model.ground)}
+        fixed["frames"] = node_of(model.ground)
+    if model.ground_shapes:
+        fixed["shape"] = shape_entries(model.ground_shapes, folder)
+    if fixed:
+        content["ground"] = fixed
     for kind in KINDS:
-        entries: list[Node] = [entry_of(element) for element in model.elements if element.kind == kind]
+        entries: list[Node] = [
+            entry_of(element, folder) for element in model.elements if element.kind == kind
+        ]
         if entries:
             content[kind] = entries
     if model.initial:
@@ -177,11 +194,18 @@ def _content(model: Model) -> dict[str, Node]:
     return content
 
 
-def _merged(model: Model, content: Mapping[str, Node], onto: str) -> str | None:
+def _toml_text(content: Mapping[str, Node], onto: str, folder: str | None = None) -> str:
+    """Return the TOML text of a content, on an older text where that takes the changes."""
+    merged = _merged(content, onto.replace("\r\n", "\n"), folder) if onto.strip() else None
+    return merged or write_toml(content)
+
+
+def _merged(content: Mapping[str, Node], onto: str, folder: str | None) -> str | None:
     """Return the changed text of a model file, or None if `onto` is none or does not take the changes."""
+    where = os.path.join(folder or "", "model file")
     try:
-        text = write_toml(content, onto, _content(model_from_toml(onto)))
-        return text if model_from_toml(text) == model else None
+        text = write_toml(content, onto, _content(model_from_toml(onto, where), folder))
+        return text if _content(model_from_toml(text, where), folder) == content else None
     except SymbodyError:
         return None
 

@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from symbody.formats.schema_constraints import ConstraintEntry
 from symbody.formats.schema_joints import JointEntry
+from symbody.formats.schema_shapes import ShapeEntry
 from symbody.formats.schema_types import Angle, Axis, Between, Entry, Expression, Law, Triple, Turn
 
 VERSION: Final = 1
@@ -44,6 +45,7 @@ class GroundEntry(Entry):
     """What is fixed."""
 
     frames: dict[str, FrameEntry] = Field(default={}, description="Frames fixed on the ground.")
+    shape: list[ShapeEntry] = Field(default=[], description="What is seen of it.")
 
 
 class BodyEntry(Entry):
@@ -55,6 +57,7 @@ class BodyEntry(Entry):
     products: Triple = Field(default=[0, 0, 0], description="Tensor entries xy, xz, yz [kg m^2].")
     frames: dict[str, FrameEntry] = Field(default={}, description="Frames fixed on the body.")
     unphysical: bool = Field(default=False, description="Whether an impossible inertia is taken as it is.")
+    shape: list[ShapeEntry] = Field(default=[], description="What is seen of it.")
 
 
 class SpringEntry(Entry):

@@ -18,6 +18,14 @@ def _expression(value: object) -> str | int | float | Decimal:
     return value
 
 
+def _factors(value: object) -> object:
+    if isinstance(value, list) and len(value) == 3:
+        return [_expression(item) for item in value]
+    if isinstance(value, list | dict):
+        raise PydanticCustomError("factors", "a number, or three")
+    return _expression(value)
+
+
 def _axis(value: object) -> object:
     if isinstance(value, str):
         return value
@@ -62,6 +70,18 @@ Angle = Annotated[
     WithJsonSchema({**_TEXT_OR_NUMBER, "description": 'An angle in rad, or such as "30 deg".'}),
 ]
 Triple = Annotated[list[Expression], Field(min_length=3, max_length=3)]
+Factors = Annotated[
+    Any,
+    PlainValidator(_factors),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                _TEXT_OR_NUMBER,
+                {"type": "array", "items": _TEXT_OR_NUMBER, "minItems": 3, "maxItems": 3},
+            ]
+        }
+    ),
+]
 Axis = Annotated[
     Any,
     PlainValidator(_axis),

@@ -76,6 +76,8 @@ def _merge_entries(entries: AoT, before: list[Node], after: list[Node]) -> bool:
     news = [cast("Tree", node) for node in after]
     if len(olds) != len(entries):
         return False
+    if not all("name" in node for node in (*olds, *news)):
+        return _merge_in_order(entries, olds, news)
     names = [node["name"] for node in news]
     kept = [k for k, node in enumerate(olds) if node["name"] in names]
     if [olds[k]["name"] for k in kept] != names[: len(kept)]:
@@ -92,12 +94,21 @@ def _merge_entries(entries: AoT, before: list[Node], after: list[Node]) -> bool:
     return True
 
 
+def _merge_in_order(entries: AoT, olds: list[Tree], news: list[Tree]) -> bool:
+    """Change tables without names, as those of shapes; return False if they are others than before."""
+    if [old["type"] for old in olds] != [node["type"] for node in news]:
+        return False
+    for entry, old, node in zip(entries, olds, news, strict=True):
+        _merge(entry, old, node)
+    return True
+
+
 def _item(key: str, node: Node) -> Item:
     """Return a value as tomlkit holds it."""
     if isinstance(node, dict):
         return _table(node) if key in _HEADED else _inline(node)
     if isinstance(node, list):
-        if node and all(isinstance(entry, dict) and "name" in entry for entry in node):
+        if node and all(isinstance(entry, dict) and {"name", "type"} & set(entry) for entry in node):
             tables = tomlkit.aot()
             for entry in node:
                 tables.append(_table(cast("Tree", entry)))
@@ -108,7 +119,7 @@ def _item(key: str, node: Node) -> Item:
 
 def _table(content: Tree) -> Table:
     # A table of tables only needs no header: [body.frames.tip] says it all.
-    table = tomlkit.table(is_super_table=set(content) == {"frames"})
+    table = tomlkit.table(is_super_table=set(content) <= {"frames", "shape"})
     for key, node in content.items():
         table.append(key, _item(key, node))
     return table

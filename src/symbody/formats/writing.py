@@ -47,14 +47,20 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
         if target.is_file():
             if target.read_bytes() == content:
                 return
-            _replace(Path(f"{target}.bak"), target.read_bytes(), like=target)
-        _replace(target, content, like=target)
+            replace_content(Path(f"{target}.bak"), target.read_bytes(), like=target)
+        replace_content(target, content, like=target)
     except (OSError, ValueError) as error:
         raise FormatError(_unwritable(where, error)) from error
 
 
-def _replace(target: Path, content: bytes, like: Path) -> None:
-    """Put `content` in the place of `target`, with the permissions of the file `like`."""
+def replace_content(target: Path, content: bytes, like: Path) -> None:
+    """Put `content` in the place of `target` in one step, with the permissions of the file `like`.
+
+    Raises
+    ------
+    OSError
+        If that is impossible; the file that was there is unchanged.
+    """
     descriptor, name = tempfile.mkstemp(prefix=f".{target.name[:100]}.", dir=target.parent)
     try:
         with open(descriptor, "wb") as file:
@@ -90,13 +96,17 @@ def _settle(folder: Path) -> None:
 
 
 def _unwritable(where: str, error: OSError | ValueError) -> Problem:
-    number = error.errno if isinstance(error, OSError) else None
     reason = error.strerror if isinstance(error, OSError) else None
-    cure = _CURES.get(number, "check the path") if number is not None else "check the path"
     return Problem(
         "file.not_saved",
         where,
         f"the file cannot be saved: {reason or error}",
         "the file that was there, if any, is unchanged",
-        cure,
+        writing_cure(error),
     )
+
+
+def writing_cure(error: OSError | ValueError) -> str:
+    """Return what helps where a file cannot be written."""
+    number = error.errno if isinstance(error, OSError) else None
+    return _CURES.get(number, "check the path") if number is not None else "check the path"

@@ -41,3 +41,9 @@ from .loads.springs import Bushing as Bushing
 from .loads.springs import TorsionSpring as TorsionSpring
 from .model import Model as Model
 from .model import resolve_parameters as resolve_parameters
+from .shapes import Box as Box
+from .shapes import Capsule as Capsule
+from .shapes import Cone as Cone
+from .shapes import Cylinder as Cylinder
+from .shapes import Mesh as Mesh
+from .shapes import Sphere as Sphere

@@ -13,6 +13,7 @@ from symbody.model.door import Door, Value
 from symbody.model.element import Address, Element, address_of
 from symbody.model.frame import Frame
 from symbody.model.naming import CENTRE, element_problem
+from symbody.model.shapes.shape import BodyShape, shapes_from
 from symbody.model.table import Table
 from symbody.model.uses import Scope, Triple, Use, triple_uses
 
@@ -37,6 +38,9 @@ class Body(Element):
     unphysical : bool
         Whether an inertia that no distribution of mass has is taken as it is, with a note, as in robots that
         were only ever simulated.
+    shapes : iterable of Box, Cylinder, Sphere, Capsule, Cone or Mesh
+        What is seen of it; without any it is drawn as rods between its joints. They have no influence on
+        the motion.
 
     Raises
     ------
@@ -58,6 +62,7 @@ class Body(Element):
     products: Triple
     frames: Table[Frame]
     unphysical: bool
+    shapes: tuple[BodyShape, ...]
 
     @checked_arguments
     def __init__(
@@ -68,6 +73,7 @@ class Body(Element):
         products: Iterable[Value] = (0, 0, 0),
         frames: Mapping[str, Frame] | None = None,
         unphysical: bool = False,
+        shapes: Iterable[BodyShape] = (),
     ) -> None:
         door = Door(f"body {name}")
         object.__setattr__(self, "name", door.element_name(name))
@@ -76,6 +82,7 @@ class Body(Element):
         object.__setattr__(self, "products", door.triple(products, "products"))
         object.__setattr__(self, "frames", frame_table(door, frames or {}, "frames"))
         object.__setattr__(self, "unphysical", bool(unphysical))
+        object.__setattr__(self, "shapes", shapes_from(door, shapes, "shape"))
         door.close()
 
     def __getitem__(self, frame: str) -> Address:
@@ -89,6 +96,11 @@ class Body(Element):
         yield from triple_uses("products", self.products, Scope.CONSTANT)
         for name, frame in self.frames.items():
             yield from frame.uses(f"frames.{name}")
+
+    def shape_uses(self) -> Iterator[Use]:
+        """Return where the formulas of its shapes stand, which nothing but pictures evaluates."""
+        for k, shape in enumerate(self.shapes):
+            yield from shape.uses(f"shape[{k}]")
 
 
 Place = Body | Address | str | tuple[Body | str, str]

@@ -21,8 +21,10 @@ from symbody.model.frame import Frame
 from symbody.model.joint import Joint
 from symbody.model.lookup import element_labels, with_carried
 from symbody.model.parameters import dependence_order, known_values, resolve
+from symbody.model.shapes.shape import BodyShape, shapes_from
 from symbody.model.table import Table
 from symbody.model.uses import Triple
+from symbody.notebook import Displayed
 
 E = TypeVar("E", bound=Element)
 
@@ -32,7 +34,7 @@ KINDS: Final = ("body", "joint", "spring", "torsion_spring", "force", "torque", 
 
 @final
 @dataclass(frozen=True, slots=True, init=False, repr=False)
-class Model:
+class Model(Displayed):
     """A mechanism: bodies, joints and forces by name, with parameters and inputs.
 
     Everything is copied in and checked at once; a Model that exists is free of contradictions.
@@ -53,6 +55,8 @@ class Model:
         Initial values, in SI units and radians.
     ground : mapping of name to Frame
         Frames fixed on the ground.
+    ground_shapes : iterable of Box, Cylinder, Sphere, Capsule, Cone or Mesh
+        What is seen of the ground, placed from its origin.
     notes : iterable of str
         Remarks of a reader on what it assumed; they come before the model's own.
 
@@ -84,6 +88,7 @@ class Model:
     inputs: tuple[str, ...]
     initial: Table[Formula]
     ground: Table[Frame]
+    ground_shapes: tuple[BodyShape, ...]
     bodies: tuple[Body, ...] = field(init=False, compare=False)
     joints: tuple[Joint, ...] = field(init=False, compare=False)
     constraints: tuple[Condition, ...] = field(init=False, compare=False)
@@ -100,6 +105,7 @@ class Model:
         initial: Mapping[str, Value] | None = None,
         ground: Mapping[str, Frame] | None = None,
         notes: Iterable[str] = (),
+        ground_shapes: Iterable[BodyShape] = (),
     ) -> None:
         door = Door("model")
         draft = Draft(
@@ -115,6 +121,7 @@ class Model:
             ),
             initial=door.table(initial or {}, "initial", door.angle),
             ground=frame_table(door, ground or {}, "ground.frames"),
+            ground_shapes=shapes_from(door, ground_shapes, "ground.shape"),
         )
         title = name if isinstance(name, str) else "?"
         if title != name:
@@ -129,6 +136,7 @@ class Model:
         object.__setattr__(self, "inputs", draft.inputs)
         object.__setattr__(self, "initial", draft.initial)
         object.__setattr__(self, "ground", draft.ground)
+        object.__setattr__(self, "ground_shapes", draft.ground_shapes)
         object.__setattr__(self, "bodies", tuple(e for e in placed if isinstance(e, Body)))
         object.__setattr__(self, "joints", tuple(e for e in placed if isinstance(e, Joint)))
         object.__setattr__(self, "constraints", tuple(e for e in placed if isinstance(e, Condition)))

@@ -37,6 +37,7 @@ from symbody.simulation.modes.switching import run_switching, switches
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.interface import Projector
 from symbody.simulation.progress import told
+from symbody.simulation.results.provenance import provenance_of
 from symbody.simulation.results.singular_angles import singular_passages
 from symbody.simulation.results.start_notes import start_notes
 from symbody.simulation.results.stop_note import stop_note
@@ -105,7 +106,14 @@ def simulate(
     with told(progress, "motion") as tell:
         wanted = partial(Request, times=times, rtol=rtol, atol=atol, max_steps=max_steps, progress=tell)
         run = go(task, first, span, wanted, chosen)
-    return replace(run, notes=(*run.notes, *_undetermined(eqs, first, run))) if run.t.size else run
+    return _annotate(run, eqs, task, first)
+
+
+def _annotate(run: Trajectory, eqs: EquationSet, task: Task, first: State) -> Trajectory:
+    """Return a run with what it was computed from, and what is noted of its reactions."""
+    source = provenance_of(eqs, task.parameters, task.laws, switches=switches(eqs.formed))
+    further = _undetermined(eqs, first, run) if run.t.size else ()
+    return replace(run, notes=(*run.notes, *further), provenance=source)
 
 
 def _undetermined(eqs: EquationSet, first: State, run: Trajectory) -> tuple[str, ...]:

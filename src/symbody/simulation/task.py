@@ -110,6 +110,25 @@ class Evaluator:
 
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the output with time last; q is (n_q, N), u is (n_u, N)."""
+        return self.together((name,), t, q, u)[0]
+
+    def together(self, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
+        """Return outputs with time last, all that are compiled in one function."""
+        special = {name: self._special(name, t, q, u) for name in names}
+        plain = tuple(name for name, values in special.items() if values is None)
+        made: dict[str, Floats] = {}
+        if plain:
+            outputs = plain[0] if len(plain) == 1 else plain
+            values = self.task.evaluated(self.task.compiled(outputs, quick=True), t, q, u)
+            made = dict(zip(plain, (values,) if len(plain) == 1 else values, strict=True))
+        angles = self.task.eqs.measured_angles
+        return [
+            _in_time(name, made[name], angles) if (array := special[name]) is None else array
+            for name in names
+        ]
+
+    def _special(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats | None:
+        """Return what is not compiled as it stands; None for all else."""
         if name == "work" and self.work is not None:
             done: Floats = self.work(t)[0]
             return done
@@ -121,11 +140,7 @@ class Evaluator:
             violation = self._violation("velocity_constraints", t, q, u)
             moving = fastest > 0.0
             return np.where(moving, violation / np.where(moving, fastest, 1.0), violation)
-        values: Floats = self.task.evaluated(self.task.compiled(name, quick=True), t, q, u)
-        symbol = name[1:-1] if name.startswith("(") and name.endswith(")") else name
-        if symbol in self.task.eqs.measured_angles:  # measured within half a turn, but motions go on
-            return np.unwrap(values)
-        return np.moveaxis(values, 0, -1)
+        return None
 
     def _violation(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the largest constraint over its scale at each time."""
@@ -136,6 +151,12 @@ class Evaluator:
         scales = task.scales.constraints(task.eqs)[: values.shape[-1]]
         largest: Floats = np.abs(values / scales).max(axis=-1, initial=0.0)
         return largest
+
+
+def _in_time(name: str, values: Floats, angles: Sequence[str]) -> Floats:
+    """Return values with time last; angles measured within half a turn go on."""
+    symbol = name[1:-1] if name.startswith("(") and name.endswith(")") else name
+    return np.unwrap(values) if values.ndim == 1 and symbol in angles else np.moveaxis(values, 0, -1)
 
 
 class EventFunctions:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import textwrap
+import re
 from collections.abc import Sequence
 from typing import Final
 
@@ -12,6 +12,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from symbody.visual.curves import Curve, Path, shared_label, shared_quantity
+from symbody.visual.labels import plain, printed_length, shown_unit
+from symbody.visual.picture_axes import axes_class
 
 SIZE: Final = (7.0, 4.2)  # inches: a column of text, and a slide
 SIZE_IN_SPACE: Final = (6.0, 5.2)
@@ -32,7 +34,7 @@ DASHES: Final = ("-", "--", ":", "-.")
 def new_axes(in_space: bool = False) -> Axes:
     """Return axes in a figure of their own, which belongs to no window and no global state."""
     figure = _new_figure(SIZE_IN_SPACE if in_space else SIZE)
-    axes: Axes = figure.add_subplot(projection="3d" if in_space else None)
+    axes: Axes = figure.add_subplot(axes_class=axes_class(in_space))
     axes.set_prop_cycle(cycler(linestyle=DASHES) * cycler(color=COLOURS))
     if in_space:
         axes.locator_params(nbins=5)  # more run into each other
@@ -48,7 +50,7 @@ def new_panels(units: Sequence[str]) -> dict[str, Axes]:
         return {units[0]: new_axes()}
     figure = _new_figure((SIZE[0], min(SIZE[1] + PANEL * (len(units) - 1), TALLEST)))
     figure.set_label(_PANELS)
-    column = figure.subplots(len(units), 1, sharex=True)
+    column = figure.subplots(len(units), 1, sharex=True, subplot_kw={"axes_class": axes_class()})
     for axes, unit in zip(column, units, strict=True):
         axes.set_label(unit)
         axes.set_prop_cycle(cycler(linestyle=DASHES) * cycler(color=COLOURS))
@@ -83,17 +85,30 @@ def draw(axes: Axes, curves: Sequence[Curve], label: str, marks_start: bool) -> 
     """Draw the last curve over the others, with a dot at its start if that is asked for."""
     data = [curve.values for curve in curves]
     single = "o" if data[0].size == 1 else ""
-    (line,) = axes.plot(*data, label=_plain(label), linewidth=1.6, marker=single)
+    beside = sum(len(_curves_in(each)) for each in _sharing(axes) if each is not axes)
+    # None is the next colour of these axes; a twin begins where the other ends
+    colour = f"C{(beside + len(_curves_in(axes))) % 10}" if beside else None
+    (line,) = axes.plot(*data, label=label, linewidth=1.6, marker=single, color=colour)
     if marks_start and data[0].size > 1:
         start = [values[:1] for values in data]
         axes.plot(*start, "o", color=line.get_color(), markersize=4.5, label="_start")
 
 
+def _sharing(axes: Axes) -> list[Axes]:
+    """Return all axes that fill the same place, as twins do, in the order in which they were made."""
+    bounds = axes.get_position(original=True).bounds
+    return [each for each in axes.figure.axes if each.get_position(original=True).bounds == bounds]
+
+
+def _curves_in(axes: Axes) -> list[str]:
+    return list(axes.get_legend_handles_labels()[1])
+
+
 def label_curves(axes: Axes, across: Curve, title: str | None) -> None:
     """Label what the axes now hold, curves of earlier calls included."""
-    axes.set_xlabel(_plain(across.text))
-    _, labels = axes.get_legend_handles_labels()
-    axes.set_ylabel(labels[0] if len(labels) == 1 else _plain(shared_quantity(labels)))
+    axes.set_xlabel(across.text)
+    labels = list(dict.fromkeys(_curves_in(axes)))
+    axes.set_ylabel(labels[0] if len(labels) == 1 else shared_quantity(labels))
     _finish(axes, title)
 
 
@@ -102,9 +117,9 @@ def label_panels(panels: Sequence[Axes], across: Curve, title: str | None) -> No
     letters = int(_LETTERS * _height(panels[0]))
     for axes in panels:
         _, labels = axes.get_legend_handles_labels()
-        axes.set_ylabel("\n".join(textwrap.wrap(shared_label(labels, letters), letters)))
+        axes.set_ylabel(_wrapped(shared_label(labels, letters), letters))
         _finish(axes, title if axes is panels[0] else None)
-    panels[-1].set_xlabel(_plain(across.text))
+    panels[-1].set_xlabel(across.text)
     panels[0].figure.align_ylabels(panels)
 
 
@@ -112,25 +127,43 @@ def label_paths(axes: Axes, paths: Sequence[Path], title: str | None) -> None:
     """Label the two or three axes with what the paths have in common along each."""
     for letter, curves in zip("xyz", zip(*(path.curves for path in paths), strict=True), strict=False):
         texts = list(dict.fromkeys(curve.text for curve in curves))
-        common = texts[0] if len(texts) == 1 else _shared_component(texts)
-        axes.set(**{f"{letter}label": _plain(common)})
+        axes.set(**{f"{letter}label": texts[0] if len(texts) == 1 else _shared_component(curves)})
     _finish(axes, title)
 
 
-def _shared_component(texts: Sequence[str]) -> str:
-    """Return ``"x [m]"`` for ``"r P x [m]"`` and ``"r Q x [m]"``, else what all measure."""
-    ends = {text.partition(" [")[0][-2:] for text in texts}
-    end = ends.pop().strip() if len(ends) == 1 else ""
-    units = {text.partition(" [")[2] for text in texts}
-    if end in ("x", "y", "z") and len(units) == 1:
-        return f"{end} [{units.pop()}" if units != {""} else end
-    return shared_quantity(texts)
+def _shared_component(curves: Sequence[Curve]) -> str:
+    """Return ``"x [m]"`` for components x of several vectors, else what all measure."""
+    ends = {curve.name[-1:] if curve.name[-2:-1] == " " else "" for curve in curves}
+    units = {shown_unit(curve.shown_unit) for curve in curves}
+    if len(ends) == len(units) == 1 and ends < {"x", "y", "z"}:
+        unit = units.pop()
+        return f"${ends.pop()}$" + (f" [{unit}]" if unit else "")
+    return shared_quantity([curve.text for curve in curves])
+
+
+def _wrapped(text: str, letters: int) -> str:
+    """Return text in lines of about so many letters; formulas between dollar signs are not broken."""
+    lines = [""]
+    for word in re.findall(r"(?:[^\s$]|\$[^$]*\$)+", text):
+        if lines[-1] and printed_length(lines[-1]) + 1 + printed_length(word) > letters:
+            lines.append("")
+        lines[-1] = f"{lines[-1]} {word}".strip()
+    return "\n".join(lines)
 
 
 def _finish(axes: Axes, title: str | None) -> None:
-    lines, labels = axes.get_legend_handles_labels()
+    together = _sharing(axes)
+    for each in together:
+        old = each.get_legend()
+        if old is not None:
+            old.remove()
+    pairs = [pair for each in together for pair in zip(*each.get_legend_handles_labels(), strict=True)]
+    lines, labels = [line for line, _ in pairs], [label for _, label in pairs]
     if len(lines) > 1:
-        if axes.figure.get_layout_engine() is None:  # nothing would make room outside
+        axes = together[-1]  # drawn over the others
+        if len(together) > 1:
+            axes.legend(lines, labels, loc="best")
+        elif axes.figure.get_layout_engine() is None:  # nothing would make room outside
             axes.legend(lines, labels, loc="best")
         else:
             height = _height(axes)
@@ -147,7 +180,7 @@ def _finish(axes: Axes, title: str | None) -> None:
                 ncols=columns,
             )
     if title is not None:
-        axes.set_title(_plain(title))
+        axes.set_title(plain(title))
 
 
 def _height(axes: Axes) -> float:
@@ -155,8 +188,3 @@ def _height(axes: Axes) -> float:
     place = axes.get_subplotspec()
     rows = 1 if place is None else place.get_gridspec().nrows
     return float(axes.figure.bbox.height) / axes.figure.dpi / rows
-
-
-def _plain(text: str) -> str:
-    """Return text that matplotlib prints as it is, not as mathematics."""
-    return text.replace("\\$", "$").replace("$", r"\$")

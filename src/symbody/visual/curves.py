@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -11,12 +10,12 @@ from typing import Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.equations.showing.units import Units
 from symbody.errors import Problem, UsageError
 from symbody.simulation.results.trajectory import Trajectory
+from symbody.visual.labels import plain, printed_length, readable, shown_unit, typed_unit
 
 Floats = NDArray[np.float64]
-
-SMOOTH: Final = 1000  # points a curve gets at least where the motion between its samples is known
 
 # A unit at the end of a label; digits in brackets are the place of a component.
 UNIT: Final = re.compile(r"\[([^\[\]\d][^\[\]]*)\]$")
@@ -34,6 +33,9 @@ QUANTITIES: Final[Mapping[str, str]] = {
     "N m": "torque",
     "J": "energy",
     "W": "power",
+    "kg": "mass",
+    "N/m": "stiffness",
+    "kg m^2": "moment of inertia",
 }
 
 _MOTION: Final = {"r": "m", "v": "m/s", "vdot": "m/s^2", "w": "rad/s", "wdot": "rad/s^2"}
@@ -42,22 +44,23 @@ _WRENCH: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Curve:
-    """A name, a unit that may be unknown, and one value a sample."""
+    """A name, a unit that may be unknown, one value a sample, and the name as matplotlib prints it."""
 
     name: str
     unit: str
     values: Floats
+    label: str
 
     @property
     def text(self) -> str:
-        """The name with the unit."""
-        return with_unit(self.name, self.unit)
+        """The label with the unit."""
+        return with_unit(self.label, shown_unit(self.unit))
 
     @property
     def shown_unit(self) -> str:
         """The unit at the end of the text, which a label may have brought along."""
-        found = UNIT.search(self.name)
-        return found[1] if found else self.unit
+        at_end = UNIT.search(self.label)
+        return typed_unit(at_end[1]) if at_end else self.unit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,6 +69,7 @@ class Path:
 
     name: str
     curves: tuple[Curve, ...]
+    label: str
 
 
 Drawn = TypeVar("Drawn", Curve, Path)
@@ -76,8 +80,9 @@ def curves_of(run: Trajectory, expression: str) -> list[Curve]:
     columns = run.columns(expression)
     wrench = len(columns) == len(_WRENCH) and expression.startswith("reaction ")
     names = [f"{expression} {word}" for word in _WRENCH] if wrench else list(columns)
+    states = (*run.coordinate_names, *run.speed_names)
     return [
-        Curve(_short(name), _unit(run, expression, name), values)
+        Curve(_short(name), _unit(run, expression, name), values, readable(_short(name), states))
         for name, values in zip(names, columns.values(), strict=True)
     ]
 
@@ -91,7 +96,7 @@ def single_curve(run: Trajectory, expression: str) -> Curve:
         If the output has several components.
     """
     if expression == "t":
-        return Curve("time", "s", np.atleast_1d(run.t))
+        return Curve("time", "s", np.atleast_1d(run.t), "time")
     found = curves_of(run, expression)
     if len(found) > 1:
         names = ", ".join(repr(name) for name in run.columns(expression))
@@ -116,14 +121,15 @@ def path_of(run: Trajectory, expressions: Sequence[str]) -> Path:
             Problem("plot.path", repr(tuple(expressions)), f"a path has 2 or 3 components, not {len(curves)}",
                     f"they are {told}", "name two or three numbers, or one vector: ('frame r P',)")
         )  # fmt: skip
-    return Path(_common_name([curve.name for curve in curves]), tuple(curves))
+    stem = _common_stem([curve.name for curve in curves])
+    name = stem or ", ".join(curve.name for curve in curves)
+    return Path(name, tuple(curves), readable(stem) if stem else ", ".join(curve.label for curve in curves))
 
 
-def _common_name(names: Sequence[str]) -> str:
-    """Return ``"r P"`` for ``"r P x"``, ``"r P y"``, or all names."""
+def _common_stem(names: Sequence[str]) -> str:
+    """Return ``"r P"`` for ``"r P x"``, ``"r P y"``, or nothing."""
     stems = {name[:-2] if name[-2:] in (" x", " y", " z") else "" for name in names}
-    stem = stems.pop() if len(stems) == 1 else ""
-    return stem or ", ".join(names)
+    return stems.pop() if len(stems) == 1 else ""
 
 
 def named(drawn: list[Drawn], labels: Sequence[str] | None) -> list[Drawn]:
@@ -141,24 +147,14 @@ def named(drawn: list[Drawn], labels: Sequence[str] | None) -> list[Drawn]:
         what = f"{len(drawn)} curves need {len(drawn)} labels, not {count}"
         fix = f"give a list of labels for {', '.join(each.name for each in drawn)}, in this order"
         raise UsageError(Problem("plot.labels", "labels", what, fix=fix))
-    return [replace(each, name=label) for each, label in zip(drawn, labels, strict=True)]
-
-
-def refined(run: Trajectory) -> Trajectory:
-    """Return the motion at enough times for a smooth line: steps of order 8 are long."""
-    if run.dense_output is None or not 2 <= run.t.size < SMOOTH:
-        return run
-    pieces = max(4, math.ceil(SMOOTH / (run.t.size - 1)))
-    shares = np.arange(pieces) / pieces
-    inner = (run.t[:-1, np.newaxis] + np.diff(run.t)[:, np.newaxis] * shares).ravel()
-    return run.at(np.append(inner, run.t[-1]))
+    return [replace(each, label=plain(label)) for each, label in zip(drawn, labels, strict=True)]
 
 
 def shared_quantity(labels: Sequence[str]) -> str:
     """Return what all labels measure, such as "angle [rad]", or nothing if that differs or is unknown."""
-    units = {found[1] if (found := UNIT.search(label)) else "" for label in labels}
+    units = {at_end[1] if (at_end := UNIT.search(label)) else "" for label in labels}
     unit = units.pop() if len(units) == 1 else ""
-    return with_unit(QUANTITIES.get(unit, ""), unit)
+    return with_unit(QUANTITIES.get(typed_unit(unit), ""), unit)
 
 
 def shared_label(labels: Sequence[str], letters: int) -> str:
@@ -166,7 +162,8 @@ def shared_label(labels: Sequence[str], letters: int) -> str:
     names = [UNIT.sub("", label).rstrip() for label in dict.fromkeys(labels)]
     ends = {label[len(name) :] for label, name in zip(dict.fromkeys(labels), names, strict=True)}
     text = ", ".join(names) + (next(iter(ends)) if len(ends) == 1 else "")
-    return text if len(ends) == 1 and (len(names) == 1 or len(text) <= letters) else shared_quantity(labels)
+    has_room = len(names) == 1 or printed_length(text) <= letters
+    return text if len(ends) == 1 and has_room else shared_quantity(labels)
 
 
 def with_unit(name: str, unit: str) -> str:
@@ -184,8 +181,9 @@ def _short(name: str) -> str:
 
 def _unit(run: Trajectory, expression: str, name: str) -> str:
     """Return the unit of a component, or nothing if its name does not tell."""
-    if expression in run.units:
-        return run.units[expression]
+    unit = Units(run.units).get(expression)
+    if unit is not None:
+        return unit
     words = name.split(" ")
     if words[0] == "frame":
         return _MOTION.get(words[1], "")

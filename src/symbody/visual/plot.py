@@ -21,7 +21,9 @@ from symbody.visual.canvas import (
     new_panels,
     panels_beside,
 )
-from symbody.visual.curves import Path, curves_of, named, path_of, refined, single_curve
+from symbody.visual.curves import Curve, Path, curves_of, named, path_of, single_curve
+from symbody.visual.event_marks import mark_events
+from symbody.visual.sampling import is_continuous, smooth_motion
 
 
 @checked_arguments
@@ -34,15 +36,20 @@ def plot(
     labels: Sequence[str] | None = None,
     equal: bool | None = None,
     panels: bool = False,
+    events: bool = True,
 ) -> Axes:
-    """Draw outputs of a motion and return the axes; nothing is shown.
+    """Draw outputs of a motion and return the axes, which notebooks show; no window opens.
+
+    Lines go through the motion between its samples, and no peak is cut off; what jumps at an event or a
+    step of an input is vertical there. Outputs known at the samples alone are drawn as they are.
 
     Parameters
     ----------
     *expressions : str or tuple of str
-        Whatever ``run[...]`` knows; all coordinates if none is given. A vector makes three curves.
-        A tuple makes a path of its two or three components, in the plane or in space: ``("X", "Y")``, or
-        ``("frame r P",)`` for the way of a frame. Curves and paths do not mix.
+        Whatever ``run[...]`` knows, ``"0.5*m*x_dot^2"`` and ``"sqrt('reaction A Fx'^2 + 'reaction A Fy'^2)"``
+        too; all coordinates if none is given. A vector makes three curves. A tuple makes a path of its two or
+        three components, in the plane or in space: ``("X", "Y")``, or ``("frame r P",)`` for the way of a
+        frame. Curves and paths do not mix.
     ax : Axes, optional
         Where to draw, for instance from ``matplotlib.pyplot.subplots()`` to see a window. By default a new
         figure that belongs to no window: ``ax.figure``, or `save_plot`. What is given takes all curves,
@@ -57,6 +64,8 @@ def plot(
         Whether each unit has a panel of its own, in the order in which they come, below each other over one
         horizontal axis; outputs whose unit nobody knows share one too. The uppermost axes are returned,
         ``ax.figure.axes`` are all. By default all curves share a pair of axes.
+    events : bool
+        Whether the events of the motion are marked by thin lines with their names, over time.
 
     Raises
     ------
@@ -67,41 +76,61 @@ def plot(
         fix = "give what simulate returns; of a sweep, one case: sweep.trajectory(3)"
         raise UsageError(Problem("plot.not_a_motion", "run", f"{run!r} is no motion", fix=fix))
     chosen = expressions or run.coordinate_names
-    known = {x, *(name for item in chosen for name in ((item,) if isinstance(item, str) else item))}
-    motion = run if run.stored.keys() & known else refined(run)
     curves = [item for item in chosen if isinstance(item, str)]
     if len(curves) == len(chosen):
-        return _curves(motion, curves, ax, x, title, labels, bool(equal), panels)
+        across, drawn = _over(run, curves, x)
+        axes = _curves(across, named(drawn, labels), ax, x, title, bool(equal), panels)
+        if events and x == "t":
+            mark_events(axes, panels_beside(axes).values(), run)
+        return axes
     if curves or x != "t":
         what, fix = "curves over an output and paths do not share axes", "draw them by two calls of plot"
         raise UsageError(Problem("plot.mixed", repr(curves[0] if curves else x), what, fix=fix))
-    paths = [path_of(motion, item) for item in chosen]
-    return _paths(named(paths, labels), ax, title, equal)
+    return _paths(named(_along(run, chosen), labels), ax, title, equal)
+
+
+def _along(run: Trajectory, chosen: Sequence[str | tuple[str, ...]]) -> list[Path]:
+    words = [(item,) if isinstance(item, str) else item for item in chosen]
+    return [path_of(motion, item) for motion, item in zip(_motions(run, words), words, strict=True)]
+
+
+def _motions(run: Trajectory, groups: Sequence[Sequence[str]]) -> list[Trajectory]:
+    """Return for each group of outputs the motion to draw it from: a smooth one, or the samples."""
+    known = {name: is_continuous(run, name) for group in groups for name in group}
+    smooth = smooth_motion(run, [name for name in known if known[name]]) if any(known.values()) else run
+    return [smooth if all(known[name] for name in group) else run for group in groups]
+
+
+def _over(run: Trajectory, names: Sequence[str], x: str) -> tuple[list[Curve], list[Curve]]:
+    """Return for each curve what runs along the horizontal axis, and the curve."""
+    across, curves = list[Curve](), list[Curve]()
+    for motion, name in zip(_motions(run, [(x, name) for name in names]), names, strict=True):
+        several = curves_of(motion, name)
+        across += [single_curve(motion, x)] * len(several)
+        curves += several
+    return across, curves
 
 
 def _curves(
-    run: Trajectory,
-    names: Sequence[str],
+    across: Sequence[Curve],
+    curves: Sequence[Curve],
     ax: Axes | None,
     x: str,
     title: str | None,
-    labels: Sequence[str] | None,
     equal: bool,
     apart: bool,
 ) -> Axes:
-    curves = named([curve for name in names for curve in curves_of(run, name)], labels)
-    across = single_curve(run, x)
     units = list(dict.fromkeys(curve.shown_unit for curve in curves))
     panels = new_panels(units if apart else [""]) if ax is None else panels_beside(ax)
     first = next(iter(panels.values())) if ax is None else ax
-    for curve in curves:
+    for place, curve in zip(across, curves, strict=True):
         axes = panels.get(curve.shown_unit, first)
-        draw(axes, (across, curve), curve.text, marks_start=x != "t")
+        draw(axes, (place, curve), curve.text, marks_start=x != "t")
     every = list(panels.values()) or [first]
     if len(every) > 1:
-        label_panels(every, across, title)
+        label_panels(every, across[0], title)
     else:
-        label_curves(first, across, title)
+        label_curves(first, across[0], title)
     for axes in every:
         if equal:
             axes.set_aspect("equal", adjustable="datalim")
@@ -118,7 +147,7 @@ def _paths(paths: Sequence[Path], ax: Axes | None, title: str | None, equal: boo
         fix = "draw both kinds by two calls; axes for paths in space have projection='3d'"
         raise UsageError(Problem("plot.path_axes", paths[0].name, what, fix=fix))
     for path in paths:
-        draw(axes, path.curves, path.name, marks_start=True)
+        draw(axes, path.curves, path.label, marks_start=True)
     label_paths(axes, paths, title)
     units = {curve.unit for path in paths for curve in path.curves}
     if equal or (equal is None and units == {"m"}):

@@ -135,6 +135,7 @@ int main(void)
 """
 
 
+@pytest.mark.exhaustive
 @needs_gcc
 @pytest.mark.parametrize("piece_size", [60, 2000])
 def test_sanitizers_find_nothing(piece_size: int, tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from symbody.analysis.linear.modes import Mode, Spectrum, spectrum
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
 from symbody.errors import AssemblyError, EnvironmentFault, Problem
+from symbody.notebook import Displayed
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
@@ -29,7 +30,7 @@ class StateSpace(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Linearization:
+class Linearization(Displayed):
     """``x' = A x + B r``, ``y = C x + D r`` for deviations from a motion; unpacks as A, B, C, D.
 
     Attributes

@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig, matrix_balance
 
+from symbody.notebook import Displayed
+
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
@@ -23,7 +25,7 @@ _EPS: Final = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, slots=True)
-class Mode:
+class Mode(Displayed):
     """One natural motion ``Re(shape exp(eigenvalue t))``.
 
     Attributes

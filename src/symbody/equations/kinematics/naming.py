@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 from symbody.errors import ExpressionError, nearest
@@ -43,8 +43,15 @@ class Names:
         """Return the names with more of them standing for expressions."""
         return Names(self.graph, self.symbols, {**self.values, **values})
 
-    def expression(self, formula: Formula, where: str = "") -> Expr:
+    def expression(
+        self, formula: Formula, where: str = "", outputs: Callable[[str, int], int] | None = None
+    ) -> Expr:
         """Return a formula as an expression of the graph.
+
+        Parameters
+        ----------
+        outputs : callable, optional
+            Takes the name of an output that stands in quotes and its column, returns its node.
 
         Raises
         ------
@@ -62,7 +69,7 @@ class Names:
                 )
             return node
 
-        return Expr(self.graph, build(formula, self.graph, look_up, where=where))
+        return Expr(self.graph, build(formula, self.graph, look_up, where=where, outputs=outputs))
 
     def triple(self, formulas: Iterable[Formula], where: str = "") -> tuple[Expr, Expr, Expr]:
         """Return three formulas as expressions."""

@@ -9,6 +9,7 @@ from symbody.expr.canonical import ZERO, add, sub
 from symbody.expr.graph import Graph, Kind
 from symbody.expr.opcodes import ADD, NEG, SUB
 from symbody.expr.printing.latex import to_display, to_latex
+from symbody.expr.printing.mathml import to_mathml
 from symbody.expr.rewrite import dependence
 
 _MOVING = frozenset({Kind.COORDINATE, Kind.SPEED, Kind.MULTIPLIER})
@@ -22,6 +23,11 @@ def display_equations(eqs: EquationSet) -> list[str]:
 def latex_equations(eqs: EquationSet) -> list[str]:
     """Return one LaTeX formula an equation, without delimiters."""
     return [f"{left} = {right}" for left, right in _printed(eqs, to_latex)]
+
+
+def mathml_sides(eqs: EquationSet) -> list[tuple[str, str]]:
+    """Return the left and the right side of each equation as MathML; see `mathml_equations`."""
+    return _printed(eqs, to_mathml)
 
 
 def _printed(eqs: EquationSet, show: Callable[[Graph, int], str]) -> list[tuple[str, str]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Final
 
 from symbody.equations.formed import Formed
@@ -38,7 +39,8 @@ def output_roots(formed: Formed, name: str) -> Roots:
     """Return the roots of the output `name`.
 
     Reserved words come first, then derivatives, "effort J", then symbols and expressions in them;
-    parentheses reach a symbol that bears a reserved word's name.
+    parentheses reach a symbol that bears a reserved word's name. In expressions, outputs stand in single
+    quotes: ``sqrt('reaction A Fx'^2 + 'reaction A Fy'^2)``.
 
     Raises
     ------
@@ -59,15 +61,43 @@ def output_roots(formed: Formed, name: str) -> Roots:
         shape, values = _ABOUT[first](formed, rest)
         return _roots(name, shape, solved(formed, with_shares(formed, values)))
     try:
-        value = formed.readable_names.expression(Formula.of(name))
+        formula = Formula.of(name, has_outputs=True)
+        value = formed.readable_names.expression(formula, outputs=partial(_quoted, formed, formula))
     except (ExpressionError, FormulationError) as error:
         words = [*output_names(formed), *formed.names.symbols]
+        fault = error.problems[0]
+        cure = fault.fix if fault.code == "equations.quoted_output" else nearest(name, words)
         raise FormulationError(
             Problem("equations.unknown_output", name, f"{name!r} is neither an output nor an expression",
-                    error.problems[0].what, nearest(name, words))
+                    fault.what, cure)
         ) from error  # fmt: skip
     _check_measured(formed, name, value)
     return _roots(name, (), solved(formed, [value]))
+
+
+def _quoted(formed: Formed, formula: Formula, name: str, column: int) -> int:
+    """Return the node of an output that stands in quotes in a formula.
+
+    Raises
+    ------
+    ExpressionError
+        If there is no such output, or it is not a number.
+    """
+    try:
+        roots = output_roots(formed, name)
+    except FormulationError as error:
+        fault = error.problems[0]
+        raise ExpressionError(
+            formula.problem("equations.quoted_output", column, fault.what, fault.why, fault.fix)
+        ) from error
+    if roots.shape:
+        raise ExpressionError(
+            formula.problem(
+                "equations.quoted_output", column, f"{name!r} is no number: its shape is {roots.shape}", "",
+                "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'",
+            )
+        )  # fmt: skip
+    return roots.nodes[0]
 
 
 def _check_measured(formed: Formed, name: str, value: Expr) -> None:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 from symbody.equations.formed import Formed
 from symbody.equations.loads.loads import effort_name
+from symbody.equations.showing.dimensions import expression_unit
+from symbody.equations.showing.friction_outputs import friction_names
 from symbody.equations.showing.joint_outputs import effort_names
+from symbody.equations.showing.parameter_units import symbol_units
 from symbody.equations.solving.ropes import ropes
 from symbody.model.joint import Joint
 
@@ -27,7 +31,7 @@ _ROTATION: Final = ("rad", "rad/s", "rad/s^2", "N m")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Units(Mapping[str, str]):
-    """Units of known names and, though no list of them ends, of the motions of frames: ``frame r ...``.
+    """Units of known names and, though no list of them ends, of motions of frames and of expressions.
 
     Attributes
     ----------
@@ -38,7 +42,7 @@ class Units(Mapping[str, str]):
     known: Mapping[str, str]
 
     def __getitem__(self, name: str) -> str:
-        """Return the unit of an output.
+        """Return the unit of an output or an expression; that of a pure number is ``""``.
 
         Raises
         ------
@@ -48,9 +52,12 @@ class Units(Mapping[str, str]):
         if name in self.known:
             return self.known[name]
         first, kind = [*name.split(maxsplit=2), "", ""][:2]
-        if first != "frame" or kind not in _FRAME:
+        if first == "frame" and kind in _FRAME:
+            return _FRAME[kind]
+        unit = None if is_whole(name) else expression_unit(name, self.get)
+        if unit is None:
             raise KeyError(name)
-        return _FRAME[kind]
+        return unit
 
     def __iter__(self) -> Iterator[str]:
         """Return an iterator over the names that are listed."""
@@ -64,24 +71,19 @@ class Units(Mapping[str, str]):
         return f"Units({dict(self.known)!r})"
 
 
+def is_whole(name: str) -> bool:
+    """Return whether a name is a symbol or begins with a word and a blank, as outputs do."""
+    return re.fullmatch(r"\w+|[A-Za-z_]+ [^-+*/^<>=(,].*", name.strip()) is not None
+
+
 def output_units(formed: Formed) -> Units:
-    """Return the units of coordinates, their rates, energies, and the efforts, reactions and multipliers."""
-    units = dict(_GENERAL)
+    """Return the units of coordinates, rates, energies, efforts, reactions, multipliers and parameters."""
+    units = symbol_units(formed.topology.model) | _GENERAL
     for name in formed.angles:
         units |= dict(zip((name, f"{name}_dot", f"{name}_ddot"), _ROTATION[:3], strict=True))
-    driven = set(effort_names(formed))
+    driven, rough = set(effort_names(formed)), set(friction_names(formed))
     for joint in formed.topology.joints:
-        for name, (place, rate, second, effort) in _coordinates(joint):
-            units |= {name: place, f"{name}_dot": rate, f"{name}_ddot": second}
-            word = effort_name(joint, name)
-            if word in driven:
-                units[f"effort {word}"] = effort
-        for speeds, (_, rate, second, _) in (
-            (joint.translation_speeds, _TRANSLATION),
-            (joint.rotation_speeds, _ROTATION),
-        ):
-            for name in speeds.names if speeds else ():
-                units |= {name: rate, f"{name}_dot": second}
+        units |= _joint_units(joint, driven, rough)
     for name in (*(joint.name for joint in formed.topology.joints), *formed.topology.contacts):
         units |= {f"reaction {name} F{letter}": "N" for letter in "xyz"}
         units |= {f"reaction {name} M{letter}": "N m" for letter in "xyz"}
@@ -95,6 +97,25 @@ def output_units(formed: Formed) -> Units:
         units |= {f"rope_tension {name}": "N", f"rope_length {name}": "m", f"rope_slack {name}": "m"}
         units |= {f"rope_slack_dot {name}": "m/s", f"rope_slack_ddot {name}": "m/s^2"}
     return Units(units)
+
+
+def _joint_units(joint: Joint, driven: Collection[str], rough: Collection[str]) -> dict[str, str]:
+    """Return the units of a joint's coordinates and speeds, and of the efforts and friction it has."""
+    units: dict[str, str] = {}
+    for name, (place, rate, second, effort) in _coordinates(joint):
+        units |= {name: place, f"{name}_dot": rate, f"{name}_ddot": second}
+        word = effort_name(joint, name)
+        if word in driven:
+            units[f"effort {word}"] = effort
+        if joint.name in rough:
+            units |= {f"friction {joint.name}": effort, f"friction_reserve {joint.name}": effort}
+    for speeds, (_, rate, second, _) in (
+        (joint.translation_speeds, _TRANSLATION),
+        (joint.rotation_speeds, _ROTATION),
+    ):
+        for name in speeds.names if speeds else ():
+            units |= {name: rate, f"{name}_dot": second}
+    return units
 
 
 def _coordinates(joint: Joint) -> Iterator[tuple[str, tuple[str, str, str, str]]]:

@@ -22,10 +22,13 @@ class Source:
         The whole text, possibly of several lines.
     where : str
         Object path or file, for instance ``"joint slider, motion"``; may be empty.
+    has_outputs : bool
+        Whether names in single quotes are outputs, ``'reaction A Fx'``; otherwise quotes are a fault.
     """
 
     text: str
     where: str = ""
+    has_outputs: bool = False
 
     def problem(self, code: str, column: int, what: str, why: str = "", fix: str = "") -> Problem:
         """Return a problem whose text shows the line and a caret.

@@ -38,11 +38,12 @@ class Formula:
     program: tuple[Instruction, ...]
 
     @classmethod
-    def of(cls, value: FormulaLike, *, where: str = "") -> Formula:
+    def of(cls, value: FormulaLike, *, where: str = "", has_outputs: bool = False) -> Formula:
         """Return `value` as a formula: text is parsed, a number becomes its decimal text.
 
         A float is what its shortest text says: up to 15 digits it is that exact decimal, as if it
-        stood in a file; with 16 or 17 it stays a float.
+        stood in a file; with 16 or 17 it stays a float. Where `has_outputs`, names in single quotes are
+        outputs: ``'reaction A Fx' / m``.
 
         Raises
         ------
@@ -52,7 +53,7 @@ class Formula:
         if isinstance(value, Formula):
             return value
         text = normalize(value if isinstance(value, str) else _numeral(value, where))
-        return cls(text, read_program(Source(text, where)))
+        return cls(text, read_program(Source(text, where, has_outputs)))
 
     def __str__(self) -> str:
         return self.text
@@ -71,7 +72,9 @@ class Formula:
         """Return the value of a plain number (a sign or a quotient included), else None."""
         values: list[Constant] = []
         for step in self.program:
-            if step.kind == "name" or (step.kind == "apply" and step.payload not in ("neg", "div")):
+            if step.kind in ("name", "output") or (
+                step.kind == "apply" and step.payload not in ("neg", "div")
+            ):
                 return None
             if isinstance(step.payload, str):
                 operands = values[-step.arity :]
@@ -113,7 +116,14 @@ class Formula:
 FormulaLike: TypeAlias = Formula | str | int | Fraction | float | Decimal
 
 
-def build(formula: Formula, graph: Graph, lookup: Callable[[str, int], int], *, where: str = "") -> int:
+def build(
+    formula: Formula,
+    graph: Graph,
+    lookup: Callable[[str, int], int],
+    *,
+    where: str = "",
+    outputs: Callable[[str, int], int] | None = None,
+) -> int:
     """Return the node of a formula in `graph`.
 
     Parameters
@@ -123,21 +133,25 @@ def build(formula: Formula, graph: Graph, lookup: Callable[[str, int], int], *, 
         for each name. It knows what ``pi`` and ``t`` are, and raises for unknown names.
     where : str
         Object path for faults that only show once the names have values.
+    outputs : callable, optional
+        The same for names in quotes; by default `lookup`.
 
     Raises
     ------
     ExpressionError
         At a division by something that turns out to be zero.
     """
-    nodes: dict[str, int] = {}
+    nodes: dict[tuple[str, str], int] = {}
+    look_up = {"name": lookup, "output": outputs or lookup}
     stack: list[int] = []
     for step in formula.program:
         if not isinstance(step.payload, str):
             stack.append(constant(graph, step.payload))
-        elif step.kind == "name":
-            if step.payload not in nodes:
-                nodes[step.payload] = lookup(step.payload, step.column)
-            stack.append(nodes[step.payload])
+        elif step.kind in look_up:
+            name = step.kind, step.payload
+            if name not in nodes:
+                nodes[name] = look_up[step.kind](step.payload, step.column)
+            stack.append(nodes[name])
         else:
             operands = stack[-step.arity :]
             del stack[-step.arity :]

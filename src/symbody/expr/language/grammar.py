@@ -112,8 +112,8 @@ class _Reader:
         elif (token.kind == "name" or token.text == "if") and following.text == "(":
             self._callee = token
             return True
-        elif token.kind == "name":
-            self._push(Instruction("name", token.text, token.start + 1), Value(token.start + 1))
+        elif token.kind in ("name", "output"):
+            self._push(Instruction(token.kind, token.text, token.start + 1), Value(token.start + 1))
         elif token.text in _PREFIX:
             self._wait(*_PREFIX[token.text], token)
             return True

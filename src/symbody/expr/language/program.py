@@ -14,10 +14,10 @@ class Instruction(NamedTuple):
     Attributes
     ----------
     kind : str
-        ``"number"`` and ``"name"`` push a value; ``"apply"`` takes `arity` values off the stack,
-        first operand deepest, and pushes one.
+        ``"number"``, ``"name"`` and ``"output"`` push a value; ``"apply"`` takes `arity` values off
+        the stack, first operand deepest, and pushes one.
     payload : int, Fraction, float or str
-        The number, the name, or the name of the operation.
+        The number, the name, the name of the output, or the name of the operation.
     column : int
         Where it stands in the text, counted from 1.
     arity : int

@@ -26,6 +26,7 @@ _TOKEN: Final = re.compile(
     r"|(?P<other>.)",
     re.DOTALL,
 )
+_OUTPUT: Final = re.compile(r"'[^'\r\n]+'")
 # What opens a Python string when a quote follows at once; after any other name a quote is a prime.
 _STRING_PREFIX: Final = re.compile(r"(?:[fru]|br|rb|fr|rf|b)?", re.IGNORECASE)
 # Characters that count as letters or marks and yet show nothing: fillers, joiners, variation selectors.
@@ -40,9 +41,10 @@ class Token(NamedTuple):
     Attributes
     ----------
     kind : str
-        ``"number"``, ``"name"``, ``"operator"`` (brackets, comma and keywords too), ``"bad"`` or ``"end"``.
+        ``"number"``, ``"name"``, ``"output"``, ``"operator"`` (brackets, comma and keywords too), ``"bad"``
+        or ``"end"``.
     text : str
-        As written, except that ``^`` is ``**``.
+        As written, except that ``^`` is ``**`` and an output lacks its quotes.
     start, end : int
         Half-open range in the text, counted from 0.
     """
@@ -127,6 +129,9 @@ def _next_token(source: Source, position: int) -> tuple[Token, Problem | None]:
         return Token(kind, "**" if text == "^" else text, position, end), None
     if kind not in ("mark", "other"):
         return Token(kind, text, position, end), None
+    if source.has_outputs and _OUTPUT.match(source.text, position) and not _is_prime(source.text, position):
+        end = source.text.index("'", position + 1) + 1
+        return Token("output", source.text[position + 1 : end - 1], position, end), None
     if text in ("'", '"'):
         text, end = _quoted(source.text, position)
     if not text.isprintable():
@@ -149,6 +154,10 @@ def _name(source: Source, text: str, start: int) -> tuple[Token, Problem | None]
     if offset is not None:
         return Token("bad", text, start, end), character_problem(source, start + offset)
     return Token("operator" if text in KEYWORDS else "name", text, start, end), None
+
+
+def _is_prime(text: str, place: int) -> bool:
+    return place > 0 and (text[place - 1].isalnum() or text[place - 1] in "_)")
 
 
 def _quoted(text: str, start: int) -> tuple[str, int]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,26 +13,21 @@ from symbody.expr.language.caret import shown
 from symbody.expr.printing.definitions import EXPAND_LIMIT
 from symbody.expr.printing.layout import (
     ATOM,
-    CHOICE,
     POWER,
     PRODUCT,
     SUM,
     Brackets,
     Layout,
     Piece,
+    at_least,
     joined,
     number_text,
     printed,
     printed_with_definitions,
 )
+from symbody.expr.printing.names import GREEK, name_words
 from symbody.expr.printing.textbook import Factor, Style, textbook
 
-# Letters that LaTeX has commands for; Alpha, Beta and the like are Latin capitals there. A parameter
-# called pi is not among them: it is not the constant.
-_GREEK: Final = frozenset(
-    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi rho sigma tau upsilon phi chi "
-    "psi omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega".split()
-)
 _NAMES: Final[Mapping[str, str]] = {
     **{name: rf"\{name}" for name in "sin cos tan sinh cosh tanh exp log min max".split()},
     "asin": r"\arcsin", "acos": r"\arccos", "atan": r"\arctan", "sign": r"\operatorname{sgn}",
@@ -77,6 +71,18 @@ def to_latex(graph: Graph, node: int, names: Mapping[Symbol, str] | None = None)
     return printed(graph, node, textbook(graph, [node], style), style.brackets)
 
 
+def to_inline_latex(graph: Graph, node: int, names: Mapping[Symbol, str] | None = None) -> str:
+    """Return a node as LaTeX of the height of a line, quotients with a slash: for the labels of pictures.
+
+    Raises
+    ------
+    ExpressionError
+        Above 20,000 operations written out, and for entries of kernels.
+    """
+    style = _InlineLatex(dict(names or {}))
+    return printed(graph, node, textbook(graph, [node], style), style.brackets)
+
+
 def to_display_with_definitions(
     graph: Graph, nodes: Sequence[int], limit: int = EXPAND_LIMIT
 ) -> tuple[list[str], list[tuple[str, str]]]:
@@ -110,17 +116,12 @@ def latex_name(name: str) -> str:
     >>> print(latex_name("beta_1"), latex_name("m1"), latex_name("lambda_rod_2"))
     \beta_{1} m_{1} \lambda_{\mathrm{rod},2}
     """
-    head, *tail = name.split("_")
-    split = re.fullmatch(r"([^\W\d_]+)([0-9]+)", head)
-    if split is not None:
-        head, tail = split[1], [split[2], *tail]
-    if not head or not all(tail):
-        return _word(name)
-    return _word(head) + (f"_{{{','.join(map(_word, tail))}}}" if tail else "")
+    head, *indices = name_words(name)
+    return _word(head) + (f"_{{{','.join(map(_word, indices))}}}" if indices else "")
 
 
 def _word(word: str) -> str:
-    if word in _GREEK:
+    if word in GREEK:
         return f"\\{word}"
     text = "".join(map(_character, word))
     return text if len(word) <= 1 or (word.isascii() and word.isdigit()) else rf"\mathrm{{{text}}}"
@@ -138,7 +139,7 @@ def _character(character: str) -> str:
     if words[:1] == ["GREEK"] and words[2:3] == ["LETTER"] and len(words) == 4:
         letter = words[3].lower() if words[1] == "SMALL" else words[3].capitalize()
         letter = letter.replace("lamda", "lambda").replace("Lamda", "Lambda")
-        return f"{{\\{letter}}}" if letter in _GREEK or letter == "pi" else character
+        return f"{{\\{letter}}}" if letter in GREEK or letter == "pi" else character
     return character if character.isalnum() else f"{{{character}}}"
 
 
@@ -153,16 +154,10 @@ class _Plain(Style):
         return repr(value) if isinstance(value, float) else number_text(value)
 
     def ratio(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
-        top, bottom = _with_number(ratio, above, below)
-        pieces = joined(self.times, top or [["1"]])
-        if len(bottom) == 1:
-            pieces += ["/", *bottom[0]]
-        elif bottom:
-            pieces += ["/(", *joined(self.times, bottom), ")"]
-        return Layout(pieces, PRODUCT)
+        return self.slashed(ratio, above, below)
 
     def power(self, base: Piece, exponent: Piece) -> Layout:
-        return Layout([base, "^", _at_least(exponent, ATOM)], POWER)
+        return Layout([base, "^", at_least(exponent, ATOM)], POWER)
 
     def function(self, name: str, arguments: Sequence[Piece], exponent: int = 1) -> Layout:
         pieces = [f"{name}(", *joined(", ", [[argument] for argument in arguments]), ")"]
@@ -207,17 +202,11 @@ class _Latex(Style):
         if not below and ratio.denominator != 1 and above:
             number = rf"\frac{{{ratio.numerator}}}{{{ratio.denominator}}}"
             return Layout(joined(self.times, [[number], *above]), PRODUCT)
-        top, bottom = _with_number(ratio, above, below)
-        pieces = self._line(top or [["1"]])
+        top, bottom = self.with_number(ratio, above, below)
+        pieces = self.line(top or [["1"]])
         if not bottom:
             return Layout(pieces, PRODUCT)
-        return Layout([r"\frac{", *pieces, "}{", *self._line(bottom), "}"], POWER)
-
-    def _line(self, factors: Sequence[Factor]) -> list[Piece]:
-        """Return a product that stands alone, above or below the line of a fraction or without one."""
-        if len(factors) == 1 and len(factors[0]) == 1:
-            return [_at_least(factors[0][0], CHOICE)]
-        return joined(self.times, factors)
+        return Layout([r"\frac{", *pieces, "}{", *self.line(bottom), "}"], POWER)
 
     def power(self, base: Piece, exponent: Piece) -> Layout:
         return Layout([base, "^{", exponent, "}"], POWER)
@@ -240,17 +229,19 @@ class _Latex(Style):
         return Layout([*pieces, otherwise, r" & \text{otherwise} \end{cases}"], SUM)
 
 
-def _with_number(
-    ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]
-) -> tuple[list[Factor], list[Factor]]:
-    """Return the factors above and below the line with the ratio's numbers in front."""
-    top: list[Factor] = [[str(ratio.numerator)]] if ratio.numerator != 1 else []
-    bottom: list[Factor] = [[str(ratio.denominator)]] if ratio.denominator != 1 else []
-    return [*top, *above], [*bottom, *below]
+@dataclass(frozen=True, slots=True)
+class _InlineLatex(_Latex):
+    """LaTeX without fractions; dots stand over the letter alone, since simple readers centre them."""
 
+    def symbol(self, symbol: Symbol) -> str:
+        head, *indices = name_words(symbol.name)
+        if symbol.order == 0 or not indices or any(known.name == symbol.name for known in self.names):
+            return _Latex.symbol(self, symbol)
+        below = latex_name(symbol.name).removeprefix(latex_name(head))
+        return _Latex.symbol(self, Symbol(head, symbol.kind, symbol.order)) + below
 
-def _at_least(piece: Piece, strength: int) -> Piece:
-    return piece if isinstance(piece, str) else (piece[0], strength)
+    def ratio(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
+        return self.slashed(ratio, above, below)
 
 
 _PLAIN: Final = _Plain()

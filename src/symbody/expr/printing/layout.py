@@ -93,6 +93,11 @@ def joined(separator: str, groups: Sequence[Sequence[Piece]]) -> list[Piece]:
     return pieces
 
 
+def at_least(piece: Piece, strength: int) -> Piece:
+    """Return a piece whose text, if it is a node's, has to bind as tightly as `strength`."""
+    return piece if isinstance(piece, str) else (piece[0], strength)
+
+
 def no_formula() -> ExpressionError:
     """Return the error for entries of kernels."""
     return ExpressionError(

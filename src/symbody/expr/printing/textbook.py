@@ -33,6 +33,8 @@ from symbody.expr.printing.layout import (
     Notation,
     NotationFor,
     Piece,
+    at_least,
+    joined,
     no_formula,
     number_text,
 )
@@ -54,6 +56,9 @@ class Style(ABC):
 
     brackets: ClassVar[Brackets] = ROUND
     times: ClassVar[str] = " "
+    plus: ClassVar[str] = " + "
+    minus: ClassVar[str] = " - "
+    negative: ClassVar[str] = "-"  # in front of a sum
     pi: ClassVar[str] = "pi"
     # LT and GT, LE and GE, EQ and NE, AND, OR, NOT
     relations: ClassVar[Sequence[str]] = ("<", ">", "<=", ">=", "==", "!=", "and", "or", "not ")
@@ -69,6 +74,31 @@ class Style(ABC):
     @abstractmethod
     def ratio(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
         """Return the quotient of two products, times a ratio of whole numbers."""
+
+    def with_number(
+        self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]
+    ) -> tuple[list[Factor], list[Factor]]:
+        """Return the factors above and below the line with the ratio's numbers in front."""
+        top: list[Factor] = [[self.number(ratio.numerator)]] if ratio.numerator != 1 else []
+        bottom: list[Factor] = [[self.number(ratio.denominator)]] if ratio.denominator != 1 else []
+        return [*top, *above], [*bottom, *below]
+
+    def slashed(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
+        """Return a quotient of two products on one line."""
+        top, bottom = self.with_number(ratio, above, below)
+        pieces = joined(self.times, top or [[self.number(1)]])
+        if len(bottom) == 1:
+            pieces += ["/", *bottom[0]]
+        elif bottom:
+            opening, closing = self.brackets
+            pieces += ["/", opening, *joined(self.times, bottom), closing]
+        return Layout(pieces, PRODUCT)
+
+    def line(self, factors: Sequence[Factor]) -> list[Piece]:
+        """Return a product that stands alone, above or below the line of a fraction or without one."""
+        if len(factors) == 1 and len(factors[0]) == 1:
+            return [at_least(factors[0][0], CHOICE)]
+        return joined(self.times, factors)
 
     @abstractmethod
     def power(self, base: Piece, exponent: Piece) -> Layout:
@@ -204,8 +234,10 @@ class _Page:
             part = self._product(term, -weight if minus else weight, is_open=is_open)
             if len(order) == 1 and not minus:
                 return part
-            pieces += [(" - " if minus else " + ") if pieces else "-" if minus else "", *part.pieces]
-        return Layout(pieces or ["0"], SUM if pieces else ATOM)
+            style = self.style
+            between, first_sign = (style.minus, style.negative) if minus else (style.plus, "")
+            pieces += [between if pieces else first_sign, *part.pieces]
+        return Layout(pieces or [self.style.number(0)], SUM if pieces else ATOM)
 
     def _term_key(self, term: int) -> tuple[object, ...]:
         key = self.keys[term]
@@ -256,7 +288,7 @@ class _Page:
             return Layout([(factor, strength)], strength)
         if code in op.UNARY_FUNCTIONS and factor not in self.named:
             return self._function(factor, exponent)
-        return self.style.power((factor, ATOM), str(exponent))
+        return self.style.power((factor, ATOM), self.style.number(exponent))
 
     def _function(self, node: int, exponent: int) -> Layout:
         graph = self.graph
@@ -266,7 +298,7 @@ class _Page:
             return self._choice(node)
         if code == op.FMA:
             x, y, z = operands
-            return Layout([(x, POWER), self.style.times, (y, POWER), " + ", (z, PRODUCT)], SUM)
+            return Layout([(x, POWER), self.style.times, (y, POWER), self.style.plus, (z, PRODUCT)], SUM)
         if code == op.PICK:
             raise no_formula()
         name = graph.functions[graph.right[node]].name if code == op.CALL else op.NAMES[code]

@@ -53,15 +53,19 @@ def check_body(check: Checker, body: Body, label: str) -> None:
 def check_frames(check: Checker, frames: Table[Frame], where: str) -> None:
     """Check the rotations of frames."""
     for name, frame in frames.items():
-        place = f"{where}.{name}"
-        check.values(frame.at, f"{place}.at")
-        for k, (axis, angle) in enumerate(frame.rotate):
-            if not isinstance(axis, str):
-                check_axis(check, axis, f"{place}.rotate[{k}][0]")
-            check_angle(check, angle, f"{place}.rotate[{k}][1]")
-        if frame.matrix is not None:
-            rows = [check.values(row, f"{place}.matrix[{k}]") for k, row in enumerate(frame.matrix)]
-            _check_matrix(check, [row for row in rows if row is not None], f"{place}.matrix")
+        check_frame(check, frame, f"{where}.{name}")
+
+
+def check_frame(check: Checker, frame: Frame, place: str) -> None:
+    """Check origin and rotation of a frame."""
+    check.values(frame.at, f"{place}.at")
+    for k, (axis, angle) in enumerate(frame.rotate):
+        if not isinstance(axis, str):
+            check_axis(check, axis, f"{place}.rotate[{k}][0]")
+        check_angle(check, angle, f"{place}.rotate[{k}][1]")
+    if frame.matrix is not None:
+        rows = [check.values(row, f"{place}.matrix[{k}]") for k, row in enumerate(frame.matrix)]
+        _check_matrix(check, [row for row in rows if row is not None], f"{place}.matrix")
 
 
 def check_joint(check: Checker, joint: Joint, label: str) -> None:

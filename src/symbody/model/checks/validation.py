@@ -12,6 +12,7 @@ from symbody.model.checker import Checker
 from symbody.model.checks.conditions import check_constraint
 from symbody.model.checks.initial import check_initial, initial_problems
 from symbody.model.checks.physics import check_body, check_frames, check_joint, check_spring
+from symbody.model.checks.shapes import check_shapes
 from symbody.model.checks.structure import (
     contact_problems,
     coupling_problems,
@@ -36,6 +37,7 @@ from symbody.model.joint import Joint
 from symbody.model.loads.springs import Spring
 from symbody.model.lookup import element_labels, places_of, with_places
 from symbody.model.parameters import cycle_problems, known_values
+from symbody.model.shapes.shape import BodyShape
 from symbody.model.table import Table
 from symbody.model.uses import Scope, Triple, Use, triple_uses
 
@@ -50,6 +52,7 @@ class Draft:
     inputs: tuple[str, ...]
     initial: Table[Formula]
     ground: Table[Frame]
+    ground_shapes: tuple[BodyShape, ...]
 
     @property
     def bodies(self) -> tuple[Body, ...]:
@@ -106,6 +109,8 @@ def _name_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
     problems += scope_problems("model", _model_uses(draft), symbols)
     for label, element in zip(labels, draft.elements, strict=True):
         problems += scope_problems(label, element.uses(), symbols)
+        if isinstance(element, Body):
+            problems += scope_problems(label, element.shape_uses(), symbols)
     problems += initial_problems(draft.initial, symbols, draft.joints)
     return problems + _degree_problems(draft, labels)
 
@@ -134,6 +139,8 @@ def _model_uses(draft: Draft) -> Iterator[Use]:
         yield Use(f"initial.{name}", formula, Scope.CONSTANT)
     for name, frame in draft.ground.items():
         yield from frame.uses(f"ground.frames.{name}")
+    for k, shape in enumerate(draft.ground_shapes):
+        yield from shape.uses(f"ground.shape[{k}]")
 
 
 def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
@@ -170,10 +177,12 @@ def _numbers(draft: Draft, labels: Iterable[str]) -> Checker:
     check.problems += problems
     check.values(draft.gravity, "model, gravity")
     check_frames(check, draft.ground, "model, ground.frames")
+    check_shapes(check, draft.ground_shapes, "model, ground.shape")
     check_initial(check, draft.initial, (*draft.joints, *draft.free_joints))
     for label, element in zip(labels, draft.elements, strict=True):
         if isinstance(element, Body):
             check_body(check, element, label)
+            check_shapes(check, element.shapes, f"{label}, shape")
         elif isinstance(element, Joint):
             check_joint(check, element, label)
         elif isinstance(element, Condition):

@@ -24,11 +24,13 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, UsageError, nearest
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
+from symbody.simulation.inputs.tables import Table
 from symbody.simulation.inverse.influence import influence
 from symbody.simulation.inverse.motion_laws import Motion, motion_laws
 from symbody.simulation.inverse.path import Path, Samples
 from symbody.simulation.inverse.unknowns import Unknowns
 from symbody.simulation.native.run import Statistics
+from symbody.simulation.results.provenance import provenance_of
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
 from symbody.simulation.task import Evaluator, Task
@@ -104,6 +106,7 @@ def _trajectory(
     evaluate = Evaluator(Task(eqs, solver.path.parameters, laws, scales), None)
     power = evaluate("power", samples.t, samples.q, samples.u)
     count = samples.t.size
+    tables = {name: Table(samples.t, row) for name, row in zip(solver.names, r, strict=True) if count > 1}
     return Trajectory(
         t=samples.t,
         q=samples.q,
@@ -117,6 +120,7 @@ def _trajectory(
         units=eqs.units,
         notes=notes,
         name=eqs.model.name,
+        provenance=provenance_of(eqs, solver.path.parameters, known, tables),
     )
 
 

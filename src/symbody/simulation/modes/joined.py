@@ -13,7 +13,8 @@ from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
-from symbody.simulation.results.trajectory import Evaluate, Trajectory
+from symbody.simulation.results.evaluate import Evaluate, EvaluateTogether
+from symbody.simulation.results.trajectory import Trajectory
 
 Floats = NDArray[np.float64]
 
@@ -44,21 +45,30 @@ class Piecewise:
         UsageError
             If the parts do not have the same number of values, as multipliers.
         """
+        return self.together((name,), t, q, u)[0]
+
+    def together(self, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
+        """Return outputs with time last, by one function a part; see `__call__`."""
         place = np.maximum(np.searchsorted(self.starts, t, side="right") - 1, 0)
         before = np.flatnonzero((t[:-1] == t[1:]) & np.isin(t[:-1], self.starts[1:]))
         place[before] = np.maximum(np.searchsorted(self.starts, t[before], side="left") - 1, 0)
-        values: Floats | None = None
+        whole: dict[str, Floats] = {}
         for k in np.unique(place):
             inside = place == k
-            found = self.parts[k](name, t[inside], q[:, inside], u[:, inside])
-            if name == "work":
-                found = found + self.work[k]
-            if values is None:
-                values = np.empty((*found.shape[:-1], t.size))
-            if values.shape[:-1] != found.shape[:-1]:
-                raise _changing(name)
-            values[..., inside] = found
-        return np.empty((0,)) if values is None else values
+            computed = _outputs(self.parts[k], names, t[inside], q[:, inside], u[:, inside])
+            for name, values in zip(names, computed, strict=True):
+                shape = values.shape[:-1]
+                array = whole.setdefault(name, np.empty((*shape, t.size)))
+                if array.shape[:-1] != shape:
+                    raise _changing(name)
+                array[..., inside] = values + self.work[k] if name == "work" else values
+        return [whole.get(name, np.empty((0,))) for name in names]
+
+
+def _outputs(part: Evaluate, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
+    if isinstance(part, EvaluateTogether):
+        return part.together(names, t, q, u)
+    return [part(name, t, q, u) for name in names]
 
 
 def joined(

@@ -6,25 +6,24 @@ import csv
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from itertools import product
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.arguments import checked_arguments
-from symbody.equations.showing.units import Units
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
+from symbody.model.model import Model
+from symbody.notebook import Displayed
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
-from symbody.simulation.results.archive import (
-    Path,
-    check_motion,
-    not_ours,
-    read_archive,
-    unwritable,
-    write_archive,
-)
+from symbody.simulation.results.archive import Path, not_ours, unwritable, write_archive
+from symbody.simulation.results.evaluate import Evaluate, EvaluateTogether
+from symbody.simulation.results.model_record import record_of
+from symbody.simulation.results.provenance import Provenance
+from symbody.simulation.results.reading import motion_fields
+from symbody.simulation.results.recomputation import Recomputation, provenance_for
 from symbody.simulation.status import Status
 
 if TYPE_CHECKING:
@@ -33,16 +32,8 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
-class Evaluate(Protocol):
-    """Computes an output that is not stored."""
-
-    def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
-        """Return the output with time last, from t (N,), q (n_q, N) and u (n_u, N)."""
-        ...
-
-
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Trajectory:
+class Trajectory(Displayed):
     """The samples of a motion; time is the last axis of every array.
 
     Attributes
@@ -71,6 +62,8 @@ class Trajectory:
         Of the model.
     events : tuple of Occurrence
         (name, t, state) of what happened, in order.
+    provenance : Provenance, optional
+        What it was computed from; see `model` and `parameters`.
     """
 
     t: Floats
@@ -87,6 +80,7 @@ class Trajectory:
     notes: tuple[str, ...] = ()
     name: str = ""
     events: tuple[Occurrence, ...] = ()
+    provenance: Provenance | None = None
 
     def __post_init__(self) -> None:
         rows = (("q", self.q, self.coordinate_names), ("u", self.u, self.speed_names))
@@ -102,6 +96,16 @@ class Trajectory:
     def success(self) -> bool:
         """Whether the motion was computed as far as was asked."""
         return self.status.success
+
+    @property
+    def model(self) -> Model | None:
+        """The mechanism that moves; None where nobody described it, or a file of an older version did not."""
+        return None if self.provenance is None else self.provenance.model
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The value that every parameter of the model had; empty without a model."""
+        return {} if self.provenance is None else self.provenance.parameters
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -124,6 +128,24 @@ class Trajectory:
             raise self._unknown(name)
         values = self.evaluate(name, np.atleast_1d(self.t), self._with_time(self.q), self._with_time(self.u))
         return values if self.t.ndim else values[..., 0]
+
+    @checked_arguments
+    def outputs(self, *names: str) -> dict[str, Floats]:
+        """Return the samples of several outputs, as by ``run[name]``, computed by one compiled function.
+
+        Raises
+        ------
+        UsageError
+            An unknown name.
+        """
+        values = {name: self._known(name) for name in names}
+        missing = [name for name, array in values.items() if array is None]
+        if len(missing) < 2 or not isinstance(self.evaluate, EvaluateTogether):
+            return {name: self[name] for name in names}
+        t, q, u = np.atleast_1d(self.t), self._with_time(self.q), self._with_time(self.u)
+        made = dict(zip(missing, self.evaluate.together(missing, t, q, u), strict=True))
+        shaped = {name: array if self.t.ndim else array[..., 0] for name, array in made.items()}
+        return {name: shaped[name] if array is None else array for name, array in values.items()}
 
     def _known(self, name: str) -> Floats | None:
         """Return what is stored under a name."""
@@ -257,13 +279,13 @@ class Trajectory:
 
     @checked_arguments
     def save(self, path: Path, *names: str) -> None:
-        """Write the trajectory to a file that `load` reads; outputs that are not states only if named."""
+        """Write the trajectory and its model to a file for `load`; outputs beside the states if named."""
         stored = {**self.stored, **{name: self[name] for name in names if name not in self.names}}
         arrays = {"t": self.t, "q": self.q, "u": self.u}
         arrays |= {f"stored_{k}": values for k, values in enumerate(stored.values())}
         if self.dense_output is not None:
             arrays |= {"breaks": self.dense_output.breaks, "pieces": self.dense_output.pieces}
-        about = {
+        about: dict[str, Any] = {
             "coordinate_names": self.coordinate_names,
             "speed_names": self.speed_names,
             "status": self.status.name,
@@ -274,41 +296,66 @@ class Trajectory:
             "name": self.name,
             "events": [[name, t, dict(state)] for name, t, state in self.events],
         }
+        if self.provenance is not None:
+            about["model"], tables = record_of(self.provenance)
+            arrays |= tables
         write_archive(path, arrays, about)
 
     @classmethod
     @checked_arguments
-    def load(cls, path: Path) -> Trajectory:
-        """Read a trajectory that `save` wrote; outputs that were not stored are unknown to it.
+    def load(cls, path: Path, model: Model | None = None) -> Trajectory:
+        """Read a trajectory that `save` wrote.
+
+        Outputs that were not stored are computed by equations formed again from the model, when they are
+        first read. Those that depend on an input whose law was a Python function are unknown, and so are
+        forces where joints stuck or ropes were slack.
+
+        Parameters
+        ----------
+        model : Model, optional
+            In place of the one in the file; files of older versions have none.
 
         Raises
         ------
         EnvironmentFault
             If the file cannot be opened.
-        FormatError
-            If it is no trajectory.
+        FormatError, ModelError
+            If it is no trajectory, or its model is none.
+        UsageError
+            If the motion is not one of `model`.
         """
-        arrays, about = read_archive(path)
+        fields = motion_fields(path)
         try:
-            check_motion(arrays, about)
-            dense_output = DenseOutput(arrays["breaks"], arrays["pieces"]) if "breaks" in arrays else None
-            return cls(
-                arrays["t"],
-                arrays["q"],
-                arrays["u"],
-                tuple(about["coordinate_names"]),
-                tuple(about["speed_names"]),
-                Status[about["status"]],
-                Statistics(**about["statistics"]),
-                dense_output=dense_output,
-                stored={name: arrays[f"stored_{k}"] for k, name in enumerate(about["stored"])},
-                units=Units(about["units"]),
-                notes=tuple(about["notes"]),
-                name=about["name"],
-                events=tuple(Occurrence(*event) for event in about.get("events", ())),
-            )
-        except (KeyError, TypeError, ValueError) as error:
+            run = cls(**fields)
+        except ValueError as error:
             raise not_ours(path) from error
+        return run if model is None and run.provenance is None else run.of_model(model)
+
+    @checked_arguments
+    def of_model(self, model: Model | None = None) -> Trajectory:
+        """Return the same motion with outputs computed by equations that are formed again.
+
+        Parameters
+        ----------
+        model : Model, optional
+            The mechanism that moved; by default the one it has.
+
+        Raises
+        ------
+        UsageError
+            If the motion is not one of this model, or has none.
+        """
+        source = self.provenance
+        if source is None:
+            if model is None:
+                raise _no_model()
+            source = provenance_for(model, self.coordinate_names, self.speed_names)
+        elif model is not None:
+            source = replace(source, model=model)
+        start = self.q[:, 0].tolist() if self.q.ndim == 2 and self.t.size else [0.0] * len(self.q)
+        near = dict(zip(self.coordinate_names, start, strict=True))
+        evaluate = Recomputation(source, self.coordinate_names, self.speed_names, near)
+        return replace(self, evaluate=evaluate, provenance=source)
 
     def __repr__(self) -> str:
         span = f"t = {self.t.flat[0]:g} to {self.t.flat[-1]:g} s" if self.t.size else "none stored"
@@ -316,6 +363,14 @@ class Trajectory:
         counts = (self.t.size, "sample"), (len(self.q), "coordinate"), (len(self.u), "speed")
         samples, coordinates, speeds = (f"{n} {word}" if n == 1 else f"{n} {word}s" for n, word in counts)
         return f"<Trajectory {name}{samples} ({span}), {coordinates}, {speeds}, {self.status.name}>"
+
+
+def _no_model() -> UsageError:
+    return UsageError(
+        Problem("trajectory.no_model", "run", "the motion does not say which mechanism moves",
+                "its file was written by an older version, or its equations were placed by hand",
+                "give model=, the model that it was computed from")
+    )  # fmt: skip
 
 
 def _at(what: str, fix: str) -> UsageError:

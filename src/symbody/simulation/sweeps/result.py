@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
+from symbody.notebook import Displayed
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
-from symbody.simulation.sweeps.evaluation import Evaluation
+from symbody.simulation.sweeps.evaluation import CaseEvaluator, Evaluation
 
 if TYPE_CHECKING:
     import xarray
@@ -26,7 +27,7 @@ _ACCEPTED, _REJECTED, _EVALUATIONS, _SAMPLES = range(4)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Sweep:
+class Sweep(Displayed):
     """All motions of a sweep: arrays have the cases first and time last.
 
     Attributes
@@ -131,10 +132,11 @@ class Sweep:
             self.speed_names,
             self.status[case],
             Statistics(accepted, rejected, evaluations, 0.0),
-            lambda name, t, q, u: self.evaluation.of_case(case, name, t, q, u),
+            CaseEvaluator(self.evaluation, case),
             units=self.units,
             notes=(f"case {case}: {values}", *((note,) if note else ()), *self.notes),
             name=self.name,
+            provenance=self.evaluation.provenance(case),
         )
 
     @checked_arguments

@@ -171,6 +171,8 @@ class Scene:
         Ground first.
     connectors, joints, meshes
         What else there is; solids refer to meshes by their place.
+    notes : tuple of str
+        What was assumed, and what could not be drawn as the model says.
     """
 
     name: str
@@ -182,6 +184,7 @@ class Scene:
     connectors: tuple[Connector, ...] = ()
     joints: tuple[SceneJoint, ...] = ()
     meshes: tuple[SceneMesh, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

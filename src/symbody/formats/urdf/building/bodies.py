@@ -13,6 +13,7 @@ from symbody.model.body import Body
 from symbody.model.door import Value
 from symbody.model.frame import Frame
 from symbody.model.inertia import is_possible_inertia
+from symbody.model.shapes import BodyShape
 
 ENTRIES = ("Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
 
@@ -45,10 +46,16 @@ class BodyPlan:
         at = [_difference(x, c) for x, c in zip(place.at, self.centre, strict=True)]
         return Frame(at=at, rotate=rotation(place))
 
-    def body(self, frames: Mapping[str, Frame]) -> Body:
+    def body(self, frames: Mapping[str, Frame], shapes: Sequence[BodyShape]) -> Body:
         """Return the body."""
         return Body(
-            self.name, self.mass, self.inertia[:3], self.inertia[3:], frames, unphysical=self.unphysical
+            self.name,
+            self.mass,
+            self.inertia[:3],
+            self.inertia[3:],
+            frames,
+            unphysical=self.unphysical,
+            shapes=shapes,
         )
 
 

@@ -11,12 +11,14 @@ from symbody.formats.urdf.building.following import coupling, law_of
 from symbody.formats.urdf.building.lumping import Lump, lumps_of
 from symbody.formats.urdf.building.movable import Moving, coordinates_of, floating, normal_turn, speeds_of
 from symbody.formats.urdf.building.naming import Naming
+from symbody.formats.urdf.building.visuals import visual_shape
 from symbody.formats.urdf.building.weights import weight_notes
 from symbody.formats.urdf.file.placement import Placement
-from symbody.formats.urdf.file.robot import Robot, UrdfJoint
+from symbody.formats.urdf.file.robot import Link, Robot, UrdfJoint
 from symbody.model.element import Address, Element
 from symbody.model.frame import Frame
 from symbody.model.joint import Joint
+from symbody.model.shapes import BodyShape
 
 BASE = "base"
 
@@ -37,6 +39,7 @@ class Parts:
 
     elements: tuple[Element, ...]
     ground: Mapping[str, Frame]
+    ground_shapes: Sequence[BodyShape]
     parameters: Mapping[str, str]
     inputs: tuple[str, ...]
     notes: tuple[str, ...]
@@ -67,6 +70,7 @@ def parts_of(robot: Robot, floating_base: bool, symbolic: Collection[str]) -> Pa
     return Parts(
         tuple(elements),
         draft.frames.get("", {}),
+        draft.shapes.get("", ()),
         {name: value for _, plan in draft.plans for name, value in plan.values.items()},
         tuple(name for joint in joints for name in draft.inputs(joint)),
         notes,
@@ -87,6 +91,7 @@ class _Draft:
     homes: dict[str, tuple[BodyPlan | None, Placement]] = field(default_factory=dict)
     links: dict[str, Address] = field(default_factory=dict)
     frames: dict[str, dict[str, Frame]] = field(default_factory=dict)
+    shapes: dict[str, list[BodyShape]] = field(default_factory=dict)
     names: dict[str, str] = field(default_factory=dict)
     symbols: dict[str, str] = field(default_factory=dict)
     moving: list[Moving] = field(default_factory=list)
@@ -107,6 +112,7 @@ class _Draft:
             for link, place in lump.places.items():
                 self.homes[link] = (plan, place)
                 self.links[link] = self._stand(plan, names[link], place)
+                self._show(plan, self.robot.links[link], place)
 
     def name_joints(self, joints: Iterable[UrdfJoint]) -> None:
         """Give every joint its names and frames."""
@@ -125,7 +131,7 @@ class _Draft:
 
     def bodies(self) -> list[Element]:
         """Return the bodies with their frames."""
-        return [plan.body(self.frames[plan.name]) for _, plan in self.plans]
+        return [plan.body(self.frames[plan.name], self.shapes.get(plan.name, ())) for _, plan in self.plans]
 
     def joints(self) -> list[Joint]:
         """Return the joints of the model."""
@@ -167,6 +173,21 @@ class _Draft:
         frame = ground_frame(place) if plan is None else plan.frame(place)
         self.frames.setdefault("" if plan is None else plan.name, {})[name] = frame
         return Address("ground" if plan is None else plan.name, name)
+
+    def _show(self, plan: BodyPlan | None, link: Link, place: Placement) -> None:
+        """Put the visuals of a link on its body, or on the ground."""
+        shapes = self.shapes.setdefault("" if plan is None else plan.name, [])
+        for visual in link.visuals:
+            inside = place.then(visual.origin)
+            shape = visual_shape(
+                self.robot, visual, ground_frame(inside) if plan is None else plan.frame(inside)
+            )
+            if shape is None:
+                self.notes.append(
+                    f"line {link.line}: link {link.name}: a visual of impossible size is left out"
+                )
+            else:
+                shapes.append(shape)
 
     def _symbols(self, name: str) -> list[str]:
         return [self.naming.symbol(symbol, "parameter") for symbol in symbol_names(name)]

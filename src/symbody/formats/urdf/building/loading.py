@@ -37,7 +37,7 @@ def load_urdf(
     Links held together by fixed joints are one body, named after the first, with a frame for each link.
     Coordinates are named after the joints; each joint that moves, but for those that follow others and those
     that float, has the input ``tau_<joint>``, its effort. What was assumed, made exact or ignored is in
-    `Model.notes`.
+    `Model.notes`. Visuals are shapes of the bodies; collision shapes are left out.
 
     Parameters
     ----------
@@ -111,6 +111,7 @@ def _assembled(
             initial=extra.initial,
             ground={**parts.ground, **extra.ground},
             notes=parts.notes,
+            ground_shapes=parts.ground_shapes,
         )
     except ModelError as error:
         raise ModelError(*_placed(error.problems, robot, parts, elements, extra)) from None

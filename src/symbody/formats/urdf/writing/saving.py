@@ -12,11 +12,13 @@ from symbody.errors import FormatError
 from symbody.formats.urdf.writing.hanging import Hung, hung_joints, refuse_rest
 from symbody.formats.urdf.writing.poses import Pose, pose_of
 from symbody.formats.urdf.writing.values import Values
+from symbody.formats.urdf.writing.visuals import visual_lines
 from symbody.formats.writing import write_text
 from symbody.model.body import Body
 from symbody.model.door import Value
 from symbody.model.element import Address
 from symbody.model.model import Model
+from symbody.model.shapes import BodyShape
 
 _GROUND = "world"
 
@@ -30,7 +32,8 @@ def save_urdf(
     """Write a model to a URDF file.
 
     The ground becomes the link ``world``; each frame of a body becomes a link fixed on it. URDF names
-    coordinates after joints and has no word for gravity, which its readers choose.
+    coordinates after joints and has no word for gravity, which its readers choose. Shapes become visuals,
+    cones excepted, which URDF does not have.
 
     Parameters
     ----------
@@ -44,11 +47,14 @@ def save_urdf(
     ModelError
         If parameters have no value.
     """
-    write_text(path, model_to_urdf(model, parameters))
+    folder = os.path.dirname(os.path.abspath(os.fsdecode(path)))
+    write_text(path, model_to_urdf(model, parameters, folder))
 
 
-def model_to_urdf(model: Model, parameters: Mapping[str, Value] = MappingProxyType({})) -> str:
-    """Return the URDF text of a model.
+def model_to_urdf(
+    model: Model, parameters: Mapping[str, Value] = MappingProxyType({}), folder: str = ""
+) -> str:
+    """Return the URDF text of a model; paths of meshes lead from `folder`.
 
     Raises
     ------
@@ -63,7 +69,7 @@ def model_to_urdf(model: Model, parameters: Mapping[str, Value] = MappingProxyTy
     homes = {joint.body: joint.end for joint in joints}
     links = _Links(model, values, homes)
     lines = ['<?xml version="1.0"?>', f"<robot name={quoteattr(model.name)}>"]
-    lines += links.written()
+    lines += links.written(folder)
     for joint in joints:
         lines += _joint_lines(links, joint)
     return "\n".join([*lines, "</robot>", ""])
@@ -87,11 +93,15 @@ class _Links:
         home = self._own(self._homes[address.body]) if address.body in self._homes else Pose()
         return home.inverse().then(self._own(address))
 
-    def written(self) -> Iterator[str]:
+    def written(self, folder: str) -> Iterator[str]:
         """Return the lines of all links, and of the joints that fix frames on them."""
-        yield f"  <link name={quoteattr(self.names['ground'])}/>"
+        world = f"  <link name={quoteattr(self.names['ground'])}"
+        shown = [
+            line for shape in self._model.ground_shapes for line in self._visual("ground", shape, folder)
+        ]
+        yield from [f"{world}>", *shown, "  </link>"] if shown else [f"{world}/>"]
         for body in self._model.bodies:
-            yield from self._body_lines(body)
+            yield from self._body_lines(body, folder)
         taken = {*self.names.values()}
         frames = [("ground", name) for name in self._model.ground]
         frames += [(body.name, name) for body in self._model.bodies for name in body.frames]
@@ -116,7 +126,10 @@ class _Links:
         frames = self._model.ground if ground else self._model.body(address.body).frames
         return pose_of(frames[address.point], self._values)
 
-    def _body_lines(self, body: Body) -> Iterator[str]:
+    def _visual(self, body: str, shape: BodyShape, folder: str) -> Iterator[str]:
+        return visual_lines(shape, self.place(Address(body)), self._values, folder)
+
+    def _body_lines(self, body: Body, folder: str) -> Iterator[str]:
         centre = self.place(Address(body.name))
         mass = self._values.text(body.mass)
         xx, yy, zz = map(self._values.text, body.inertia)
@@ -127,6 +140,8 @@ class _Links:
         yield f'      <mass value="{mass}"/>'
         yield f'      <inertia ixx="{xx}" ixy="{xy}" ixz="{xz}" iyy="{yy}" iyz="{yz}" izz="{zz}"/>'
         yield "    </inertial>"
+        for shape in body.shapes:
+            yield from self._visual(body.name, shape, folder)
         yield "  </link>"
 
 

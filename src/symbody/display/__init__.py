@@ -1,0 +1,1 @@
+"""How values of the package show themselves in notebooks."""

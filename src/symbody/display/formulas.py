@@ -1,0 +1,40 @@
+"""Formulas of a model file as MathML."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from symbody.display.html import Markup
+from symbody.errors import ExpressionError
+from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.language.formula import Formula, build
+from symbody.expr.printing.mathml import to_mathml
+from symbody.expr.printing.mathml_tables import math_element
+
+
+def formula_shown(formula: Formula | None, states: Collection[str] = ()) -> str:
+    """Return a formula as MathML, a plain number as it is typed, or a dash where there is none.
+
+    Parameters
+    ----------
+    states : collection of str
+        Coordinates and speeds, which stand behind parameters in a product.
+    """
+    if formula is None:
+        return "\u2013"
+    if formula.is_number:
+        return formula.text
+    graph = Graph()
+
+    def look_up(name: str, column: int) -> int:
+        if name == "pi":
+            return graph.pi()
+        for ending, order in (("_ddot", 2), ("_dot", 1)):
+            if name.endswith(ending):
+                return graph.symbol(Symbol(name.removesuffix(ending), Kind.COORDINATE, order))
+        return graph.symbol(Symbol(name, Kind.COORDINATE if name in states else Kind.PARAMETER))
+
+    try:
+        return Markup(math_element(to_mathml(graph, build(formula, graph, look_up))))
+    except ExpressionError:  # a division by zero, or longer than anybody reads
+        return formula.text

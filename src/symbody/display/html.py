@@ -1,0 +1,88 @@
+"""Small pieces of HTML: headings, tables, notes; text is escaped unless its type says that it is HTML."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from html import escape
+from typing import Final
+
+from symbody.expr.printing.mathml import mathml_name
+from symbody.expr.printing.mathml_tables import math_element
+
+MOST_ROWS: Final = 12  # of a table
+_ALIGNED: Final = "text-align:left;padding:0 1em 0 0"
+_SUPERSCRIPTS: Final = str.maketrans(
+    "0123456789", "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"
+)
+
+
+class Markup(str):
+    """Text that is HTML."""
+
+    __slots__ = ()
+
+
+def page(title: str, *parts: Markup) -> str:
+    """Return a heading and what stands under it."""
+    return f'<div class="symbody"><b>{escape(title)}</b>{"".join(parts)}</div>'
+
+
+def paragraph(text: str) -> Markup:
+    """Return text as a paragraph."""
+    return Markup(f"<div>{_cell(text)}</div>")
+
+
+def table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> Markup:
+    """Return a table; rows beyond `MOST_ROWS` are counted only, a table without rows is nothing."""
+    shown = list(rows)
+    if not shown:
+        return Markup()
+    top = "".join(f'<th style="{_ALIGNED}">{_cell(word)}</th>' for word in heading)
+    body = "".join(_line(row) for row in shown[:MOST_ROWS])
+    if len(shown) > MOST_ROWS:
+        more = f"\u2026 and {len(shown) - MOST_ROWS} more"
+        body += f'<tr><td colspan="{len(heading)}" style="{_ALIGNED}">{more}</td></tr>'
+    return Markup(f"<table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>")
+
+
+def notes(texts: Sequence[str]) -> Markup:
+    """Return notes as a list."""
+    items = "".join(f"<li>{escape(text)}</li>" for text in texts[:MOST_ROWS])
+    return Markup(f"<ul>{items}</ul>" if items else "")
+
+
+def symbol(name: str) -> Markup:
+    """Return a name of the model as a formula: dots for ``_dot``, indices, Greek letters."""
+    for ending, order in (("_ddot", 2), ("_dot", 1)):
+        if name.endswith(ending) and name != ending:
+            return Markup(math_element(mathml_name(name.removesuffix(ending), order)))
+    return Markup(math_element(mathml_name(name)))
+
+
+def number(value: float) -> str:
+    """Return a number to six digits."""
+    return f"{value:.6g}" if math.isfinite(value) else "\u2013"
+
+
+def complex_number(value: complex) -> str:
+    """Return a complex number to five digits."""
+    if value.imag == 0.0:
+        return f"{value.real:.5g}".replace("-", "\u2212")
+    sign = "+" if value.imag > 0.0 else "\u2212"
+    return f"{value.real:.5g} {sign} {abs(value.imag):.5g} i".replace("-", "\u2212")
+
+
+def unit_shown(unit: str) -> str:
+    """Return a unit with raised powers."""
+    first, *others = unit.split("^")
+    return first + "".join(part[:1].translate(_SUPERSCRIPTS) + part[1:] for part in others)
+
+
+def _line(row: Sequence[str]) -> str:
+    cells = "".join(f'<td style="{_ALIGNED}">{_cell(cell)}</td>' for cell in row)
+    return f"<tr>{cells}</tr>"
+
+
+def _cell(text: str) -> str:
+    return text if isinstance(text, Markup) else escape(text)

@@ -1,0 +1,190 @@
+"""What each type shows in a notebook; the table at the end is what `symbody.notebook` looks up."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.equilibrium.find_equilibrium import Equilibrium
+from symbody.analysis.linear.linearization import Linearization
+from symbody.analysis.linear.modes import Mode
+from symbody.analysis.state import State
+from symbody.display.formulas import formula_shown
+from symbody.display.html import (
+    Markup,
+    complex_number,
+    notes,
+    number,
+    page,
+    paragraph,
+    symbol,
+    table,
+    unit_shown,
+)
+from symbody.equations.equation_set import EquationSet
+from symbody.equations.showing.display import mathml_sides
+from symbody.equations.showing.parameter_units import symbol_units
+from symbody.errors import SymbodyError
+from symbody.expr.printing.mathml_tables import math_element, mathml_equations, mathml_matrix
+from symbody.expr.rewrite import tree_sizes
+from symbody.model.body import Body
+from symbody.model.joint import Joint
+from symbody.model.model import Model
+from symbody.notebook import VIEWS
+from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.sweeps.result import Sweep
+
+_MOST_SPEEDS: Final = 4  # of equations that are written out
+_MOST_OPERATIONS: Final = 400  # of all sides together
+_MOST_STATES: Final = 6  # of a matrix that is written out
+
+
+def _model(model: Model) -> str:
+    joints = [
+        (joint.name, type(joint).__name__, f"{joint.start} \u2192 {joint.end}", _symbols(joint.coordinates))
+        for joint in model.joints
+    ]
+    others = [
+        (element.name, type(element).__name__)
+        for element in model.elements
+        if not isinstance(element, Body | Joint)
+    ]
+    units = symbol_units(model)
+    parameters = [
+        (symbol(name), formula_shown(value), unit_shown(units.get(name, "")))
+        for name, value in model.parameters.items()
+    ]
+    return page(
+        repr(model),
+        table(("body", "mass"), ((body.name, formula_shown(body.mass)) for body in model.bodies)),
+        table(("joint", "kind", "from \u2192 to", "coordinates"), joints),
+        table(("element", "kind"), others),
+        table(("parameter", "value", "unit"), parameters),
+        notes(model.notes),
+    )
+
+
+def _symbols(names: tuple[str, ...]) -> Markup:
+    return Markup(", ".join(symbol(name) for name in names))
+
+
+def _equations(eqs: EquationSet) -> str:
+    if len(eqs.speed_names) <= _MOST_SPEEDS:
+        sides = [*eqs.textbook.inertial.nodes, *eqs.textbook.driving.nodes]
+        if sum(tree_sizes(eqs.textbook.formed.graph, sides)) <= _MOST_OPERATIONS:
+            formulas = mathml_equations(mathml_sides(eqs))
+            return page(repr(eqs), Markup(math_element(formulas, block=True)), notes(eqs.notes))
+    rows = [("coordinates", _symbols(eqs.coordinate_names[:12])), ("speeds", _symbols(eqs.speed_names[:12]))]
+    hint = "too long to be shown: eqs.dynamic_equations() returns the formulas, sb.generate_code the code"
+    return page(repr(eqs), table(("", ""), rows), paragraph(hint), notes(eqs.notes))
+
+
+def _trajectory(run: Trajectory) -> str:
+    rows = [
+        (symbol(name), unit_shown(run.units.get(name, "")), *_course(np.atleast_1d(run[name])))
+        for name in (*run.coordinate_names, *run.speed_names)
+    ]
+    counts = Counter(event.name for event in run.events)
+    happened = ", ".join(f"{name} ({count} times)" if count > 1 else name for name, count in counts.items())
+    return page(
+        repr(run).strip("<>"),
+        table(("", "unit", "start", "end", "least", "greatest"), rows),
+        paragraph(f"events: {happened}") if happened else Markup(),
+        notes(run.notes),
+    )
+
+
+def _course(values: NDArray[np.float64]) -> tuple[str, ...]:
+    """Return the first, the last, the least and the greatest of the samples."""
+    if not values.size:
+        return ("\u2013",) * 4
+    return tuple(number(float(value)) for value in (values[0], values[-1], values.min(), values.max()))
+
+
+def _state(state: State) -> str:
+    title = f"{type(state).__name__} of {state.eqs.model.name!r} at t = {number(state.t)} s"
+    parts = [table(("", "value", "unit"), _valued(state))]
+    parts.append(paragraph(f"largest open constraint: {state.residual:.2g}"))
+    return page(title, *parts)
+
+
+def _valued(state: State) -> Iterator[tuple[str, str, str]]:
+    for values in (state.q, state.u):
+        for name, value in values.items():
+            yield symbol(name), number(value), unit_shown(state.eqs.units.get(name, ""))
+
+
+def _equilibrium(state: Equilibrium) -> str:
+    title = f"Equilibrium of {state.eqs.model.name!r}"
+    try:
+        title += f": {state.verdict}"
+    except SymbodyError:  # no linear equations here
+        title += ": its stability is not known"
+    return page(title, table(("", "value", "unit"), _valued(state)), notes(state.notes))
+
+
+def _linearization(linear: Linearization) -> str:
+    title = f"Linearization of {linear.at.eqs.model.name!r}: {linear.verdict}"
+    matrix = Markup()
+    if 0 < len(linear.state_names) <= _MOST_STATES:
+        rows = [[f"<mn>{_signed(value)}</mn>" for value in row] for row in linear.A]
+        matrix = Markup(math_element(f"<mi>A</mi><mo>=</mo>{mathml_matrix(rows)}", block=True))
+    states = paragraph(Markup(f"states {_symbols(linear.state_names)}"))
+    return page(title, _modes(linear.modes), states, matrix, notes(linear.notes))
+
+
+def _signed(value: float) -> str:
+    return f"{value:.5g}".replace("-", "\u2212")
+
+
+def _modes(modes: tuple[Mode, ...]) -> Markup:
+    heading = ("eigenvalue [1/s]", "frequency [rad/s]", "damping ratio", "time constant [s]", "largest in")
+    return table(heading, (_mode_row(mode) for mode in modes if mode.eigenvalue.imag >= 0.0))
+
+
+def _mode_row(mode: Mode) -> tuple[str, ...]:
+    pair = "\u00b1" if mode.eigenvalue.imag else ""
+    eigenvalue = complex_number(mode.eigenvalue).replace("+", pair)
+    leading = max(mode.shape, key=lambda name: abs(mode.shape[name]))
+    figures = (mode.frequency, mode.damping_ratio, mode.time_constant)
+    return (eigenvalue, *map(number, figures), symbol(leading))
+
+
+def _mode(mode: Mode) -> str:
+    shape: Mapping[str, complex] = mode.shape
+    rows = [
+        (symbol(name), complex_number(complex(value)), number(abs(value))) for name, value in shape.items()
+    ]
+    title = f"Mode of eigenvalue {complex_number(mode.eigenvalue)} 1/s"
+    return page(title, _modes((mode,)), table(("state", "shape", "size"), rows))
+
+
+def _sweep(sweep: Sweep) -> str:
+    rows = [
+        (symbol(name), unit_shown(sweep.units.get(name, "")), number(column.min()), number(column.max()))
+        for name, column in sweep.cases.items()
+        if len(sweep)
+    ]
+    verdicts = Counter(status.name for status in sweep.status)
+    counts = ", ".join(f"{count} {name}" for name, count in verdicts.items())
+    return page(
+        repr(sweep), table(("varied", "unit", "from", "to"), rows), paragraph(counts), notes(sweep.notes)
+    )
+
+
+VIEWS.update(
+    {
+        Model: _model,
+        EquationSet: _equations,
+        Trajectory: _trajectory,
+        State: _state,
+        Equilibrium: _equilibrium,
+        Linearization: _linearization,
+        Mode: _mode,
+        Sweep: _sweep,
+    }
+)

@@ -1,0 +1,86 @@
+"""What a motion was computed from, in its file: the model's text and what forms the same equations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.arguments import fits
+from symbody.codegen.compile import Value
+from symbody.expr.language.formula import Formula
+from symbody.formats.native import model_from_toml, model_to_toml
+from symbody.graph.trees import Trees
+from symbody.model.door import plain
+from symbody.simulation.inputs.tables import Table
+from symbody.simulation.results.provenance import Provenance
+
+Floats = NDArray[np.float64]
+Record = dict[str, Any]  # what JSON can say
+
+_KINDS: Final[Mapping[str, object]] = {
+    "text": str,
+    "parameters": dict[str, str],
+    "rotation_tree": list[str],
+    "translation_tree": list[str],
+    "dependent_speeds": list[str],
+    "inputs": dict[str, str],
+    "tables": dict[str, tuple[str, str]],
+    "switches": bool,
+}
+
+
+def record_of(provenance: Provenance) -> tuple[Record, dict[str, Floats]]:
+    """Return what is written of it, and the points of its tables as arrays (2, N)."""
+    record: Record = {
+        "text": model_to_toml(provenance.model),
+        "parameters": _texts(provenance.given),
+        "rotation_tree": provenance.trees.rotation,
+        "translation_tree": provenance.trees.translation,
+        "dependent_speeds": provenance.dependent_speeds,
+        "inputs": _texts(provenance.inputs),
+        "tables": {name: (table.kind, table.outside) for name, table in provenance.tables.items()},
+        "switches": provenance.switches,
+    }
+    points = [np.array([table.t, table.values], dtype=np.float64) for table in provenance.tables.values()]
+    return record, {f"table_{k}": array for k, array in enumerate(points)}
+
+
+def provenance_from(record: Record, arrays: Mapping[str, Floats], where: str) -> Provenance:
+    """Return what `record_of` wrote.
+
+    Raises
+    ------
+    FormatError, ModelError, ExpressionError
+        If the text is no model, or a formula is none, in file `where`.
+    UsageError
+        If points make no table.
+    KeyError, TypeError, ValueError
+        If something is missing, or of another kind.
+    """
+    given = {**record, "tables": {name: tuple(words) for name, words in record["tables"].items()}}
+    for name, kind in _KINDS.items():
+        if not fits(kind, given[name]):
+            raise ValueError(f"{name} is of another kind")
+    tables = {
+        name: Table(*arrays[f"table_{k}"], *words) for k, (name, words) in enumerate(given["tables"].items())
+    }
+    return Provenance(
+        model_from_toml(given["text"], f"{where}, model"),
+        _formulas(given["parameters"], where),
+        Trees(given["rotation_tree"], given["translation_tree"]),
+        tuple(given["dependent_speeds"]),
+        _formulas(given["inputs"], where),
+        tables,
+        given["switches"],
+    )
+
+
+def _texts(values: Mapping[str, Value]) -> dict[str, str]:
+    return {name: Formula.of(plain(value), where=name).text for name, value in values.items()}
+
+
+def _formulas(texts: Mapping[str, str], where: str) -> dict[str, Value]:
+    return {name: Formula.of(text, where=f"{where}, {name}") for name, text in texts.items()}

@@ -1,0 +1,156 @@
+"""Outputs of motions from files, computed by equations that are formed again from the model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.scales import mechanism_scales
+from symbody.equations.equation_set import EquationSet
+from symbody.equations.form import form_equations
+from symbody.errors import Problem, TopologyError, UsageError
+from symbody.graph.trees import TreeChoice, Trees
+from symbody.model.model import Model
+from symbody.simulation.inputs.input_laws import Callback, InputLaws
+from symbody.simulation.results.provenance import Provenance
+from symbody.simulation.task import Evaluator, Task
+from symbody.single_flight import SingleFlight
+
+Floats = NDArray[np.float64]
+Names = tuple[str, ...]
+
+# Outputs that follow from positions and speeds alone, whatever joints stick and ropes are slack.
+_KINEMATIC: Final = ("frame r ", "frame R ", "frame v ", "frame w ")
+_ENERGIES: Final = ("energy", "kinetic_energy", "potential_energy")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recomputation:
+    """Computes outputs of a motion that was read from a file; the first one forms the equations.
+
+    Attributes
+    ----------
+    provenance : Provenance
+        What the motion was computed from.
+    coordinate_names, speed_names : tuple of str
+        What the equations have to have.
+    near : mapping of coordinate to float
+        Where the motion starts.
+    """
+
+    provenance: Provenance
+    coordinate_names: Names
+    speed_names: Names
+    near: Mapping[str, float]
+    _made: SingleFlight[None, Evaluator] = field(default_factory=SingleFlight, repr=False)
+
+    def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
+        """Return the output with time last; q is (n_q, N), u is (n_u, N).
+
+        Raises
+        ------
+        UsageError
+            If it cannot be computed from what the file says.
+        """
+        return self.together((name,), t, q, u)[0]
+
+    def together(self, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
+        """Return outputs with time last, all from one compiled function; see `__call__`."""
+        for name in names:
+            self._check(name)
+        computed = self._made.get(None, self._evaluator).together(names, t, q, u)
+        missing = self.provenance.missing_inputs
+        for name, values in zip(names, computed, strict=True):
+            if missing and not np.isfinite(values).all():
+                listed = ", ".join(missing)
+                why = f"it depends on {listed}, whose law was a Python function, which no file holds"
+                raise _unknown(name, why)
+        return computed
+
+    def _check(self, name: str) -> None:
+        if name == "work":
+            raise _unknown(name, "it was summed up during the motion; the file has it at the samples alone")
+        kinematic = name.startswith(_KINEMATIC) or name in (*_ENERGIES, *self.coordinate_names)
+        if self.provenance.switches and not kinematic:
+            raise _unknown(name, "joints stuck or ropes slackened on the way, which changes the equations")
+
+    def _evaluator(self) -> Evaluator:
+        source = self.provenance
+        try:
+            eqs = form_equations(
+                source.model, tree=source.trees, dependent_speeds=source.dependent_speeds or None
+            )
+        except TopologyError as error:  # the model lacks joints that gave the coordinates
+            raise _another_model(source.model, error.problems[0].what) from error
+        check_names(eqs, self.coordinate_names, self.speed_names)
+        asked: dict[str, Callback] = {name: table.reader() for name, table in source.tables.items()}
+        asked |= dict.fromkeys(source.missing_inputs, _unknown_value)
+        laws = StoredLaws(source.inputs, asked, (), {})
+        scales = mechanism_scales(eqs, source.given, near=self.near)
+        return Evaluator(Task(eqs, source.given, laws, scales), None)
+
+
+@dataclass(frozen=True, slots=True)
+class StoredLaws(InputLaws):
+    """Laws of inputs from a file; where nobody can say what an input was, it is not a number."""
+
+    def at(self, t: float, q: Floats, u: Floats) -> list[float]:
+        """Return what is asked at one time."""
+        return [law(t, q, u) for law in self.asked.values()]
+
+
+def provenance_for(model: Model, coordinate_names: Names, speed_names: Names) -> Provenance:
+    """Return what a motion of a model was probably computed from: its values, and trees that fit the names.
+
+    Raises
+    ------
+    UsageError
+        If no usual choice of trees has these coordinates and speeds.
+    """
+    choices: tuple[TreeChoice, ...] = (None, "joints", "absolute")
+    for choice in choices:
+        eqs = form_equations(model, tree=choice)
+        if (eqs.coordinate_names, eqs.speed_names) == (coordinate_names, speed_names):
+            topology = eqs.formed.topology
+            joints = [joint.name for joint in model.joints]
+            rotation = [name for name in joints if name in topology.turning]
+            trees = Trees(rotation, [name for name in joints if name in topology.sliding])
+            return Provenance(model, {}, trees, inputs=dict.fromkeys(model.inputs, 0))
+    check_names(form_equations(model), coordinate_names, speed_names)
+    raise AssertionError("names that differ were refused")
+
+
+def check_names(eqs: EquationSet, coordinate_names: Names, speed_names: Names) -> None:
+    """Refuse equations of another mechanism than the one that moved.
+
+    Raises
+    ------
+    UsageError
+        If coordinates or speeds differ.
+    """
+    if (eqs.coordinate_names, eqs.speed_names) == (coordinate_names, speed_names):
+        return
+    ours, theirs = ", ".join(coordinate_names), ", ".join(eqs.coordinate_names)
+    raise _another_model(eqs.model, f"its coordinates are {ours}; those of the model are {theirs}")
+
+
+def _another_model(model: Model, why: str) -> UsageError:
+    return UsageError(
+        Problem("trajectory.another_model", model.name, "the motion is not one of this model", why,
+                "give the model that the motion was computed from")
+    )  # fmt: skip
+
+
+def _unknown_value(t: float, q: Floats, u: Floats) -> float:
+    return float("nan")
+
+
+def _unknown(name: str, why: str) -> UsageError:
+    return UsageError(
+        Problem("trajectory.not_computable", repr(name), f"{name} cannot be computed from the file", why,
+                f"store it with the motion: run.save(path, {name!r})")
+    )  # fmt: skip

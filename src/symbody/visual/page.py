@@ -1,0 +1,99 @@
+"""The page that shows a moving mechanism in any browser: one file with everything in it."""
+
+from __future__ import annotations
+
+import html
+import json
+from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Final
+
+from symbody.errors import EnvironmentFault, Problem, UsageError
+from symbody.formats.writing import replace_content, writing_cure
+from symbody.visual.scene import motion_to_json, scene_to_json
+from symbody.visual.scene.scene import Scene, SceneMotion
+
+PageData = dict[str, Any]
+
+_FOLDER: Final = "pages"
+_EMPTY: Final = '<script type="application/json" id="symbody-data">null</script>'
+_TITLE: Final = "<title>symbody</title>"
+
+
+def page_data(scene: Scene, motion: SceneMotion, title: str, options: Mapping[str, Any]) -> PageData:
+    """Return what a page or a notebook is given, as values that JSON can say."""
+    return {
+        "scene": scene_to_json(scene),
+        "motion": motion_to_json(motion),
+        "title": title,
+        "options": dict(options),
+    }
+
+
+def page_text(data: PageData) -> str:
+    """Return the page with its data.
+
+    Raises
+    ------
+    EnvironmentFault
+        If this installation has no pages.
+    UsageError
+        If a length is not finite.
+    """
+    template = built_file("player.html")
+    holder = _EMPTY.replace("null", _json_text(data))
+    title = f"<title>{html.escape(str(data['title']))}</title>"
+    return template.replace(_TITLE, title, 1).replace(_EMPTY, holder, 1)
+
+
+def built_file(name: str) -> str:
+    """Return the text of a file that the build of the package made from ``frontend/``.
+
+    Raises
+    ------
+    EnvironmentFault
+        If it is missing.
+    """
+    try:
+        return (files("symbody.visual") / _FOLDER / name).read_text(encoding="utf-8")
+    except OSError:
+        raise EnvironmentFault(
+            Problem("animation.no_pages", name, "this installation has no pages to show motions with",
+                    "they are built when symbody is installed from its sources, which needs Node 20 or "
+                    "later, or a connection to fetch it",
+                    "install Node and run `pip install` again in the folder of the sources, or install a "
+                    "released package; save_animation needs no page")
+        ) from None  # fmt: skip
+
+
+def write_page(path: Path, text: str) -> None:
+    """Write a page in one step.
+
+    Raises
+    ------
+    EnvironmentFault
+        If it cannot be written; the file that was there is unchanged.
+    """
+    try:
+        if path.is_dir():
+            raise IsADirectoryError(21, "it is a directory")
+        replace_content(path, text.encode("utf-8"), like=path)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise EnvironmentFault(
+            Problem("animation.unwritable", str(path), f"the page cannot be written: {reason}",
+                    "the file that was there, if any, is unchanged", writing_cure(error))
+        ) from error  # fmt: skip
+
+
+def _json_text(data: PageData) -> str:
+    """Return JSON in which nothing ends or begins an element of the page."""
+    try:
+        text = json.dumps(data, allow_nan=False, separators=(",", ":"))
+    except ValueError as error:
+        raise UsageError(
+            Problem("animation.not_finite", str(data["title"]), "a length of the picture is not finite", "",
+                    "check the parameters that give sizes and places")
+        ) from error  # fmt: skip
+    return text.replace("<", "\\u003c")

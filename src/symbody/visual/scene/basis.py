@@ -1,0 +1,238 @@
+"""What all shapes of a scene are made from: the model in numbers, and the sizes of what is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from symbody.expr.language.formula import Formula
+from symbody.model.constraint import Contact
+from symbody.model.constraints.rolling import Rolling
+from symbody.model.element import Address
+from symbody.model.joint import Joint
+from symbody.model.lengths import model_lengths
+from symbody.model.loads.forces import SpringDamper
+from symbody.model.loads.springs import Bushing, TorsionSpring
+from symbody.model.model import Model
+from symbody.model.naming import GROUND
+from symbody.visual.scene.freedoms import JointFreedoms, joint_freedoms
+from symbody.visual.scene.numbers import ModelNumbers
+from symbody.visual.scene.poses import (
+    RigidTransform,
+    body_transforms,
+    frame_transforms,
+    joint_coordinates,
+    joint_transform,
+)
+from symbody.visual.scene.scene import Floats
+
+# Radius of rods: this share of the mechanism's size, or of a usual body's length if that is less.
+_ROD: Final = 0.014
+_ROD_OF_BODY: Final = 0.045
+# At most so many moments of a motion are looked at.
+_MOMENTS: Final = 16
+# Points nearer than this share of the size are one.
+SAME_POINT: Final = 1e-6
+
+Link = Joint | Contact | SpringDamper | TorsionSpring | Bushing
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SceneBasis:
+    """A model in numbers.
+
+    Attributes
+    ----------
+    frames : mapping of Address to RigidTransform
+        Every frame on its body.
+    joints : tuple of Joint
+        Those of the model and those that stand for bodies without one.
+    freedoms : mapping of joint to JointFreedoms
+    coordinates : mapping of name to float
+        At the start; zero where neither model nor motion has a value.
+    doubtful : frozenset of str
+        Joints that have such coordinates.
+    travel : mapping of name to (lowest, highest)
+        Of the coordinates whose motion is known.
+    moments : tuple of mapping of body to RigidTransform
+        Where bodies stand in ground's axes, at the start and at some later times if the motion is known;
+        loops may be open.
+    links : tuple of Link
+        What connects two frames, except the joints of bodies that move freely.
+    size : float
+        Of the mechanism [m].
+    rod : float
+        Radius of rods [m].
+    """
+
+    model: Model
+    numbers: ModelNumbers
+    frames: Mapping[Address, RigidTransform]
+    joints: tuple[Joint, ...]
+    freedoms: Mapping[str, JointFreedoms]
+    coordinates: Mapping[str, float]
+    doubtful: frozenset[str]
+    travel: Mapping[str, tuple[float, float]]
+    moments: tuple[Mapping[str, RigidTransform], ...]
+    links: tuple[Link, ...]
+    size: float
+    rod: float
+
+    @property
+    def bodies(self) -> Mapping[str, RigidTransform]:
+        """Where bodies stand at the start."""
+        return self.moments[0]
+
+    def frame(self, address: Address) -> RigidTransform:
+        """Return where a frame stands in ground's axes at the start."""
+        return self.bodies[address.body] @ self.frames[address]
+
+    def between(self, start: Address, end: Address) -> float:
+        """Return the distance of two frames at the start [m]."""
+        return float(np.linalg.norm(self.frame(start).at - self.frame(end).at))
+
+    def extent(self, body: str) -> float:
+        """Return the largest distance between two frames of a body [m]; of ground 0."""
+        points = [frame.at for address, frame in self.frames.items() if address.body == body != GROUND]
+        return _largest_distance(points) if points else 0.0
+
+    def course(self, start: Address, end: Address) -> Floats:
+        """Return the places (N, 3) of a frame's origin in another frame, at the moments [m]."""
+        return np.array([
+            (bodies[start.body] @ self.frames[start]).inverse().point(
+                bodies[end.body].point(self.frames[end].at)
+            )
+            for bodies in self.moments
+        ])  # fmt: skip
+
+    def points(self, body: str) -> list[Floats]:
+        """Return the distinct points of a body [m] where something is connected to it, in its axes."""
+        points: list[Floats] = []
+        for link in self.links:
+            for address in (link.start, link.end):
+                if address.body == body:
+                    at = self.frames[address].at
+                    if all(np.linalg.norm(at - other) > SAME_POINT * self.size for other in points):
+                        points.append(at)
+        return points
+
+
+def scene_basis(
+    model: Model, numbers: ModelNumbers, motion: Mapping[str, Floats] | None = None
+) -> SceneBasis:
+    """Return the model in numbers.
+
+    Parameters
+    ----------
+    motion : mapping of coordinate to (N,) array, optional
+        Values that coordinates take, the first one at the start; by default the model's initial values.
+    """
+    courses = {name: np.atleast_1d(values) for name, values in (motion or {}).items()}
+    courses = {name: values[np.isfinite(values)] for name, values in courses.items()}
+    courses = {name: values for name, values in courses.items() if values.size}
+    frames = frame_transforms(model, numbers)
+    joints = (*model.joints, *model.free_joints)
+    freedoms = {joint.name: joint_freedoms(joint, numbers) for joint in joints}
+    start: dict[str, Formula | float] = dict(model.initial)
+    start |= {name: float(values[0]) for name, values in courses.items()}
+    doubtful = frozenset(joint.name for joint in joints if not _is_known(joint, start))
+    count = max((values.size for values in courses.values()), default=1)
+    moments = [
+        _placed_bodies(model, numbers, frames, doubtful, _values_at(start, courses, place))
+        for place in np.linspace(0, count - 1, min(count, _MOMENTS)).astype(int).tolist()
+    ]
+    lengths = _body_lengths(frames)
+    size = _size(model, numbers, [moments[0][each.body] @ frame for each, frame in frames.items()], lengths)
+    rod = _ROD * size
+    usual = [length for length in lengths if length > SAME_POINT * size]
+    if usual:
+        rod = min(rod, _ROD_OF_BODY * float(np.median(usual)))
+    return SceneBasis(
+        model=model,
+        numbers=numbers,
+        frames=frames,
+        joints=joints,
+        freedoms=freedoms,
+        coordinates={
+            name: value
+            for joint in joints
+            for name, value in joint_coordinates(joint, numbers, start).items()
+        },
+        doubtful=doubtful,
+        travel={name: (float(values.min()), float(values.max())) for name, values in courses.items()},
+        moments=tuple(moments),
+        links=_links(model, freedoms),
+        size=size,
+        rod=rod,
+    )
+
+
+def _values_at(
+    start: Mapping[str, Formula | float], courses: Mapping[str, Floats], place: int
+) -> dict[str, Formula | float]:
+    """Return the values of coordinates at one of the times of a motion."""
+    later = {name: float(values[min(place, values.size - 1)]) for name, values in courses.items()}
+    return {**start, **later}
+
+
+def _placed_bodies(
+    model: Model,
+    numbers: ModelNumbers,
+    frames: Mapping[Address, RigidTransform],
+    doubtful: frozenset[str],
+    values: Mapping[str, Formula | float],
+) -> dict[str, RigidTransform]:
+    """Return where bodies stand in ground's axes at some values of coordinates."""
+    joints = (*model.joints, *model.free_joints)
+    steps = {
+        joint.name: joint_transform(joint, numbers, joint_coordinates(joint, numbers, values))
+        for joint in joints
+    }
+    bodies = body_transforms(joints, frames, steps, doubtful)
+    return {**{body.name: RigidTransform() for body in model.bodies}, **bodies}
+
+
+def _links(model: Model, freedoms: Mapping[str, JointFreedoms]) -> tuple[Link, ...]:
+    """Return what connects two frames, except the joints of bodies that move freely."""
+    kinds = (Joint, Contact, SpringDamper, TorsionSpring, Bushing)
+    return tuple(
+        element
+        for element in model.elements
+        if isinstance(element, kinds)
+        and not (isinstance(element, Joint) and freedoms[element.name].translations == 3)
+    )
+
+
+def _is_known(joint: Joint, values: Mapping[str, object]) -> bool:
+    """Return whether all coordinates of a joint have values, or are prescribed."""
+    return all(name in values or name in joint.motions for name in joint.coordinates)
+
+
+def _body_lengths(frames: Mapping[Address, RigidTransform]) -> list[float]:
+    """Return for each body the largest distance between two of its frames [m]."""
+    points: dict[str, list[Floats]] = {}
+    for address, transform in frames.items():
+        points.setdefault(address.body, []).append(transform.at)
+    return [_largest_distance(each) for each in points.values()]
+
+
+def _largest_distance(points: Iterable[Floats]) -> float:
+    array = np.array(list(points))
+    return float(np.linalg.norm(array[:, None] - array[None], axis=-1).max())
+
+
+def _size(
+    model: Model, numbers: ModelNumbers, placed: Iterable[RigidTransform], lengths: Iterable[float]
+) -> float:
+    """Return a length that fits the mechanism [m]: of the box round its frames, else of formulas, else 1."""
+    points = np.array([frame.at for frame in placed])
+    radii = [numbers.number(part.radius) for part in model.constraints if isinstance(part, Rolling)]
+    size = max([float(np.ptp(points, axis=0).max()), *lengths, *(2.0 * abs(radius) for radius in radii)])
+    if size > 0.0:
+        return size
+    shapes = [*model.ground_shapes, *(shape for body in model.bodies for shape in body.shapes)]
+    formulas = [formula for shape in shapes for _, formula in shape.lengths] or model_lengths(model)
+    return max((abs(numbers.number(formula)) for formula in formulas), default=0.0) or 1.0

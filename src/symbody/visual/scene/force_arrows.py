@@ -1,0 +1,188 @@
+"""Forces and torques as arrows: which there are, the outputs they follow from, and their values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from symbody.errors import Problem, UsageError, nearest
+from symbody.expr.language.formula import Formula
+from symbody.model.constraint import Contact
+from symbody.model.constraints import Rolling
+from symbody.model.element import Address
+from symbody.model.joint import Joint
+from symbody.model.loads.forces import Force, SpringDamper, Torque
+from symbody.model.model import Model
+from symbody.visual.scene.body_poses import Floats
+from symbody.visual.scene.scene import Anchor, MotionVector, Scene, VectorKind
+
+Outputs = Mapping[str, Floats]
+
+# So many applied forces and torques are drawn without a word.
+_FEW: Final = 6
+# Forces and torques that never exceed this share of the largest are left out.
+_NOTHING: Final = 1e-9
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arrow:
+    """A force or torque to be drawn.
+
+    Attributes
+    ----------
+    name, kind, anchor
+        As in `MotionVector`.
+    outputs : tuple of str
+        What its values are made of.
+    values : callable
+        Makes components in ground's axes (N, 3) from these outputs.
+    """
+
+    name: str
+    kind: VectorKind
+    anchor: Anchor
+    outputs: tuple[str, ...]
+    values: Callable[[Outputs], Floats]
+
+
+def arrows_of(model: Model, scene: Scene, chosen: str | Iterable[str] | None) -> list[Arrow]:
+    """Return the forces and torques to be drawn.
+
+    Parameters
+    ----------
+    chosen : "all", "applied", "none", names, or None
+        Names are those of elements, or of arrows such as ``"reaction elbow"``. None: those of `Force` and
+        `Torque` where they are few.
+
+    Raises
+    ------
+    UsageError
+        If a name is neither.
+    """
+    every = _all_arrows(model, scene)
+    applied = [arrow for arrow in every if arrow.name.startswith(("force ", "torque "))]
+    if chosen is None:
+        return applied if len(applied) <= _FEW else []
+    words = {"all": every, "applied": applied, "none": []}
+    if isinstance(chosen, str) and chosen in words:
+        return words[chosen]
+    names = (chosen,) if isinstance(chosen, str) else tuple(chosen)
+    known = {name for arrow in every for name in (arrow.name, _element(arrow))}
+    problems = [_unknown(name, known) for name in names if name not in known]
+    if problems:
+        raise UsageError(*problems)
+    return [arrow for arrow in every if arrow.name in names or _element(arrow) in names]
+
+
+def vectors_of(arrows: Sequence[Arrow], outputs: Outputs, size: float) -> tuple[MotionVector, ...]:
+    """Return arrows with their values; those that are always zero, up to rounding, are left out.
+
+    Parameters
+    ----------
+    size : float
+        Of the scene [m]: torques are compared with the largest force on an arm so long.
+    """
+    values = [arrow.values(outputs) for arrow in arrows]
+    arms = [size if arrow.kind == "force" else 1.0 for arrow in arrows]
+    sizes = [arm * float(np.abs(array).max(initial=0.0)) for arm, array in zip(arms, values, strict=True)]
+    least = _NOTHING * max(sizes, default=0.0)
+    return tuple(
+        MotionVector(arrow.name, arrow.kind, arrow.anchor, array)
+        for arrow, array, large in zip(arrows, values, sizes, strict=True)
+        if large > least
+    )
+
+
+def _all_arrows(model: Model, scene: Scene) -> list[Arrow]:
+    anchors = _Anchors(scene)
+    arrows: list[Arrow] = []
+    for element in model.elements:
+        if isinstance(element, Force | Torque):
+            kind: VectorKind = "force" if isinstance(element, Force) else "torque"
+            arrows.append(_applied(element, kind, anchors.at(element.on)))
+        elif isinstance(element, SpringDamper):
+            arrows.append(_spring(element, anchors.at(element.end)))
+    contacts = [part for part in model.constraints if isinstance(part, Contact)]
+    links: list[Joint | Contact] = [*model.joints, *contacts]
+    for link in links:
+        if not isinstance(link, Rolling):  # its point of contact is fixed on no body
+            arrows += _reactions(link.name, link.start, anchors.at(link.end))
+    return arrows
+
+
+def _element(arrow: Arrow) -> str:
+    return arrow.name.partition(" ")[2]
+
+
+@dataclass(frozen=True, slots=True)
+class _Anchors:
+    scene: Scene
+
+    def at(self, address: Address) -> Anchor:
+        """Return where a frame is on its body."""
+        names = [body.name for body in self.scene.bodies]
+        place = 0 if address.body == "ground" else names.index(address.body)
+        points = {frame.name: frame.at for frame in self.scene.bodies[place].frames}
+        return Anchor(place, points.get(address.point, (0.0, 0.0, 0.0)))
+
+
+def _applied(element: Force | Torque, kind: VectorKind, anchor: Anchor) -> Arrow:
+    components = [_output(formula) for formula in element.vector]
+    axes = _axes(element.resolved_in)
+
+    def values(outputs: Outputs) -> Floats:
+        return _turned(outputs[axes], np.array([outputs[name] for name in components]))
+
+    return Arrow(f"{kind} {element.name}", kind, anchor, (*components, axes), values)
+
+
+def _spring(spring: SpringDamper, anchor: Anchor) -> Arrow:
+    line = f'frame r "{spring.end.frame}" "{spring.start.frame}" ground'
+    effort = f"effort {spring.name}"
+
+    def values(outputs: Outputs) -> Floats:
+        length = np.linalg.norm(outputs[line], axis=0)
+        direction = outputs[line] / np.where(length > 0.0, length, 1.0)
+        return (outputs[effort] * direction).T
+
+    return Arrow(f"spring {spring.name}", "force", anchor, (line, effort), values)
+
+
+def _reactions(name: str, start: Address, anchor: Anchor) -> list[Arrow]:
+    axes, wrench = _axes(start), f'reaction "{name}"'
+
+    def force(outputs: Outputs) -> Floats:
+        return _turned(outputs[axes], outputs[wrench][:3])
+
+    def moment(outputs: Outputs) -> Floats:
+        return _turned(outputs[axes], outputs[wrench][3:])
+
+    needed = (wrench, axes)
+    return [
+        Arrow(f"reaction {name}", "force", anchor, needed, force),
+        Arrow(f"reaction {name}", "torque", anchor, needed, moment),
+    ]
+
+
+def _axes(address: Address) -> str:
+    return f'frame R "{address.frame}"'
+
+
+def _output(formula: Formula) -> str:
+    return f"({formula.text})"
+
+
+def _turned(matrices: Floats, components: Floats) -> Floats:
+    """Return vectors (N, 3) in ground's axes from components (3, N) in others, matrices (3, 3, N)."""
+    turned: Floats = np.einsum("ijn,jn->ni", matrices, components)
+    return turned
+
+
+def _unknown(name: str, known: Iterable[str]) -> Problem:
+    return Problem(
+        "animation.unknown_vector", repr(name), f"nothing that {name!r} names acts on a body", "",
+        f'{nearest(name, known).rstrip(".")} "all" draws every force and reaction'.lstrip(),
+    )  # fmt: skip

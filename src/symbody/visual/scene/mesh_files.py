@@ -1,0 +1,110 @@
+"""Meshes from files: STL, OBJ, glTF, GLB, DAE; read by trimesh, which the extra `meshes` installs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from symbody.errors import EnvironmentFault, FormatError, Problem
+from symbody.visual.scene.scene import Floats, SceneMesh
+
+SUFFIXES: Final = frozenset({".stl", ".obj", ".gltf", ".glb", ".dae"})
+# Meshes with more triangles are made coarser, so that pages stay small.
+MOST_TRIANGLES: Final = 20_000
+# Edges between triangles that are bent by more than this stay sharp [rad].
+_SHARP: Final = 0.6
+_LARGEST_FILE: Final = 200_000_000
+
+
+def read_mesh(path: Path) -> SceneMesh:
+    """Return the triangles of a file, in metres where the file has a unit, vertices that coincide as one.
+
+    Raises
+    ------
+    FormatError
+        If there is no such file, or it is no mesh of a format that is read.
+    EnvironmentFault
+        If the packages that read it are not installed.
+    """
+    where = str(path)
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise FormatError(
+            Problem("scene.mesh_format", where, f"{suffix or 'no suffix'} is no format of meshes", "",
+                    "convert the file to stl, obj, glb, gltf or dae")
+        )  # fmt: skip
+    _check_file(path, where)
+    trimesh = _trimesh(where, suffix)
+    mesh = _load(trimesh, where)
+    if len(mesh.faces) > MOST_TRIANGLES:
+        mesh = _coarser(mesh)
+    mesh = trimesh.graph.smooth_shade(mesh, angle=_SHARP)  # sharp edges have vertices of their own
+    return SceneMesh(np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int32))
+
+
+def stretch_mesh(mesh: SceneMesh, factors: Floats) -> SceneMesh:
+    """Return a mesh with other lengths along x, y and z; one that is mirrored keeps its outside."""
+    triangles = mesh.triangles if np.prod(factors) > 0.0 else mesh.triangles[:, ::-1]
+    return SceneMesh(mesh.vertices * factors, triangles)
+
+
+def _trimesh(where: str, suffix: str) -> Any:
+    """Return the package that reads meshes."""
+    try:
+        import trimesh
+
+        if suffix == ".dae":
+            import collada  # noqa: F401
+    except ImportError as error:
+        what = f"the package {error.name} that reads {suffix} files is not installed"
+        problem = Problem("scene.no_meshes", where, what, "", 'pip install "symbody[meshes]"')
+        raise EnvironmentFault(problem) from error
+    return trimesh
+
+
+def _coarser(mesh: Any) -> Any:
+    """Return a mesh with few enough triangles, or the same if the package that does it is not installed."""
+    try:
+        return mesh.simplify_quadric_decimation(face_count=MOST_TRIANGLES)
+    except (ImportError, ModuleNotFoundError):
+        return mesh
+
+
+def _check_file(path: Path, where: str) -> None:
+    """Refuse a file that is not there, or too large to be looked at."""
+    try:
+        size = path.stat().st_size if path.is_file() else -1
+    except (OSError, ValueError):  # a name that no file can have
+        size = -1
+    if size < 0:
+        raise FormatError(
+            Problem("scene.mesh_missing", where, "there is no such file", "", "check the path of the mesh")
+        )
+    if size > _LARGEST_FILE:
+        raise FormatError(
+            Problem("scene.mesh_large", where, f"the file has {size / 1e6:.0f} MB", "",
+                    "make the mesh coarser where it comes from")
+        )  # fmt: skip
+
+
+def _load(trimesh: Any, where: str) -> Any:
+    """Return the mesh of a file as trimesh holds it, in metres."""
+    try:
+        mesh = trimesh.load(where, force="mesh", process=True)
+        if mesh.units is not None:
+            mesh.apply_scale(trimesh.units.unit_conversion(mesh.units, "meters"))
+        mesh.merge_vertices()
+        is_good = len(mesh.faces) > 0 and bool(np.all(np.isfinite(mesh.vertices)))
+    except Exception as error:  # readers of its formats raise whatever comes
+        raise FormatError(
+            Problem("scene.mesh_unreadable", where, "the file cannot be read as a mesh",
+                    f"{type(error).__name__}: {error}"[:200], "export it anew from the program it comes from")
+        ) from error  # fmt: skip
+    if not is_good:
+        raise FormatError(
+            Problem("scene.mesh_empty", where, "the file has no triangles, or some that are not finite", "",
+                    "export it anew, with its surfaces")
+        )  # fmt: skip
+    return mesh

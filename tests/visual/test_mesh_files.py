@@ -1,0 +1,131 @@
+"""Meshes from files."""
+
+from __future__ import annotations
+
+import builtins
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import symbody as sb
+from symbody.errors import EnvironmentFault, FormatError
+from symbody.visual.scene import make_scene
+from symbody.visual.scene.mesh_files import MOST_TRIANGLES, read_mesh
+
+trimesh = pytest.importorskip("trimesh")
+
+ASCII = """\
+solid one
+facet normal 0 0 1
+outer loop
+vertex 0 0 0
+vertex 1 0 0
+vertex 0 2 0
+endloop
+endfacet
+endsolid one
+"""
+
+
+def write_box(path: Path) -> Path:
+    trimesh.creation.box((1.0, 2.0, 3.0)).export(path)
+    return path
+
+
+def test_stl_in_text(tmp_path: Path) -> None:
+    path = tmp_path / "one.stl"
+    path.write_text(ASCII)
+    mesh = read_mesh(path)
+    assert np.allclose(mesh.vertices.max(axis=0), (1, 2, 0)) and mesh.triangles.shape == (1, 3)
+
+
+def test_stl_in_bytes(tmp_path: Path) -> None:
+    path = tmp_path / "one.STL"
+    facet = struct.pack("<12fH", 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0)
+    path.write_bytes(b"\0" * 80 + struct.pack("<I", 1) + facet)
+    assert np.allclose(read_mesh(path).vertices.max(axis=0), (1, 2, 0))
+
+
+@pytest.mark.parametrize("suffix", ["stl", "obj", "glb", "gltf", "dae"])
+def test_formats(suffix: str, tmp_path: Path) -> None:
+    if suffix == "dae":
+        pytest.importorskip("collada")
+    path = tmp_path / f"box.{suffix}"
+    if suffix == "gltf":  # several files, which its export leaves open
+        files = trimesh.exchange.gltf.export_gltf(trimesh.creation.box((1.0, 2.0, 3.0)).scene())
+        for name, content in files.items():
+            (tmp_path / name).write_bytes(content)
+        path = tmp_path / next(name for name in files if name.endswith(".gltf"))
+    else:
+        write_box(path)
+    mesh = read_mesh(path)
+    assert np.allclose(np.ptp(mesh.vertices, axis=0), (1, 2, 3)) and len(mesh.triangles) == 12
+    corners = mesh.vertices[mesh.triangles]
+    volume = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6
+    assert np.isclose(volume, 6)  # outsides are outside
+    assert len(mesh.vertices) == 24  # edges of a box are sharp
+
+
+def test_large_meshes_are_made_coarser(tmp_path: Path) -> None:
+    pytest.importorskip("fast_simplification")
+    trimesh.creation.icosphere(subdivisions=6).export(tmp_path / "ball.stl")
+    mesh = read_mesh(tmp_path / "ball.stl")
+    assert len(mesh.triangles) <= MOST_TRIANGLES
+    assert np.allclose(np.linalg.norm(mesh.vertices, axis=1), 1, atol=0.01)
+
+
+def arm(path: str | Path, **more: object) -> sb.Model:
+    return sb.Model("m", [sb.Body("Arm", 1, shapes=[sb.Mesh(path, **more)])])
+
+
+def test_meshes_are_stretched_and_mirrored(tmp_path: Path) -> None:
+    write_box(tmp_path / "box.stl")
+    scene = make_scene(arm("box.stl", folder=str(tmp_path), scale=(1, 1, "-2")))
+    assert scene.notes == () and np.allclose(np.ptp(scene.meshes[0].vertices, axis=0), (1, 2, 6))
+    corners = scene.meshes[0].vertices[scene.meshes[0].triangles]
+    assert np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() > 0
+
+
+def test_a_mesh_that_stands_twice_is_kept_once(tmp_path: Path) -> None:
+    path = write_box(tmp_path / "box.stl")
+    shapes = [sb.Mesh(path), sb.Mesh(path, at=(1, 0, 0))]
+    scene = make_scene(sb.Model("m", [sb.Body("Arm", 1, shapes=shapes)]))
+    assert len(scene.meshes) == 1 and [solid.mesh for solid in scene.bodies[1].solids] == [0, 0]
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "code"),
+    [
+        ("none.stl", None, "scene.mesh_missing"),
+        ("part.step", "ISO-10303-21;", "scene.mesh_format"),
+        ("empty.stl", "solid nothing\nendsolid nothing\n", "scene.mesh_empty"),
+        ("broken.glb", "glTF, but not really", "scene.mesh_unreadable"),
+    ],
+)
+def test_a_box_stands_for_what_is_no_mesh(name: str, content: str | None, code: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    if content is not None:
+        path.write_text(content)
+    with pytest.raises(FormatError) as caught:
+        read_mesh(path)
+    assert [problem.code for problem in caught.value.problems] == [code]
+    scene = make_scene(arm(path))
+    assert scene.bodies[1].solids[0].kind == "box"
+    assert len(scene.notes) == 1 and "Arm" in scene.notes[0] and name in scene.notes[0]
+
+
+def test_without_the_package_the_cure_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write_box(tmp_path / "box.stl")
+    plain = builtins.__import__
+
+    def without(name: str, *rest: object) -> object:
+        if name == "trimesh":
+            raise ImportError("No module named 'trimesh'", name="trimesh")
+        return plain(name, *rest)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(EnvironmentFault, match=r"symbody\[meshes\]"):
+        read_mesh(path)
+    assert "symbody[meshes]" in make_scene(arm(path)).notes[0]
