@@ -110,6 +110,8 @@ export class Viewer {
     host.append(this.labels.element);
     this.watcher = new ResizeObserver(() => { this.resize(); });
     this.watcher.observe(host);
+    // a driver may take the context away; three.js makes it anew, and the picture is drawn again
+    this.stage.canvas.addEventListener("webglcontextrestored", () => { this.setTime(this.instant.time); });
     this.resize();
     this.rig.view(scene.normal === null ? "isometric" : "front", true);
   }
