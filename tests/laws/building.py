@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -44,8 +45,8 @@ class _Numbers:
         return name
 
 
-def build_model(mechanism: Mechanism) -> sb.Model:
-    """The model of a mechanism."""
+def build_model(mechanism: Mechanism, parameters: Mapping[str, float] | None = None) -> sb.Model:
+    """The model of a mechanism; `parameters` are more that its motions may read."""
     number = _Numbers(mechanism.symbolic)
     elements: list[Any] = [_body(number, body) for body in mechanism.bodies]
     elements += [_joint(number, joint) for joint in mechanism.joints]
@@ -59,7 +60,7 @@ def build_model(mechanism: Mechanism) -> sb.Model:
         f"random {mechanism.seed}",
         elements,
         gravity=gravity,
-        parameters=number.parameters,
+        parameters=number.parameters | dict(parameters or {}),
         inputs=tuple(mechanism.inputs),
         ground=ground,
     )
