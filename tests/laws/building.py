@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -45,8 +44,8 @@ class _Numbers:
         return name
 
 
-def build_model(mechanism: Mechanism, parameters: Mapping[str, float] | None = None) -> sb.Model:
-    """The model of a mechanism; `parameters` are more that its motions may read."""
+def build_model(mechanism: Mechanism) -> sb.Model:
+    """The model of a mechanism."""
     number = _Numbers(mechanism.symbolic)
     elements: list[Any] = [_body(number, body) for body in mechanism.bodies]
     elements += [_joint(number, joint) for joint in mechanism.joints]
@@ -60,7 +59,7 @@ def build_model(mechanism: Mechanism, parameters: Mapping[str, float] | None = N
         f"random {mechanism.seed}",
         elements,
         gravity=gravity,
-        parameters=number.parameters | dict(parameters or {}),
+        parameters=number.parameters,
         inputs=tuple(mechanism.inputs),
         ground=ground,
     )

@@ -25,8 +25,6 @@ from tests.laws.motion import Freedoms, Places, all_freedoms, body_places, deman
 from tests.laws.parts import ContactPart, CouplingPart, JointPart, Mechanism, MotionPart
 from tests.laws.rotations import Array
 
-# The parameter that all jumps are multiplied by: a motion without them leads to where the struck one begins.
-STRENGTH = "strength"
 # Rows are dependent below the first share of the largest, and independent above the second; else nothing is compared.
 DEPENDENT, INDEPENDENT = 1e-9, 2e-2
 
@@ -51,7 +49,7 @@ class Cornered(MotionPart):
     @property
     def text(self) -> str:
         plain = MotionPart(self.mean, self.amplitude, self.scale).text
-        return f"{plain} + ({self.jump!r})*{STRENGTH}*({self.bend})"
+        return f"{plain} + ({self.jump!r})*({self.bend})"
 
     def at(self, t: float) -> float:
         return MotionPart.at(self, t) + self.jump * (self.is_step and self.is_behind)
@@ -87,7 +85,7 @@ class Struck:
         """The model; with a width corners are rounded over twice that time, and steps are ramps."""
         mechanism = self.mechanism
         rounded = _changed(mechanism, _Rounded(mechanism.t, width)) if width else mechanism
-        return build_model(rounded, {STRENGTH: 1.0})
+        return build_model(rounded)
 
 
 def struck(seed: int) -> Struck | None:

@@ -17,12 +17,13 @@ import symbody as sb
 from symbody.graph.trees import TreeChoice
 from symbody.model import resolve_parameters
 from tests.laws.agreement import random_trees
-from tests.laws.impulses import STRENGTH, Struck, struck
+from tests.laws.impulses import Struck, struck
 from tests.laws.rotations import Array
 from tests.laws.scaling import factor
 from tests.laws.tally import chunks, name_of
 
 BEFORE, BEHIND = 0.1, 0.05  # shares of the mechanism's unit of time
+HAIR = 1e-12
 RTOL = 1e-9
 # What the errors of all steps leave, as a share of the largest rate and energy. Backward differentiation
 # controls the last correction instead of the error, which is some hundred times less exact.
@@ -60,13 +61,12 @@ def formed(case: Struck, tree: TreeChoice, width: float = 0.0) -> sb.EquationSet
 
 
 def start(eqs: sb.EquationSet, case: Struck) -> tuple[float, dict[str, float]]:
-    """Where the motion without corners that arrives at the pose comes from."""
-    t = case.mechanism.t
+    """Where the motion that arrives at the pose comes from: backwards from a hair before the corner."""
+    t, time = case.mechanism.t, case.mechanism.units.time
     names = (*eqs.coordinate_names, *eqs.speed_names)
-    run = sb.simulate(
-        eqs, (t, t - BEFORE * case.mechanism.units.time), guess={name: case.before.known[name] for name in names},
-        inputs=case.mechanism.inputs, parameters={STRENGTH: 0.0}, rtol=RTOL,
-    )  # fmt: skip
+    known = {name: case.before.known[name] for name in names}
+    span = (t - HAIR * time, t - BEFORE * time)
+    run = sb.simulate(eqs, span, guess=known, inputs=case.mechanism.inputs, rtol=RTOL)
     assert run.success, run.notes
     return float(run.t[-1]), {name: float(run[name][-1]) for name in names}
 
@@ -133,7 +133,7 @@ def check(seed: int, rounded: bool) -> float | None:
 
 
 def check_all(seeds: Iterable[int]) -> None:
-    shares = [share for seed in seeds if (share := check(seed, rounded=seed % 4 == 0)) is not None]
+    shares = [share for seed in seeds if (share := check(seed, rounded=seed % 8 == 0)) is not None]
     print(f"{len(shares)} struck, with at most {max(shares, default=0.0):.2g} of the errors allowed")
 
 
