@@ -21,6 +21,10 @@ RTOL = 1e-8
 GROWTH = float(np.exp(3 * SHARE))
 
 
+# Their derivatives by up to a hundred absolute coordinates take minutes to compile.
+HEAVY = ("linearize", "find_equilibrium", "GGL", "Stiff")
+
+
 def powers_of_two(rng: random.Random) -> Units:
     """Factors that change no digit: of masses the solver takes square roots, so they are powers of four."""
     return Units(2.0 ** rng.randint(-9, 9), 4.0 ** rng.randint(-9, 9), 2.0 ** rng.randint(-18, 18))
@@ -83,7 +87,7 @@ def difference(first: Answer, other: Answer) -> float:
 def check_analysis(seed: int, name: str) -> float:
     """Ask one question in three units; return the larger difference, as a share of what is allowed."""
     rng = random.Random(f"scaled {name} {seed}")
-    eqs = formed(seed, rng.choice([None, "absolute"]))
+    eqs = formed(seed, None if name in HEAVY else rng.choice([None, "absolute"]))
     first = answer(ANALYSES[name], Question(eqs, seed, ONE))
     found = []
     for units in (powers_of_two(rng), powers_of_ten(rng)):
