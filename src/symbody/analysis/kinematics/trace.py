@@ -145,8 +145,7 @@ def trace_positions(
         driven = follower(held, {}, _laws(values), given, lambda _: t)
     farthest = {name: float(np.abs(x).max()) for name, x in values.items()}
     known = mechanism_scales(eqs, given, scales, {**state.q, **farthest})
-    driven = driven.scaled(known)
-    closer = driven.closed(0.0, q)
+    closer = (driven := driven.scaled(known)).closed(0.0, q)
     q = q if closer is None else closer
     check_driven(driven, 0.0, q, notes)
     loose = _Slack(driven, closure(held, given, {}, t, known) if notes else None)
