@@ -175,6 +175,15 @@ def test_pick_and_select(surfer: Surfer, four_bar: Any) -> None:
     assert page.evaluate("(symbodyPlayer.select('C'), symbodyPlayer.viewer.selected.type)") == "revolute"
 
 
+def test_the_camera_goes_with_the_selected_body(surfer: Surfer, four_bar: Any) -> None:
+    page = surfer.open_player(four_bar)
+    page.evaluate("symbodyPlayer.setTime(0.5); symbodyPlayer.select('crank')")
+    page.keyboard.press("w")
+    before = on_screen(page, 1)
+    page.evaluate("symbodyPlayer.setTime(1.5)")
+    assert on_screen(page, 1) == pytest.approx(before, abs=1.0)
+
+
 def test_curves_are_linked_with_the_time(surfer: Surfer, four_bar: Any) -> None:
     page = surfer.open_player(four_bar, size=(1280, 900))
     page.evaluate("symbodyPlayer.setTime(1)")
@@ -247,9 +256,11 @@ def test_no_serious_violation(surfer: Surfer, four_bar: Any, theme: str) -> None
     page.get_by_role("button", name="What is shown").click()
     page.evaluate("symbodyPlayer.select('coupler')")
     settle(page)
-    found = Axe().run(page).response["violations"]
+    violations = Axe().run(page).response["violations"]
     serious = [
-        (each["id"], each["nodes"][0]["html"]) for each in found if each["impact"] in {"serious", "critical"}
+        (each["id"], each["nodes"][0]["html"])
+        for each in violations
+        if each["impact"] in {"serious", "critical"}
     ]
     assert not serious
 
@@ -282,7 +293,7 @@ def test_nothing_is_cut_off(surfer: Surfer, four_bar: Any, size: tuple[int, int]
         "document.documentElement.scrollWidth <= innerWidth && document.documentElement.scrollHeight <= innerHeight"
     )
     box = page.get_by_role("img").first.bounding_box()
-    assert box["width"] == size[0]
+    assert box["width"] >= 0.5 * size[0]  # where there is little height the curves stand beside it
     assert box["height"] > 0.25 * size[1]
 
 

@@ -79,6 +79,10 @@ const ACTIONS: Record<Command, Action> = {
   panDown: camera((rig) => { rig.pan(0, -0.06); }),
   zoomIn: camera((rig) => { rig.zoom(1.15); }),
   zoomOut: camera((rig) => { rig.zoom(1 / 1.15); }),
+  follow: ({ settings }) => {
+    settings.set("follow", !settings.values.follow);
+    return settings.values.follow ? "The camera goes with the selected body" : "The camera stays";
+  },
   frames: toggle("frames"),
   joints: toggle("joints"),
   labels: toggle("labels"),

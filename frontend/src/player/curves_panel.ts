@@ -10,6 +10,9 @@ import { formatTime } from "./transport";
 const LEAST_HEIGHT = 84;
 const TIME_AXIS = 20; // the height that the numbers of the time take under the last panel
 const GAP = 4;
+const MOST_ROWS = 5; // of a legend that give a panel its height; more are scrolled
+const ROW = 24;
+const HEADER = 24;
 
 export class CurvesPanel {
   readonly element: HTMLElement;
@@ -50,8 +53,11 @@ export class CurvesPanel {
 
   resize(): void {
     const room = (this.list.clientHeight - TIME_AXIS) / this.plots.length - GAP;
-    const height = Math.max(LEAST_HEIGHT, Math.floor(room));
-    for (const plot of this.plots) plot.resize(plot.last ? height + TIME_AXIS : height);
+    this.plots.forEach((plot, index) => {
+      const rows = Math.min(plot.group.curves.length, MOST_ROWS) * ROW + (index === 0 ? HEADER : 0);
+      const height = Math.max(LEAST_HEIGHT, Math.floor(room), rows);
+      plot.resize(plot.last ? height + TIME_AXIS : height);
+    });
     this.showTime(this.time);
   }
 

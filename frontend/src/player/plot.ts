@@ -77,7 +77,9 @@ export class Plot {
   resize(height: number): void {
     const area = this.chart.root.parentElement;
     const width = area?.clientWidth ?? 0;
-    if (width > 40 && height > 40) this.chart.setSize({ width, height });
+    if (width <= 40 || height <= 40) return;
+    this.chart.setSize({ width, height });
+    this.element.style.setProperty("--sb-height", `${height}px`);
   }
 
   showTime(time: number): void {

@@ -7,6 +7,8 @@ export interface SettingValues {
   /** "auto": against the normal of a planar mechanism, else isometric. */
   view: "auto" | ViewName;
   parallel: boolean;
+  /** Whether the camera goes with the selected body. */
+  follow: boolean;
   look: Look;
   frames: boolean;
   joints: boolean;
@@ -34,6 +36,7 @@ export const DEFAULTS: SettingValues = {
   theme: "auto",
   view: "auto",
   parallel: false,
+  follow: false,
   look: "solid",
   frames: false,
   joints: false,

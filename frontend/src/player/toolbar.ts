@@ -24,7 +24,7 @@ export function createToolbar(
   run: (command: Command) => void,
 ): Toolbar {
   const { settings } = player;
-  const views = new Popover("views", "Views", viewButtons(run), parallelBox(player));
+  const views = new Popover("views", "Views", viewButtons(run), cameraBox(player, "parallel", "Without perspective"), cameraBox(player, "follow", "Go with the selected body"));
   const display = new Popover("display", "What is shown", ...displayPanel(settings, scene, source));
   const popovers = player.viewer === null ? [] : [views, display];
   const curves = iconButton("curves", "Curves", "C", () => { run("curves"); });
@@ -62,11 +62,11 @@ function viewButtons(run: (command: Command) => void): HTMLElement {
   return create("div", { class: "sb-views" }, ...buttons);
 }
 
-function parallelBox({ settings }: Player): HTMLElement {
+function cameraBox({ settings }: Player, setting: "parallel" | "follow", label: string): HTMLElement {
   const box = create("input", { type: "checkbox" });
-  box.addEventListener("change", () => { settings.set("parallel", box.checked); });
+  box.addEventListener("change", () => { settings.set(setting, box.checked); });
   settings.follow((name) => {
-    if (name === "parallel") box.checked = settings.values.parallel;
+    if (name === setting) box.checked = settings.values[setting];
   });
-  return create("label", { class: "sb-check" }, box, create("span", {}, "Without perspective"));
+  return create("label", { class: "sb-check" }, box, create("span", {}, label));
 }

@@ -13,6 +13,11 @@ const PARALLEL_ANGLE = 1; // so small that parallels look parallel
 const MARGIN = 1.16;
 const TURN_SECONDS = 0.28;
 
+export interface Placement {
+  readonly position: Vector3;
+  readonly target: Vector3;
+}
+
 interface Turn {
   readonly fromOffset: Vector3;
   readonly toOffset: Vector3;
@@ -139,6 +144,25 @@ export class CameraRig {
     const shift = new Vector3(right * metres, up * metres, 0).applyQuaternion(this.camera.quaternion);
     this.camera.position.sub(shift);
     this.controls.target.sub(shift);
+    this.finish();
+  }
+
+  /** Go along with something that moves. */
+  shift(by: Vector3): void {
+    this.camera.position.add(by);
+    this.controls.target.add(by);
+    this.turn = null;
+    this.fits = false;
+  }
+
+  /** Where the camera is, to be taken back by `place`. */
+  get placement(): Placement {
+    return { position: this.camera.position.clone(), target: this.controls.target.clone() };
+  }
+
+  place({ position, target }: Placement): void {
+    this.camera.position.copy(position);
+    this.controls.target.copy(target);
     this.finish();
   }
 

@@ -5,7 +5,7 @@ import { vectorGroup } from "./arrows";
 import type { Scene } from "./contract";
 import type { LabelItem } from "./labels";
 import type { SceneElement } from "./layer";
-import { bodyColor, GRAVITY_COLOR, VECTOR_COLORS } from "./palette";
+import { bodyColor, VECTOR_COLORS } from "./palette";
 import type { StateSource } from "./source";
 
 /** What labels need of a picture. */
@@ -27,7 +27,7 @@ export function labelItems(scene: Scene, source: StateSource, places: Places): L
   const gravityLabel: LabelItem = {
     text: `g ${Number(gravity.toPrecision(3))}\u202fm/s²`,
     kind: "gravity",
-    color: GRAVITY_COLOR,
+    color: "",
     place: (into) => places.shown.gravity && places.gravityPlace !== null
       && put(into, places.gravityPlace),
   };

@@ -1,7 +1,6 @@
 /** Names beside bodies, joints, vectors and gravity: text over the picture, never one over another. */
 
 import { Vector3, type Camera } from "three";
-import { GRAVITY_COLOR } from "./palette";
 
 export interface LabelItem {
   readonly text: string;
@@ -34,7 +33,7 @@ export class Labels {
       const element = document.createElement("span");
       element.className = `sb-label sb-label-${item.kind}`;
       element.textContent = item.text;
-      element.style.setProperty("--sb-label-color", item.color || GRAVITY_COLOR);
+      element.style.setProperty("--sb-label-color", item.color);
       element.hidden = true;
       this.element.append(element);
       return { item, element, width: 0, height: 0, shown: false };

@@ -7,6 +7,7 @@ import { makeGeometry, shapeOf } from "./shapes";
 import { restPose, type StateSource } from "./source";
 
 const SAMPLES = 80;
+const MOST_GROUND = 1.8; // a ground that is larger, in parts of what moves, may stick out
 const MOST_POINTS = 24_000; // that a view is fitted to
 
 /** Call `visit` with the state at each of the times; the instant is reused. */
@@ -101,7 +102,7 @@ export function motionExtent(scene: Scene, source: StateSource): Extent {
   });
   const ground = local[0]!.flatMap((each) => each.toArray());
   const extent = diagonal(moving);
-  const points = moving.length === 0 || diagonal(ground) < 3 * extent ? [...ground, ...moving] : moving;
+  const points = moving.length === 0 || diagonal(ground) < MOST_GROUND * extent ? [...ground, ...moving] : moving;
   const box = new Box3().setFromArray(points.length === 0 ? [0, 0, 0] : points);
   if (diagonal(points) < 0.05 * scene.size) {
     box.expandByScalar(0.5 * scene.size);
@@ -130,7 +131,7 @@ export function withPoints(extent: Extent, more: readonly Vector3[]): Extent {
 export function gravityEnds(scene: Scene, box: Box3): [Vector3, Vector3] | null {
   if (scene.gravity === null) return null;
   const size = box.getSize(new Vector3());
-  const length = 0.18 * size.length();
+  const length = 0.13 * size.length();
   const up = new Vector3(...scene.up).normalize();
   const left = new Vector3(-1, 0, 0);
   if (scene.normal !== null) left.set(...scene.normal).cross(up).normalize();

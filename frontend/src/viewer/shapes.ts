@@ -35,7 +35,7 @@ export function shapeOf({ kind, size, mesh }: Solid): Shape {
     case "sphere":
       return { key: kind, scale: new Vector3(a, a, a), doubleSided: false };
     case "capsule":
-      return { key: `capsule ${(b / (a || 1)).toPrecision(3)}`, scale: new Vector3(a, a, a), doubleSided: false };
+      return { key: `capsule ${(b / Math.max(a, 1e-9)).toPrecision(3)}`, scale: new Vector3(a, a, a), doubleSided: false };
     default:
       return { key: `mesh ${mesh ?? 0}`, scale: new Vector3(a, b, c), doubleSided: true };
   }

@@ -1,6 +1,6 @@
 /** The picture of a mechanism in an element of a page; free of any framework. */
 
-import { Matrix4, type Vector3 } from "three";
+import { Matrix4, Vector3 } from "three";
 import { GravityArrow, VectorArrows } from "./arrows";
 import { BodyLines } from "./body_lines";
 import { CameraRig, type ViewName } from "./camera_rig";
@@ -11,7 +11,7 @@ import { Labels } from "./labels";
 import { labelItems } from "./label_items";
 import { anchorPoint, writeMatrices, type Counts, type Instant, type Layer, type SceneElement } from "./layer";
 import { FrameAxes, JointMarks } from "./marks";
-import { GRAVITY_COLOR, THEMES, type ThemeName } from "./palette";
+import { THEMES, type ThemeName } from "./palette";
 import { chosenTimes, gravityEnds, motionExtent, shortestLengths, visitStates, withPoints } from "./paths";
 import { elementNamed, Picker } from "./picker";
 import { GeometryStore, Solids, type Look } from "./solids";
@@ -72,6 +72,9 @@ export class Viewer {
   private ghosts: Solids | null = null;
   private look: Look = "solid";
   private hovered = "";
+  private followed = false;
+  private readonly followedTo = new Vector3();
+  private readonly here = new Vector3();
   private stale = true;
 
   /** Throws `WebGLMissing` where the browser has none. */
@@ -95,7 +98,7 @@ export class Viewer {
     this.joints = new JointMarks(scene);
     this.traces = new Traces(scene, source, this.counts);
     this.grid = new GroundGrid(scene, moved.box);
-    this.gravity = fall === null ? null : new GravityArrow(...fall, GRAVITY_COLOR);
+    this.gravity = fall === null ? null : new GravityArrow(...fall);
     this.layers = [this.grid, this.solids, new BodyLines(scene), this.connectors, this.axes, this.arrows, this.traces, this.joints];
     if (this.gravity !== null) this.layers.push(this.gravity);
     for (const layer of this.layers) this.stage.scene.add(layer.object);
@@ -107,6 +110,8 @@ export class Viewer {
     host.append(this.labels.element);
     this.watcher = new ResizeObserver(() => { this.resize(); });
     this.watcher.observe(host);
+    // a driver may take the context away; three.js makes it anew, and the picture is drawn again
+    this.stage.canvas.addEventListener("webglcontextrestored", () => { this.setTime(this.instant.time); });
     this.resize();
     this.rig.view(scene.normal === null ? "isometric" : "front", true);
   }
@@ -193,6 +198,7 @@ export class Viewer {
   /** Mark an element, or none; the callback hears of it. */
   select(element: SceneElement | string | null): void {
     this.selected = typeof element === "string" ? elementNamed(this.scene, element) : element;
+    this.setFollow(this.followed);
     this.paint();
     this.hooks.onSelect?.(this.selected);
   }
@@ -258,6 +264,7 @@ export class Viewer {
       writeMatrices(this.pose, this.instant.matrices);
       for (const layer of this.layers) layer.update(this.instant);
       this.stale = false;
+      if (this.selected !== null && this.followed) this.goWith(this.selected.body);
     }
     this.stage.draw(this.rig.camera);
     this.labels.update(this.rig.camera, this.stage.width, this.stage.height);
@@ -273,6 +280,20 @@ export class Viewer {
     this.store.dispose();
     this.labels.element.remove();
     this.stage.dispose();
+  }
+
+  /** Let the camera look at the body of the selection and go with it, or stay where it is. */
+  setFollow(follow: boolean): void {
+    this.followed = follow;
+    if (!follow || this.selected === null) return;
+    this.followedTo.copy(this.rig.controls.target);
+    this.goWith(this.selected.body);
+  }
+
+  private goWith(body: number): void {
+    this.bodyPosition(body, this.here);
+    this.rig.shift(this.followedTo.subVectors(this.here, this.followedTo));
+    this.followedTo.copy(this.here);
   }
 
   private paint(): void {

@@ -2,7 +2,8 @@
  * The notebook widget: the player in a shadow root, its time, state and sliders shared with Python.
  *
  * Traits: `data` (what a page carries, as an object or as text), `time`, `playing`, `pose` (positions,
- * quaternions and perhaps vectors of one instant, or null), `sliders` and `slider_values`, `height` [px].
+ * quaternions and perhaps vectors of one instant, or null), `sliders` and `slider_values`,
+ * `message` (why sliders could not be followed), `height` [px].
  */
 
 import { DataError, LiveSource, type LiveState } from "../viewer";
@@ -29,59 +30,101 @@ interface Shown {
   readonly live: LiveSource;
 }
 
-function render({ model, el }: { model: WidgetModel; el: HTMLElement }): () => void {
-  const host = create("div", { "data-lm-suppress-shortcuts": "true" });
-  const shadow = host.attachShadow({ mode: "open" });
-  const sliders = create("div", { class: "sb-player sb-sliders" });
-  const frame = create("div");
-  const height = Number(model.get("height"));
-  frame.style.height = `${height > 0 ? height : USUAL_HEIGHT}px`;
-  shadow.append(create("style", {}, style), sliders, frame);
-  el.append(host);
-  let shown: Shown | null = null;
-  const sender = new TimeSender(model);
+/** One view of a widget's model in an output of the notebook. */
+class WidgetView {
+  private readonly host = create("div", { "data-lm-suppress-shortcuts": "true" });
+  private readonly sliders = create("div", { class: "sb-player sb-sliders" });
+  private readonly message = create("p", { class: "sb-slider-message", role: "alert" });
+  private readonly frame = create("div", { class: "sb-framed" });
+  private readonly sender: TimeSender;
+  private readonly followed: readonly (readonly [string, () => void])[];
+  private shown: Shown | null = null;
+  private request = 0;
 
-  const showData = (): void => {
-    shown?.player.dispose();
-    frame.replaceChildren();
-    shown = open(model, frame, sender);
-    showPose();
-    sliders.dataset["theme"] = frame.querySelector<HTMLElement>(".sb-player")?.dataset["theme"] ?? "light";
-  };
-  const showTime = (): void => {
-    const time = Number(model.get("time"));
-    if (shown !== null && Number.isFinite(time) && time !== sender.sent) shown.player.seek(time);
-  };
-  const showPlaying = (): void => {
-    const playing = model.get("playing") === true;
-    if (shown !== null && shown.player.clock.playing !== playing) shown.player.setPlaying(playing);
-  };
-  const showPose = (): void => {
-    if (shown === null) return;
-    shown.live.show(readPose(model.get("pose")));
-    shown.player.refresh();
-  };
-  const showSliders = (): void => {
-    const values = model.get("slider_values");
-    sliders.replaceChildren(...createSliders(readSliders(model.get("sliders"), values), (name, value) => {
+  constructor(
+    private readonly model: WidgetModel,
+    el: HTMLElement,
+  ) {
+    this.sender = new TimeSender(model);
+    const height = Number(model.get("height"));
+    this.frame.style.height = `${height > 0 ? height : USUAL_HEIGHT}px`;
+    const shadow = this.host.attachShadow({ mode: "open" });
+    shadow.append(create("style", {}, style), this.sliders, this.message, this.frame);
+    el.append(this.host);
+    this.followed = [
+      ["change:data", () => { this.requestData(); }],
+      ["change:time", () => { this.showTime(); }],
+      ["change:playing", () => { this.showPlaying(); }],
+      ["change:pose", () => { this.showPose(); }],
+      ["change:sliders", () => { this.showSliders(); }],
+      ["change:message", () => { this.showMessage(); }],
+    ];
+    this.showSliders();
+    this.showMessage();
+    this.showData();
+    for (const [event, call] of this.followed) model.on(event, call);
+  }
+
+  end(): void {
+    for (const [event, call] of this.followed) this.model.off(event, call);
+    cancelAnimationFrame(this.request);
+    this.sender.stop();
+    this.shown?.player.dispose();
+    this.host.remove();
+  }
+
+  /** Sliders change the data often: they are shown once before the next frame. */
+  private requestData(): void {
+    cancelAnimationFrame(this.request);
+    this.request = requestAnimationFrame(() => { this.showData(); });
+  }
+
+  private showData(): void {
+    const before = this.shown?.player.viewer?.rig.placement;
+    this.shown?.player.dispose();
+    this.frame.replaceChildren();
+    this.shown = open(this.model, this.frame, this.sender);
+    if (before !== undefined) this.shown?.player.viewer?.rig.place(before);
+    this.sliders.dataset["theme"] = this.shown?.player.root.dataset["theme"] ?? "light";
+    this.showPose();
+  }
+
+  private showTime(): void {
+    const time = Number(this.model.get("time"));
+    if (Number.isFinite(time) && time !== this.sender.sent) this.shown?.player.seek(time);
+  }
+
+  private showPlaying(): void {
+    const playing = this.model.get("playing") === true;
+    if (this.shown !== null && this.shown.player.clock.playing !== playing) this.shown.player.setPlaying(playing);
+  }
+
+  private showPose(): void {
+    this.shown?.live.show(readPose(this.model.get("pose")));
+    this.shown?.player.refresh();
+  }
+
+  private showMessage(): void {
+    const text = this.model.get("message");
+    this.message.textContent = typeof text === "string" ? text : "";
+    this.message.hidden = this.message.textContent === "";
+  }
+
+  private showSliders(): void {
+    const { model } = this;
+    const ranges = readSliders(model.get("sliders"), model.get("slider_values"));
+    const rows = createSliders(ranges, (name, value) => {
       model.set("slider_values", { ...(model.get("slider_values") as object | null), [name]: value });
       model.save_changes();
-    }));
-    sliders.hidden = sliders.childElementCount === 0;
-  };
-  const followed: [string, () => void][] = [
-    ["change:data", showData], ["change:time", showTime], ["change:playing", showPlaying],
-    ["change:pose", showPose], ["change:sliders", showSliders],
-  ]; // prettier-ignore
-  showSliders();
-  showData();
-  for (const [event, call] of followed) model.on(event, call);
-  return () => {
-    for (const [event, call] of followed) model.off(event, call);
-    sender.stop();
-    shown?.player.dispose();
-    host.remove();
-  };
+    });
+    this.sliders.replaceChildren(...rows);
+    this.sliders.hidden = rows.length === 0;
+  }
+}
+
+function render({ model, el }: { model: WidgetModel; el: HTMLElement }): () => void {
+  const view = new WidgetView(model, el);
+  return () => { view.end(); };
 }
 
 /** Show what the model has, or say why it can't be shown. */
