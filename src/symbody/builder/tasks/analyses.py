@@ -134,7 +134,7 @@ def _swing(mode: Mode, linear: Linearization, state: State, scene: Scene) -> Sce
             near = assemble(eqs, fixed, near.q, inputs=dict(state.inputs))
         except SymbodyError:
             return None
-        frames.append(placed_motion(near, scene_bodies(eqs.model)))
+        frames.append(placed_motion(eqs, near.q, scene_bodies(eqs.model)))
     return joined(frames, times)
 
 
@@ -195,7 +195,7 @@ def _scene(state: State) -> Scene:
 
 
 def _still(state: State) -> Answer:
-    motion = placed_motion(state, scene_bodies(state.eqs.model))
+    motion = placed_motion(state.eqs, state.q, scene_bodies(state.eqs.model))
     return {"scene": scene_to_json(_scene(state)), "motion": motion_to_json(motion)}
 
 

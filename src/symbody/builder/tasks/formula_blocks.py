@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+from symbody.builder.tasks.term_spans import with_spans
 from symbody.errors import SymbodyError
 from symbody.expr.graph import Graph
 from symbody.expr.printing.latex import to_latex_with_definitions
@@ -48,6 +49,8 @@ class FormulaBlock:
         Of the matrix.
     output : str
         What generated C computes; "" where there is nothing of that name.
+    spans : tuple of mapping of node to str
+        Of each equation, the terms that bear marks.
     """
 
     title: str
@@ -57,6 +60,7 @@ class FormulaBlock:
     columns: int = 0
     name: Label | None = None
     output: str = ""
+    spans: tuple[Mapping[int, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,6 +151,11 @@ def _mathml(graph: Graph, block: FormulaBlock, nodes: Sequence[int], latex: str)
         parts += [math_element(mathml_equations(definitions), block=True)] if definitions else []
         return "".join(parts)
     sides = [(_side(label, written, "mathml"), right) for label, right in _pairs(block, written)]
+    if block.spans and not named:
+        sides = [
+            (with_spans(graph, spans, left), with_spans(graph, spans, right))
+            for spans, (left, right) in zip(block.spans, sides, strict=True)
+        ]
     return math_element(mathml_equations([*sides, *definitions]), block=True)
 
 
