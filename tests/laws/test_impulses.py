@@ -137,7 +137,8 @@ def check_all(seeds: Iterable[int]) -> None:
     print(f"{len(shares)} struck, with at most {max(shares, default=0.0):.2g} of the errors allowed")
 
 
-@pytest.mark.parametrize("seed", [0, 3, 6, 9, 11])
+# In 105 there are rows in t that always hold: their rounding is no jump.
+@pytest.mark.parametrize("seed", [0, 6, 9, 11, 105])
 def test_speeds_jump_by_what_the_joints_transmit(seed: int) -> None:
     check_all([seed])
 

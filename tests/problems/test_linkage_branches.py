@@ -60,15 +60,14 @@ def check_assemblies(name: str, first: float) -> int:
     return len(found)
 
 
-@pytest.mark.parametrize("name", ["Bennett", "Goldberg 5R", "Myard"])
-def test_every_assembly_of_a_loop_has_one_freedom(name: str) -> None:
-    assert check_assemblies(name, 1.0) == {"Bennett": 1, "Goldberg 5R": 1, "Myard": 2}[name]
+def test_both_assemblies_of_myards_linkage_have_one_freedom() -> None:
+    assert check_assemblies("Myard", 1.0) == 2
 
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("name", LOOPS)
 @pytest.mark.parametrize("first", [-2.2, -0.9, 0.4, 1.0, 1.9])
-def test_every_assembly_of_a_loop_has_one_freedom_at_other_angles(name: str, first: float) -> None:
+def test_every_assembly_of_a_loop_has_one_freedom(name: str, first: float) -> None:
     check_assemblies(name, first)
 
 

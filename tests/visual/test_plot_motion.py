@@ -26,9 +26,9 @@ from symbody import (
     simulate,
 )
 from symbody.errors import FormulationError
-from symbody.visual.event_marks import EventLines
-from symbody.visual.labels import readable, shown_unit, typed_unit
-from symbody.visual.plot import plot
+from symbody.visual.plotting.axis_labels import readable, shown_unit, typed_unit
+from symbody.visual.plotting.event_marks import EventLines
+from symbody.visual.plotting.plot import plot
 
 Floats = NDArray[np.float64]
 
