@@ -42,9 +42,9 @@ class PositionSolver:
             **guess,
             **{name: value for name, value in model.items() if name not in guess},
         }
-        known = named_values(self.eqs, guessed, None, strict=set(guess))
+        near = named_values(self.eqs, guessed, None, strict=set(guess))
         values = named_values(self.eqs, fixed, None, strict=set(fixed))
-        q, _ = consistent_start(self.task, values, known)
+        q, _ = consistent_start(self.task, values, near)
         return dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
 
 

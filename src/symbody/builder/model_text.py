@@ -61,11 +61,11 @@ def data_from_text(text: str, name: str) -> Opened:
         model = from_data(content)
     except SymbodyError as error:
         lines = key_lines(plain)
-        told = [_with_line(each, lines) for each in page_problems(error.problems, data)]
-        return Opened(data, None, told)
+        problems = [_with_line(each, lines) for each in page_problems(error.problems, data)]
+        return Opened(data, None, problems)
     layout = content.get("layout")
-    known = to_data(model)
-    return Opened({**known, "layout": layout} if layout else known, model, [])
+    content_data = to_data(model)
+    return Opened({**content_data, "layout": layout} if layout else content_data, model, [])
 
 
 def text_from_data(data: Mapping[str, Any], onto: str = "") -> str:
@@ -184,8 +184,8 @@ def _node(value: Any, key: str = "") -> Node:
     if isinstance(value, int | float | Decimal):
         return _formula(str(value)) or str(value)
     if isinstance(value, str):
-        found = None if key in _WORDS else _formula(value)
-        return found if found is not None and found.is_number else value
+        number = None if key in _WORDS else _formula(value)
+        return number if number is not None and number.is_number else value
     raise FormatError(
         Problem("builder.not_writable", key, f"{type(value).__name__} cannot be written to a file")
     )

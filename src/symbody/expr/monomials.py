@@ -33,35 +33,35 @@ def monomials(graph: Graph, nodes: Sequence[int]) -> dict[int, Monomials]:
     return {node: expanded[node] for node in nodes}
 
 
-def _expanded(graph: Graph, node: int, values: dict[int, Pair], known: dict[int, Monomials]) -> Monomials:
+def _expanded(graph: Graph, node: int, values: dict[int, Pair], expanded: dict[int, Monomials]) -> Monomials:
     number = graph.number(node)
     if number is not None:
         return {_ONE: Fraction(number)} if number else {}
     op, operands = graph.ops[node], graph.operands(node)
     if op in (ADD, SUB):
-        return _added(known[operands[0]], known[operands[1]], 1 if op == ADD else -1)
+        return _added(expanded[operands[0]], expanded[operands[1]], 1 if op == ADD else -1)
     if op == NEG:
-        return {pair: -factor for pair, factor in known[operands[0]].items()}
+        return {pair: -factor for pair, factor in expanded[operands[0]].items()}
     if op == MUL:
-        return _product(known[operands[0]], known[operands[1]]) or _whole(values[node])
+        return _product(expanded[operands[0]], expanded[operands[1]]) or _whole(values[node])
     if op == DIV:
         a, b = values[operands[1]]
         if a and b:
             inverse = _atom((pow(a, -1, PRIME), pow(b, -1, PRIME)))
-            return _product(known[operands[0]], inverse) or _whole(values[node])
+            return _product(expanded[operands[0]], inverse) or _whole(values[node])
     if op == POW:
-        return _power(graph, node, values, known)
+        return _power(graph, node, values, expanded)
     return _atom(values[node])
 
 
-def _power(graph: Graph, node: int, values: dict[int, Pair], known: dict[int, Monomials]) -> Monomials:
+def _power(graph: Graph, node: int, values: dict[int, Pair], expanded: dict[int, Monomials]) -> Monomials:
     base, exponent = graph.operands(node)
     times = graph.number(exponent)
     if not isinstance(times, int) or not 2 <= times <= _HIGHEST:
         return _atom(values[node])
-    result = known[base]
+    result = expanded[base]
     for _ in range(times - 1):
-        result = _product(result, known[base])
+        result = _product(result, expanded[base])
     return result or _whole(values[node])
 
 

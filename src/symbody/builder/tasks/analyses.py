@@ -47,25 +47,25 @@ def equilibrium(payload: Mapping[str, Any], report: Report) -> Answer:
     options = read_options(EquilibriumOptions, payload["options"])
     eqs = _equations(payload)
     report("looking for equilibria", None)
-    rest = find_equilibrium(
+    state = find_equilibrium(
         eqs, options.guess, inputs=options.inputs, unknowns=options.unknowns, fixed=options.fixed
     )
-    others = [each for each in rest.branches if isinstance(each, type(rest))]
+    others = [each for each in state.branches if isinstance(each, type(state))]
     return {
-        **_rest(rest),
-        "notes": list(rest.notes),
-        "inputs": {name: _number(rest.inputs[name]) for name in options.unknowns},
-        "picture": _still(rest),
+        **_rest(state),
+        "notes": list(state.notes),
+        "inputs": {name: _number(state.inputs[name]) for name in options.unknowns},
+        "picture": _still(state),
         "branches": [{**_rest(each), "picture": _still(each)} for each in others[:8]],
     }
 
 
-def _rest(rest: Any) -> Answer:
+def _rest(state: Any) -> Answer:
     try:
-        verdict = str(rest.verdict)
+        verdict = str(state.verdict)
     except SymbodyError:
         verdict = "undecided"
-    return {"values": finite_values(rest.q), "verdict": verdict}
+    return {"values": finite_values(state.q), "verdict": verdict}
 
 
 def _number(value: Any) -> float | None:

@@ -121,8 +121,8 @@ def _formed(model: Model, data: Data, key: str) -> Checked:
         return Checked(summary, solver.positions({}, {}), notes, eqs)
     except SymbodyError as error:
         valueless = [name for name, value in model.parameters.items() if value is None]
-        told = [_unvalued(name, data) for name in valueless] or page_problems(error.problems, data)
-        return Checked(summary, None, [*told, *notes], eqs)
+        faults = [_unvalued(name, data) for name in valueless] or page_problems(error.problems, data)
+        return Checked(summary, None, [*faults, *notes], eqs)
 
 
 def _unvalued(name: str, data: Data) -> PageProblem:

@@ -26,9 +26,9 @@ def find_pose(payload: Mapping[str, Any], report: Report) -> dict[str, Any]:
     try:
         solver = known_solver(model, model_key(data, folder))
         eqs = solver.eqs
-        known = set(eqs.coordinate_names)
-        fixed = {name: value for name, value in payload["fixed"].items() if name in known}
-        guess = {name: value for name, value in payload["guess"].items() if name in known - fixed.keys()}
+        names = set(eqs.coordinate_names)
+        fixed = {name: value for name, value in payload["fixed"].items() if name in names}
+        guess = {name: value for name, value in payload["guess"].items() if name in names - fixed.keys()}
         positions = solver.positions(fixed, guess)
         motion = placed_motion(eqs, positions, scene_bodies(model))
     except SymbodyError as error:

@@ -21,20 +21,20 @@ def with_spans(graph: Graph, spans: Mapping[int, str], formula: str) -> str:
     formula : str
         MathML of a sum.
     """
-    known = {_unsigned(to_mathml(graph, node)): span for node, span in spans.items()}
+    marks = {_unsigned(to_mathml(graph, node)): span for node, span in spans.items()}
     parts = []
     for elements in terms_of(list(ElementTree.fromstring(f"<mrow>{formula}</mrow>"))):
-        signs, rest = _without_sign(elements)
-        span = known.get("".join(map(_text, rest)))
-        inner = "".join(map(_text, rest))
+        signs, unsigned = _without_sign(elements)
+        span = marks.get("".join(map(_text, unsigned)))
+        inner = "".join(map(_text, unsigned))
         parts.append("".join(map(_text, signs)))
         parts.append(inner if span is None else f'<mrow data-span="{span}">{inner}</mrow>')
     return "".join(parts)
 
 
 def _unsigned(formula: str) -> str:
-    _, rest = _without_sign(list(ElementTree.fromstring(f"<mrow>{formula}</mrow>")))
-    return "".join(map(_text, rest))
+    _, unsigned = _without_sign(list(ElementTree.fromstring(f"<mrow>{formula}</mrow>")))
+    return "".join(map(_text, unsigned))
 
 
 def _without_sign(elements: list[Element]) -> tuple[list[Element], list[Element]]:
