@@ -1,21 +1,18 @@
-"""Draw constraints with directions of their multipliers: `python docs/draw_constraints.py` writes them."""
+"""Draw constraints with bodies and multipliers: `python docs/draw_constraints.py` writes docs/pictures."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from typing import Final
 
-import matplotlib.pyplot as plt
 import numpy as np
-from draw_joints import END, OWN, PICTURES, START, UNITS, Array, Picture, turned
-from matplotlib.figure import Figure
-from mpl_toolkits.mplot3d import Axes3D
+from sketch import BLUE, DARK, END, GREY, OWN, START, UNITS, Array, Picture, turned
+
+FRONT: Final = 0.07 * UNITS[0]  # the front of a wheel
 
 
-def _ground(p: Picture, size: float = 1.1) -> None:
-    edge = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [-1, -1, 0]]) * size
-    p.axes.plot(*edge.T, color=START, linewidth=0.8)
+def _ground(p: Picture, size: float = 0.9) -> None:
+    p.box((0, 0, -0.04), (2 * size, 2 * size, 0.08), GREY)
 
 
 def rolling(p: Picture) -> None:
@@ -32,7 +29,9 @@ def rolling(p: Picture) -> None:
     up = (normal - cosine * axle) / sine
     turn = np.linspace(0, 2 * np.pi, 90)
     rim = centre + radius * (np.outer(np.cos(turn), up) + np.outer(np.sin(turn), forward))
-    p.axes.plot(*rim.T, color=END, linewidth=1.8)
+    p.rod(centre - 0.04 * axle, centre + 0.04 * axle, radius, BLUE)
+    p.rod(centre, centre + 0.3 * axle, 0.06, BLUE)
+    p.curve(rim, END, 1.2)
     p.arrow(centre, centre + 0.7 * axle, END)
     p.text(centre + 0.84 * axle, "axis", END)
     p.text(centre - 0.12 * axle, "P", END)
@@ -54,9 +53,7 @@ def knife_edge(p: Picture) -> None:
     r = turned("z", -25)
     p.frame((-0.7, -0.5, 0), UNITS, START, "", 0.5)
     at = np.array([0.1, 0.1, 0.0])
-    edge = np.array([at - 0.45 * r[:, 0], at + 0.45 * r[:, 0]])
-    face = np.array([*edge, edge[1] + [0, 0, 0.35], edge[0] + [0, 0, 0.35], edge[0]])
-    p.axes.plot(*face.T, color=END, linewidth=1.8)
+    p.box(at + [0, 0, 0.19], (0.9, 0.04, 0.38), BLUE, r)
     p.arrow(at, at + 0.75 * r[:, 1], OWN)
     p.text(at + 0.95 * r[:, 1], "axis, lambda")
     p.arrow(at, at + 0.9 * r[:, 0], END)
@@ -69,9 +66,10 @@ def point_on_curve(p: Picture) -> None:
     origin = np.array([-0.5, -0.6, -0.3])
     s = np.linspace(0, 2.2, 80)
     curve = origin + np.column_stack([0.9 - 0.55 * s, 0.1 + 0.75 * s, 0.45 + 0.45 * np.sin(1.4 * s)])
-    p.axes.plot(*curve.T, color=START, linewidth=1.8)
+    p.tube(curve[:66], np.tile(UNITS[0], (66, 1)), 0.045, GREY)
     point = curve[48]
-    p.axes.plot(*curve[:49].T, color=OWN, linewidth=2.2)
+    p.box(point, (0.22, 0.22, 0.22), BLUE, turned("z", 40) @ turned("x", 30))
+    p.curve(curve[:49], OWN, 1.8)
     p.text(curve[24] + np.array([0, 0, 0.16]), "parameter")
     p.frame(point, turned("z", 40) @ turned("x", 30), END, "'", 0.4)
     p.arrow(origin, point, START)
@@ -83,7 +81,9 @@ def distance(p: Picture) -> None:
     a, b = np.array([-0.3, -0.7, -0.2]), np.array([0.1, 0.3, 0.4])
     p.frame(a, UNITS, START, "", 0.5)
     p.frame(b, turned("z", -50) @ turned("y", 35), END, "'", 0.45)
-    p.axes.plot(*np.array([a, b]).T, color=START, linewidth=3.0)
+    p.box(a - np.array([0, 0, 0.12]), (0.4, 0.4, 0.2), GREY)
+    p.box(b, (0.26, 0.26, 0.26), BLUE, turned("z", -50) @ turned("y", 35))
+    p.rod(a, b, 0.05, DARK)
     p.text((a + b) / 2 + np.array([0, -0.1, 0.16]), "value", START)
     along = (b - a) / np.linalg.norm(b - a)
     p.arrow(b, b + 0.6 * along, OWN)
@@ -97,6 +97,9 @@ def point_on_line(p: Picture) -> None:
     p.line(a - 0.15 * UNITS[1], a + 2.1 * UNITS[1])
     p.frame(a, r, START, "", 0.4, unnamed="x")
     p.text(a + np.array([0, 0.42, 0.14]), "x", START)
+    p.box((0, 0.2, -0.14), (0.3, 2.4, 0.06), GREY)
+    p.rod((0, -0.95, 0), (0, 1.3, 0), 0.05, GREY)
+    p.sphere(at, 0.12, BLUE)
     p.frame(at, turned("x", 140) @ turned("z", 40), END, "'", 0.4)
     p.arrow(a, at, START)
     p.text((a + at) / 2 + np.array([0, 0.15, -0.16]), "p", START)
@@ -110,6 +113,8 @@ def point_on_plane(p: Picture) -> None:
     _ground(p)
     a, at = np.array([0.2, -0.7, 0]), np.array([0.0, 0.45, 0])
     p.frame(a, UNITS, START, "", 0.5)
+    p.rod(at, at + 0.3 * (turned("x", 25) @ UNITS[2]), 0.1, BLUE)
+    p.sphere(at, 0.1, BLUE)
     p.frame(at, turned("x", 25) @ turned("z", 30), END, "'", 0.4, unnamed="z")
     p.arrow(a, at, START)
     p.text((a + at) / 2 + np.array([0, 0.1, 0.14]), "p", START)
@@ -119,13 +124,14 @@ def point_on_plane(p: Picture) -> None:
 
 def point_on_surface(p: Picture) -> None:
     """Draw a surface f = 0 in start, a point of end on it, and the force along the gradient."""
-    x, y = np.meshgrid(np.linspace(-0.9, 0.9, 13), np.linspace(-0.9, 0.9, 13))
-    p.axes.plot_wireframe(x, y, 0.35 - 0.35 * (x**2 + y**2), color=START, linewidth=0.5)
+    x, y = np.meshgrid(np.linspace(-0.9, 0.9, 31), np.linspace(-0.9, 0.9, 31))
+    p.surface(np.dstack([x, y, 0.35 - 0.35 * (x**2 + y**2)]), GREY)
     origin = np.array([-0.2, -0.3, -0.55])
     p.frame(origin, UNITS, START, "", 0.45)
     at = np.array([0.35, 0.4, 0.35 - 0.35 * (0.35**2 + 0.4**2)])
     gradient = np.array([0.7 * at[0], 0.7 * at[1], 1.0])
     gradient /= np.linalg.norm(gradient)
+    p.sphere(at, 0.09, BLUE)
     p.frame(at, turned("z", 60), END, "'", 0.35, unnamed="z")
     p.arrow(at, at + 0.75 * gradient, OWN)
     p.text(at + 0.9 * gradient, "lambda grad f")
@@ -135,6 +141,8 @@ def _axes_of_two(p: Picture, degrees: float, first: str, second: str) -> tuple[A
     """Draw an axis of start and one of end; return where the second stands, and both directions."""
     a, b = np.array([0, -0.85, -0.2]), np.array([0, -0.1, -0.2])
     one, two = UNITS[2], turned("x", -degrees) @ UNITS[2]
+    p.box(a, (0.45, 0.35, 0.35), GREY)
+    p.box(b, (0.45, 0.35, 0.35), BLUE, turned("x", -degrees))
     p.arrow(a, a + 1.1 * one, START)
     p.text(a + 1.24 * one, first, START)
     p.arrow(b, b + 1.0 * two, END)
@@ -158,7 +166,7 @@ def perpendicular(p: Picture) -> None:
     b, one, two = _axes_of_two(p, 90, "first", "second")
     p.arrow(b, b + 0.6 * one, START, 1.3)
     square = np.array([b + 0.16 * one, b + 0.16 * (one + two), b + 0.16 * two])
-    p.axes.plot(*square.T, color=START, linewidth=1.2)
+    p.curve(square, START, 1.0)
     p.angle(b, UNITS[0], turned("x", -75) @ UNITS[2], 60, "lambda", 0.42, 0.3)
 
 
@@ -167,50 +175,56 @@ def angle(p: Picture) -> None:
     b, one, two = _axes_of_two(p, 55, "first", "second")
     p.arrow(b, b + 0.8 * one, START, 1.3)
     arc = np.array([b + 0.4 * (turned("x", -k) @ one) for k in np.linspace(0, 55, 30)])
-    p.axes.plot(*arc.T, color=START, linewidth=1.5)
+    p.curve(arc, START, 1.2)
     p.text(b + 0.55 * (turned("x", -27) @ one), "value", START)
     p.angle(b, UNITS[0], turned("x", -75) @ UNITS[2], 40, "", 0.62)
     p.text(b + 0.8 * (turned("x", -84) @ one), "lambda")
 
 
-def _wheel(p: Picture, centre: Array, radius: float, colour: str) -> None:
-    """Draw a wheel in the plane across the view's x."""
-    turn = np.linspace(0, 2 * np.pi, 80)
-    rim = centre + radius * np.column_stack([np.zeros_like(turn), np.cos(turn), np.sin(turn)])
-    p.axes.plot(*rim.T, color=colour, linewidth=1.8)
-    p.axes.plot(*centre[:, None], color=colour, marker="o", markersize=3)
+def _wheel(p: Picture, centre: Array, radius: float, colour: str, teeth: int = 0) -> None:
+    """Draw a wheel in the plane across the view's x, with teeth about its radius."""
+    tall = 0.07 if teeth else 0.0
+    front, back = centre + 0.06 * UNITS[0], centre - 0.06 * UNITS[0]
+    p.rod(back, front, radius - tall, colour)
+    p.rod(back - 0.1 * UNITS[0], front + 0.02 * UNITS[0], 0.07, DARK)
+    for k in range(teeth):
+        r = turned("x", 360.0 * (k + 0.5 * (centre[1] > 0)) / teeth)
+        p.box(centre + (radius - 0.03) * r[:, 1], (0.12, 0.16, np.pi * radius / teeth * 0.8), colour, r)
 
 
 def gear(p: Picture) -> None:
     """Draw two wheels, their angles, and the torque on the first."""
     a, b = np.array([0, -0.45, 0.2]), np.array([0, 0.6, 0.2])
-    _wheel(p, a, 0.65, START)
-    _wheel(p, b, 0.4, END)
-    p.angle(a, UNITS[0], UNITS[1], 110, "first, lambda", 0.25, 0.18)
-    p.angle(b, UNITS[0], UNITS[1], 110, "second", 0.2, 0.28)
+    _wheel(p, a, 0.65, GREY, 26)
+    _wheel(p, b, 0.4, BLUE, 16)
+    p.angle(a + FRONT, UNITS[0], UNITS[1], 110, "first, lambda", 0.25, 0.28)
+    p.angle(b + FRONT, UNITS[0], UNITS[1], 110, "second", 0.2, 0.26)
 
 
 def rack_pinion(p: Picture) -> None:
     """Draw a pinion on a rack, the angle, the displacement, and the force on the rack."""
     centre = np.array([0, 0.0, 0.5])
-    _wheel(p, centre, 0.5, START)
-    p.angle(centre, UNITS[0], UNITS[1], 70, "angle", 0.25, 0.18)
-    p.axes.plot([0, 0], [-0.9, 0.9], [0, 0], color=END, linewidth=3.0)
-    p.slide((0, -0.9, -0.15), (0, -0.1, -0.15), "displacement", (0, 0.1, -0.2))
+    _wheel(p, centre, 0.5, GREY, 20)
+    p.angle(centre + FRONT, UNITS[0], UNITS[1], 70, "angle", 0.25, 0.3)
+    p.box((0, 0, -0.1), (0.2, 1.9, 0.1), BLUE)
+    for k in range(-5, 6):
+        p.box((0, np.pi / 20 * (k + 0.5), -0.02), (0.12, 0.07, 0.1), BLUE)
+    p.slide((0, -0.9, -0.28), (0, -0.1, -0.28), "displacement", (0, 0.1, -0.2))
     p.slide((0, 0.35, 0.12), (0, 0.95, 0.12), "lambda", (0, 0.1, 0.17))
 
 
 def belt(p: Picture) -> None:
     """Draw two pulleys, the belt, their angles, and the pull."""
     a, b, r, s = np.array([0, -0.55, 0.2]), np.array([0, 0.65, 0.2]), 0.5, 0.3
-    _wheel(p, a, r, START)
-    _wheel(p, b, s, END)
+    _wheel(p, a, r, GREY)
+    _wheel(p, b, s, BLUE)
     lean = np.arcsin((r - s) / np.linalg.norm(b - a))
     for side in (1, -1):
         normal = np.array([0, np.sin(lean), side * np.cos(lean)])
-        p.axes.plot(*np.array([a + r * normal, b + s * normal]).T, color=OWN, linewidth=1.2)
-    p.angle(a, UNITS[0], UNITS[1], 70, "first", 0.22, 0.18)
-    p.angle(b, UNITS[0], UNITS[1], 70, "second", 0.14, 0.26)
+        corner = np.stack([a + r * normal, b + s * normal])
+        p.surface(np.stack([corner - 0.05 * UNITS[0], corner + 0.05 * UNITS[0]]), DARK)
+    p.angle(a + FRONT, UNITS[0], UNITS[1], 70, "first", 0.22, 0.26)
+    p.angle(b + FRONT, UNITS[0], UNITS[1], 70, "second", 0.14, 0.26)
     top = a + r * np.array([0, np.sin(lean), np.cos(lean)])
     p.slide(top + np.array([0, 0.75, -0.06]), top + np.array([0, 0.2, 0.04]), "lambda", (0, 0.1, 0.16))
 
@@ -218,12 +232,16 @@ def belt(p: Picture) -> None:
 def differential(p: Picture) -> None:
     """Draw two half shafts and the carrier that turns about them."""
     p.line(-1.0 * UNITS[1], 1.0 * UNITS[1])
-    for at, name, colour in ((-0.75, "left", START), (0.75, "right", START), (0.0, "carrier", END)):
-        radius = 0.55 if name == "carrier" else 0.3
-        turn = np.linspace(0, 2 * np.pi, 80)
-        rim = np.column_stack([radius * np.cos(turn), np.full_like(turn, at), radius * np.sin(turn)])
-        p.axes.plot(*rim.T, color=colour, linewidth=1.8)
-        p.angle((0, at, 0), UNITS[1], turned("y", 150) @ UNITS[0], 100, name, radius + 0.1, 0.16)
+    p.rod((0, -1.0, 0), (0, -0.2, 0), 0.08, GREY)
+    p.rod((0, 0.2, 0), (0, 1.0, 0), 0.08, GREY)
+    p.rod((0, -0.28, 0), (0, -0.16, 0), 0.24, GREY)
+    p.rod((0, 0.16, 0), (0, 0.28, 0), 0.24, GREY)
+    p.ring((0, 0, 0), UNITS[1], 0.5, BLUE, 0.06)
+    p.rod((0, 0, -0.5), (0, 0, 0.5), 0.04, BLUE)
+    for side in (-1, 1):
+        p.rod((0, 0, 0.2 * side), (0, 0, 0.32 * side), 0.16, DARK)
+    for at, name, radius in ((-0.75, "left", 0.3), (0.75, "right", 0.3), (0.0, "carrier", 0.62)):
+        p.angle((0, at, 0), UNITS[1], turned("y", 150) @ UNITS[0], 100, name, radius, 0.16)
 
 
 def equation(p: Picture) -> None:
@@ -234,7 +252,7 @@ def equation(p: Picture) -> None:
     p.text(1.15 * UNITS[1], "q2", START)
     s = np.linspace(-0.8, 0.8, 80)
     curve = np.column_stack([s, 0.35 - 0.7 * s**2, 0 * s])
-    p.axes.plot(*curve.T, color=END, linewidth=1.8)
+    p.curve(curve, END, 1.6)
     p.text(curve[-1] + np.array([0.1, -0.25, 0]), "f(q1, q2) = 0", END)
     at, slope = curve[52], np.array([1.4 * s[52], 1.0, 0])
     p.slide(at, at + 0.6 * slope, "lambda grad f", (0.0, 0.3, 0.12))
@@ -259,26 +277,13 @@ CONSTRAINTS: Final[dict[str, Callable[[Picture], None]]] = {
 }
 
 
-def drawn(name: str) -> Figure:
-    """Return the picture of one constraint."""
-    figure = plt.figure(figsize=(3.6, 3.6))
-    axes = figure.add_axes((0, 0, 1, 1), projection="3d")
-    assert isinstance(axes, Axes3D)
-    CONSTRAINTS[name](Picture(axes, name.replace("_", " ")))
-    return figure
-
-
-def main(kind: str = "svg") -> None:
-    """Write every picture, the same file for the same drawing."""
-    plt.switch_backend("agg")
-    plt.rcParams.update({"svg.hashsalt": "constraints", "svg.fonttype": "none", "font.family": "DejaVu Sans"})
-    PICTURES.mkdir(exist_ok=True)
-    for name in CONSTRAINTS:
-        figure = drawn(name)
-        metadata = {"Date": None} if kind == "svg" else None
-        figure.savefig(PICTURES / f"constraint_{name}.{kind}", metadata=metadata, dpi=100)
-        plt.close(figure)
+def main() -> None:
+    """Write every picture."""
+    for name, draw in CONSTRAINTS.items():
+        picture = Picture(name.replace("_", " "))
+        draw(picture)
+        picture.save(f"constraint_{name}")
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:2])
+    main()

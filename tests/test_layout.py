@@ -21,7 +21,7 @@ DRAWERS = {"base", "common", "helpers", "misc", "utils"}
 # Text never becomes code: these turn strings into it.
 TEXT_TO_CODE = {"eval", "exec", "lambdify", "parse_expr", "sympify"}
 # Packages of pyproject's extras: the only ones that may be imported where they are used.
-EXTRAS = {"collada", "pandas", "trimesh", "xarray"}
+EXTRAS = {"collada", "imageio_ffmpeg", "pandas", "trimesh", "xarray"}
 # "file: class" of dataclasses that have to change after they are made; say why beside each.
 MUTABLE_DATACLASSES = frozenset(
     {"dynaflexpro/exports.py: ModelEquations"}  # SetBaumgarte changes the model, as in its scripts

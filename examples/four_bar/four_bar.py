@@ -2,9 +2,9 @@
 
 Description
     A crank of length L1 turns about A; a coupler of length L2 joins it at B to a rocker of length L3 at C,
-    which swings about D, the length L4 to the right of A. The torque T turns the crank; gravity G points along
-    -Y. theta is the angle of the crank, beta that of the coupler from the crank, phi that of the rocker. The
-    point P of the coupler, H above its middle, draws a coupler curve.
+    which swings about D, the length L4 to the right of A. The torque T turns the crank; gravity G points
+    along -Y. theta is the angle of the crank, beta that of the coupler from the crank, phi that of the
+    rocker. The point P of the coupler, H above its middle, draws a coupler curve.
 Concepts
     A crank-rocker by Grashof's condition; its closed loop: joint C is cut; position analysis over a turn;
     both branches; reactions and the torque that keeps the speed by inverse dynamics.
@@ -23,7 +23,9 @@ eqs = sb.form_equations(model)
 print(*eqs.constraints, sep="\n")
 p = {name: float(str(value)) for name, value in model.parameters.items() if value}
 lengths = sorted(p[name] for name in ("L1", "L2", "L3", "L4"))
-print("Grashof: shortest and longest", lengths[0] + lengths[-1], "m, the others", lengths[1] + lengths[2], "m")
+print(
+    "Grashof: shortest and longest", lengths[0] + lengths[-1], "m, the others", lengths[1] + lengths[2], "m"
+)
 
 # Simulation
 

@@ -143,3 +143,4 @@ from .visual import plot as plot
 from .visual import save_plot as save_plot
 from .visual import Animation as Animation
 from .visual import animate as animate
+from .visual import save_animation as save_animation

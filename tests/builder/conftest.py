@@ -58,10 +58,10 @@ class Builder:
         changed = {name.replace("_", "-"): value for name, value in changes.items()}
         return {name: value for name, value in {**usual, **changed}.items() if value is not None}
 
-    def ask(self, name: str, **content: Any) -> Answer:
+    def ask(self, name: str, /, **content: Any) -> Answer:
         return self.send("POST", f"/api/{name}", json.dumps(content).encode(), self.headers())
 
-    def get(self, name: str, **content: Any) -> Any:
+    def get(self, name: str, /, **content: Any) -> Any:
         answer = self.ask(name, **content)
         assert answer.status == 200, answer.content
         return answer.data

@@ -45,7 +45,9 @@ def test_both_names_of_this_computer_are_answered_and_two_at_once_are_not(builde
         assert b" 400 " in line.recv(100).split(b"\r\n")[0] + b" "
 
 
-@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1", "https://127.0.0.1:{port}"])
+@pytest.mark.parametrize(
+    "origin", ["http://evil.example", "null", "http://127.0.0.1:1", "https://127.0.0.1:{port}"]
+)
 def test_another_origin_is_refused(builder: Builder, origin: str) -> None:
     headers = builder.headers(Origin=origin.format(port=builder.settings.port))
     assert builder.send("POST", "/api/recent", b"{}", headers).status == 403
@@ -72,7 +74,9 @@ def test_without_the_token_of_this_run_nothing_is_answered(builder: Builder, tok
     assert answer.status == 401 and answer.code == "builder.refused"
 
 
-@pytest.mark.parametrize("kind", [None, "text/plain", "application/x-www-form-urlencoded", "multipart/form-data"])
+@pytest.mark.parametrize(
+    "kind", [None, "text/plain", "application/x-www-form-urlencoded", "multipart/form-data"]
+)
 def test_only_json_is_read(builder: Builder, kind: str | None) -> None:
     assert builder.send("POST", "/api/recent", b"{}", builder.headers(Content_Type=kind)).status == 415
 
@@ -159,7 +163,9 @@ def test_a_request_that_never_ends_is_given_up(builder: Builder) -> None:
     with socket.create_connection(("127.0.0.1", builder.settings.port)) as line:
         head = "".join(f"{name}: {value}\r\n" for name, value in builder.headers().items())
         own = f"127.0.0.1:{builder.settings.port}"
-        line.sendall(f"POST /api/recent HTTP/1.1\r\nHost: {own}\r\n{head}Content-Length: 100\r\n\r\n{{".encode())
+        line.sendall(
+            f"POST /api/recent HTTP/1.1\r\nHost: {own}\r\n{head}Content-Length: 100\r\n\r\n{{".encode()
+        )
         line.settimeout(20.0)
         begun = time.monotonic()
         assert b"408" in line.recv(200).split(b"\r\n")[0]

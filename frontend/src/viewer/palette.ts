@@ -1,6 +1,6 @@
 /** Colours: of bodies, kinds of elements and themes. */
 
-/** After Okabe and Ito: told apart with any colour vision. */
+/** After Okabe and Ito: distinct with any colour vision. */
 export const BODY_COLORS = [
   "#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#8c6bb1", "#b8a100",
 ] as const; // prettier-ignore

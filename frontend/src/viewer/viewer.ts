@@ -52,8 +52,6 @@ export class Viewer {
     force: true, torque: true, reaction: true,
   }; // prettier-ignore
   selected: SceneElement | null = null;
-  /** Whether the camera goes with the body of the selection. */
-  follow = false;
   private readonly stage: Stage;
   private readonly pose: Pose;
   private readonly instant: Instant & { time: number };
@@ -74,6 +72,7 @@ export class Viewer {
   private ghosts: Solids | null = null;
   private look: Look = "solid";
   private hovered = "";
+  private followed = false;
   private readonly followedTo = new Vector3();
   private readonly here = new Vector3();
   private stale = true;
@@ -111,6 +110,8 @@ export class Viewer {
     host.append(this.labels.element);
     this.watcher = new ResizeObserver(() => { this.resize(); });
     this.watcher.observe(host);
+    // a driver may take the context away; three.js makes it anew, and the picture is drawn again
+    this.stage.canvas.addEventListener("webglcontextrestored", () => { this.setTime(this.instant.time); });
     this.resize();
     this.rig.view(scene.normal === null ? "isometric" : "front", true);
   }
@@ -197,7 +198,7 @@ export class Viewer {
   /** Mark an element, or none; the callback hears of it. */
   select(element: SceneElement | string | null): void {
     this.selected = typeof element === "string" ? elementNamed(this.scene, element) : element;
-    if (this.selected !== null) this.bodyPosition(this.selected.body, this.followedTo);
+    this.setFollow(this.followed);
     this.paint();
     this.hooks.onSelect?.(this.selected);
   }
@@ -263,7 +264,7 @@ export class Viewer {
       writeMatrices(this.pose, this.instant.matrices);
       for (const layer of this.layers) layer.update(this.instant);
       this.stale = false;
-      if (this.selected !== null) this.goWith(this.selected.body);
+      if (this.selected !== null && this.followed) this.goWith(this.selected.body);
     }
     this.stage.draw(this.rig.camera);
     this.labels.update(this.rig.camera, this.stage.width, this.stage.height);
@@ -281,9 +282,17 @@ export class Viewer {
     this.stage.dispose();
   }
 
+  /** Let the camera look at the body of the selection and go with it, or stay where it is. */
+  setFollow(follow: boolean): void {
+    this.followed = follow;
+    if (!follow || this.selected === null) return;
+    this.followedTo.copy(this.rig.controls.target);
+    this.goWith(this.selected.body);
+  }
+
   private goWith(body: number): void {
     this.bodyPosition(body, this.here);
-    if (this.follow) this.rig.shift(this.followedTo.subVectors(this.here, this.followedTo));
+    this.rig.shift(this.followedTo.subVectors(this.here, this.followedTo));
     this.followedTo.copy(this.here);
   }
 

@@ -213,8 +213,8 @@ async def _request_answer(request: Request, error: Exception) -> Response:
 
 async def _http_answer(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
-    told = page_problem(Problem("builder.request", request.url.path, str(error.detail)), {})
-    return _told(error.status_code, [told])
+    problem = page_problem(Problem("builder.request", request.url.path, str(error.detail)), {})
+    return _told(error.status_code, [problem])
 
 
 async def _fault_answer(request: Request, error: Exception) -> Response:

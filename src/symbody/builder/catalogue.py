@@ -26,7 +26,7 @@ def model_schema() -> dict[str, Any]:
 
 
 def palette() -> list[dict[str, str]]:
-    """Return all elements: section of the file, type, title, group, a sentence, and name of the definition."""
+    """Return all elements: section, type, title, group, a sentence, and the name of their definition."""
     schema = model_schema()
     return [entry for kind in KINDS for entry in _entries(kind, schema)]
 

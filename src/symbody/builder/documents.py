@@ -248,8 +248,8 @@ class Documents:
         return {}
 
     def _examples(self) -> Iterator[Path]:
-        found = [*self._settings.examples.glob("*/*.toml"), *self._settings.examples.glob("*/*.urdf")]
-        yield from sorted(found, key=lambda path: path.stem)
+        paths = [*self._settings.examples.glob("*/*.toml"), *self._settings.examples.glob("*/*.urdf")]
+        yield from sorted(paths, key=lambda path: path.stem)
 
     def _remember(self, path: str) -> None:
         try:

@@ -152,8 +152,10 @@ class Jobs:
             self._end(job, "failed", problems=tuple(failure.problems))
         except TimeoutError:
             what = f"the job took longer than {self._limits.job:g} s"
-            told = page_problem(Problem("builder.time_limit", kind, what, fix="make the model smaller"), {})
-            self._end(job, "failed", problems=(told,))
+            problem = page_problem(
+                Problem("builder.time_limit", kind, what, fix="make the model smaller"), {}
+            )
+            self._end(job, "failed", problems=(problem,))
         except SymbodyError as error:
             self._end(job, "failed", problems=tuple(page_problem(each, {}) for each in error.problems))
         self._release(job)

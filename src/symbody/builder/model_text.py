@@ -61,11 +61,11 @@ def data_from_text(text: str, name: str) -> Opened:
         model = from_data(content)
     except SymbodyError as error:
         lines = key_lines(plain)
-        told = [_with_line(each, lines) for each in page_problems(error.problems, data)]
-        return Opened(data, None, told)
+        problems = [_with_line(each, lines) for each in page_problems(error.problems, data)]
+        return Opened(data, None, problems)
     layout = content.get("layout")
-    known = to_data(model)
-    return Opened({**known, "layout": layout} if layout else known, model, [])
+    content_data = to_data(model)
+    return Opened({**content_data, "layout": layout} if layout else content_data, model, [])
 
 
 def text_from_data(data: Mapping[str, Any], onto: str = "") -> str:
@@ -93,7 +93,8 @@ def text_from_data(data: Mapping[str, Any], onto: str = "") -> str:
 def _text(data: Mapping[str, Any], onto: str) -> str:
     """Return the text in which lines end with line feeds."""
     try:
-        text = model_to_toml(from_data(data), _readable(onto))
+        model = from_data(data)
+        text = model_to_toml(model, onto) if _is_model(onto) else _incomplete_text(data, onto)
     except SymbodyError:
         text = _incomplete_text(data, onto)
     layout = data.get("layout") or {}
@@ -104,12 +105,12 @@ def _text(data: Mapping[str, Any], onto: str) -> str:
     return text if _same(old, layout) else _with_layout(text, layout)
 
 
-def _readable(onto: str) -> str:
+def _is_model(text: str) -> bool:
+    """Return whether a text is a model file, or nothing at all: what a complete model can be written onto."""
     try:
-        parse_toml(onto, "")
+        return not text.strip() or data_from_text(text, "").model is not None
     except FormatError:
-        return ""
-    return onto
+        return True  # nothing of it can be kept
 
 
 def _with_layout(text: str, layout: Mapping[str, Any]) -> str:
@@ -125,10 +126,9 @@ def _incomplete_text(data: Mapping[str, Any], onto: str) -> str:
     """Return the text of data that are no model, on an older text where that is possible."""
     content = _nodes(_without_nulls({key: value for key, value in data.items() if key != "layout"}))
     try:
-        before = _nodes(_as_texts({**parse_toml(onto, ""), "layout": None})) if onto.strip() else {}
-        before.pop("layout", None)
+        before = _nodes(_no_layout(data_from_text(onto, "").data)) if onto.strip() else {}
         text = write_toml(content, onto, before)
-        if _nodes(_as_texts(_no_layout(parse_toml(text, "")))) == content:
+        if _says(_nodes(_as_texts(_no_layout(parse_toml(text, "")))), content, before):
             return text
     except (SymbodyError, TOMLKitError, TypeError, ValueError, KeyError):
         pass  # what was there is no base for it
@@ -139,6 +139,30 @@ def _incomplete_text(data: Mapping[str, Any], onto: str) -> str:
             Problem("builder.not_writable", "model", f"it cannot be written to a file: {error}",
                     fix="undo the last change")
         ) from None  # fmt: skip
+
+
+def _says(whole: Node | None, part: Node, before: Node | None) -> bool:
+    """Return whether a text says all of a content; what did not change it says as it did before."""
+    if part == before:
+        return True
+    if isinstance(whole, dict) and isinstance(part, dict):
+        old = before if isinstance(before, dict) else {}
+        return all(_says(whole.get(key), node, old.get(key)) for key, node in part.items())
+    if isinstance(whole, list) and isinstance(part, list):
+        old_entries = _named(before)
+        return len(whole) == len(part) and all(
+            _says(each, node, old_entries.get(_name(node))) for each, node in zip(whole, part, strict=True)
+        )
+    return whole == part
+
+
+def _named(nodes: Node | None) -> dict[str, Node]:
+    return {_name(node): node for node in nodes if _name(node)} if isinstance(nodes, list) else {}
+
+
+def _name(node: Node) -> str:
+    name = node.get("name") if isinstance(node, dict) else None
+    return name if isinstance(name, str) else ""
 
 
 def _no_layout(content: Mapping[str, Any]) -> dict[str, Any]:
@@ -160,8 +184,8 @@ def _node(value: Any, key: str = "") -> Node:
     if isinstance(value, int | float | Decimal):
         return _formula(str(value)) or str(value)
     if isinstance(value, str):
-        found = None if key in _WORDS else _formula(value)
-        return found if found is not None and found.is_number else value
+        number = None if key in _WORDS else _formula(value)
+        return number if number is not None and number.is_number else value
     raise FormatError(
         Problem("builder.not_writable", key, f"{type(value).__name__} cannot be written to a file")
     )

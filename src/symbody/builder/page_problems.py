@@ -88,8 +88,8 @@ def element_name(pointer: str, data: Mapping[str, Any]) -> str:
 
 
 def _pointer(where: str, data: Mapping[str, Any]) -> str:
-    found = _POINTER.search(where)
-    return found.group(1) if found else label_pointer(where, data)
+    match = _POINTER.search(where)
+    return match.group(1) if match else label_pointer(where, data)
 
 
 def label_pointer(where: str, data: Mapping[str, Any]) -> str:
@@ -146,10 +146,10 @@ def _new_parameter(name: str, data: Mapping[str, Any]) -> dict[str, Any]:
 
 def _cut_joint(problem: Problem, data: Mapping[str, Any]) -> dict[str, Any] | None:
     """Return the change that takes the last joint of a cycle out of the trees."""
-    found = _CYCLE.search(problem.what)
-    if found is None:
+    match = _CYCLE.search(problem.what)
+    if match is None:
         return None
-    name = found.group(1).split(", ")[-1]
+    name = match.group(1).split(", ")[-1]
     pointer = label_pointer(f"joint {name}", data)
     if not pointer:
         return None

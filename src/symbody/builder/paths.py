@@ -53,13 +53,13 @@ def with_ending(path: Path, endings: Iterable[str]) -> Path:
     UsageError
         If it ends otherwise.
     """
-    known = tuple(endings)
-    if path.suffix.lower() not in known:
+    allowed = tuple(endings)
+    if path.suffix.lower() not in allowed:
         raise refusal(
             "builder.ending",
             str(path),
             f"files ending in {path.suffix!r} are neither read nor written here",
-            fix=f"name a file that ends in {' or '.join(known)}",
+            fix=f"name a file that ends in {' or '.join(allowed)}",
         )
     return path
 

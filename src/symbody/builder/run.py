@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import socket
 import threading
-import time
 import webbrowser
 from pathlib import Path
 from typing import Final
@@ -48,7 +47,8 @@ def run_builder(path: str | os.PathLike[str] = "", port: int | None = None, brow
     address = settings.address("" if given is None else str(given))
     print(f"symbody builder: {address}\nCtrl-C ends it.", flush=True)
     if browser:
-        threading.Thread(target=_open_browser, args=(settings, address), daemon=True).start()
+        # The socket listens already: the browser waits until the server answers.
+        threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
     serve(settings, listener)
 
 
@@ -61,7 +61,7 @@ def serve(settings: BuilderSettings, listener: socket.socket) -> None:
         server_header=False,
         ws="none",
         timeout_keep_alive=30,
-        timeout_graceful_shutdown=2,
+        timeout_graceful_shutdown=1,
         limit_concurrency=64,
         h11_max_incomplete_event_size=64 * 1024,
     )
@@ -96,13 +96,3 @@ def listening_socket(port: int | None) -> socket.socket:
             "symbody builder --port 0 takes any that is free",
         )
     )
-
-
-def _open_browser(settings: BuilderSettings, address: str) -> None:
-    """Open the page as soon as the server answers."""
-    for _ in range(200):
-        with socket.socket() as probe:
-            if probe.connect_ex(("127.0.0.1", settings.port)) == 0:
-                break
-        time.sleep(0.05)
-    webbrowser.open(address)

@@ -9,6 +9,7 @@ import asyncio
 import hmac
 import json
 from collections.abc import Awaitable, Callable, MutableMapping
+from contextlib import suppress
 from typing import Any, Final
 
 from symbody.builder.settings import BuilderSettings
@@ -20,6 +21,7 @@ Send = Callable[[Message], Awaitable[None]]
 Application = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 TOKEN_HEADER: Final = "x-symbody-token"
+_DRAINED: Final = 4  # times the size of a body, of one that is refused
 DEEPEST: Final = 100  # levels of JSON
 _POLICY: Final = "; ".join(
     (
@@ -67,6 +69,7 @@ class LocalOnly:
         repeated = len(headers) < len(scope["headers"]) and _repeats(scope, b"host")
         refused = (400, "several Host headers") if repeated else self._refused(scope, headers)
         if refused is not None:
+            await self._drain(receive)
             await _refuse(guarded, *refused)
             return
         content = await self._content(receive, headers) if scope["method"] == "POST" else b""
@@ -105,6 +108,17 @@ class LocalOnly:
             return 413, f"a request has at most {self._settings.limits.body} bytes"
         return None
 
+    async def _drain(self, receive: Receive) -> None:
+        """Take in a body that is refused, as far as it is not huge: who still sends hears no answer."""
+        limits, count = self._settings.limits, 0
+        with suppress(TimeoutError):
+            async with asyncio.timeout(limits.receive):
+                while count < _DRAINED * limits.body:
+                    message = await receive()
+                    count += len(message.get("body", b""))
+                    if message["type"] == "http.disconnect" or not message.get("more_body", False):
+                        return
+
     async def _content(self, receive: Receive, headers: dict[str, str]) -> bytes | tuple[int, str]:
         """Return the body, or status and reason of a refusal."""
         limits = self._settings.limits
@@ -117,6 +131,7 @@ class LocalOnly:
                         return 400, "the request was cut off"
                     parts += message.get("body", b"")
                     if len(parts) > limits.body:
+                        await self._drain(receive)
                         return 413, f"a request has at most {limits.body} bytes"
                     if not message.get("more_body", False):
                         break

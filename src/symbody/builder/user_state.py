@@ -34,7 +34,7 @@ class UserState:
     def remember(self, path: str) -> None:
         """Put a file first among the recent ones."""
         entry = {"path": path, "name": Path(path).name, "when": _now()}
-        others = [known for known in self.recent() if known["path"] != path]
+        others = [each for each in self.recent() if each["path"] != path]
         self._write(self.folder / "recent.json", [entry, *others][:_MOST_RECENT])
 
     def save_draft(self, document: str, path: str | None, name: str, data: dict[str, Any]) -> None:

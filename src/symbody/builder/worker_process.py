@@ -6,7 +6,7 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from multiprocessing import parent_process
 from multiprocessing.connection import Connection, wait
@@ -19,6 +19,7 @@ from symbody.expr.deadline import stages_watched
 
 Report = Callable[[str, int | None], None]
 
+_SHARE: Final = 0.8  # of the memory, for the data of one process
 # Where each task is: modules that are loaded by workers only.
 _TASKS: Final = MappingProxyType(
     {
@@ -55,6 +56,7 @@ def run_worker(pipe: Connection) -> None:
     """Run tasks until there are no more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to the parent, which ends its workers
     threading.Thread(target=_end_with_parent, daemon=True).start()
+    _limit_memory()
     import_module("symbody.builder.tasks.check")  # the slow part, while nobody waits yet
     while True:
         try:
@@ -91,6 +93,15 @@ def _fault(error: Exception) -> dict[str, Any]:
     )
     cure = "save the model, and report it with the model file"
     return page_problem(Problem("builder.fault", "", what, "this is a fault of symbody", cure), {})
+
+
+def _limit_memory() -> None:
+    """Let a model that is too large for this computer fail here, before the whole computer stands still."""
+    with suppress(ImportError, AttributeError, ValueError, OSError):  # not everywhere
+        resource = import_module("resource")
+        memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+        _, highest = resource.getrlimit(resource.RLIMIT_DATA)
+        resource.setrlimit(resource.RLIMIT_DATA, (int(_SHARE * memory), highest))
 
 
 def _end_with_parent() -> None:

@@ -383,7 +383,7 @@ def _copy_files(source: Path, target: Path, force: bool) -> list[str]:
 @command()
 def builder(
     model: Annotated[
-        Path | None, typer.Argument(metavar="[MODEL]", help="A model file to begin with.")
+        Path | None, typer.Argument(metavar="MODEL", help="A model file to begin with.")
     ] = None,
     no_browser: Annotated[
         bool, typer.Option("--no-browser", help="Print the address only; open no browser.")

@@ -1,4 +1,4 @@
-"""A model as a Python script that builds it anew: the words of the model file are those of the constructors."""
+"""A model as a Python script that builds it anew; a file's words are those of the constructors."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def _argument(kind: str, key: str, node: Node) -> str:
 
 
 def _is_drive(node: Mapping[str, Node]) -> bool:
-    """Return whether a table is a drive, and not one of drives by coordinate, which may bear such names too."""
+    """Return whether a table is a drive, and not one of drives by coordinate."""
     keyed = all(isinstance(item, dict) for item in node.values()) and bool(node)
     law = node.get("law")
     is_curve = isinstance(law, dict) and "x" in law

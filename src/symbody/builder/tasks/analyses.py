@@ -47,25 +47,25 @@ def equilibrium(payload: Mapping[str, Any], report: Report) -> Answer:
     options = read_options(EquilibriumOptions, payload["options"])
     eqs = _equations(payload)
     report("looking for equilibria", None)
-    rest = find_equilibrium(
+    state = find_equilibrium(
         eqs, options.guess, inputs=options.inputs, unknowns=options.unknowns, fixed=options.fixed
     )
-    others = [each for each in rest.branches if isinstance(each, type(rest))]
+    others = [each for each in state.branches if isinstance(each, type(state))]
     return {
-        **_rest(rest),
-        "notes": list(rest.notes),
-        "inputs": {name: _number(rest.inputs[name]) for name in options.unknowns},
-        "picture": _still(rest),
+        **_rest(state),
+        "notes": list(state.notes),
+        "inputs": {name: _number(state.inputs[name]) for name in options.unknowns},
+        "picture": _still(state),
         "branches": [{**_rest(each), "picture": _still(each)} for each in others[:8]],
     }
 
 
-def _rest(rest: Any) -> Answer:
+def _rest(state: Any) -> Answer:
     try:
-        verdict = str(rest.verdict)
+        verdict = str(state.verdict)
     except SymbodyError:
         verdict = "undecided"
-    return {"values": finite_values(rest.q), "verdict": verdict}
+    return {"values": finite_values(state.q), "verdict": verdict}
 
 
 def _number(value: Any) -> float | None:
@@ -134,7 +134,7 @@ def _swing(mode: Mode, linear: Linearization, state: State, scene: Scene) -> Sce
             near = assemble(eqs, fixed, near.q, inputs=dict(state.inputs))
         except SymbodyError:
             return None
-        frames.append(placed_motion(near, scene_bodies(eqs.model)))
+        frames.append(placed_motion(eqs, near.q, scene_bodies(eqs.model)))
     return joined(frames, times)
 
 
@@ -195,7 +195,7 @@ def _scene(state: State) -> Scene:
 
 
 def _still(state: State) -> Answer:
-    motion = placed_motion(state, scene_bodies(state.eqs.model))
+    motion = placed_motion(state.eqs, state.q, scene_bodies(state.eqs.model))
     return {"scene": scene_to_json(_scene(state)), "motion": motion_to_json(motion)}
 
 

@@ -8,8 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from symbody.analysis.assembly import assemble
-from symbody.analysis.state import State
+from symbody.analysis.positions import PositionSolver, position_solver
 from symbody.builder.formulas import model_formulas
 from symbody.builder.page_problems import PageProblem, page_notes, page_problem, page_problems
 from symbody.builder.tasks.placement import one_sample, placed_motion, scene_bodies
@@ -31,16 +30,25 @@ Answer = dict[str, Any]
 
 _FORMING: Final = 10.0  # seconds that equations may take before a job has to form them
 _CHECKS: Final[Latest[Answer]] = Latest(8)
-_EQUATIONS: Final[Latest[EquationSet]] = Latest(4)
+_SOLVERS: Final[Latest[PositionSolver]] = Latest(4)
 
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """What was found out about a complete model, as far as it went."""
+    """What was found out about a complete model, as far as it went.
+
+    Attributes
+    ----------
+    positions : mapping of coordinate to float, optional
+        Where it is assembled.
+    eqs : EquationSet, optional
+        Its equations.
+    """
 
     summary: Answer | None
-    state: State | None
+    positions: dict[str, float] | None
     problems: list[PageProblem]
+    eqs: EquationSet | None = None
 
 
 def check_model(payload: Mapping[str, Any], report: Report) -> Answer:
@@ -49,27 +57,26 @@ def check_model(payload: Mapping[str, Any], report: Report) -> Answer:
     return _CHECKS.get(model_key(data, folder), lambda: _check(data, folder))
 
 
-def known_equations(model: Model, key: str) -> EquationSet:
-    """Return the equations of a model, formed if they are not among the last few.
+def known_solver(model: Model, key: str) -> PositionSolver:
+    """Return what closes the loops of a model, made if it is not among the last few.
 
     Raises
     ------
     SymbodyError
-        If there are none.
+        If there are no equations, or parameters have no values.
     """
-    return _EQUATIONS.get(key, lambda: form_equations(model, time_limit=_FORMING))
+    return _SOLVERS.get(key, lambda: position_solver(form_equations(model, time_limit=_FORMING)))
 
 
 def _check(data: Data, folder: str) -> Answer:
     read = read_model(data, folder)
     checked = _understood(read, data, folder)
-    picture, problems = _picture(read.model, checked.state, data)
-    values = {} if checked.state is None else dict(checked.state.q)
+    picture, problems = _picture(read.model, checked, data)
     return {
         "problems": [*read.problems, *checked.problems, *problems],
         "summary": checked.summary,
         "picture": picture,
-        "values": values,
+        "values": checked.positions or {},
         "formulas": model_formulas(data),
     }
 
@@ -104,17 +111,18 @@ _NO_EQUATIONS: Final[Mapping[str, Any]] = {
 
 def _formed(model: Model, data: Data, key: str) -> Checked:
     try:
-        eqs = known_equations(model, key)
+        eqs = form_equations(model, time_limit=_FORMING)
         summary = equation_summary(eqs)
         notes = page_notes(eqs.notes, data)
     except SymbodyError as error:
         return Checked(_trees(model), None, page_problems(error.problems, data))
     try:
-        return Checked(summary, assemble(eqs), notes)
+        solver = _SOLVERS.get(key, lambda: position_solver(eqs))
+        return Checked(summary, solver.positions({}, {}), notes, eqs)
     except SymbodyError as error:
         valueless = [name for name, value in model.parameters.items() if value is None]
-        told = [_unvalued(name, data) for name in valueless] or page_problems(error.problems, data)
-        return Checked(summary, None, [*told, *notes])
+        faults = [_unvalued(name, data) for name in valueless] or page_problems(error.problems, data)
+        return Checked(summary, None, [*faults, *notes], eqs)
 
 
 def _unvalued(name: str, data: Data) -> PageProblem:
@@ -132,15 +140,18 @@ def _trees(model: Model) -> Answer | None:
         return None
 
 
-def _picture(model: Model | None, state: State | None, data: Data) -> tuple[Answer | None, list[PageProblem]]:
+def _picture(model: Model | None, checked: Checked, data: Data) -> tuple[Answer | None, list[PageProblem]]:
     """Return the mechanism as it stands at the start: assembled, or as its initial values say."""
     if model is None:
         return None, []
+    eqs, positions, names = checked.eqs, checked.positions, scene_bodies(model)
     try:
-        courses = {} if state is None else {name: np.array([value]) for name, value in state.q.items()}
+        courses = {name: np.array([value]) for name, value in (positions or {}).items()}
         scene = make_scene(model, motion=courses)
-        names = scene_bodies(model)
-        motion = _as_given(model, names) if state is None else placed_motion(state, names)
+        if eqs is None or positions is None:
+            motion = _as_given(model, names)
+        else:
+            motion = placed_motion(eqs, positions, names)
     except SymbodyError as error:
         return None, page_problems(error.problems, data)
     notes = page_notes(scene.notes, data, "builder.drawing")

@@ -18,6 +18,7 @@ from symbody.builder.tasks.formula_blocks import (
 )
 from symbody.builder.tasks.options import EquationOptions, read_options
 from symbody.builder.tasks.reading import complete_model
+from symbody.builder.tasks.term_sources import term_sources
 from symbody.builder.worker_process import Report
 from symbody.codegen.compile import generate_code
 from symbody.equations.equation_set import EquationSet
@@ -33,6 +34,7 @@ from symbody.errors import SymbodyError
 from symbody.expr.canonical import ZERO
 from symbody.expr.closed_form import readable
 from symbody.expr.rewrite import tree_sizes
+from symbody.formats.native import to_data
 from symbody.vectors.vector import components
 
 Answer = dict[str, Any]
@@ -77,6 +79,9 @@ def equation_tabs(payload: Mapping[str, Any], report: Report) -> Answer:
     for name, make in makers:
         report(f"formulas: {name.lower()}", None)
         tabs.append(_tab(eqs, name, make))
+    report("sources of terms", None)
+    if tabs[0]["blocks"] and _is_short(eqs):
+        tabs[0]["blocks"] = [_with_sources(eqs, to_data(model), payload["folder"])]
     return {
         "tabs": tabs,
         "notes": list(eqs.notes),
@@ -129,11 +134,35 @@ def _c_code(eqs: EquationSet, output: str) -> str:
 
 
 def _motion(eqs: EquationSet) -> list[FormulaBlock]:
-    sides = list(zip(eqs.textbook.inertial.nodes, eqs.textbook.driving.nodes, strict=True))
-    if max(tree_sizes(eqs.formed.graph, [node for pair in sides for node in pair]), default=0) <= LONG:
-        sides = equation_sides(eqs)  # short enough for the arrangement of textbooks
+    return [_motion_block(eqs, ())]
+
+
+def _motion_block(eqs: EquationSet, spans: tuple[Mapping[int, str], ...]) -> FormulaBlock:
+    sides = equation_sides(eqs) if _is_short(eqs) else _plain_sides(eqs)
     left, right = tuple(a for a, _ in sides), tuple(b for _, b in sides)
-    return [FormulaBlock("Equations of motion", right, left, output="xdot")]
+    return FormulaBlock("Equations of motion", right, left, output="xdot", spans=spans)
+
+
+def _plain_sides(eqs: EquationSet) -> list[tuple[int, int]]:
+    return list(zip(eqs.textbook.inertial.nodes, eqs.textbook.driving.nodes, strict=True))
+
+
+def _is_short(eqs: EquationSet) -> bool:
+    """Return whether the equations are written as in textbooks: what moves on the left."""
+    nodes = [node for pair in _plain_sides(eqs) for node in pair]
+    return max(tree_sizes(eqs.formed.graph, nodes), default=0) <= LONG
+
+
+def _with_sources(eqs: EquationSet, data: Mapping[str, Any], folder: str) -> Answer:
+    """Return the equations of motion, each term with the elements it comes from."""
+    sources = term_sources(eqs, data, folder)
+    marks = {term: f"t{k}" for k, term in enumerate(sources)}
+    rows = range(len(eqs.speed_names))
+    spans = tuple({node: marks[i, node] for i, node in sources if i == row} for row in rows)
+    block = _motion_block(eqs, spans if sources else ())
+    shown = rendered(eqs.formed.graph, block, _c_code(eqs, block.output))
+    listed = [{"span": marks[term], "elements": names} for term, names in sources.items()]
+    return {**shown, "sources": listed}
 
 
 def _matrices(eqs: EquationSet, *outputs: tuple[str, str, str]) -> list[FormulaBlock]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+from symbody.builder.tasks.term_spans import with_spans
 from symbody.errors import SymbodyError
 from symbody.expr.graph import Graph
-from symbody.expr.printing.latex import latex_name, to_latex_with_definitions
-from symbody.expr.printing.mathml import mathml_name, to_mathml_with_definitions
+from symbody.expr.printing.latex import to_latex_with_definitions
+from symbody.expr.printing.mathml import to_mathml_with_definitions
 from symbody.expr.printing.mathml_tables import math_element, mathml_equations, mathml_matrix
 from symbody.expr.rewrite import operation_count, tree_sizes
 from symbody.expr.sympy_bridge import to_sympy
@@ -48,6 +49,8 @@ class FormulaBlock:
         Of the matrix.
     output : str
         What generated C computes; "" where there is nothing of that name.
+    spans : tuple of mapping of node to str
+        Of each equation, the terms that bear marks.
     """
 
     title: str
@@ -57,6 +60,7 @@ class FormulaBlock:
     columns: int = 0
     name: Label | None = None
     output: str = ""
+    spans: tuple[Mapping[int, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,11 +79,6 @@ def entry_label(symbol: str, *indices: int) -> Label:
         f"{symbol}_{{{digits}}}",
         f"{symbol}[{', '.join(str(k - 1) for k in indices)}]",
     )
-
-
-def word_label(name: str) -> Label:
-    """Return a name of the model as a left side."""
-    return Label(mathml_name(name), latex_name(name), name)
 
 
 def number_block(title: str, symbol: str, rows: Sequence[Sequence[float]]) -> Block:
@@ -134,7 +133,7 @@ def _latex(graph: Graph, block: FormulaBlock, nodes: Sequence[int]) -> str:
     else:
         sides = [(_side(label, written, "latex"), right) for label, right in _pairs(block, written)]
         text = ""
-    sides += [(latex_name(name), definition) for name, definition in named]
+    sides += named
     lines = " \\\\\n".join(f"{left} &= {right}" for left, right in sides)
     aligned = f"\\begin{{aligned}}\n{lines}\n\\end{{aligned}}" if sides else ""
     return "\n\n".join(part for part in (text, aligned) if part)
@@ -145,13 +144,18 @@ def _mathml(graph: Graph, block: FormulaBlock, nodes: Sequence[int], latex: str)
         return " " * (_MOST_CHARACTERS + 1)
     texts, named = to_mathml_with_definitions(graph, nodes, LONG)
     written = _Written(dict(zip(nodes, texts, strict=True)), named)
-    definitions = [(mathml_name(name), definition) for name, definition in named]
+    definitions = named
     if "\\begin{bmatrix}" in latex and block.name is not None:
         matrix = mathml_matrix(_matrix_rows(block, written))
         parts = [math_element(f"{block.name.mathml}<mo>=</mo>{matrix}", block=True)]
         parts += [math_element(mathml_equations(definitions), block=True)] if definitions else []
         return "".join(parts)
     sides = [(_side(label, written, "mathml"), right) for label, right in _pairs(block, written)]
+    if block.spans and not named:
+        sides = [
+            (with_spans(graph, spans, left), with_spans(graph, spans, right))
+            for spans, (left, right) in zip(block.spans, sides, strict=True)
+        ]
     return math_element(mathml_equations([*sides, *definitions]), block=True)
 
 

@@ -7,7 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.assembly import assemble
 from symbody.analysis.state import State
+from symbody.equations.equation_set import EquationSet
 from symbody.graph.topology import Topology
 from symbody.model.model import Model
 from symbody.visual.scene.body_poses import chain_of
@@ -24,12 +26,11 @@ from symbody.visual.scene.scene import SceneMotion
 Floats = NDArray[np.float64]
 
 
-def placed_motion(state: State, names: tuple[str, ...]) -> SceneMotion:
+def placed_motion(eqs: EquationSet, positions: Mapping[str, float], names: tuple[str, ...]) -> SceneMotion:
     """Return a motion of one sample: bodies, by name, in a configuration."""
-    model = state.eqs.model
-    transforms = _from_joints(state.eqs.formed.topology, model_numbers(model, {}), state.q)
+    transforms = _from_joints(eqs.formed.topology, model_numbers(eqs.model, {}), positions)
     if not transforms.keys() >= set(names):
-        return _from_outputs(state, names)
+        return _from_outputs(assemble(eqs, guess=dict(positions)), names)
     return one_sample(transforms, names)
 
 

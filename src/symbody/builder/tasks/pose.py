@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from symbody.analysis.assembly import assemble
 from symbody.builder.page_problems import page_problems
-from symbody.builder.tasks.check import known_equations
+from symbody.builder.tasks.check import known_solver
 from symbody.builder.tasks.placement import placed_motion, scene_bodies
 from symbody.builder.tasks.reading import complete_model, model_key
 from symbody.builder.worker_process import Report, TaskFailure
@@ -25,16 +24,17 @@ def find_pose(payload: Mapping[str, Any], report: Report) -> dict[str, Any]:
     data, folder = payload["data"], payload["folder"]
     model = complete_model(data, folder)
     try:
-        eqs = known_equations(model, model_key(data, folder))
-        known = set(eqs.coordinate_names)
-        fixed = {name: value for name, value in payload["fixed"].items() if name in known}
-        guess = {name: value for name, value in payload["guess"].items() if name in known - fixed.keys()}
-        state = assemble(eqs, fixed=fixed, guess=guess)
-        motion = placed_motion(state, scene_bodies(model))
+        solver = known_solver(model, model_key(data, folder))
+        eqs = solver.eqs
+        names = set(eqs.coordinate_names)
+        fixed = {name: value for name, value in payload["fixed"].items() if name in names}
+        guess = {name: value for name, value in payload["guess"].items() if name in names - fixed.keys()}
+        positions = solver.positions(fixed, guess)
+        motion = placed_motion(eqs, positions, scene_bodies(model))
     except SymbodyError as error:
         raise TaskFailure(page_problems(error.problems, data)) from None
     return {
-        "values": dict(state.q),
+        "values": positions,
         "positions": motion.positions[0].tolist(),
         "quaternions": motion.quaternions[0].tolist(),
     }

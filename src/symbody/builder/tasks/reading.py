@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -18,6 +19,9 @@ from symbody.model.model import KINDS, Model
 Value = TypeVar("Value")
 Data = dict[str, Any]
 
+_UNKNOWN: Final = re.compile(r"there is no .*?'([^']+)'")
+_RATE: Final = re.compile(r"_d?dot$")
+_NAME: Final = re.compile(r"\w+")
 _ROUNDS: Final = 40  # faults that are taken out of an incomplete model one after the other
 
 
@@ -85,26 +89,45 @@ def read_model(data: Data, folder: str) -> ReadModel:
     places: dict[str, list[int]] = {
         kind: list(range(len(data[kind]))) for kind in KINDS if isinstance(data.get(kind), list)
     }
-    rest = {key: value for key, value in data.items() if key != "layout"}
+    usable = {key: value for key, value in data.items() if key != "layout"}
+    gone: set[str] = set()  # words of what was left out: that they are unknown is no further fault
     for _ in range(_ROUNDS):
         try:
-            return ReadModel(from_data(rest, folder=folder), problems)
+            return ReadModel(from_data(usable, folder=folder), problems)
         except SymbodyError as error:
-            faults = page_problems(error.problems, rest)
+            faults = page_problems(error.problems, usable)
         for fault in faults:
-            told = {**fault, "pointer": _original(fault["pointer"], places)}
-            told["repair"] = fault["repair"] if told["pointer"] == fault["pointer"] else None
-            if not any(_is_same(told, known) for known in problems):
-                problems.append(told)
-        smaller = _without(rest, faults, places)
+            placed = {**fault, "pointer": _original(fault["pointer"], places)}
+            placed["repair"] = fault["repair"] if placed["pointer"] == fault["pointer"] else None
+            if not (_follows(fault, gone) or any(_is_same(placed, other) for other in problems)):
+                problems.append(placed)
+        smaller = _without(usable, faults, places)
         if smaller is None:
             return ReadModel(None, problems)
-        rest = smaller
+        gone |= _words([entry for kind in places for entry in usable[kind] if entry not in smaller[kind]])
+        usable = smaller
     return ReadModel(None, problems)
 
 
-def _is_same(fault: PageProblem, known: PageProblem) -> bool:
-    return (fault["code"], fault["pointer"]) == (known["code"], known["pointer"])
+def _follows(fault: PageProblem, gone: set[str]) -> bool:
+    """Return whether something is unknown only because the element that brings it was left out."""
+    match = _UNKNOWN.search(str(fault["what"]))
+    return match is not None and _RATE.sub("", match.group(1)) in gone
+
+
+def _words(value: Any) -> set[str]:
+    """Return all names in a part of a model."""
+    if isinstance(value, Mapping):
+        parts = [_words(each) for each in (*value.keys(), *value.values())]
+    elif isinstance(value, list):
+        parts = [_words(each) for each in value]
+    else:
+        parts = [set(_NAME.findall(value))] if isinstance(value, str) else []
+    return set[str]().union(*parts)
+
+
+def _is_same(fault: PageProblem, other: PageProblem) -> bool:
+    return (fault["code"], fault["pointer"]) == (other["code"], other["pointer"])
 
 
 def _original(pointer: str, places: Mapping[str, list[int]]) -> str:
@@ -122,8 +145,8 @@ def _without(data: Data, faults: list[PageProblem], places: dict[str, list[int]]
     unknown = {_symbol(fault) for fault in faults} - {""}
     parameters = data.get("parameters")
     if unknown:  # quantities without a value are drawn as if they had one
-        known = parameters if isinstance(parameters, Mapping) else {}
-        return {**data, "parameters": {**known, **dict.fromkeys(sorted(unknown), "")}}
+        given = parameters if isinstance(parameters, Mapping) else {}
+        return {**data, "parameters": {**given, **dict.fromkeys(sorted(unknown), "")}}
     result = dict(data)
     dropped: dict[str, set[int]] = {}
     for fault in faults:

@@ -46,7 +46,7 @@ def _sides(graph: Graph, total: int) -> tuple[int, int]:
     """Split ``total = 0`` into terms that move and terms that do not."""
     kinds = dependence(graph, [total])
     left, right = ZERO, ZERO
-    for sign, term in _terms(graph, total):
+    for sign, term in signed_terms(graph, total):
         if kinds[term] & _MOVING:
             left = add(graph, left, term) if sign > 0 else sub(graph, left, term)
         else:
@@ -54,7 +54,7 @@ def _sides(graph: Graph, total: int) -> tuple[int, int]:
     return left, right
 
 
-def _terms(graph: Graph, node: int) -> list[tuple[int, int]]:
+def signed_terms(graph: Graph, node: int) -> list[tuple[int, int]]:
     """Return the signed terms of a sum, nested sums included."""
     terms = []
     stack = [(1, node)]

@@ -62,7 +62,7 @@ def read_archive(path: Path) -> tuple[dict[str, Floats], About]:
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
             raise _unreadable(path, "it is no ordinary file")
-        file = open(path, "rb")  # noqa: SIM115: closed below
+        file = open(path, "rb")  # closed below
     except (OSError, ValueError) as error:
         raise _unreadable(path, getattr(error, "strerror", None) or str(error)) from error
     with file:

@@ -1,0 +1,57 @@
+"""Draw a four-bar and a top by save_animation: `python docs/draw_film.py` writes docs/pictures/film_*.svg."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+import symbody as sb
+
+PICTURES = Path(__file__).parent / "pictures"
+TOP = Path(__file__).parents[1] / "examples" / "spinning_top" / "spinning_top.toml"
+
+
+def four_bar() -> sb.Model:
+    """Return a crank, a coupler with a point beside it, a rocker, and a spring at the rocker."""
+
+    def bar(name: str, length: float, mass: float, **more: sb.Frame) -> sb.Body:
+        ends = {"A": sb.Frame(at=(-length / 2, 0, 0)), "B": sb.Frame(at=(length / 2, 0, 0))}
+        return sb.Body(name, mass=mass, inertia=(0, 0, mass * length**2 / 12), frames=ends | more)
+
+    return sb.Model(
+        "four-bar",
+        [
+            bar("Crank", 0.2, 1.0),
+            bar("Coupler", 0.6, 3.0, P=sb.Frame(at=(0.05, 0.25, 0))),
+            bar("Rocker", 0.5, 2.5),
+            sb.Revolute("O", "ground", "Crank.A", coordinate="alpha"),
+            sb.Revolute("A", "Crank.B", "Coupler.A", coordinate="beta"),
+            sb.Revolute("C", "ground.pier", "Rocker.A", coordinate="gamma"),
+            sb.Revolute("B", "Coupler.B", "Rocker.B"),
+            sb.SpringDamper("spring", "ground.post", "Rocker.B", stiffness=60, free=0.3),
+        ],
+        gravity=(0, -9.81, 0),
+        ground={"pier": sb.Frame(at=(0.7, 0, 0)), "post": sb.Frame(at=(1.0, 0.3, 0))},
+        initial={"alpha": 1.0, "beta": -0.4, "gamma": 2.0, "alpha_dot": 12.0},
+    )
+
+
+def main() -> None:
+    """Write both pictures."""
+    run = sb.simulate(sb.form_equations(four_bar()), 1.0)
+    size = (560, 330)
+    sb.save_animation(
+        run,
+        PICTURES / "film_four_bar.svg",
+        times=(0.0, 0.1, 0.2),
+        traces=["Coupler.P"],
+        labels=True,
+        size=size,
+    )
+    top = sb.simulate(sb.form_equations(sb.load_model(TOP)), 1.5)
+    sb.save_animation(top, PICTURES / "film_top.svg", times=np.linspace(0, 1.5, 4), traces=["Top"], size=size)
+
+
+if __name__ == "__main__":
+    main()

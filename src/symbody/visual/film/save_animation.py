@@ -1,0 +1,194 @@
+"""`save_animation`: films and still pictures of a motion, without a browser."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from symbody.arguments import checked_arguments
+from symbody.errors import Problem, UsageError
+from symbody.simulation.native.run import Progress
+from symbody.simulation.progress import told
+from symbody.simulation.results.trajectory import Trajectory
+from symbody.visual.film.animated_images import FASTEST
+from symbody.visual.film.facets import Floats
+from symbody.visual.film.pictures import STILLS, file_kind, write_film, write_still
+from symbody.visual.film.studio import Look
+from symbody.visual.scene import make_motion, make_scene
+from symbody.visual.scene.scene import Scene, SceneMotion
+
+_MOST_FRAMES: Final = 20_000
+_SIZES: Final = (32, 8192)  # pixels
+_TRACK: Final = 1500  # samples of traces
+
+
+@checked_arguments
+def save_animation(
+    run: Trajectory,
+    path: str | PathLike[str],
+    *,
+    times: ArrayLike | None = None,
+    view: str | Sequence[float] | Mapping[str, Any] | None = None,
+    size: tuple[int, int] = (960, 540),
+    fps: float = 30.0,
+    speed: float = 1.0,
+    traces: Sequence[str] = (),
+    labels: bool = False,
+    vectors: str | Sequence[str] = (),
+    frames: bool = False,
+    dark: bool = False,
+    ghosts: float = 0.35,
+    title: str | None = None,
+    progress: Progress | bool | None = True,
+) -> None:
+    """Write a film or a picture of a motion to a file, without a browser; docs/film.md shows examples.
+
+    Parameters
+    ----------
+    path : path
+        Ends with .mp4, .webm (both by the program ffmpeg) or .gif: a film; .png, .svg or .pdf: a picture.
+    times : (start, end) or (N,) array, optional
+        Where a film begins and ends [s]; of a picture one time or several, laid over each other, the last
+        solid. By default the whole motion, or its start.
+    view : str, (3,) or mapping, optional
+        See `Look`, as for traces, labels, frames, dark, ghosts and title.
+    size : (width, height)
+        In pixels; in .svg and .pdf 96 of them are an inch.
+    fps, speed : float
+        Frames in a second (of a .gif at most 50); seconds of the motion in a second of the film.
+    vectors : str or sequence of str
+        Forces and torques that are drawn: "all", "applied", or names of elements.
+    progress : bool or callable, optional
+        True shows a bar while a film is made; a callable takes the share that is done, and ends the work by
+        returning False. Then, as after an interrupt, no file is written.
+
+    Raises
+    ------
+    UsageError
+        An unknown suffix, view, point or element; times outside of the motion; a size or speed of no picture.
+    EnvironmentFault
+        If the file cannot be written, or ffmpeg is missing.
+    """
+    target = Path(path)
+    is_still = file_kind(target) in STILLS
+    _check(run, fps, speed, ghosts)
+    look = Look(view, _pixels(size), tuple(traces), labels, frames, dark, ghosts, title)
+    rate = fps if target.suffix.lower() != ".gif" else min(fps, FASTEST)
+    shown = _still_times(run, times) if is_still else _film_times(run, times, rate, speed)
+    scene = _scene(run)
+    motion = _motion_at(run, scene, shown, vectors or "none")
+    track = _track(run, scene, shown, is_still) if traces else None
+    if is_still:
+        write_still(scene, motion, target, look, track)
+        return
+    with told(progress, "film") as report:
+        write_film(scene, motion, target, look, rate, track, report)
+
+
+def _scene(run: Trajectory) -> Scene:
+    if run.model is None:
+        raise UsageError(
+            Problem("film.no_model", "run", "the motion does not say which mechanism moves",
+                    "its file was written by an older version, or its equations were placed by hand",
+                    "compute it again with simulate")
+        )  # fmt: skip
+    courses = {name: np.atleast_1d(run[name]) for name in run.coordinate_names}
+    return make_scene(run.model, run.parameters, courses)
+
+
+def _motion_at(run: Trajectory, scene: Scene, times: Floats, vectors: str | Sequence[str]) -> SceneMotion:
+    """Return the motion at times; where only its samples were kept, between those."""
+    if run.dense_output is not None or np.isin(times, run.t).all():
+        return make_motion(run, scene, times, (), vectors)
+    return resample(make_motion(run, scene, np.atleast_1d(run.t), (), vectors), times)
+
+
+def resample(motion: SceneMotion, times: Floats) -> SceneMotion:
+    """Return a motion at other times, straight on between its samples."""
+
+    def between(values: Floats) -> Floats:
+        columns = values.reshape(len(motion.times), -1).T
+        rows = np.array([np.interp(times, motion.times, column) for column in columns])
+        return rows.T.reshape(len(times), *values.shape[1:])
+
+    quaternions = between(motion.quaternions)
+    quaternions /= np.linalg.norm(quaternions, axis=-1, keepdims=True)
+    vectors = tuple(replace(each, values=between(each.values)) for each in motion.vectors)
+    return SceneMotion(times, between(motion.positions), quaternions, (), vectors, motion.events)
+
+
+def _track(run: Trajectory, scene: Scene, shown: Floats, is_still: bool) -> SceneMotion:
+    """Return the motion in steps fine enough for traces: of a picture all of it, of a film what it shows."""
+    first, last = _range(run) if is_still else (float(shown[0]), float(shown[-1]))
+    return _motion_at(run, scene, np.linspace(first, last, _TRACK), "none")
+
+
+def _still_times(run: Trajectory, times: ArrayLike | None) -> Floats:
+    return _inside(run, [_range(run)[0]] if times is None else times, "0.5, or (0, 0.5, 1)")
+
+
+def _film_times(run: Trajectory, times: ArrayLike | None, fps: float, speed: float) -> Floats:
+    """Return when the frames of a film are taken."""
+    ends = _inside(run, _range(run) if times is None else times, "(0, 2): where it begins and ends")
+    first, last = float(ends[0]), float(ends[-1])
+    count = max(1, round((last - first) / speed * fps))
+    if count > _MOST_FRAMES:
+        raise UsageError(
+            Problem("film.long", "times", f"the film would have {count} frames, {_MOST_FRAMES} are the most",
+                    fix="give times=(START, END), a smaller fps= or a larger speed=")
+        )  # fmt: skip
+    return np.asarray(np.minimum(first + np.arange(count) * (speed / fps), last), dtype=np.float64)
+
+
+def _inside(run: Trajectory, times: ArrayLike, example: str) -> Floats:
+    try:
+        chosen = np.unique(np.asarray(times, dtype=np.float64))
+    except (TypeError, ValueError):
+        chosen = np.empty(0)
+    first, last = _range(run)
+    slack = 1e-9 * max(last - first, 1e-300)
+    if chosen.size == 0 or not ((chosen >= first - slack) & (chosen <= last + slack)).all():
+        raise UsageError(
+            Problem("film.times", "times", f"{times!r} is not within the motion: {first:g} to {last:g} s",
+                    fix=f"give times such as {example}")
+        )  # fmt: skip
+    return np.clip(chosen, first, last)
+
+
+def _range(run: Trajectory) -> tuple[float, float]:
+    return float(np.min(run.t)), float(np.max(run.t))
+
+
+def _pixels(size: tuple[int, int]) -> tuple[int, int]:
+    if len(size) != 2 or not all(_SIZES[0] <= each <= _SIZES[1] for each in size):
+        raise UsageError(
+            Problem("film.size", "size", f"size = {size!r} makes no picture",
+                    fix=f"give width and height in pixels, {_SIZES[0]} to {_SIZES[1]}, such as (960, 540)")
+        )  # fmt: skip
+    return int(size[0]), int(size[1])
+
+
+def _check(run: Trajectory, fps: float, speed: float, ghosts: float) -> None:
+    if not isinstance(run, Trajectory):
+        raise UsageError(
+            Problem("film.not_a_motion", "run", f"{run!r} is no motion",
+                    fix="give what simulate returns; of a sweep, one case: sweep.trajectory(3)")
+        )  # fmt: skip
+    if run.t.size == 0:
+        raise UsageError(
+            Problem("film.no_samples", "run", "the motion has no samples: nothing of it was computed",
+                    fix="see run.status and run.notes")
+        )  # fmt: skip
+    limits = (("fps", fps, 0.01, 1000.0), ("speed", speed, 1e-9, 1e9), ("ghosts", ghosts, 0.0, 1.0))
+    for name, value, low, high in limits:
+        if not low <= value <= high:
+            raise UsageError(
+                Problem("film.number", name, f"{name} = {value!r} makes no film",
+                        fix=f"give a number from {low:g} to {high:g}")
+            )  # fmt: skip

@@ -1,0 +1,207 @@
+"""`Studio`: a scene, its motion, a camera and all choices; it makes drawings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from symbody.errors import Problem, UsageError, nearest
+from symbody.visual.film.annotations import (
+    corner_marks,
+    frame_marks,
+    heading_marks,
+    legend_marks,
+    time_text,
+    trace_marks,
+    vector_marks,
+    vector_scales,
+)
+from symbody.visual.film.camera import View, fit_camera
+from symbody.visual.film.drawing import Drawing, Mark
+from symbody.visual.film.facets import Floats
+from symbody.visual.film.labels import Box, Offsets, named_points, place_labels
+from symbody.visual.film.layer import Grid
+from symbody.visual.film.painting import Backdrop, make_backdrop, paint
+from symbody.visual.film.palette import DARK, LIGHT, Paper
+from symbody.visual.film.stage import Stage, extent, make_stage, pose_at, stage_at
+from symbody.visual.scene.scene import Anchor, Scene, SceneMotion, VectorKind
+
+POINTS_PER_PIXEL: Final = 0.75  # 96 pixels and 72 points are an inch
+_MARGIN: Final = 44.0  # points around the mechanism
+_SMALL_MARGIN: Final = 0.13  # of the picture, where it is small
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What a picture shows.
+
+    Attributes
+    ----------
+    view : str, (3,) or mapping, optional
+        "front", "back", "left", "right", "top", "bottom", "isometric", or the direction from the mechanism to
+        the eye in ground's axes. A mapping has "direction" (either of these), "up" (what is drawn upwards),
+        "zoom" and "perspective" (True: what is far looks small). By default planar mechanisms are seen
+        against the normal of their plane, others isometrically.
+    size : (width, height)
+        In pixels; 96 are an inch where lengths count.
+    traces : tuple of str
+        Points whose ways are drawn: ``"body.frame"``, or a body for its centre of mass.
+    labels, frames : bool
+        Whether joints and bodies are named, and the axes of frames drawn.
+    dark : bool
+        Whether the picture is dark.
+    ghosts : float
+        How opaque earlier positions in a picture are, from 0 to 1.
+    title : str, optional
+        In the upper left corner.
+    """
+
+    view: View | None = None
+    size: tuple[int, int] = (960, 540)
+    traces: tuple[str, ...] = ()
+    labels: bool = False
+    frames: bool = False
+    dark: bool = False
+    ghosts: float = 0.35
+    title: str | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Studio:
+    """All that pictures of one motion have in common.
+
+    Attributes
+    ----------
+    stage, motion, look, paper, backdrop
+        What is drawn, when, and how.
+    scales : mapping
+        Metres for a newton and a newton metre.
+    trace_times : (M,) array
+        When traced points are where they are [s].
+    traces : tuple of (M, 3) arrays
+        Their places [m].
+    decimals : int
+        Of printed times.
+    """
+
+    stage: Stage
+    motion: SceneMotion
+    look: Look
+    paper: Paper
+    backdrop: Backdrop
+    scales: dict[VectorKind, float]
+    trace_times: Floats
+    traces: tuple[Floats, ...]
+    decimals: int
+
+    def draw(
+        self, samples: Sequence[int], until: float | None = None, before: Offsets | None = None
+    ) -> tuple[Drawing, Offsets]:
+        """Return the picture of samples of the motion, the last solid, and where its names stand.
+
+        Parameters
+        ----------
+        until : float, optional
+            When traces end [s]; by default with the motion.
+        before : mapping, optional
+            Where names stood in the picture before.
+        """
+        poses = [pose_at(self.motion, k) for k in samples]
+        instants = [stage_at(self.stage, pose) for pose in poses]
+        painted, strokes = paint(self.backdrop, instants, self.look.ghosts)
+        camera, scene, size = self.backdrop.camera, self.stage.scene, _points(self.look)
+        last = len(self.trace_times)
+        if until is not None:
+            last = int(np.searchsorted(self.trace_times, until, side="right"))
+        marks: list[Mark] = [*strokes, *trace_marks(camera, [path[:last] for path in self.traces])]
+        if self.look.frames:
+            marks += frame_marks(scene, camera, poses[-1])
+        for k, pose in zip(samples, poses, strict=True):
+            marks += vector_marks(camera, pose, self.motion.vectors, k, self.scales)
+        offsets: Offsets = {}
+        if self.look.labels:
+            named = named_points(scene, poses[-1])
+            corners = _corners(size, len(self.scales))
+            names, offsets = place_labels(named, camera, painted, size, self.paper, corners, before)
+            marks += names
+        marks += corner_marks(scene, camera, size, self.paper)
+        marks += legend_marks(camera, size, self.paper, self.scales)
+        stamp = time_text([float(self.motion.times[k]) for k in samples], self.decimals)
+        marks += heading_marks(size, self.paper, self.look.title, stamp)
+        return Drawing(size, self.paper.background, painted, tuple(marks)), offsets
+
+
+def _corners(size: tuple[float, float], scales: int) -> tuple[Box, ...]:
+    """Return where axes and scale bar, gravity, and time with legend stand: no names there."""
+    width, height = size
+    return (
+        (0.0, height - 58.0, 150.0, height),
+        (width - 60.0, 0.0, width, 44.0),
+        (width - 130.0, height - 28.0 - 16.0 * scales, width, height),
+    )
+
+
+def make_studio(
+    scene: Scene,
+    motion: SceneMotion,
+    look: Look,
+    per_pixel: float,
+    tone_width: float = 0.0,
+    track: SceneMotion | None = None,
+) -> Studio:
+    """Return what makes pictures of a motion.
+
+    Parameters
+    ----------
+    per_pixel : float
+        How many samples a pixel has, in width and in height.
+    tone_width : float
+        Of tones on curved surfaces [samples]; 0: they are smooth, which files of regions cannot say.
+    track : SceneMotion, optional
+        The same motion at other times, for traces.
+
+    Raises
+    ------
+    UsageError
+        If there is no such view, or a traced point is unknown.
+    """
+    track = motion if track is None else track
+    traces = tuple(_trace(scene, track, name) for name in look.traces)
+    stage = make_stage(scene, motion)
+    size = _points(look)
+    chosen = np.unique(np.linspace(0, len(motion.times) - 1, min(len(motion.times), 120)).astype(int))
+    reach = np.concatenate([extent(stage, [pose_at(motion, k) for k in chosen]), *traces])
+    margin = min(_MARGIN, _SMALL_MARGIN * min(size))
+    camera = fit_camera(scene, look.view, reach[np.isfinite(reach).all(axis=1)], size, margin)
+    width = round(per_pixel * look.size[0])
+    grid = Grid((round(per_pixel * look.size[1]), width), width / size[0])
+    paper = DARK if look.dark else LIGHT
+    backdrop = make_backdrop(stage, camera, grid, paper.background, tone_width)
+    scales = vector_scales(motion, scene.size)
+    return Studio(stage, motion, look, paper, backdrop, scales, track.times, traces, _decimals(motion.times))
+
+
+def _points(look: Look) -> tuple[float, float]:
+    return POINTS_PER_PIXEL * look.size[0], POINTS_PER_PIXEL * look.size[1]
+
+
+def _decimals(times: Floats) -> int:
+    """Return how many decimals tell times apart: two at least."""
+    steps = np.diff(np.unique(times))
+    return 2 if not len(steps) or steps.min() >= 0.01 else min(6, int(np.ceil(-np.log10(steps.min()))))
+
+
+def _trace(scene: Scene, track: SceneMotion, name: str) -> Floats:
+    """Return the way of a point (N, 3) of a body [m]."""
+    points: dict[str, Anchor] = {}
+    for place, body in enumerate(scene.bodies):
+        points[body.name] = Anchor(place, (0.0, 0.0, 0.0))
+        points |= {f"{body.name}.{frame.name}": Anchor(place, frame.at) for frame in body.frames}
+    if name not in points:
+        raise UsageError(
+            Problem("film.trace", "traces", f"there is no point {name!r}", fix=nearest(name, points))
+        )
+    return np.array([pose_at(track, k).place(points[name]) for k in range(len(track.times))])
