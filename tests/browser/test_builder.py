@@ -10,9 +10,7 @@ import pytest
 
 import symbody as sb
 from symbody.formats.model_files import examples_folder
-
-from .builder_page import BuilderPage, overlaps, running_builder
-
+from tests.browser.builder_page import BuilderPage, overlaps, running_builder
 
 HARMLESS = ("GPU stall", "GroupMarkerNotSet")
 
@@ -42,7 +40,10 @@ def visit(chromium: Any, settings: Any) -> Iterator[Any]:
         page.on("pageerror", lambda error: note(str(error)))
         page.on("console", lambda said: note(said.text) if said.type == "error" else None)
         home = f"http://127.0.0.1:{settings.port}/"
-        page.on("request", lambda sent: note(sent.url) if not sent.url.startswith((home, "data:", "blob:")) else None)
+        page.on(
+            "request",
+            lambda sent: note(sent.url) if not sent.url.startswith((home, "data:", "blob:")) else None,
+        )
         page.on("dialog", lambda dialog: dialog.accept())
         page.goto(settings.address())
         page.get_by_test_id("start").wait_for()
@@ -131,9 +132,10 @@ def test_a_slider_crank_is_built_with_the_mouse(visit: Any) -> None:
     builder.fill("Applied", "F")
     builder.wait_checked()
     page.locator(".react-flow__pane").click(position={"x": 20, "y": 20})
-    for name, value in INITIAL.items():
+    for number, (name, value) in enumerate(INITIAL.items()):
         builder.press_button("Add an initial value")
-        row = page.get_by_test_id("initial").locator(".table-row").last.locator("input")
+        row = page.get_by_test_id("initial").locator(".table-row").nth(number).locator("input")
+        page.wait_for_timeout(100)  # the focus goes to the new row
         row.nth(0).fill(name)
         row.nth(1).fill(value)
         row.nth(1).press("Enter")
@@ -311,7 +313,7 @@ def test_a_file_is_saved_as_it_was_and_changes_outside_are_seen(visit: Any, sett
     path.write_text(text, encoding="utf-8")
     builder = visit(expected=("409",))
     page = builder.page
-    page.evaluate("location.hash = 'open=%s'" % path)
+    page.evaluate(f"location.hash = 'open={path}'")
     page.reload()
     page.get_by_test_id("node-Crank").wait_for()
     builder.keys("Control+s")
