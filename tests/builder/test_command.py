@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import queue
 import socket
+import subprocess
+import sys
 import webbrowser
 from pathlib import Path
 from urllib.parse import unquote
@@ -67,3 +69,13 @@ def test_ctrl_c_and_a_port_that_is_taken(
 
     monkeypatch.setattr(run, "serve", interrupted)
     assert run_command(["builder", "--no-browser", "--port", "0"]) == 130
+
+
+def test_other_commands_load_nothing_of_the_builder() -> None:
+    code = (
+        "import sys, symbody.cli; symbody.cli.app; print(sorted({'fastapi', 'uvicorn'} & sys.modules.keys()))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True
+    )
+    assert done.stdout.strip() == "[]"

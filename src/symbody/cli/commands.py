@@ -17,7 +17,7 @@ import numpy as np
 import typer
 
 import symbody
-from symbody.builder import run_builder
+import symbody.builder
 from symbody.cli.flags import FlagCommand, FlagGroup
 from symbody.cli.options import Force, Initials, Inputs, ModelFile, Pairs, Settings, Tree, TreeWord, option
 from symbody.cli.settings import Settled, assigned
@@ -382,18 +382,14 @@ def _copy_files(source: Path, target: Path, force: bool) -> list[str]:
 
 @command()
 def builder(
-    model: Annotated[
-        Path | None, typer.Argument(metavar="MODEL", help="A model file to begin with.")
-    ] = None,
+    model: Annotated[Path | None, typer.Argument(metavar="MODEL", help="A model file to begin with.")] = None,
     no_browser: Annotated[
         bool, typer.Option("--no-browser", help="Print the address only; open no browser.")
     ] = False,
-    port: Annotated[
-        int | None, option("--port", text="Port of 127.0.0.1; 0 takes any that is free.")
-    ] = None,
+    port: Annotated[int | None, option("--port", text="Port of 127.0.0.1; 0 takes any that is free.")] = None,
 ) -> None:
     """Open the diagram editor in the browser; also called edit."""
-    run_builder("" if model is None else model, port, not no_browser)
+    symbody.builder.run_builder("" if model is None else model, port, not no_browser)
 
 
 command("edit", hidden=True)(builder)
