@@ -21,6 +21,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 SOURCES = Path("frontend")
 PAGES = Path("src/symbody/visual/pages")
 FILES = ("player.html", "widget.js", "LICENSES.txt")
+BUILDER = Path("src/symbody/builder/pages/index.html")
 STAMP = "sources.sha256"
 WITHOUT = "SYMBODY_WITHOUT_PAGES"
 OLDEST_NODE = 20
@@ -47,7 +48,7 @@ class PagesHook(BuildHookInterface[Any]):
         if not reason:
             return
         state = "are those of older sources" if has_pages(root) else "are missing"
-        message = f"the web pages {state}: {reason}. symbody.animate needs them; all else works"
+        message = f"the web pages {state}: {reason}. symbody.animate and symbody builder need them; all else works"
         if self.target_name == "sdist":
             raise RuntimeError(
                 f"{message}. Releases are built from this archive; {WITHOUT}=1 leaves pages out"
@@ -62,7 +63,7 @@ def is_unwanted() -> bool:
 
 def has_pages(root: Path) -> bool:
     """Return whether all files are there."""
-    return all((root / PAGES / name).is_file() for name in FILES)
+    return (root / BUILDER).is_file() and all((root / PAGES / name).is_file() for name in FILES)
 
 
 def is_current(root: Path) -> bool:

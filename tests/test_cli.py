@@ -15,7 +15,7 @@ import pytest
 
 import symbody
 from symbody.cli import run
-from symbody.cli.commands import examples_folder
+from symbody.formats.model_files import examples_folder
 from symbody.cli.written import equation_lines
 from symbody.equations.form import form_equations
 from symbody.formats.native import load_model

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ from sympy.physics.vector import dynamicsymbols
 
 import symbody as sb
 from symbody.dynaflexpro import BuildEQs, BuildModel, ModelEquations
-from symbody.errors import UsageError
+from symbody.errors import EnvironmentFault, UsageError
 from tests.problems.mechanisms import EXAMPLES, model_of
 
 FILE = EXAMPLES / "spring_mass_damper" / "spring_mass_damper.toml"
@@ -72,13 +73,26 @@ def test_the_tree_may_be_chosen() -> None:
     assert len(built.vP) == 18 and len(built.vQ) == 21  # positions and quaternions
 
 
-def test_the_editor_and_foreign_files_are_refused_with_a_cure(tmp_path: Path) -> None:
-    with pytest.raises(UsageError) as caught:
+def test_the_editor_runs_in_a_process_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[list[str]] = []
+    codes = iter((0, 130, 5))
+
+    def run(command: list[str], check: bool) -> subprocess.CompletedProcess[str]:
+        calls.append(command)
+        return subprocess.CompletedProcess(command, next(codes))
+
+    monkeypatch.setattr(subprocess, "run", run)
+    BuildModel()
+    BuildModel(FILE)
+    assert [call[1:] for call in calls] == [["-m", "symbody", "builder"], ["-m", "symbody", "builder", str(FILE)]]
+    with pytest.raises(EnvironmentFault) as caught:
+        BuildModel(FILE)
+    assert caught.value.problems[0].code == "dynaflexpro.build_model"
+
+
+def test_foreign_files_are_refused_with_a_cure(tmp_path: Path) -> None:
+    with pytest.raises(UsageError):
         BuildModel("Examples/SpinTop.mb")
-    (problem,) = caught.value.problems
-    assert problem.code == "dynaflexpro.build_model" and "Examples/SpinTop.mb" in problem.where
-    for word in ("TOML", "BuildEQs", "symbody examples"):
-        assert word in problem.fix
     for name in ("SpinTop.dfp", "SpinTop.MB"):
         with pytest.raises(UsageError) as caught:
             BuildEQs(tmp_path / name)

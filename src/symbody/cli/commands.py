@@ -17,8 +17,8 @@ import numpy as np
 import typer
 
 import symbody
+import symbody.builder
 from symbody.cli.flags import FlagCommand, FlagGroup
-from symbody.cli.model_files import example_names, example_text, load_model
 from symbody.cli.options import Force, Initials, Inputs, ModelFile, Pairs, Settings, Tree, TreeWord, option
 from symbody.cli.settings import Settled, assigned
 from symbody.cli.small_motions import linear_json, linear_lines, rest_json, rest_lines
@@ -30,6 +30,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.showing.textbook import MOST_SPEEDS
 from symbody.errors import EnvironmentFault, Problem, UsageError, counted, nearest
+from symbody.formats.model_files import example_names, example_text, examples_folder, load_model
 from symbody.model.model import Model
 from symbody.simulation.native.run import check_memory
 from symbody.simulation.results.trajectory import Trajectory
@@ -366,19 +367,6 @@ def examples(
         _print(_copy_files(folder / name, copy, force))
 
 
-def examples_folder() -> Path:
-    """Return the folder of the examples, in an installed package or beside the sources."""
-    package = Path(symbody.__file__).parent
-    for folder in (package / "examples", package.parents[1] / "examples"):
-        if folder.is_dir():
-            return folder
-    raise EnvironmentFault(
-        Problem(
-            "cli.no_examples", str(package), "the examples are not installed", "", "install symbody again"
-        )
-    )
-
-
 def _refuse_overwriting(path: Path, force: bool) -> None:
     if path.exists() and not force:
         raise UsageError(Problem("cli.file_exists", str(path), "the file exists already", "", "add --force"))
@@ -390,3 +378,18 @@ def _copy_files(source: Path, target: Path, force: bool) -> list[str]:
     for path in files:
         _refuse_overwriting(target / path.name, force)
     return [str(shutil.copyfile(path, target / path.name)) for path in files]
+
+
+@command()
+def builder(
+    model: Annotated[Path | None, typer.Argument(metavar="MODEL", help="A model file to begin with.")] = None,
+    no_browser: Annotated[
+        bool, typer.Option("--no-browser", help="Print the address only; open no browser.")
+    ] = False,
+    port: Annotated[int | None, option("--port", text="Port of 127.0.0.1; 0 takes any that is free.")] = None,
+) -> None:
+    """Open the diagram editor in the browser; also called edit."""
+    symbody.builder.run_builder("" if model is None else model, port, not no_browser)
+
+
+command("edit", hidden=True)(builder)

@@ -1,15 +1,17 @@
-"""`BuildEQs`, and why there is no `BuildModel`: from a model or its file to the module with the equations."""
+"""`BuildEQs`, from a model or its file to the module with the equations, and `BuildModel`, the editor."""
 
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 from collections.abc import Sequence
-from typing import Final, NoReturn
+from typing import Final
 
 from symbody.dynaflexpro.exports import ModelEquations
 from symbody.dynaflexpro.loose_bodies import with_free_joints
 from symbody.equations.form import form_equations
-from symbody.errors import Problem, UsageError, nearest
+from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
 from symbody.formats.native import load_model
 from symbody.graph.trees import TreeChoice
 from symbody.model.model import Model
@@ -19,6 +21,9 @@ _HOW_TO_START: Final = (
     "describe the mechanism in a TOML file and call BuildEQs on it; 'symbody examples NAME --copy DIR' gives "
     "one to start from"
 )
+
+# Codes with which the editor ends when nothing went wrong: by itself, or by Ctrl-C.
+_ENDED: Final = frozenset({0, 130})
 
 # Option -> the values it may have.
 _OPTIONS: Final = {"DynSimpType": ("None", "Simplify")}
@@ -56,18 +61,34 @@ def BuildEQs(
     return ModelEquations(form_equations(complete, tree=tree), notes)
 
 
-def BuildModel(path: str | os.PathLike[str] = "") -> NoReturn:
-    """Refuse to open the block diagram editor, which is not here, and say what to do instead.
+def BuildModel(path: str | os.PathLike[str] = "") -> None:
+    """Open the diagram editor in the browser and wait until it is ended by Ctrl-C.
+
+    It runs in a process of its own; ``symbody builder PATH`` does the same from the command line.
+
+    Parameters
+    ----------
+    path : str
+        Model file to begin with; without one the editor offers examples.
 
     Raises
     ------
     UsageError
-        Always.
+        If the file is one of DynaFlexPro's.
+    EnvironmentFault
+        If the editor cannot run on this computer.
     """
-    raise UsageError(
-        Problem("dynaflexpro.build_model", os.fspath(path), "there is no block diagram editor to open",
-                "a mechanism is a TOML file here, written in any editor", _HOW_TO_START)
-    )  # fmt: skip
+    _refuse_foreign(path)
+    given = [os.fspath(path)] if os.fspath(path) else []
+    try:
+        code = subprocess.run([sys.executable, "-m", "symbody", "builder", *given], check=False).returncode
+    except KeyboardInterrupt:
+        return
+    if code not in _ENDED:
+        raise EnvironmentFault(
+            Problem("dynaflexpro.build_model", os.fspath(path), "the editor ended with a fault",
+                    "it is told above, on standard error", "symbody builder tells it again")
+        )  # fmt: skip
 
 
 def _refuse_foreign(path: str | os.PathLike[str]) -> None:

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from contextvars import ContextVar
 from numbers import Real
 from typing import Final, TypeVar
@@ -51,6 +52,7 @@ class Deadline:
 
 
 _CURRENT: Final[ContextVar[Deadline | None]] = ContextVar("deadline", default=None)
+_WATCH: Final[ContextVar[Callable[[str], object] | None]] = ContextVar("watch", default=None)
 
 
 def in_time(seconds: float | None, work: str, cure: str, do: Callable[[], Result]) -> Result:
@@ -108,8 +110,21 @@ def check() -> None:
         raise deadline.error()
 
 
+@contextmanager
+def stages_watched(watch: Callable[[str], object]) -> Iterator[None]:
+    """Call `watch` with the name of each stage that begins in this context."""
+    token = _WATCH.set(watch)
+    try:
+        yield
+    finally:
+        _WATCH.reset(token)
+
+
 def begin(stage: str, notes: tuple[str, ...] = ()) -> None:
     """Begin a stage, which ends the one before; `notes` say what was chosen until now."""
+    watch = _WATCH.get()
+    if watch is not None:
+        watch(stage)
     deadline = _CURRENT.get()
     if deadline is not None:
         deadline.stages.append((stage, time.perf_counter()))

@@ -98,8 +98,15 @@ def model_to_toml(model: Model, onto: str = "", layout: Mapping[str, Any] | None
     return text if layout is None else _with_layout(text, layout)
 
 
-def from_data(data: object, where: str = "") -> Model:
+def from_data(data: object, where: str = "", folder: str = "") -> Model:
     """Return the model of JSON data with the structure of the file; null means left out.
+
+    Parameters
+    ----------
+    where : str
+        Stands before the pointers in messages.
+    folder : str
+        Where paths of meshes begin.
 
     Raises
     ------
@@ -110,7 +117,7 @@ def from_data(data: object, where: str = "") -> Model:
     def locate(path: Path) -> str:
         return f"{where}{pointer(path)}"
 
-    return _model(_without_nulls(data), locate)
+    return _model(_without_nulls(data), locate, folder)
 
 
 def to_data(model: Model, layout: Mapping[str, Any] | None = None) -> dict[str, Any]:
@@ -204,7 +211,10 @@ def _merged(content: Mapping[str, Node], onto: str, folder: str | None) -> str |
     """Return the changed text of a model file, or None if `onto` is none or does not take the changes."""
     where = os.path.join(folder or "", "model file")
     try:
-        text = write_toml(content, onto, _content(model_from_toml(onto, where), folder))
+        before = _content(model_from_toml(onto, where), folder)
+        if before == content:  # to the byte, whatever the library makes of tables out of order
+            return onto
+        text = write_toml(content, onto, before)
         return text if _content(model_from_toml(text, where), folder) == content else None
     except SymbodyError:
         return None

@@ -28,10 +28,15 @@ _CURES: Final = MappingProxyType(
 )
 
 
-def write_text(path: str | os.PathLike[str], text: str) -> None:
+def write_text(path: str | os.PathLike[str], text: str, keep: bool = True) -> None:
     """Write UTF-8 text in one step: afterwards the file holds all of it, or is as it was.
 
-    The content before is kept beside it with ``.bak`` appended; a symbolic link stays one.
+    A symbolic link stays one.
+
+    Parameters
+    ----------
+    keep : bool
+        Whether the content before is kept beside it with ``.bak`` appended.
 
     Raises
     ------
@@ -47,7 +52,8 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
         if target.is_file():
             if target.read_bytes() == content:
                 return
-            replace_content(Path(f"{target}.bak"), target.read_bytes(), like=target)
+            if keep:
+                replace_content(Path(f"{target}.bak"), target.read_bytes(), like=target)
         replace_content(target, content, like=target)
     except (OSError, ValueError) as error:
         raise FormatError(_unwritable(where, error)) from error

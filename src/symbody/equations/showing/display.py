@@ -30,20 +30,23 @@ def mathml_sides(eqs: EquationSet) -> list[tuple[str, str]]:
     return _printed(eqs, to_mathml)
 
 
+def equation_sides(eqs: EquationSet) -> list[tuple[int, int]]:
+    """Return the nodes of the left and the right side of each equation."""
+    graph = eqs.formed.graph
+    pairs = zip(eqs.textbook.inertial.nodes, eqs.textbook.driving.nodes, strict=True)
+    return [_sides(graph, sub(graph, inertial, driving)) for inertial, driving in pairs]
+
+
 def _printed(eqs: EquationSet, show: Callable[[Graph, int], str]) -> list[tuple[str, str]]:
     graph = eqs.formed.graph
-    lines = []
-    for inertial, driving in zip(eqs.textbook.inertial.nodes, eqs.textbook.driving.nodes, strict=True):
-        left, right = _sides(graph, sub(graph, inertial, driving))
-        lines.append((show(graph, left), show(graph, right)))
-    return lines
+    return [(show(graph, left), show(graph, right)) for left, right in equation_sides(eqs)]
 
 
 def _sides(graph: Graph, total: int) -> tuple[int, int]:
     """Split ``total = 0`` into terms that move and terms that do not."""
     kinds = dependence(graph, [total])
     left, right = ZERO, ZERO
-    for sign, term in _terms(graph, total):
+    for sign, term in signed_terms(graph, total):
         if kinds[term] & _MOVING:
             left = add(graph, left, term) if sign > 0 else sub(graph, left, term)
         else:
@@ -51,7 +54,7 @@ def _sides(graph: Graph, total: int) -> tuple[int, int]:
     return left, right
 
 
-def _terms(graph: Graph, node: int) -> list[tuple[int, int]]:
+def signed_terms(graph: Graph, node: int) -> list[tuple[int, int]]:
     """Return the signed terms of a sum, nested sums included."""
     terms = []
     stack = [(1, node)]

@@ -51,7 +51,7 @@ def broken(formula: str, width: int = WIDTH) -> list[str]:
     """Return the rows of a formula, each of at most `width` letters where its terms allow it."""
     rows: list[list[Element]] = [[]]
     filled = 0
-    for term in _terms(list(ElementTree.fromstring(f"<mrow>{formula}</mrow>"))):
+    for term in terms_of(list(ElementTree.fromstring(f"<mrow>{formula}</mrow>"))):
         length = sum(map(_letters, term))
         if rows[-1] and filled + length > width:
             rows.append([])
@@ -64,7 +64,7 @@ def broken(formula: str, width: int = WIDTH) -> list[str]:
     return ["".join(ElementTree.tostring(part, encoding="unicode") for part in row) for row in rows]
 
 
-def _terms(elements: Sequence[Element]) -> list[list[Element]]:
+def terms_of(elements: Sequence[Element]) -> list[list[Element]]:
     """Return the elements of each term, its sign first."""
     terms: list[list[Element]] = [[]]
     for element in elements:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from symbody.errors import EnvironmentFault, Problem
 from symbody.formats.native import load_model as load_native
 from symbody.formats.urdf.building.loading import load_urdf
 from symbody.model.model import Model
@@ -18,6 +19,25 @@ def load_model(path: Path) -> Model:
         As the reader of the format.
     """
     return load_urdf(path) if path.suffix.lower() == ".urdf" else load_native(path)
+
+
+def examples_folder() -> Path:
+    """Return the folder of the examples, in an installed package or beside the sources.
+
+    Raises
+    ------
+    EnvironmentFault
+        If there is none.
+    """
+    package = Path(__file__).parents[1]
+    for folder in (package / "examples", package.parents[1] / "examples"):
+        if folder.is_dir():
+            return folder
+    raise EnvironmentFault(
+        Problem(
+            "cli.no_examples", str(package), "the examples are not installed", "", "install symbody again"
+        )
+    )
 
 
 def model_file(folder: Path) -> Path:

@@ -1,0 +1,341 @@
+"""Documents: opened, saved, recovered. The page holds what is edited; the files are the server's."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from pathlib import Path
+from threading import Lock
+from typing import Any, Final
+
+from symbody.builder.model_text import Opened, data_from_text, text_from_data
+from symbody.builder.page_problems import page_notes
+from symbody.builder.paths import contained, with_ending
+from symbody.builder.refusal import refusal
+from symbody.builder.requests import OpenRequest, SaveRequest
+from symbody.builder.settings import BuilderSettings
+from symbody.builder.user_state import UserState
+from symbody.errors import FormatError, Problem, SymbodyError
+from symbody.formats.model_files import load_model
+from symbody.formats.native import to_data
+from symbody.formats.reading import MAX_BYTES
+from symbody.formats.urdf.building.loading import load_urdf
+from symbody.formats.writing import write_text
+from symbody.model.model import Model
+
+Answer = dict[str, Any]
+
+_TOML: Final = (".toml",)
+_URDF: Final = (".urdf", ".xml")
+_MOST_ENTRIES: Final = 2000
+_MOST_DOCUMENTS: Final = 200
+_EMPTY: Final = '# A mechanism\n\nname = "untitled"\ngravity = ["0", "-9.81", "0"]\n'
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """What is open in a page.
+
+    Attributes
+    ----------
+    path : str or None
+        Its file; None before it is saved for the first time.
+    name : str
+        What the page calls it.
+    """
+
+    path: str | None
+    name: str
+
+
+class Documents:
+    """All documents of a run, by identifier."""
+
+    def __init__(self, settings: BuilderSettings) -> None:
+        self._settings = settings
+        self._user = UserState(settings.state)
+        self._open: dict[str, Document] = {}
+        self._lock = Lock()
+
+    def new(self) -> Answer:
+        """Return an empty document."""
+        return self._answer(Document(None, "untitled"), data_from_text(_EMPTY, "untitled"))
+
+    def open(self, request: OpenRequest) -> Answer:
+        """Return the document that a request names.
+
+        Raises
+        ------
+        SymbodyError
+            If it cannot be opened.
+        """
+        ways = {
+            "path": self._open_path,
+            "example": self._open_example,
+            "draft": self._open_draft,
+            "urdf": self._open_urdf,
+        }
+        given = [
+            (word, getattr(request, word)) for word in (*ways, "text") if getattr(request, word) is not None
+        ]
+        if len(given) != 1:
+            raise refusal(
+                "builder.open", "open", f"{len(given)} things are named to be opened", fix="name one"
+            )
+        word, value = given[0]
+        if word == "text":
+            name = Path(request.name).stem or "untitled"
+            return self._answer(Document(None, name), data_from_text(value, request.name or "text"))
+        return ways[word](value)
+
+    def _open_path(self, path: str) -> Answer:
+        real = contained(path, self._settings.roots)
+        if real.suffix.lower() in _URDF:
+            return self._open_urdf(path)
+        with_ending(real, _TOML)
+        content = read_bytes(real)
+        opened = data_from_text(_decoded(content, str(real)), real.name)
+        self._remember(str(real))
+        return self._answer(Document(str(real), real.stem), opened, fingerprint(content))
+
+    def _open_urdf(self, path: str) -> Answer:
+        real = with_ending(contained(path, self._settings.roots), _URDF)
+        return self._answer(Document(None, real.stem), _from_model(load_urdf(real)))
+
+    def _open_example(self, name: str) -> Answer:
+        for path in self._examples():
+            if path.stem == name:
+                return self._answer(Document(None, path.stem), _example(path))
+        raise refusal("builder.unknown_example", name[:80], "there is no such example", fix="choose one")
+
+    def _open_draft(self, draft: str) -> Answer:
+        entry = self._user.draft(draft)
+        path = entry.get("path") if isinstance(entry.get("path"), str) else None
+        mark = None
+        if path is not None:
+            real = contained(path, self._settings.roots)
+            mark = fingerprint(read_bytes(real)) if real.is_file() else None
+        opened = Opened(entry["data"], None, [])
+        return self._answer(Document(path, str(entry.get("name"))), opened, mark, draft)
+
+    def _answer(
+        self, document: Document, opened: Opened, mark: str | None = None, name: str | None = None
+    ) -> Answer:
+        identifier = name or secrets.token_hex(16)
+        with self._lock:
+            self._open[identifier] = document
+            while len(self._open) > _MOST_DOCUMENTS:
+                del self._open[next(iter(self._open))]
+        return {
+            "document": identifier,
+            "path": document.path,
+            "name": document.name,
+            "data": opened.data,
+            "fingerprint": mark,
+            "problems": opened.problems,
+        }
+
+    def save(self, request: SaveRequest) -> Answer:
+        """Write a document to a file; unchanged data leave every byte as it is.
+
+        Raises
+        ------
+        UsageError
+            If the file is not the one that was opened, unless `overwrite`.
+        FormatError
+            If it cannot be written.
+        """
+        document = self._document(request.document)
+        real = with_ending(contained(request.path, self._settings.roots), _TOML)
+        old = read_bytes(real) if real.exists() else None
+        mark = None if old is None else fingerprint(old)
+        is_same = mark == request.fingerprint and document.path in (None, str(real), request.path)
+        if not request.overwrite and not is_same and old is not None:
+            raise refusal(
+                "builder.changed_outside",
+                str(real),
+                "the file is not the one that was opened: its content is another",
+                "another program changed or made it",
+                "save under another name, open the file again, or overwrite it",
+            )
+        base = "" if old is None else _base(old, request.overwrite)
+        content = text_from_data(request.data, base).encode("utf-8")
+        if content != old:
+            write_text(real, content.decode("utf-8"))
+        with self._lock:
+            self._open[request.document] = replace(document, path=str(real), name=real.stem)
+        self._user.drop_draft(request.document)
+        self._remember(str(real))
+        return {"path": str(real), "fingerprint": fingerprint(content)}
+
+    def save_draft(self, identifier: str, data: dict[str, Any]) -> Answer:
+        """Store what is edited, so that no crash costs it."""
+        document = self._document(identifier)
+        self._user.save_draft(identifier, document.path, document.name, data)
+        return {}
+
+    def changed(self, identifier: str, mark: str | None) -> Answer:
+        """Return whether the file of a document has another content than the one with a fingerprint."""
+        path = self._document(identifier).path
+        if path is None:
+            return {"changed": False}
+        try:
+            return {"changed": fingerprint(read_bytes(contained(path, self._settings.roots))) != mark}
+        except SymbodyError:  # it was moved or deleted
+            return {"changed": True}
+
+    def folder_of(self, identifier: str) -> str:
+        """Return the folder of a document's file, from which paths of meshes begin; "" if it has none."""
+        with self._lock:
+            document = self._open.get(identifier)
+        return "" if document is None or document.path is None else os.path.dirname(document.path)
+
+    def recent(self) -> Answer:
+        """Return the files that were used last."""
+        return {"files": self._user.recent()}
+
+    def recovery(self) -> Answer:
+        """Return what was edited and never saved."""
+        return {"drafts": self._user.drafts()}
+
+    def examples(self) -> Answer:
+        """Return the examples with a title and a sentence each."""
+        return {"examples": [_described(path) for path in self._examples()]}
+
+    def folder(self, path: str) -> Answer:
+        """Return the folders and model files in a folder inside the roots."""
+        real = contained(path or str(self._settings.roots[-1]), self._settings.roots)
+        try:
+            with os.scandir(real) as entries:
+                listed = [entry for entry in map(_listed, entries) if entry][:_MOST_ENTRIES]
+        except OSError as error:
+            raise FormatError(
+                Problem("builder.folder", str(real), f"the folder cannot be read: {error.strerror}",
+                        fix="choose another one")
+            ) from None  # fmt: skip
+        listed.sort(key=lambda entry: (entry["kind"] != "folder", entry["name"].lower()))
+        is_inside = any(real.parent.is_relative_to(root) for root in self._settings.roots)
+        return {"path": str(real), "parent": str(real.parent) if is_inside else None, "entries": listed}
+
+    def _document(self, identifier: str) -> Document:
+        with self._lock:
+            document = self._open.get(identifier)
+        if document is None:
+            raise refusal(
+                "builder.unknown_document",
+                identifier[:40],
+                "the document is not open here",
+                "the server was started again",
+                "save it under its name as a new document",
+            )
+        return document
+
+    def adopt(self, identifier: str, path: str | None, name: str) -> Answer:
+        """Take on a document of a page that an earlier run of the server opened.
+
+        Raises
+        ------
+        UsageError
+            If its path lies outside the roots.
+        """
+        UserState.check_identifier(identifier)
+        real = None if path is None else str(contained(path, self._settings.roots))
+        with self._lock:
+            self._open.setdefault(identifier, Document(real, name))
+        return {}
+
+    def _examples(self) -> Iterator[Path]:
+        paths = [*self._settings.examples.glob("*/*.toml"), *self._settings.examples.glob("*/*.urdf")]
+        yield from sorted(paths, key=lambda path: path.stem)
+
+    def _remember(self, path: str) -> None:
+        try:
+            self._user.remember(path)
+        except FormatError:  # a folder that cannot be written to: there is no list
+            pass
+
+
+def fingerprint(content: bytes) -> str:
+    """Return what tells one content of a file from all others."""
+    return sha256(content).hexdigest()
+
+
+def read_bytes(path: Path) -> bytes:
+    """Return the content of a regular file.
+
+    Raises
+    ------
+    FormatError
+        If there is none, or it is too large.
+    """
+    try:
+        if not path.is_file():
+            raise FormatError(
+                Problem("builder.no_file", str(path), "there is no such file", fix="check the path")
+            )
+        if path.stat().st_size > MAX_BYTES:
+            raise FormatError(
+                Problem("builder.large_file", str(path), f"the file has more than {MAX_BYTES} bytes",
+                        fix="choose a model file")
+            )  # fmt: skip
+        return path.read_bytes()
+    except OSError as error:
+        raise FormatError(
+            Problem("builder.unreadable", str(path), f"the file cannot be read: {error.strerror}",
+                    fix="check its permissions")
+        ) from None  # fmt: skip
+
+
+def _decoded(content: bytes, where: str) -> str:
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise FormatError(
+            Problem("builder.not_text", f"{where}:{line}", "the file is no UTF-8 text",
+                    fix="save it as UTF-8 in a text editor")
+        ) from None  # fmt: skip
+
+
+def _base(old: bytes, overwrite: bool) -> str:
+    """Return the text whose comments are kept; a file that is overwritten may be anything."""
+    return old.decode("utf-8", "replace" if overwrite else "strict") if b"\0" not in old else ""
+
+
+def _from_model(model: Model) -> Opened:
+    data = to_data(model)
+    return Opened(data, model, page_notes(model.notes, data))
+
+
+def _example(path: Path) -> Opened:
+    if path.suffix == ".urdf":
+        return _from_model(load_model(path))
+    return data_from_text(path.read_text(encoding="utf-8"), path.name)
+
+
+def _described(path: Path) -> dict[str, str]:
+    title, summary = path.stem.replace("_", " "), "A robot from a URDF file"
+    if path.suffix == ".toml":
+        lines = path.read_text(encoding="utf-8").splitlines()
+        comments = [line.lstrip("# ") for line in lines[: next((k for k, x in enumerate(lines) if not x), 0)]]
+        summary = " ".join(comments)
+        named = next((line for line in lines if line.startswith("name")), "")
+        title = named.partition('"')[2].rpartition('"')[0] or title
+    return {"name": path.stem, "title": title, "summary": summary}
+
+
+def _listed(entry: os.DirEntry[str]) -> dict[str, str] | None:
+    if entry.name.startswith("."):
+        return None
+    try:
+        kind = "folder" if entry.is_dir() else _kind(entry.name) if entry.is_file() else ""
+    except OSError:
+        return None
+    return {"name": entry.name, "kind": kind} if kind else None
+
+
+def _kind(name: str) -> str:
+    return {".toml": "model", ".urdf": "urdf"}.get(os.path.splitext(name)[1].lower(), "")

@@ -1,0 +1,62 @@
+"""Formulas as the page shows them beside their fields."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+from symbody.display.formulas import formula_shown
+from symbody.errors import SymbodyError
+from symbody.expr.language.formula import Formula
+
+# Texts of the model file that are names, addresses or words.
+_WORDS: Final = frozenset(
+    "name type between axis axes angles coordinate coordinates speed_names resolved_in on reaction_on path "
+    "kind outside color file inputs layout version coupled speeds first second".split()
+)
+_MOST: Final = 2000  # formulas of a model that are shown
+_LONGEST: Final = 2000  # characters of one
+
+
+def formula_mathml(text: str, pointer: str = "") -> str:
+    """Return a formula as MathML; a number as it is typed.
+
+    Raises
+    ------
+    ExpressionError
+        If it is none.
+    """
+    return formula_shown(Formula.of(_without_degrees(text), where=f"#{pointer}" if pointer else ""))
+
+
+def model_formulas(data: Mapping[str, Any]) -> dict[str, str]:
+    """Return the formulas of a model that are more than numbers as MathML, by JSON pointer."""
+    shown: dict[str, str] = {}
+    for pointer, text in _texts(data, ""):
+        if len(shown) >= _MOST:
+            break
+        try:
+            formula = Formula.of(_without_degrees(text))
+            if not formula.is_number:
+                shown[pointer] = formula_shown(formula)
+        except SymbodyError:
+            continue  # its field says what is wrong
+    return shown
+
+
+def _texts(value: Any, pointer: str) -> Iterator[tuple[str, str]]:
+    if isinstance(value, Mapping):
+        for key, entry in value.items():
+            if key not in _WORDS or pointer in ("/parameters", "/initial"):
+                yield from _texts(entry, f"{pointer}/{str(key).replace('~', '~0').replace('/', '~1')}")
+    elif isinstance(value, list):
+        for k, entry in enumerate(value):
+            yield from _texts(entry, f"{pointer}/{k}")
+    elif isinstance(value, str) and 0 < len(value) <= _LONGEST:
+        yield pointer, value
+
+
+def _without_degrees(text: str) -> str:
+    """Return an angle such as ``"30 deg"`` as a formula in radians."""
+    words = text.strip()
+    return f"({words[:-3].strip()})*pi/180" if words.endswith(" deg") else words

@@ -1,0 +1,82 @@
+"""What the application works with: documents, workers, jobs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from symbody.builder.documents import Documents
+from symbody.builder.file_names import file_stem
+from symbody.builder.jobs import Jobs
+from symbody.builder.model_text import text_from_data
+from symbody.builder.requests import CheckRequest, ExportRequest, JobRequest, OutputsRequest, PoseRequest
+from symbody.builder.settings import BuilderSettings
+from symbody.builder.workers import NewestOnly, Reserve
+
+Answer = dict[str, Any]
+
+
+class Services:
+    """Everything behind the requests of one run."""
+
+    def __init__(self, settings: BuilderSettings) -> None:
+        self.settings = settings
+        self.documents = Documents(settings)
+        self._reserve = Reserve()
+        self.jobs = Jobs(self._reserve, settings.limits)
+        self._interactive = NewestOnly(self._reserve)
+
+    def warm(self) -> None:
+        """Begin to load what the first check needs."""
+        self._reserve.warm()
+
+    def check(self, request: CheckRequest) -> Answer:
+        """Return what is wrong with a model, what it is, and its picture."""
+        payload = {"data": request.data, "folder": self.documents.folder_of(request.document)}
+        answer: Answer = self._interactive.run("check", payload, request.page, self.settings.limits.check)
+        return answer
+
+    def pose(self, request: PoseRequest) -> Answer:
+        """Return the configuration in which some coordinates have the values given."""
+        payload = {
+            "data": request.data,
+            "folder": self.documents.folder_of(request.document),
+            "fixed": request.fixed,
+            "guess": request.guess,
+        }
+        answer: Answer = self._interactive.run("pose", payload, request.page, self.settings.limits.pose)
+        return answer
+
+    def start_job(self, request: JobRequest) -> Answer:
+        """Begin a job."""
+        folder = self.documents.folder_of(request.document)
+        payload = {"data": request.data, "folder": folder, "options": request.options}
+        return {"job": self.jobs.start(request.kind, payload)}
+
+    def outputs(self, request: OutputsRequest) -> Answer:
+        """Return more curves of a finished run."""
+        answer: Answer = self.jobs.ask(request.job, "outputs", {"names": request.names})
+        return answer
+
+    def export(self, request: ExportRequest) -> Answer:
+        """Return a model in another form."""
+        if request.kind == "toml":
+            name = str(request.data.get("name") or "model")
+            return {"name": f"{file_stem(name)}.toml", "text": text_from_data(request.data)}
+        payload = {
+            "data": request.data,
+            "folder": self.documents.folder_of(request.document),
+            "kind": request.kind,
+        }
+        if request.job is not None:
+            answer: Answer = self.jobs.ask(request.job, "export", payload)
+            return answer
+        worker = self._reserve.take()
+        try:
+            answer = worker.run("export", payload)
+        finally:
+            worker.kill()
+        return answer
+
+    def close(self) -> None:
+        """End all processes."""
+        self._reserve.close()

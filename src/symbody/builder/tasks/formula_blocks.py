@@ -1,0 +1,203 @@
+"""Blocks of formulas as the page shows them: MathML, LaTeX, SymPy and C beside each other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from symbody.builder.tasks.term_spans import with_spans
+from symbody.errors import SymbodyError
+from symbody.expr.graph import Graph
+from symbody.expr.printing.latex import to_latex_with_definitions
+from symbody.expr.printing.mathml import to_mathml_with_definitions
+from symbody.expr.printing.mathml_tables import math_element, mathml_equations, mathml_matrix
+from symbody.expr.rewrite import operation_count, tree_sizes
+from symbody.expr.sympy_bridge import to_sympy
+
+Block = dict[str, Any]
+
+LONG: Final = 400  # operations of a formula above which shared parts get names
+_MOST_OPERATIONS: Final = 20_000  # of a block that is written at all; C is written of any
+_MOST_CHARACTERS: Final = 400_000  # of MathML that a browser lays out in a moment
+_MOST_SYMPY: Final = 20_000  # operations written out
+_WIDEST: Final = 60  # characters of LaTeX in a row of a matrix that is drawn as one
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """The left side of an equation that is a name: of an entry of a matrix, or of a vector."""
+
+    mathml: str
+    latex: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class FormulaBlock:
+    """Formulas under one title.
+
+    Attributes
+    ----------
+    nodes : tuple of int
+        Right sides.
+    labels : tuple of Label or int
+        Left sides: names, or nodes of the graph.
+    rows, columns : int
+        Of a matrix, whose entries the nodes are, row by row; 0 of other formulas.
+    name : Label, optional
+        Of the matrix.
+    output : str
+        What generated C computes; "" where there is nothing of that name.
+    spans : tuple of mapping of node to str
+        Of each equation, the terms that bear marks.
+    """
+
+    title: str
+    nodes: tuple[int, ...]
+    labels: tuple[Label | int, ...]
+    rows: int = 0
+    columns: int = 0
+    name: Label | None = None
+    output: str = ""
+    spans: tuple[Mapping[int, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Written:
+    """The nodes of a block as text, and the names of shared parts."""
+
+    texts: dict[int, str]
+    named: list[tuple[str, str]]
+
+
+def entry_label(symbol: str, *indices: int) -> Label:
+    """Return the name of an entry of a matrix or a vector, counted from 1."""
+    digits = "".join(map(str, indices)) if all(k < 10 for k in indices) else ",".join(map(str, indices))
+    return Label(
+        f"<msub><mi>{symbol}</mi><mn>{digits}</mn></msub>",
+        f"{symbol}_{{{digits}}}",
+        f"{symbol}[{', '.join(str(k - 1) for k in indices)}]",
+    )
+
+
+def number_block(title: str, symbol: str, rows: Sequence[Sequence[float]]) -> Block:
+    """Return a matrix of numbers as the page shows it."""
+    texts = [[f"{value:.5g}" for value in row] for row in rows]
+    cells = [[f"<mn>{text}</mn>".replace("-", "\u2212") for text in row] for row in texts]
+    body = " \\\\\n".join(" & ".join(row) for row in texts)
+    listed = ", ".join("[" + ", ".join(repr(float(value)) for value in row) + "]" for row in rows)
+    latex = f"{symbol} = \\begin{{bmatrix}}\n{body}\n\\end{{bmatrix}}"
+    return {
+        "title": title,
+        "mathml": math_element(f"<mi>{symbol}</mi><mo>=</mo>{mathml_matrix(cells)}", block=True),
+        "latex": latex,
+        "sympy": f"{symbol} = Matrix([{listed}])",
+        "c": "",
+        "characters": len(latex),
+        "empty": not rows,
+    }
+
+
+def rendered(graph: Graph, block: FormulaBlock, c_code: str) -> Block:
+    """Return a block as the page shows it; what is too long has its number of characters only."""
+    nodes = [*block.nodes, *(label for label in block.labels if isinstance(label, int))]
+    result: Block = {"title": block.title, "mathml": None, "latex": None, "sympy": None, "c": c_code,
+                     "characters": 0, "empty": not block.nodes}  # fmt: skip
+    if not nodes:
+        return result
+    operations = operation_count(graph, nodes)
+    if operations > _MOST_OPERATIONS:
+        return {**result, "operations": operations, "characters": max(len(c_code), operations)}
+    latex = _latex(graph, block, nodes)
+    mathml = _mathml(graph, block, nodes, latex)
+    return {
+        **result,
+        "operations": operations,
+        "mathml": mathml if len(mathml) <= _MOST_CHARACTERS else None,
+        "latex": latex,
+        "sympy": _sympy(graph, block, nodes),
+        "characters": len(latex),
+    }
+
+
+def _latex(graph: Graph, block: FormulaBlock, nodes: Sequence[int]) -> str:
+    texts, named = to_latex_with_definitions(graph, nodes, LONG)
+    written = _Written(dict(zip(nodes, texts, strict=True)), named)
+    if _is_drawn(block, written):
+        assert block.name is not None
+        rows = [" & ".join(row) for row in _matrix_rows(block, written)]
+        body = " \\\\\n".join(rows)
+        text = f"{block.name.latex} = \\begin{{bmatrix}}\n{body}\n\\end{{bmatrix}}"
+        sides: list[tuple[str, str]] = []
+    else:
+        sides = [(_side(label, written, "latex"), right) for label, right in _pairs(block, written)]
+        text = ""
+    sides += named
+    lines = " \\\\\n".join(f"{left} &= {right}" for left, right in sides)
+    aligned = f"\\begin{{aligned}}\n{lines}\n\\end{{aligned}}" if sides else ""
+    return "\n\n".join(part for part in (text, aligned) if part)
+
+
+def _mathml(graph: Graph, block: FormulaBlock, nodes: Sequence[int], latex: str) -> str:
+    if len(latex) > _MOST_CHARACTERS:
+        return " " * (_MOST_CHARACTERS + 1)
+    texts, named = to_mathml_with_definitions(graph, nodes, LONG)
+    written = _Written(dict(zip(nodes, texts, strict=True)), named)
+    definitions = named
+    if "\\begin{bmatrix}" in latex and block.name is not None:
+        matrix = mathml_matrix(_matrix_rows(block, written))
+        parts = [math_element(f"{block.name.mathml}<mo>=</mo>{matrix}", block=True)]
+        parts += [math_element(mathml_equations(definitions), block=True)] if definitions else []
+        return "".join(parts)
+    sides = [(_side(label, written, "mathml"), right) for label, right in _pairs(block, written)]
+    if block.spans and not named:
+        sides = [
+            (with_spans(graph, spans, left), with_spans(graph, spans, right))
+            for spans, (left, right) in zip(block.spans, sides, strict=True)
+        ]
+    return math_element(mathml_equations([*sides, *definitions]), block=True)
+
+
+def _sympy(graph: Graph, block: FormulaBlock, nodes: Sequence[int]) -> str | None:
+    """Return the block as text that SymPy writes, None where it would be written out too long."""
+    if sum(tree_sizes(graph, nodes)) > _MOST_SYMPY:
+        return None
+    try:
+        written = dict(zip(nodes, map(str, to_sympy(graph, nodes)), strict=True))
+    except SymbodyError:  # SymPy could not tell two symbols apart
+        return None
+    if block.rows:
+        assert block.name is not None
+        rows = [block.nodes[k * block.columns : (k + 1) * block.columns] for k in range(block.rows)]
+        listed = ", ".join("[" + ", ".join(written[node] for node in row) + "]" for row in rows)
+        return f"{block.name.text} = Matrix([{listed}])"
+    lines = []
+    for label, node in zip(block.labels, block.nodes, strict=True):
+        if isinstance(label, int):
+            lines.append(f"Eq({written[label]}, {written[node]})")
+        else:
+            lines.append(f"{label.text} = {written[node]}")
+    return "\n".join(lines)
+
+
+def _is_drawn(block: FormulaBlock, written: _Written) -> bool:
+    """Return whether a matrix is drawn as one: whether its rows fit a column of text."""
+    if not block.rows:
+        return False
+    return all(sum(map(len, row)) <= _WIDEST * 2 for row in _matrix_rows(block, written))
+
+
+def _matrix_rows(block: FormulaBlock, written: _Written) -> list[list[str]]:
+    texts = [written.texts[node] for node in block.nodes]
+    return [texts[k * block.columns : (k + 1) * block.columns] for k in range(block.rows)]
+
+
+def _pairs(block: FormulaBlock, written: _Written) -> list[tuple[Label | int, str]]:
+    """Return left and right sides; of a matrix those entries that are not zero."""
+    pairs = zip(block.labels, block.nodes, strict=True)
+    return [(label, written.texts[node]) for label, node in pairs if node != 0 or not block.rows]
+
+
+def _side(label: Label | int, written: _Written, kind: str) -> str:
+    return written.texts[label] if isinstance(label, int) else str(getattr(label, kind))

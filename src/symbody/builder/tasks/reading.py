@@ -1,0 +1,176 @@
+"""The model of the data that are edited, and as much of it as can be drawn where it is incomplete."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from threading import Lock
+from typing import Any, Final, Generic, TypeVar
+
+from symbody.builder.page_problems import PageProblem, page_problems, pointer_parts
+from symbody.builder.worker_process import TaskFailure
+from symbody.errors import SymbodyError
+from symbody.formats.native import from_data
+from symbody.model.model import KINDS, Model
+
+Value = TypeVar("Value")
+Data = dict[str, Any]
+
+_UNKNOWN: Final = re.compile(r"there is no .*?'([^']+)'")
+_RATE: Final = re.compile(r"_d?dot$")
+_NAME: Final = re.compile(r"\w+")
+_ROUNDS: Final = 40  # faults that are taken out of an incomplete model one after the other
+
+
+class Latest(Generic[Value]):
+    """The last few values that were made, by what they were made from."""
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._values: OrderedDict[str, Value] = OrderedDict()
+        self._lock = Lock()
+
+    def get(self, key: str, make: Callable[[], Value]) -> Value:
+        """Return the value of a key, made if it is not there."""
+        with self._lock:
+            if key in self._values:
+                self._values.move_to_end(key)
+                return self._values[key]
+        value = make()
+        with self._lock:
+            self._values[key] = value
+            while len(self._values) > self._most:
+                self._values.popitem(last=False)
+        return value
+
+
+@dataclass(frozen=True, slots=True)
+class ReadModel:
+    """A model under construction.
+
+    Attributes
+    ----------
+    model : Model or None
+        None where not even a part of it can be read.
+    problems : list of dict
+        Why it is not complete; what they concern is not in `model`.
+    """
+
+    model: Model | None
+    problems: list[PageProblem]
+
+
+def model_key(data: Mapping[str, Any], folder: str) -> str:
+    """Return what tells a mechanism from all others; the layout of its diagram is no part of it."""
+    content = {name: value for name, value in data.items() if name != "layout"}
+    return json.dumps([folder, content], sort_keys=True)
+
+
+def complete_model(data: Mapping[str, Any], folder: str) -> Model:
+    """Return the model of data.
+
+    Raises
+    ------
+    TaskFailure
+        With all problems, if they are none.
+    """
+    try:
+        return from_data(data, folder=folder)
+    except SymbodyError as error:
+        raise TaskFailure(page_problems(error.problems, data)) from None
+
+
+def read_model(data: Data, folder: str) -> ReadModel:
+    """Return the model of data, without what is wrong with it."""
+    problems: list[PageProblem] = []
+    places: dict[str, list[int]] = {
+        kind: list(range(len(data[kind]))) for kind in KINDS if isinstance(data.get(kind), list)
+    }
+    usable = {key: value for key, value in data.items() if key != "layout"}
+    gone: set[str] = set()  # words of what was left out: that they are unknown is no further fault
+    for _ in range(_ROUNDS):
+        try:
+            return ReadModel(from_data(usable, folder=folder), problems)
+        except SymbodyError as error:
+            faults = page_problems(error.problems, usable)
+        for fault in faults:
+            placed = {**fault, "pointer": _original(fault["pointer"], places)}
+            placed["repair"] = fault["repair"] if placed["pointer"] == fault["pointer"] else None
+            if not (_follows(fault, gone) or any(_is_same(placed, other) for other in problems)):
+                problems.append(placed)
+        smaller = _without(usable, faults, places)
+        if smaller is None:
+            return ReadModel(None, problems)
+        gone |= _words([entry for kind in places for entry in usable[kind] if entry not in smaller[kind]])
+        usable = smaller
+    return ReadModel(None, problems)
+
+
+def _follows(fault: PageProblem, gone: set[str]) -> bool:
+    """Return whether something is unknown only because the element that brings it was left out."""
+    match = _UNKNOWN.search(str(fault["what"]))
+    return match is not None and _RATE.sub("", match.group(1)) in gone
+
+
+def _words(value: Any) -> set[str]:
+    """Return all names in a part of a model."""
+    if isinstance(value, Mapping):
+        parts = [_words(each) for each in (*value.keys(), *value.values())]
+    elif isinstance(value, list):
+        parts = [_words(each) for each in value]
+    else:
+        parts = [set(_NAME.findall(value))] if isinstance(value, str) else []
+    return set[str]().union(*parts)
+
+
+def _is_same(fault: PageProblem, other: PageProblem) -> bool:
+    return (fault["code"], fault["pointer"]) == (other["code"], other["pointer"])
+
+
+def _original(pointer: str, places: Mapping[str, list[int]]) -> str:
+    """Return a pointer into the whole data, of one into what is left of them."""
+    parts = pointer_parts(pointer)
+    if len(parts) > 1 and parts[0] in places and parts[1].isdecimal():
+        kept = places[parts[0]]
+        if int(parts[1]) < len(kept):
+            return "/".join(["", parts[0], str(kept[int(parts[1])]), *pointer.split("/")[3:]])
+    return pointer
+
+
+def _without(data: Data, faults: list[PageProblem], places: dict[str, list[int]]) -> Data | None:
+    """Return data without what is at fault, None if nothing of it can be left out."""
+    unknown = {_symbol(fault) for fault in faults} - {""}
+    parameters = data.get("parameters")
+    if unknown:  # quantities without a value are drawn as if they had one
+        given = parameters if isinstance(parameters, Mapping) else {}
+        return {**data, "parameters": {**given, **dict.fromkeys(sorted(unknown), "")}}
+    result = dict(data)
+    dropped: dict[str, set[int]] = {}
+    for fault in faults:
+        parts = pointer_parts(fault["pointer"])
+        if len(parts) > 1 and parts[0] in places and parts[1].isdecimal():
+            dropped.setdefault(parts[0], set()).add(int(parts[1]))
+        elif (
+            len(parts) > 1
+            and parts[0] in ("parameters", "initial")
+            and isinstance(result.get(parts[0]), Mapping)
+        ):
+            result[parts[0]] = {key: value for key, value in result[parts[0]].items() if key != parts[1]}
+        elif parts and parts[0] == "name":
+            result["name"] = "untitled"
+        elif parts and parts[0] in result:
+            del result[parts[0]]
+    for kind, indices in dropped.items():
+        result[kind] = [entry for k, entry in enumerate(result[kind]) if k not in indices]
+        places[kind] = [place for k, place in enumerate(places[kind]) if k not in indices]
+    return result if result != data else None
+
+
+def _symbol(fault: PageProblem) -> str:
+    """Return the name of a quantity that a formula contains and nobody defined."""
+    if fault["code"] != "names.unknown" or "[parameters]" not in fault["fix"]:
+        return ""
+    return str(fault["what"].partition("'")[2].partition("'")[0])

@@ -1,0 +1,112 @@
+"""What runs in a worker: one task after the other, named on a pipe, until the pipe or its parent is gone."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from importlib import import_module
+from multiprocessing import parent_process
+from multiprocessing.connection import Connection, wait
+from types import MappingProxyType
+from typing import Any, Final
+
+from symbody.builder.page_problems import page_problem, page_problems
+from symbody.errors import Problem, SymbodyError
+from symbody.expr.deadline import stages_watched
+
+Report = Callable[[str, int | None], None]
+
+_SHARE: Final = 0.8  # of the memory, for the data of one process
+# Where each task is: modules that are loaded by workers only.
+_TASKS: Final = MappingProxyType(
+    {
+        "check": "symbody.builder.tasks.check:check_model",
+        "pose": "symbody.builder.tasks.pose:find_pose",
+        "equations": "symbody.builder.tasks.equations:equation_tabs",
+        "simulate": "symbody.builder.tasks.simulation:simulate_model",
+        "outputs": "symbody.builder.tasks.simulation:more_curves",
+        "equilibrium": "symbody.builder.tasks.analyses:equilibrium",
+        "modes": "symbody.builder.tasks.analyses:modes",
+        "singular": "symbody.builder.tasks.analyses:singular_positions",
+        "inverse": "symbody.builder.tasks.analyses:inverse",
+        "sweep": "symbody.builder.tasks.sweeps:sweep_parameter",
+        "export": "symbody.builder.tasks.exports:export_model",
+    }
+)
+
+
+class TaskFailure(Exception):
+    """What a task could not do, as problems of the page.
+
+    Attributes
+    ----------
+    problems : list of dict
+        For the page.
+    """
+
+    def __init__(self, problems: list[dict[str, Any]]) -> None:
+        Exception.__init__(self, problems)
+        self.problems = problems
+
+
+def run_worker(pipe: Connection) -> None:
+    """Run tasks until there are no more."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to the parent, which ends its workers
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    _limit_memory()
+    import_module("symbody.builder.tasks.check")  # the slow part, while nobody waits yet
+    while True:
+        try:
+            name, payload = pipe.recv()
+        except (EOFError, OSError):
+            return
+        pipe.send(_outcome(name, payload, lambda stage, percent: pipe.send(("stage", stage, percent))))
+
+
+def _outcome(name: str, payload: dict[str, Any], report: Report) -> tuple[str, Any]:
+    """Return what became of a task: nothing that a task raises ends the worker."""
+    try:
+        module, _, function = _TASKS[name].partition(":")
+        with _reporting(report):
+            return "done", getattr(import_module(module), function)(payload, report)
+    except TaskFailure as failure:
+        return "failed", failure.problems
+    except SymbodyError as error:
+        return "failed", page_problems(error.problems, payload.get("data") or {})
+    except Exception as error:  # a fault of ours: it is told without the insides of the server
+        return "failed", [_fault(error)]
+
+
+@contextmanager
+def _reporting(report: Report) -> Iterator[None]:
+    with stages_watched(lambda stage: report(stage, None)):
+        yield
+
+
+def _fault(error: Exception) -> dict[str, Any]:
+    kind = type(error).__name__
+    what = (
+        "there is not enough memory for this" if isinstance(error, MemoryError) else f"an unforeseen {kind}"
+    )
+    cure = "save the model, and report it with the model file"
+    return page_problem(Problem("builder.fault", "", what, "this is a fault of symbody", cure), {})
+
+
+def _limit_memory() -> None:
+    """Let a model that is too large for this computer fail here, before the whole computer stands still."""
+    with suppress(ImportError, AttributeError, ValueError, OSError):  # not everywhere
+        resource = import_module("resource")
+        memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+        _, highest = resource.getrlimit(resource.RLIMIT_DATA)
+        resource.setrlimit(resource.RLIMIT_DATA, (int(_SHARE * memory), highest))
+
+
+def _end_with_parent() -> None:
+    """End this process when its parent has ended, however that happened and whatever is being computed."""
+    parent = parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(1)
