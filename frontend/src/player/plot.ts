@@ -4,6 +4,7 @@ import uPlot from "uplot";
 import type { MotionEvent } from "../viewer";
 import { valueAt, formatValue, type CurveGroup } from "./curve_table";
 import { create, setText } from "./dom";
+import { nameElement } from "./readable";
 
 const DASHES: readonly (readonly number[])[] = [[], [8, 4], [2, 3], [10, 3, 2, 3]];
 const COLORS = 8; // that the style has for curves
@@ -46,12 +47,14 @@ export class Plot {
       stroke: (chart: uPlot) => variable(chart, curveColor(index)),
       dash: [...curveDash(index)],
       width: 2,
+      pxAlign: 0,
       show: visible(index),
       points: { show: false },
     }));
     const options: uPlot.Options = {
       width: 300,
       height: 120,
+      pxAlign: 0, // points stay where they are: lines without steps
       legend: { show: false },
       scales: { x: { time: false } },
       series: [{}, ...series],
@@ -118,7 +121,7 @@ export class Plot {
     const unit = this.group.unit === "" ? "" : ` ${this.group.unit}`;
     const rows = this.rows.map((row, index) => {
       const name = this.group.curves[index]!.name;
-      return create("label", { class: "sb-curve", title: name + unit }, row.box, swatch(index), create("span", { class: "sb-curve-name" }, name), row.value);
+      return create("label", { class: "sb-curve", title: name + unit }, row.box, swatch(index), nameElement(name, { class: "sb-curve-name" }), row.value);
     });
     const title = this.group.unit === "" ? "no unit" : this.group.unit;
     return create("div", { class: "sb-legend", role: "group", "aria-label": `Curves, ${title}`, tabindex: 0 }, ...rows);
