@@ -1,7 +1,8 @@
-"""Draw the gallery: `python docs/draw_gallery.py` runs the examples, the course notes and five robots as pages.
+"""Draw the gallery: `python docs/draw_gallery.py` shows the examples, the course notes and five robots.
 
-Each motion is written as a page by `animate`, opened in Chromium, and shown at three times, the last one dark.
-The sheets are docs/pictures/gallery_*.webp; `--keep DIR` keeps pages and pictures in full size.
+Each motion is written as a page by `animate`, opened in Chromium, and shown at three times, light and dark.
+The sheets are docs/pictures/gallery_GROUP.webp, the third time dark; `--keep DIR` keeps pages and pictures.
+Chromium and the packages playwright, pillow, symbody[meshes] and example-robot-data are needed.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import contextlib
 import io
 import os
 import runpy
+import shutil
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
@@ -18,13 +20,18 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
+from PIL import Image
+
 import symbody as sb
 
 HERE: Final = Path(__file__).resolve().parent
 PICTURES: Final = HERE / "pictures"
 EXAMPLES: Final = HERE.parent / "examples"
-WINDOW: Final = (900, 560)
-CELL: Final = (420, 262)
+WINDOW: Final = (960, 640)
+CELL: Final = (390, 260)
+SHARES: Final = (0.0, 0.37, 0.9)  # of a motion, when it is shown
+COLUMNS: Final = 2  # of exhibits in a sheet
+FLAGS: Final = ("--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader")
 GROUPS: Final = ("examples", "notes", "robots")
 
 # Notes that have nothing to show.
@@ -96,27 +103,23 @@ def robots_folder() -> Path | None:
     return None
 
 
-def robot(name: str, path: str, sway: float = 0.5) -> Exhibit:
-    """Return a robot whose joints are let go from a raised posture, with damping and soft springs."""
+def robot(name: str, path: str, gain: float = 40.0, sway: float = 0.5) -> Exhibit:
+    """Return a robot whose joints are led to and fro by springs and dampers, against its weight."""
 
     def run() -> sb.Trajectory:
         folder = robots_folder()
         if folder is None:
             raise FileNotFoundError("example-robot-data is not installed: pip install example-robot-data")
         model = sb.load_urdf(folder / path)
-        eqs = sb.form_equations(model)
+        turning = {joint.coordinates[0] for joint in model.joints if isinstance(joint, sb.Revolute)}
         efforts = {}
-        for k, (effort, joint) in enumerate(joints_of(eqs)):
-            aim = f"{sway * (-1) ** k}*(1 - cos(2*pi*t/2))/2"
-            efforts[effort] = f"40*({aim} - {joint}) - 6*{joint}_dot"
-        return sb.simulate(eqs, 4.0, inputs=efforts, rtol=1e-5, atol=1e-6)
+        for k, effort in enumerate(model.inputs):
+            joint = effort.removeprefix("tau_")
+            aim = f"{sway * (-1) ** k if joint in turning else 0}*(1 - cos(pi*t))/2"
+            efforts[effort] = f"{gain}*({aim} - {joint}) - {0.15 * gain}*{joint}_dot"
+        return sb.simulate(sb.form_equations(model), 4.0, inputs=efforts, rtol=1e-5, atol=1e-6)
 
     return Exhibit("robots", name, run)
-
-
-def joints_of(eqs: sb.EquationSet) -> list[tuple[str, str]]:
-    """Return the efforts of a robot with the coordinates that they act on."""
-    return [(name, name.removeprefix("tau_")) for name in eqs.input_names]
 
 
 EXHIBITS: Final = (
@@ -147,5 +150,72 @@ EXHIBITS: Final = (
     robot("panda", "panda_description/urdf/panda.urdf"),
     robot("kinova", "kinova_description/robots/kinova.urdf"),
     robot("anymal", "anymal_b_simple_description/robots/anymal.urdf"),
-    robot("talos_arm", "talos_data/robots/talos_left_arm.urdf"),
+    robot("allegro_hand", "allegro_hand_description/urdf/allegro_right_hand.urdf", gain=1.0),
 )
+
+
+def photograph(page: Any) -> dict[str, list[Image.Image]]:
+    """Return pictures of an open page at three times, of each theme."""
+    pictures: dict[str, list[Image.Image]] = {"light": [], "dark": []}
+    start, end = page.evaluate("[symbodyPlayer.clock.start, symbodyPlayer.clock.end]")
+    for theme, shown in pictures.items():
+        page.evaluate("name => symbodyPlayer.settings.set('theme', name)", theme)
+        for share in SHARES:
+            page.evaluate("t => symbodyPlayer.setTime(t)", start + share * (end - start))
+            page.wait_for_timeout(80)
+            shown.append(Image.open(io.BytesIO(page.screenshot())).convert("RGB"))
+    return pictures
+
+
+def contact_sheet(rows: list[list[Image.Image]]) -> Image.Image:
+    """Return small pictures of exhibits, three each, in columns."""
+    width, height = CELL
+    lines = -(-len(rows) // COLUMNS)
+    sheet = Image.new("RGB", (COLUMNS * 3 * width, lines * height), "white")
+    for k, row in enumerate(rows):
+        line, column = divmod(k, COLUMNS)
+        for j, picture in enumerate(row):
+            small = picture.resize(CELL, Image.Resampling.LANCZOS)
+            sheet.paste(small, ((3 * column + j) * width, line * height))
+    return sheet
+
+
+def draw_group(browser: Any, group: str, folder: Path) -> None:
+    """Write the sheet of a group, and its pages and pictures to a folder."""
+    rows = []
+    for each in (each for each in EXHIBITS if each.group == group):
+        path = folder / f"{group}_{each.name}.html"
+        sb.animate(each.run(), path, title=each.name.replace("_", " "), **each.options)
+        context = browser.new_context(viewport={"width": WINDOW[0], "height": WINDOW[1]})
+        page = context.new_page()
+        page.goto(path.as_uri())
+        page.wait_for_selector(".sb-player canvas")
+        pictures = photograph(page)
+        context.close()
+        for theme, shown in pictures.items():
+            for k, picture in enumerate(shown):
+                picture.save(path.with_name(f"{path.stem}_{theme}_{k}.png"))
+        rows.append([*pictures["light"][:2], pictures["dark"][2]])
+        print(path.stem, f"{path.stat().st_size / 1e6:.2f} MB", flush=True)
+    contact_sheet(rows).save(PICTURES / f"gallery_{group}.webp", quality=52, method=6)
+
+
+def main() -> None:
+    """Draw the groups that are named, or all."""
+    from playwright.sync_api import sync_playwright
+
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("groups", nargs="*", help=", ".join(GROUPS))
+    parser.add_argument("--keep", type=Path, help="folder for pages and pictures in full size")
+    words = parser.parse_args()
+    with tempfile.TemporaryDirectory() as scratch, sync_playwright() as driver:
+        folder = words.keep or Path(scratch)
+        folder.mkdir(parents=True, exist_ok=True)
+        browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=list(FLAGS))
+        for group in words.groups or GROUPS:
+            draw_group(browser, group, folder.resolve())
+        browser.close()
+
+
+if __name__ == "__main__":
+    main()

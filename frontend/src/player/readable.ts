@@ -21,7 +21,7 @@ export interface Reading {
 /** Return how a name is read: "theta_1_dot" as θ with a dot and the index 1; names that are words stay. */
 export function readName(name: string): Reading {
   const plain: Reading = { base: name, index: "", symbol: false };
-  const parts = /^([A-Za-z]+?)(?:_?(\d+)|_([A-Za-z0-9]+))?(_dot|_ddot)?$/.exec(name);
+  const parts = /^([A-Za-z]+?)(?:_?(\d+)|_(?!d?dot$)([A-Za-z0-9]+))?(_dot|_ddot)?$/.exec(name);
   if (parts === null) return plain;
   const [, stem = "", digits = "", word = "", dots = ""] = parts;
   const letter = GREEK[stem] ?? stem;

@@ -39,7 +39,7 @@ export function viewDirection(scene: Scene, view: ViewName): Vector3 {
     case "top":
       return up.addScaledVector(front, 1e-4).normalize();
     case "isometric":
-      return front.addScaledVector(right, 0.75).addScaledVector(up, 0.7).normalize();
+      return front.add(right).add(up).normalize();
   }
 }
 
