@@ -143,14 +143,14 @@ EXHIBITS: Final = (
     note("inverse_dynamics", lambda found: found["back"]),
     note("linearization", lambda found: found["real"]),
     note("slider_crank_four_ways", lambda found: found["runs"]["drawn"]),
-    note("quick_return", lambda found: found["run"]),
+    note("quick_return", lambda found: found["runs"]["pin in a slot"]),
     note("four_bar_spring", lambda found: found["large"]),
-    note("inverted_pendulum", lambda found: found["drawn"]),
+    note("inverted_pendulum", lambda found: found["held"]["drawn"]),
     robot("ur5", "ur_description/urdf/ur5_robot.urdf"),
     robot("panda", "panda_description/urdf/panda.urdf"),
     robot("kinova", "kinova_description/robots/kinova.urdf"),
     robot("anymal", "anymal_b_simple_description/robots/anymal.urdf"),
-    robot("allegro_hand", "allegro_hand_description/urdf/allegro_right_hand.urdf", gain=1.0),
+    robot("solo12", "solo_description/robots/solo12.urdf", gain=5.0),
 )
 
 

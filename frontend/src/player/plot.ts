@@ -56,7 +56,7 @@ export class Plot {
       height: 120,
       pxAlign: 0, // points stay where they are: lines without steps
       legend: { show: false },
-      scales: { x: { time: false } },
+      scales: { x: { time: false }, y: { range: (_, low, high) => valueRange(low, high) } },
       series: [{}, ...series],
       axes: [timeAxis(last), valueAxis(group.unit)],
       cursor: { sync: { key: "symbody" }, drag: { x: true, y: false, setScale: true }, points: { size: 7 } },
@@ -194,6 +194,15 @@ function plainAxis(): uPlot.Axis {
 function timeAxis(last: boolean): uPlot.Axis {
   if (!last) return { ...plainAxis(), size: 6, values: (_, splits) => splits.map(() => ""), ticks: { show: false } };
   return { ...plainAxis(), size: 24, gap: 2, values: (_, splits) => splits.map((each, index) => (index === splits.length - 1 ? `${formatTick(each)} s` : formatTick(each))) };
+}
+
+/** Return the ends of an axis; what differs by rounding alone is a level line. */
+function valueRange(low: number | null, high: number | null): uPlot.Range.MinMax {
+  if (low === null || high === null) return [0, 1];
+  const middle = (low + high) / 2;
+  if (high - low > Math.max(1e-12, 1e-9 * Math.abs(middle))) return uPlot.rangeNum(low, high, 0.1, true);
+  const reach = Math.abs(middle) > 1e-12 ? 0.5 * Math.abs(middle) : 1;
+  return [middle - reach, middle + reach];
 }
 
 function valueAxis(unit: string): uPlot.Axis {

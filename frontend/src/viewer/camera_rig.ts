@@ -125,7 +125,8 @@ export class CameraRig {
     const offset = this.offset().multiplyScalar(before / after);
     this.camera.position.copy(this.controls.target).add(offset);
     this.camera.updateProjectionMatrix();
-    this.finish();
+    if (this.fits) this.fit(true);
+    else this.finish();
   }
 
   /** Turn by angles [rad] to the left and up. */

@@ -9,6 +9,7 @@ import { restPose, type StateSource } from "./source";
 const SAMPLES = 80;
 const MOST_GROUND = 1.8; // a ground that is larger, in parts of what moves, may stick out
 const MOST_POINTS = 24_000; // that a view is fitted to
+const LOOSE: readonly string[] = ["free", "cartesian", "rectangular", "planar"]; // joints that hold nothing in its place
 const FAR = 15; // times its own extent goes a mechanism that the camera follows
 
 /** Call `visit` with the state at each of the times; the instant is reused. */
@@ -121,7 +122,7 @@ export function motionExtent(scene: Scene, source: StateSource): Extent {
       }
     }
   });
-  if (diagonal(moving) > FAR * diagonal(carried)) {
+  if (!isTied(scene) && diagonal(moving) > FAR * diagonal(carried)) {
     return { points: new Float32Array(carried), box: new Box3().setFromArray(carried), roams: true };
   }
   const ground = local[0]!.flatMap((each) => each.toArray());
@@ -133,6 +134,11 @@ export function motionExtent(scene: Scene, source: StateSource): Extent {
     points.push(...boxCorners(box).flatMap((each) => each.toArray()));
   }
   return { points: new Float32Array(points), box, roams: false };
+}
+
+/** Return whether a joint, such as a guide that shows the way, holds the mechanism on the ground. */
+function isTied(scene: Scene): boolean {
+  return scene.joints.some(({ type, start, end }) => (start.body === 0 || end.body === 0) && !LOOSE.includes(type));
 }
 
 function diagonal(points: number[]): number {

@@ -11,6 +11,7 @@ from symbody.visual.film.facets import Floats
 from symbody.visual.film.stage import BodyPlaces, Stage, extent
 from symbody.visual.scene.scene import Scene
 
+_LOOSE: Final = ("free", "cartesian", "rectangular", "planar")  # joints that hold nothing in its place
 _FAR: Final = 15.0  # times its own extent goes a mechanism that is followed
 
 
@@ -42,8 +43,13 @@ def carried_extent(stage: Stage, poses: Sequence[BodyPlaces]) -> tuple[Floats, F
         moved.append(points)
         carried.append(points - centre_of(stage.scene, pose) + first)
     ways, own = np.concatenate(moved), np.concatenate(carried)
-    goes_far = _diagonal(ways) > _FAR * _diagonal(own) > 0.0
+    goes_far = not _is_tied(stage.scene) and _diagonal(ways) > _FAR * _diagonal(own) > 0.0
     return own, first if goes_far else None
+
+
+def _is_tied(scene: Scene) -> bool:
+    """Return whether a joint, such as a guide that shows the way, holds the mechanism on the ground."""
+    return any(0 in (joint.start.body, joint.end.body) and joint.type not in _LOOSE for joint in scene.joints)
 
 
 def _diagonal(points: Floats) -> float:

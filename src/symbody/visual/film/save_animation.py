@@ -32,24 +32,13 @@ _TRACK: Final = 1500  # samples of traces
 
 @checked_arguments
 def save_animation(
-    run: Trajectory,
-    path: str | PathLike[str],
-    *,
-    times: ArrayLike | None = None,
-    view: str | Sequence[float] | Mapping[str, Any] | None = None,
-    size: tuple[int, int] = (960, 540),
-    fps: float = 30.0,
-    speed: float = 1.0,
-    traces: Sequence[str] = (),
-    labels: bool = False,
-    vectors: str | Sequence[str] = (),
-    frames: bool = False,
-    dark: bool = False,
-    ghosts: float = 0.35,
-    title: str | None = None,
-    model: Model | None = None,
+    run: Trajectory, path: str | PathLike[str], *,
+    times: ArrayLike | None = None, view: str | Sequence[float] | Mapping[str, Any] | None = None,
+    size: tuple[int, int] = (960, 540), fps: float = 30.0, speed: float = 1.0, traces: Sequence[str] = (),
+    labels: bool = False, vectors: str | Sequence[str] = (), frames: bool = False, dark: bool = False,
+    ghosts: float = 0.35, title: str | None = None, model: Model | None = None,
     progress: Progress | bool | None = True,
-) -> None:
+) -> None:  # fmt: skip
     """Write a film or a picture of a motion to a file, without a browser; docs/film.md shows examples.
 
     Parameters
