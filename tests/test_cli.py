@@ -460,3 +460,76 @@ def test_small_numbers_bear_no_needless_digits_or_signs(capsys: pytest.CaptureFi
     out = capsys.readouterr().out
     assert "damping ratio 0" in out and "ratio -0" not in out
     assert re.search(r"inputs: F = -16\.533$", out, re.MULTILINE)  # six digits, as of all other numbers
+
+
+PAGE = '<title>symbody</title><script type="application/json" id="symbody-data">null</script>'
+
+
+@pytest.fixture
+def small_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("symbody.visual.page.built_file", lambda name: PAGE)
+
+
+@pytest.mark.usefixtures("small_page")
+def test_animate_writes_a_page(model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert (
+        run(["animate", str(model), "--time", "2", "--set", "k=9", "--trace", "Mass", "--vectors", "all"])
+        == 0
+    )
+    lines = capsys.readouterr().out.splitlines()
+    page = model.with_suffix(".html")
+    assert lines[-1] == f"page: {page}" and any("t = 0 to 2 s" in line for line in lines)
+    text = page.read_text(encoding="utf-8")
+    assert "<title>spring-mass-damper</title>" in text and '"traces":["Mass.CoM"]' in text
+    assert run(["animate", str(model), "--end", "1"]) == 0  # again: its own page is made anew
+    other = tmp_path / "other.html"
+    assert run(["animate", str(model), "--end", "1", "-o", str(other)]) == 0
+    assert run(["animate", str(model), "--end", "1", "-o", str(other)]) == 2
+    assert "--force" in capsys.readouterr().err
+    assert run(["animate", str(model), "--end", "1", "-o", str(other), "--force"]) == 0
+
+
+@pytest.mark.usefixtures("small_page")
+def test_simulate_writes_a_page_beside_the_picture(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["simulate", str(model), "--end", "1", "--animate"]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == f"page: {model.with_suffix('.html')}"
+    picture = model.with_name("other.png")
+    arguments = ["simulate", str(model), "--end", "1", "--animate", "--out", str(picture)]
+    assert run(arguments) == 0 and picture.with_suffix(".html").is_file()
+    picture.unlink()
+    assert run(arguments) == 2  # the page would be overwritten
+    assert "other.html" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("small_page")
+@pytest.mark.parametrize(
+    ("arguments", "code", "text"),
+    [
+        (["MISSING.toml"], 3, "MISSING.toml"),
+        (["MODEL", "-o", "film.mp4"], 2, "animation.suffix"),
+        (["MODEL", "-o", "no/folder/page.html"], 5, "make the directory first"),
+        (["MODEL", "--trace", "Mas"], 2, "did you mean 'Mass'"),
+        (["MODEL", "--vectors", "slidr"], 2, "did you mean 'slider'"),
+        (["MODEL", "--show", "y"], 3, "'y'"),
+        (["MODEL", "--open"], 5, "by hand"),
+    ],
+)
+def test_animate_refuses(
+    arguments: list[str], code: int, text: str, model: Path, capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.setattr("webbrowser.open", lambda url: False)
+    monkeypatch.chdir(model.parent)
+    assert (
+        run(["animate", *(str(model) if item == "MODEL" else item for item in arguments), "--end", "1"])
+        == code
+    )
+    assert text in capsys.readouterr().err
+
+
+def test_without_pages_animate_ends_with_the_cure(
+    model: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("symbody.visual.page._FOLDER", "no pages")
+    assert run(["animate", str(model), "--end", "1"]) == 5
+    assert "Node 20" in capsys.readouterr().err

@@ -19,8 +19,8 @@ async function bundledPackages() {
     const name = pending.pop();
     if (names.has(name)) continue;
     names.add(name);
-    const own = JSON.parse(await read(new URL(`node_modules/${name}/package.json`, root)));
-    pending.push(...Object.keys(own.dependencies ?? {}));
+    const manifest = JSON.parse(await read(new URL(`node_modules/${name}/package.json`, root)));
+    pending.push(...Object.keys(manifest.dependencies ?? {}));
   }
   return [...names].sort();
 }

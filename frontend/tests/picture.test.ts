@@ -31,7 +31,7 @@ describe("arrows", () => {
     expect(formatQuantity(2e6, "N\u202fm")).toBe("2\u202fMN\u202fm");
   });
 
-  it("tells reactions from applied forces", () => {
+  it("separates reactions from applied forces", () => {
     expect(source.vectors.map(vectorGroup)).toEqual(["reaction", "force", "torque"]);
   });
 });

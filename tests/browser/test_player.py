@@ -258,9 +258,11 @@ def test_no_serious_violation(surfer: Surfer, four_bar: Any, theme: str) -> None
     page.get_by_role("button", name="What is shown").click()
     page.evaluate("symbodyPlayer.select('coupler')")
     settle(page)
-    found = Axe().run(page).response["violations"]
+    violations = Axe().run(page).response["violations"]
     serious = [
-        (each["id"], each["nodes"][0]["html"]) for each in found if each["impact"] in {"serious", "critical"}
+        (each["id"], each["nodes"][0]["html"])
+        for each in violations
+        if each["impact"] in {"serious", "critical"}
     ]
     assert not serious
 

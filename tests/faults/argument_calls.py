@@ -20,10 +20,11 @@ ELEMENT: dict[str, Any] = {
     "coupled": ["a", "b"], "ratio": 2, "radii": (1, 2), "curve": ("s", "0", "0"), "parameter": "s",
     "equations": "x - 1", "x": (0, 1), "y": (0, 1), "value": 1, "axes": ("x", "y"), "rotation": (),
     "translation": (), "pitch": 1, "step": 0.1, "expression": "x", "t": [0, 1], "values": [0, 1],
-    "law": "uniform", "first": 0, "second": 1,
+    "law": "uniform", "first": 0, "second": 1, "size": (1, 1, 1), "length": 1, "path": "part.stl",
 }  # fmt: skip
 CONSTRUCTORS = (
-    "Angle Baumgarte Bearing Belt Body Bushing Cartesian ConstantVelocity Constraint Curve Cylindrical "
+    "Angle Baumgarte Bearing Belt Body Box Bushing Capsule Cartesian Cone ConstantVelocity Constraint Curve "
+    "Cylinder Cylindrical Mesh Sphere "
     "Differential Distance Drive Event Explicit FixedStep Force Frame Free Friction Gear Gimbal KnifeEdge "
     "Model Parallel Partition Perpendicular PinSlot Planar PointOnCurve PointOnLine PointOnPlane "
     "PointOnSurface Prismatic Projection RackPinion Rectangular Recursive Revolute Rolling Samples Screw "
@@ -136,6 +137,9 @@ def _put_results(put: Callable[..., None], eqs: sb.EquationSet, loop: sb.Equatio
     put("animate", partial(_animated, folder / "a.html"), run=run, path=folder / "b.html", curves=None,
         vectors=None, traces=(), times=None, title=None, model=None, view="auto", theme="auto", speed=1.0,
         live=False, sliders=())  # fmt: skip
+    put("save_animation", sb.save_animation, run=run, path=folder / "a.png", times=0.1, view=None,
+        size=(64, 64), fps=10.0, speed=1.0, traces=(), labels=False, vectors=(), frames=False, dark=False,
+        ghosts=0.3, title=None, progress=None)  # fmt: skip
     put("run.outputs", lambda name: run.outputs(name, "energy"), name="x")
     put("run.of_model", run.of_model, model=None)
     one, some = sb.compile(eqs, "udot"), sb.compile(eqs, ["udot", "energy"], free=["k"])

@@ -62,7 +62,8 @@ def check(seed: int) -> None:
     assert found < ALLOWED[kind] * case.condition, f"seed {seed}: {found:.3g}, {case.words}, {way}"
 
 
-@pytest.mark.parametrize("seed", range(12))
+# In 84 the steps before a corner add up to the rounding of t less than the way there.
+@pytest.mark.parametrize("seed", [*range(12), 84])
 def test_pulses_after_a_rest_are_seen(seed: int) -> None:
     check(seed)
 

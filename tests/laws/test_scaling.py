@@ -11,6 +11,7 @@ import pytest
 import symbody as sb
 from tests.laws.parts import Units
 from tests.laws.rotations import Array
+from tests.laws.scaled_analyses import ANALYSES, SAME_BITS, Answer, Question, answer
 from tests.laws.scaling import ONE, formed, has_massless, is_scalable, scaled_sweep
 from tests.laws.tally import chunks, name_of
 
@@ -18,6 +19,10 @@ SHARE = 0.3  # of the mechanism's unit of time
 RTOL = 1e-8
 # As in `test_motion`: what each step adds, RTOL of quantities of order one, grows by exp(3 SHARE) to the end.
 GROWTH = float(np.exp(3 * SHARE))
+
+
+# Their derivatives by up to a hundred absolute coordinates take minutes to compile.
+HEAVY = ("linearize", "find_equilibrium", "GGL", "Stiff")
 
 
 def powers_of_two(rng: random.Random) -> Units:
@@ -69,3 +74,45 @@ def test_scaled_mechanisms_move_as_before() -> None:
 @pytest.mark.parametrize("seeds", chunks(2000), ids=name_of)
 def test_scaled_mechanisms_move_as_before_often(seeds: range) -> None:
     check(seeds)
+
+
+def difference(first: Answer, other: Answer) -> float:
+    """How far the numbers of two answers are apart, as a share of what is allowed."""
+    if not first.numbers.size:
+        return 0.0
+    apart = np.abs(other.numbers - first.numbers).max() / max(1.0, np.abs(first.numbers).max())
+    return float(apart) / first.allowed
+
+
+def check_analysis(seed: int, name: str) -> float:
+    """Ask one question in three units; return the larger difference, as a share of what is allowed."""
+    rng = random.Random(f"scaled {name} {seed}")
+    eqs = formed(seed, None if name in HEAVY else rng.choice([None, "absolute"]))
+    first = answer(ANALYSES[name], Question(eqs, seed, ONE))
+    found = []
+    for units in (powers_of_two(rng), powers_of_ten(rng)):
+        other = answer(ANALYSES[name], Question(eqs, seed, units))
+        assert other.words == first.words, (seed, name, units)
+        assert other.numbers.shape == first.numbers.shape, (seed, name, units)
+        found.append(difference(first, other))
+        if not found[1:] and name in SAME_BITS and not has_massless(eqs):
+            np.testing.assert_array_equal(other.numbers, first.numbers, err_msg=f"{seed} {name}")
+    assert max(found) <= 1.0, (seed, name, found)
+    return max(found)
+
+
+def check_analyses(seeds: Iterable[int]) -> None:
+    """Ask each mechanism one question, drawn from all."""
+    for seed in filter(is_scalable, seeds):
+        check_analysis(seed, random.Random(f"question {seed}").choice(list(ANALYSES)))
+
+
+@pytest.mark.parametrize(("seed", "name"), [(30, "inverse_dynamics"), (31, "assemble"), (30, "Baumgarte")])
+def test_scaled_mechanisms_have_the_same_answers(seed: int, name: str) -> None:
+    check_analysis(seed, name)
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("seeds", chunks(2000), ids=name_of)
+def test_scaled_mechanisms_have_the_same_answers_often(seeds: range) -> None:
+    check_analyses(seeds)

@@ -24,7 +24,8 @@ EPS = float(np.finfo(float).eps)
 # The models of all examples that have one file more than their folder says.
 NAMES = (
     "projectile/projectile", "projectile/projectile_free", "rr_robot/rr_robot", "spinning_top/spinning_top",
-    "spinning_top_omega/spinning_top_omega", "slider_crank/slider_crank", "spatial_four_bar/spatial_four_bar",
+    "spinning_top_omega/spinning_top_omega", "slider_crank/slider_crank", "four_bar/four_bar",
+    "spatial_four_bar/spatial_four_bar",
 )  # fmt: skip
 
 
@@ -104,8 +105,20 @@ def _four_bar(p: Mapping[str, float], theta: float, values: Mapping[str, float])
     return {"theta": theta, "phi": phi, "psi": yaw, "chi": -math.asin(z / b)}
 
 
+def _planar_four_bar(p: Mapping[str, float], theta: float, values: Mapping[str, float]) -> dict[str, float]:
+    """C lies on circles about the crank's pin and the rocker's post; the coupler is above them."""
+    pin = np.array([p["L1"] * math.cos(theta), p["L1"] * math.sin(theta)])
+    line = np.array([p["L4"], 0.0]) - pin
+    length = float(np.hypot(*line))
+    corner = math.acos((length**2 + p["L2"] ** 2 - p["L3"] ** 2) / (2 * length * p["L2"]))
+    coupler = math.atan2(line[1], line[0]) + corner
+    x, y = pin + p["L2"] * np.array([math.cos(coupler), math.sin(coupler)]) - np.array([p["L4"], 0.0])
+    return {"theta": theta, "beta": coupler - theta, "phi": math.atan2(y, x)}
+
+
 _CLOSED: Mapping[str, Callable[[Mapping[str, float], float, Mapping[str, float]], dict[str, float]]] = {
     "slider-crank": _slider_crank,
+    "four-bar": _planar_four_bar,
     "spatial four-bar": _four_bar,
 }
 

@@ -69,17 +69,23 @@ def plane_symmetric() -> sb.Model:
     )
 
 
-def trihedral() -> sb.Model:
+def trihedral_links() -> list[Link]:
     """Sums of squares of every other length are equal, all twists are right angles."""
     a = [1.0, 0.9, 0.8, 0.7, 0.95]
     a.append(sqrt(a[0] ** 2 + a[2] ** 2 + a[4] ** 2 - a[1] ** 2 - a[3] ** 2))
-    links = [Link(length, RIGHT if k % 2 == 0 else -RIGHT) for k, length in enumerate(a)]
-    return closed(*links, guess=(1, 1, 1, 1, 1, 1))
+    return [Link(length, RIGHT if k % 2 == 0 else -RIGHT) for k, length in enumerate(a)]
+
+
+def trihedral() -> sb.Model:
+    return closed(*trihedral_links(), guess=(1, 1, 1, 1, 1, 1))
+
+
+def altmann_links() -> list[Link]:
+    return [Link(1.0, RIGHT), Link(0.0, RIGHT), Link(0.7, -RIGHT)] * 2
 
 
 def altmann() -> sb.Model:
-    half = (Link(1.0, RIGHT), Link(0.0, RIGHT), Link(0.7, -RIGHT))
-    links = half + half
+    links = altmann_links()
     return loop(links, closed_angles(links, (1.0, 0.5, -1) * 2, {0: 1.0, 3: 1.0}))
 
 

@@ -159,3 +159,56 @@ def test_a_rod_between_walls_rests_at_the_same_angle(length: float) -> None:
 def test_scales_that_make_no_sense_are_refused(scales: dict[str, float], word: str) -> None:
     with pytest.raises(sb.UsageError, match=word):
         sb.simulate(rod(1.0), 1.0, scales=scales)
+
+
+def rails(length: float) -> sb.EquationSet:
+    """Two carts on crossing rails, held at one distance by an equation: it has no unit, so there is no length."""
+    carts = [sb.Body("A", 1), sb.Body("B", 2)]
+    parts = [
+        sb.Prismatic("along", "ground", "A", axis="x", coordinate="x", force=sb.Drive("F", stiffness=1)),
+        sb.Prismatic("across", "ground", "B", axis="y", coordinate="y"),
+        sb.Constraint("apart", "x^2 + y^2 - L^2"),
+    ]
+    return sb.form_equations(sb.Model("rails", [*carts, *parts], parameters={"L": length}, inputs=["F"]))
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_kinematics_and_inverse_dynamics_take_lengths_from_what_is_led(length: float) -> None:
+    """With y' = -x x'/y and d'Alembert's principle, F = x'' + x - 2 y'' x/y for 1 kg, 2 kg and 1 N/m."""
+    eqs = rails(length)
+    t = np.linspace(0.0, 1.0, 5)
+    run = sb.inverse_dynamics(eqs, {"x": "L*(0.1 + 0.5*sin(t))"}, "F", t, guess={"y": 0.9 * length})
+    x, v, a = 0.1 + 0.5 * np.sin(t), 0.5 * np.cos(t), -0.5 * np.sin(t)
+    y = np.sqrt(1 - x**2)
+    bend = -(v**2 + x * a + (x * v / y) ** 2) / y
+    np.testing.assert_allclose(run["y"] / length, y, rtol=1e-12)
+    np.testing.assert_allclose(run["F"] / length, a + x - 2 * bend * x / y, rtol=1e-9)
+
+    path = sb.trace_positions(eqs, {"x": length * np.array([0.1, 0.5, 0.9, 1.1])}, {"y": 0.9 * length})
+    assert path.limits["x"] == pytest.approx(length, rel=1e-9)
+    places = sb.singular_configurations(eqs, "x", {"y": (-0.9 * length, 0.5 * length)}, {"x": length})
+    assert sorted(one.q["x"] / length for one in places) == pytest.approx([-1, 1])
+    guess = {"x": 0.6 * length, "y": 0.8 * length}
+    assert sb.velocity_ratios(eqs, "x", sb.assemble(eqs, guess=guess)).dependent == ("y_dot",)
+    assert sb.redundancy(eqs, guess=guess).degrees_of_freedom == 1
+
+
+def test_lengths_that_follow_from_nothing_can_be_given() -> None:
+    """The first place led to is 0, and the other coordinate is to be found: nothing has a length but `scales`."""
+    length, places = 1e-9, [0.0, 3e-10]
+    eqs = rails(length)
+    found = sb.trace_positions(eqs, {"x": places}, scales={"length": length})
+    np.testing.assert_allclose(np.abs(found["y"]), np.sqrt(length**2 - np.square(places)), rtol=1e-9)
+    with pytest.raises(sb.UsageError, match="is not a positive number"):
+        sb.inverse_dynamics(eqs, {"x": "0"}, "F", [0.0], scales={"length": 0.0})
+
+
+def test_what_counts_as_rest_follows_the_length_given() -> None:
+    """An oscillator that passes 0 at 1 nm/s moves, if a nanometre is large; beside a metre it is at rest."""
+    part = sb.Prismatic(
+        "slide", "ground", sb.Body("A", 1), axis="x", coordinate="x", force=sb.Drive(stiffness=1)
+    )
+    eqs = sb.form_equations(sb.Model("oscillator", [part]))
+    at = {"x": 0.0, "x_dot": 1e-9}
+    assert not sb.linearize(eqs, at, scales={"length": 1e-9}).is_stationary
+    assert sb.linearize(eqs, at, scales={"length": 1.0}).is_stationary

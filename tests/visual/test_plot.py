@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from symbody.errors import EnvironmentFault, UsageError
 from symbody.simulation.results.trajectory import Trajectory
-from symbody.visual.plot import plot, save_plot
-from symbody.visual.sampling import SMOOTH
+from symbody.visual.plotting.line_sampling import SMOOTH
+from symbody.visual.plotting.plot import plot, save_plot
 from tests.simulation.right_hand_sides import oscillator, run
 
 Floats = NDArray[np.float64]
@@ -317,7 +317,7 @@ def test_no_window_and_no_global_figure(tmp_path: Path) -> None:
     assert isinstance(ax.figure, Figure)
     assert pyplot.get_fignums() == before
     assert matplotlib.get_backend().lower() == "agg"
-    script = "import sys, symbody.visual.plot; print('matplotlib.pyplot' in sys.modules)"
+    script = "import sys, symbody.visual.plotting.plot; print('matplotlib.pyplot' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120)
     assert (done.stdout, done.stderr) == ("False\n", "")
 

@@ -16,7 +16,7 @@ const IN_PICTURE: Partial<Record<Name, (viewer: Viewer, values: SettingValues) =
   parallel: (viewer, { parallel }) => {
     if (viewer.rig.parallel !== parallel) viewer.rig.setParallel(parallel);
   },
-  follow: (viewer, { follow }) => { viewer.follow = follow; },
+  follow: (viewer, { follow }) => { viewer.setFollow(follow); },
   look: (viewer, { look }) => { viewer.setLook(look); },
   arrowFactor: (viewer, { arrowFactor }) => { viewer.setArrowFactor(arrowFactor); },
   ghosts: (viewer, { ghosts }) => { viewer.setGhosts(ghosts); },

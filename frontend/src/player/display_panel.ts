@@ -118,8 +118,8 @@ function traces(settings: Settings, scene: Scene): HTMLElement {
   for (const { name } of points) {
     const box = create("input", { type: "checkbox" });
     box.addEventListener("change", () => {
-      const rest = settings.values.traces.filter((each) => each !== name);
-      settings.set("traces", box.checked ? [...rest, name] : rest);
+      const others = settings.values.traces.filter((each) => each !== name);
+      settings.set("traces", box.checked ? [...others, name] : others);
     });
     settings.follow((changed) => {
       if (changed === "traces") box.checked = settings.values.traces.includes(name);

@@ -25,7 +25,7 @@ export class Popover {
 
   toggle(open: boolean): void {
     if (open === this.open) return;
-    const focused = this.panel.matches(":focus-within"); // asked before it is hidden
+    const focused = this.panel.matches(":focus-within"); // what is hidden has no focus
     this.panel.hidden = !open;
     this.button.setAttribute("aria-expanded", String(open));
     if (!open && focused) this.button.focus();

@@ -153,6 +153,7 @@ export class CameraRig {
   shift(by: Vector3): void {
     this.camera.position.add(by);
     this.controls.target.add(by);
+    this.turn = null;
     this.fits = false;
   }
 

@@ -1,6 +1,6 @@
 /** Colours: of bodies, kinds of elements and themes. */
 
-/** Soft relatives of the palette of Okabe and Ito, as films have them: told apart with any colour vision. */
+/** Soft relatives of the palette of Okabe and Ito, as films have them: distinct with any colour vision. */
 export const BODY_COLORS = [
   "#4f8fc4", "#e08a3c", "#4da887", "#c987ad", "#d8b13a", "#79b8dd", "#8f7fc0", "#b9705c",
 ] as const; // prettier-ignore

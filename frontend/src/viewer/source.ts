@@ -191,10 +191,10 @@ export class LiveSource implements StateSource {
 /** Return the source of a motion, or of bodies that rest at the origin where there is none. */
 export function sourceOf(scene: Scene, motion: Motion | null): StateSource {
   const bodies = scene.bodies.length;
-  return new StoredMotion(motion ?? rest(bodies), bodies);
+  return new StoredMotion(motion ?? restMotion(bodies), bodies);
 }
 
-function rest(bodies: number): Motion {
+function restMotion(bodies: number): Motion {
   const quaternions = new Float32Array(restPose(bodies - 1).quaternions);
   const positions = new Float32Array(3 * (bodies - 1));
   return { times: new Float64Array(1), positions, quaternions, curves: [], vectors: [], events: [] };

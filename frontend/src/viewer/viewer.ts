@@ -51,9 +51,7 @@ export class Viewer {
     force: true, torque: true, reaction: true,
   }; // prettier-ignore
   selected: SceneElement | null = null;
-  /** Whether the camera goes with the body of the selection. */
-  follow = false;
-  /** Whether the mechanism goes far, so that the camera goes along with it. */
+  /** Whether the mechanism goes far, so that the camera may go along with it. */
   readonly roams: boolean;
   private readonly stage: Stage;
   private readonly pose: Pose;
@@ -74,6 +72,7 @@ export class Viewer {
   private ghosts: Solids | null = null;
   private look: Look = "solid";
   private hovered = "";
+  private followed = false;
   private readonly followedTo = new Vector3();
   private readonly here = new Vector3();
   private readonly first = new Vector3(); // where a mechanism that goes far begins
@@ -110,6 +109,8 @@ export class Viewer {
     host.append(this.labels.element);
     this.watcher = new ResizeObserver(() => { this.resize(); });
     this.watcher.observe(host);
+    // a driver may take the context away; three.js makes it anew, and the picture is drawn again
+    this.stage.canvas.addEventListener("webglcontextrestored", () => { this.setTime(this.instant.time); });
     this.resize();
     this.rig.view(scene.normal === null ? "isometric" : "front", true);
   }
@@ -195,7 +196,7 @@ export class Viewer {
   /** Mark an element, or none; the callback hears of it. */
   select(element: SceneElement | string | null): void {
     this.selected = typeof element === "string" ? elementNamed(this.scene, element) : element;
-    if (this.selected !== null) this.bodyPosition(this.selected.body, this.followedTo);
+    this.setFollow(this.followed);
     this.paint();
     this.hooks.onSelect?.(this.selected);
   }
@@ -257,8 +258,7 @@ export class Viewer {
       writeMatrices(this.pose, this.instant.matrices);
       for (const layer of this.layers) layer.update(this.instant);
       this.stale = false;
-      if (this.roams) this.goAlong();
-      if (this.selected !== null) this.goWith(this.selected.body);
+      this.goOn();
     }
     this.stage.draw(this.rig.camera);
     this.labels.update(this.rig.camera, this.stage.width, this.stage.height);
@@ -276,17 +276,28 @@ export class Viewer {
     this.stage.dispose();
   }
 
-  /** Follow a mechanism that goes far. */
-  private goAlong(): void {
-    if (!this.follow) return;
-    centreOf(this.scene, this.instant.matrices, this.here).sub(this.first);
-    this.rig.carry(this.here);
-    this.grid.carry(this.here);
+  /** Let the camera go with a mechanism that goes far, else look at the selected body and go with it, or stay. */
+  setFollow(follow: boolean): void {
+    this.followed = follow;
+    if (!follow || this.selected === null || this.roams) return;
+    this.followedTo.copy(this.rig.controls.target);
+    this.goWith(this.selected.body);
+  }
+
+  private goOn(): void {
+    if (!this.followed) return;
+    if (this.roams) {
+      centreOf(this.scene, this.instant.matrices, this.here).sub(this.first);
+      this.rig.carry(this.here);
+      this.grid.carry(this.here);
+    } else if (this.selected !== null) {
+      this.goWith(this.selected.body);
+    }
   }
 
   private goWith(body: number): void {
     this.bodyPosition(body, this.here);
-    if (this.follow && !this.roams) this.rig.shift(this.followedTo.subVectors(this.here, this.followedTo));
+    this.rig.shift(this.followedTo.subVectors(this.here, this.followedTo));
     this.followedTo.copy(this.here);
   }
 

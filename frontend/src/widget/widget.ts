@@ -35,7 +35,7 @@ class WidgetView {
   private readonly host = create("div", { "data-lm-suppress-shortcuts": "true" });
   private readonly sliders = create("div", { class: "sb-player sb-sliders" });
   private readonly message = create("p", { class: "sb-slider-message", role: "alert" });
-  private readonly frame = create("div");
+  private readonly frame = create("div", { class: "sb-framed" });
   private readonly sender: TimeSender;
   private readonly followed: readonly (readonly [string, () => void])[];
   private shown: Shown | null = null;

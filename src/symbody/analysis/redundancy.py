@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.analysis.assembly import assembled_configuration
 from symbody.analysis.closure import closure
-from symbody.analysis.named_values import refuse_unknown
+from symbody.analysis.named_values import named_values, refuse_unknown
 from symbody.analysis.ropes import rope_assumptions
+from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value, constant_values
 from symbody.equations.equation_set import EquationSet
@@ -77,7 +78,9 @@ def redundancy(
         If the loops close nowhere near the guess.
     """
     refuse_unknown(eqs, guess or ())
-    task = closure(eqs, dict(parameters or {}), {}, 0.0)
+    given, around = dict(parameters or {}), {**eqs.model.initial, **(guess or {})}
+    near = named_values(eqs, around, parameters, strict=set(guess or ()))
+    task = closure(eqs, given, {}, 0.0, mechanism_scales(eqs, given, near=near))
     if task.is_tree:
         somewhere = task.normalized(np.linspace(0.2, 0.8, len(eqs.coordinate_names)))
         names = undetermined_at(eqs, parameters or {}, [(0.0, somewhere)]) if eqs.formed.redundant else ()

@@ -2,5 +2,5 @@ from .animation import Animation as Animation
 from .animation import animate as animate
 from .film import draw_scene as draw_scene
 from .film import save_animation as save_animation
-from .plot import plot as plot
-from .plot import save_plot as save_plot
+from .plotting.plot import plot as plot
+from .plotting.plot import save_plot as save_plot

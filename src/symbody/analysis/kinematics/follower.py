@@ -8,14 +8,14 @@ constraints, exactly.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.kinematics.held import HELD, held_equations, joint_of
-from symbody.analysis.scales import mechanism_scales
+from symbody.analysis.scales import Scales, mechanism_scales
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
@@ -84,6 +84,17 @@ class Follower:
     motions: CompiledFunction
     rates: CompiledFunction
     formulas: CompiledFunction
+
+    def scaled(self, known: Scales) -> Follower:
+        """Return the same with other scales, as those of a configuration where the model has no length."""
+        eqs = self.eqs
+        return replace(
+            self,
+            sizes=known.coordinates(eqs),
+            speed_sizes=known.displacements(eqs),
+            scales=_scales(eqs, known),
+            time=known.time,
+        )
 
     @property
     def n_h(self) -> int:
@@ -258,11 +269,6 @@ def follower(
     """
     held = held_equations(eqs, {**formulas, **dict.fromkeys(laws)})
     known, units = mechanism_scales(eqs, parameters), eqs.units
-    scales = known.constraints(held)
-    for k, row in enumerate(held.formed.rows):
-        if row.name.startswith(HELD):
-            scales[k] = known.length if units.get(row.name.removeprefix(HELD)) == "m" else 1.0
-
     first = len(held.formed.holonomic) - len(formulas) - len(laws)
 
     def compiled(*names: str) -> CompiledFunction:
@@ -277,7 +283,7 @@ def follower(
         clock,
         known.coordinates(eqs),
         known.displacements(eqs),
-        scales,
+        _scales(held, known),
         known.time,
         np.array([units.get(name) == "rad" for name in eqs.coordinate_names], dtype=np.bool_),
         tuple(first + k for k, name in enumerate((*formulas, *laws)) if name in eqs.measured_angles),
@@ -287,3 +293,12 @@ def follower(
         # Two outputs at least, so that the values are a tuple.
         compiled(*(f"({Formula.of(plain(law)).text})" for law in formulas.values()), "(0)", "(0)"),
     )
+
+
+def _scales(held: EquationSet, known: Scales) -> Floats:
+    """Return what constraints are measured by, those of driven coordinates too."""
+    scales = known.constraints(held)
+    for k, row in enumerate(held.formed.rows):
+        if row.name.startswith(HELD):
+            scales[k] = known.length if held.units.get(row.name.removeprefix(HELD)) == "m" else 1.0
+    return scales

@@ -23,6 +23,7 @@ from symbody.analysis.kinematics.curve import Curve, Point
 from symbody.analysis.kinematics.follower import Follower, Law, follower
 from symbody.analysis.kinematics.held import joint_of
 from symbody.analysis.kinematics.velocity_ratios import VelocityRatios, velocity_ratios
+from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
@@ -83,6 +84,8 @@ def singular_configurations(
     over: Mapping[str, float | tuple[float, float]],
     guess: Mapping[str, Value] | None = None,
     parameters: Mapping[str, Value] | None = None,
+    *,
+    scales: Mapping[str, float] | None = None,
 ) -> tuple[SingularConfiguration, ...]:
     """Return the singular configurations for a choice of independent coordinates.
 
@@ -96,6 +99,9 @@ def singular_configurations(
         The coordinate along which is looked, with the ends of its range; numbers hold further freedoms still.
     guess : mapping of name to number or formula in parameters
         Near which the loops close; other assemblies that are found are followed, too.
+    scales : mapping of "length", "time", "mass" to float, optional
+        What counts as large [m, s, kg]; by default it follows from the model, and without any length there
+        from the range and a configuration near the guess.
 
     Raises
     ------
@@ -104,10 +110,11 @@ def singular_configurations(
     AssemblyError
         If the loops close nowhere in the range.
     """
-    ratios = velocity_ratios(eqs, independent, _first(eqs, over, guess, parameters), parameters)
-    search = _search(ratios, over, dict(parameters or {}))
+    first = _first(eqs, over, guess, parameters, scales)
+    ratios = velocity_ratios(eqs, independent, first, parameters, scales=scales)
+    search = _search(ratios, over, dict(parameters or {}), first, scales)
     found: list[SingularConfiguration] = []
-    for points in search.curves(guess, parameters):
+    for points in search.curves(guess, parameters, scales):
         for one in search.on(points):
             if not any(search.same(one, other) for other in found):
                 found.append(one)
@@ -128,11 +135,14 @@ class _Search:
     held: Mapping[str, float]
 
     def curves(
-        self, guess: Mapping[str, Value] | None, parameters: Mapping[str, Value] | None
+        self,
+        guess: Mapping[str, Value] | None,
+        parameters: Mapping[str, Value] | None,
+        scales: Mapping[str, float] | None,
     ) -> Iterator[list[Point]]:
         """Return all curves that are met from several starts in the range."""
         known: list[list[Point]] = []
-        for state in self._starts(guess, parameters):
+        for state in self._starts(guess, parameters, scales):
             q = np.array(list(state.q.values()))
             first = self.curve.start(q)
             if first is None or any(self.curve.holds(points, q) for points in known):
@@ -169,7 +179,10 @@ class _Search:
         return bool(np.abs(apart).max() <= _SAME)
 
     def _starts(
-        self, guess: Mapping[str, Value] | None, parameters: Mapping[str, Value] | None
+        self,
+        guess: Mapping[str, Value] | None,
+        parameters: Mapping[str, Value] | None,
+        scales: Mapping[str, float] | None,
     ) -> Iterator[State]:
         eqs, failed, count = self.ratios.eqs, [], 0
         complete = assemble_taut if ropes(eqs.formed) else assemble
@@ -177,7 +190,7 @@ class _Search:
             # Off the middle and the ends, where mechanisms like to be singular.
             value = self.ends[0] + (self.ends[1] - self.ends[0]) * (k + 0.382) / _STARTS
             try:
-                state = complete(eqs, {self.along: value, **self.held}, guess, parameters)
+                state = complete(eqs, {self.along: value, **self.held}, guess, parameters, scales=scales)
             except AssemblyError as error:
                 failed.append(error)
                 continue
@@ -329,6 +342,7 @@ def _first(
     over: Mapping[str, float | tuple[float, float]],
     guess: Mapping[str, Value] | None,
     parameters: Mapping[str, Value] | None,
+    scales: Mapping[str, float] | None,
 ) -> State:
     """Return a configuration near the guess, after the question has been checked.
 
@@ -345,11 +359,15 @@ def _first(
                     "coordinates of cut joints and prescribed ones are none",
                     f"name one of {', '.join(eqs.coordinate_names)}, or put its joint into the tree")
         )  # fmt: skip
-    return assemble(eqs, None, guess, parameters)
+    return assemble(eqs, None, guess, parameters, scales=scales)
 
 
 def _search(
-    ratios: VelocityRatios, over: Mapping[str, float | tuple[float, float]], parameters: Mapping[str, Value]
+    ratios: VelocityRatios,
+    over: Mapping[str, float | tuple[float, float]],
+    parameters: Mapping[str, Value],
+    first: State,
+    scales: Mapping[str, float] | None,
 ) -> _Search:
     """Return what looks for singular configurations.
 
@@ -370,6 +388,8 @@ def _search(
                     f"and {len(held)} are held", "the positions over a range have to form a curve",
                     "hold all freedoms but one by numbers")
         )  # fmt: skip
+    farthest = {along: max(map(abs, ends)), **held}
+    mechanism = mechanism.scaled(mechanism_scales(ratios.eqs, parameters, scales, {**first.q, **farthest}))
     return _Search(ratios, mechanism, Curve(mechanism), along, ends, held)
 
 

@@ -14,6 +14,7 @@ from symbody.analysis.closure import Closure, closure
 from symbody.analysis.kinematics.follower import Follower, Law, follower
 from symbody.analysis.kinematics.held import element_of
 from symbody.analysis.ropes import LOOSE, equations_at, slackness
+from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
@@ -104,6 +105,8 @@ def trace_positions(
     guess: Mapping[str, Value] | None = None,
     parameters: Mapping[str, Value] | None = None,
     t: float = 0.0,
+    *,
+    scales: Mapping[str, float] | None = None,
 ) -> Positions:
     """Lead coordinates through values, each position found from the one before.
 
@@ -115,6 +118,9 @@ def trace_positions(
         Near which the loops close at the first values.
     t : float
         Time [s], for explicit time in the model.
+    scales : mapping of "length", "time", "mass" to float, optional
+        What counts as large [m, s, kg]; by default it follows from the model, and without any length there
+        from the first position and the values led through.
 
     Returns
     -------
@@ -131,15 +137,18 @@ def trace_positions(
     values = _values(over)
     given = dict(parameters or {})
     driven = follower(eqs, {}, _laws(values), given, lambda _: t)
-    state = assemble(eqs, {name: float(x[0]) for name, x in values.items()}, guess, parameters, None, t)
+    start = {name: float(x[0]) for name, x in values.items()}
+    state = assemble(eqs, start, guess, parameters, None, t, scales=scales)
     q = np.array(list(state.q.values()))
     held, notes = equations_at(eqs, q, given, t)
     if held is not eqs:
         driven = follower(held, {}, _laws(values), given, lambda _: t)
-    closer = driven.closed(0.0, q)
+    farthest = {name: float(np.abs(x).max()) for name, x in values.items()}
+    known = mechanism_scales(eqs, given, scales, {**state.q, **farthest})
+    closer = (driven := driven.scaled(known)).closed(0.0, q)
     q = q if closer is None else closer
     check_driven(driven, 0.0, q, notes)
-    loose = _Slack(driven, closure(held, given, {}, t) if notes else None)
+    loose = _Slack(driven, closure(held, given, {}, t, known) if notes else None)
     count = len(next(iter(values.values())))
     columns, reached = [q], 0.0
     for k in range(1, count):

@@ -21,6 +21,7 @@ from symbody.analysis.kinematics.follower import Follower, follower
 from symbody.analysis.kinematics.held import element_of
 from symbody.analysis.redundancy import redundancy
 from symbody.analysis.ropes import equations_at, ropes_out_of_place
+from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value, form_sequence
@@ -302,6 +303,8 @@ def velocity_ratios(
     independent: str | Sequence[str] | None = None,
     at: State | None = None,
     parameters: Mapping[str, Value] | None = None,
+    *,
+    scales: Mapping[str, float] | None = None,
 ) -> VelocityRatios:
     """Return how dependent speeds follow from independent ones.
 
@@ -312,6 +315,9 @@ def velocity_ratios(
         best at a configuration, by pivoting; those with an input are preferred.
     at : State
         That configuration; by default one near the model's initial values.
+    scales : mapping of "length", "time", "mass" to float, optional
+        What counts as large [m, s, kg]; by default it follows from the model, and without any length there
+        from the configuration.
 
     Raises
     ------
@@ -321,10 +327,11 @@ def velocity_ratios(
         If the loops do not close.
     """
     given = dict(parameters or {})
-    state = at or assemble(eqs, None, None, parameters)
+    state = at or assemble(eqs, None, None, parameters, scales=scales)
+    known = mechanism_scales(eqs, given, scales, state.q)
     q = np.array(list(state.q.values()))
     eqs, notes = equations_at(eqs, q, given, state.t)
-    mechanism = follower(eqs, {}, {}, given)
+    mechanism = follower(eqs, {}, {}, given).scaled(known)
     freedoms = redundancy(eqs, given, dict(state.q)) if eqs.multiplier_names else None
     rows = () if freedoms is None else freedoms.kept
     count = len(eqs.speed_names) - len(rows)
@@ -334,7 +341,7 @@ def velocity_ratios(
     else:
         chosen = _named(eqs, (independent,) if isinstance(independent, str) else tuple(independent), count)
     others = tuple(name for name in eqs.speed_names if name not in chosen)
-    measured = closure(eqs, given, {}, state.t) if ropes(eqs.formed) else None
+    measured = closure(eqs, given, {}, state.t, known) if ropes(eqs.formed) else None
     return VelocityRatios(eqs, chosen, others, rows, notes, mechanism, given, measured)
 
 

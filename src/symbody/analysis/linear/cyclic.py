@@ -96,7 +96,8 @@ def _between(orbit: Orbit, start: Place, here: Place) -> list[str]:
     C = _rows(differs(one.C, other.C, bounds.C)[:, kept])
     D = _rows(differs(one.D, other.D, bounds.D))
     near, far = start.slopes.switches, here.slopes.switches
-    over = differs(near, far, _SWITCHED * np.maximum(np.abs(near), np.abs(orbit.function.beside - near)))
+    sizes = np.fmax(np.abs(near), np.abs(orbit.function.beside - near))  # the second need not exist
+    over = differs(near, far, _SWITCHED * sizes)
     return [
         *_rates(orbit, [k for k in kept if A[k].any() or affine[k]]),
         *(f"the effect of {name}" for name in _named(orbit.function.inputs, _rows(B[kept].T))),

@@ -19,7 +19,7 @@ from symbody.analysis.linear.variations import (
     solved,
     unit_rows,
 )
-from symbody.analysis.scales import mechanism_scales
+from symbody.analysis.scales import Scales
 from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, nearest
@@ -85,8 +85,9 @@ def select(
     found: Slopes,
     asked: Sequence[str] | None,
     cyclic: Collection[str],
+    known: Scales,
 ) -> Selection:
-    """Return which states are independent at a state.
+    """Return which states are independent at a state, by the scales that are known.
 
     Raises
     ------
@@ -95,7 +96,6 @@ def select(
     """
     turned = _rotations_at(eqs, np.array(list(state.q.values())), found)
     _check_cyclic_names(turned, cyclic)
-    known = mechanism_scales(eqs, state.parameters, near=state.q)
     q_sizes, u_sizes = turned.sizes(known.coordinates(eqs)), known.displacements(eqs)
     coordinates, speeds = _parted(eqs, turned, asked)
     positions = found.position_jacobian @ turned.out

@@ -47,6 +47,8 @@ def linearize(
     independent: Sequence[str] | None = None,
     cyclic: Sequence[str] = (),
     t: float = 0.0,
+    *,
+    scales: Mapping[str, float] | None = None,
 ) -> Linearization:
     """Return the linear equations of small deviations from the motion through a state, exactly derived.
 
@@ -67,6 +69,9 @@ def linearize(
         Coordinates that nothing depends on, which is checked by the formulas, or along the motion; they leave
         the states, speeds stay. With them steady motions such as precession or a ride straight on have
         constant states.
+    scales : mapping of "length", "time", "mass" to float, optional
+        What counts as large [m, s, kg], and so what counts as rest; by default it follows from the model, and
+        without any length there from the state.
 
     Raises
     ------
@@ -76,16 +81,17 @@ def linearize(
     CompileError, FormulationError
         If values are missing or names are unknown.
     """
-    state = _state(eqs, at, parameters, inputs, t)
+    state = _state(eqs, at, parameters, inputs, t, scales)
     listed = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     sides = settled(eqs, state)
     eqs, state = sides.eqs, sides.state
-    function = slope_function(eqs, state, listed)
+    known = mechanism_scales(eqs, state.parameters, scales, state.q)
+    function = slope_function(eqs, state, listed, known)
     q, u = np.array(list(state.q.values())), np.array(list(state.u.values()))
     found = function.checked_at(q, u)
-    selection = select(eqs, state, found, independent, cyclic)
+    selection = select(eqs, state, found, independent, cyclic, known)
     notes = (*sides.notes, *check_cyclic(function, q, u, selection, cyclic))
-    point = _Point(state, function, found, selection, basis(eqs, q, found, selection))
+    point = _Point(state, function, found, selection, basis(eqs, q, found, selection), known.time)
     return point.linearization(cyclic, notes)
 
 
@@ -95,25 +101,28 @@ def _state(
     parameters: Mapping[str, Value] | None,
     inputs: Mapping[str, Value] | None,
     t: float,
+    scales: Mapping[str, float] | None,
 ) -> State:
     if isinstance(at, State):
         if parameters is None and inputs is None and at.eqs is eqs:
             return at
         values = {**at.q, **at.u}
         own = at.inputs if inputs is None else inputs
-        return assemble(eqs, values, None, at.parameters if parameters is None else parameters, own, at.t)
-    return assemble(eqs, at, None, parameters, inputs, t)
+        chosen = at.parameters if parameters is None else parameters
+        return assemble(eqs, values, None, chosen, own, at.t, scales=scales)
+    return assemble(eqs, at, None, parameters, inputs, t, scales=scales)
 
 
 @dataclass(frozen=True, slots=True)
 class _Point:
-    """The derivatives at a state, on what the constraints admit."""
+    """The derivatives at a state, on what the constraints admit, and the mechanism's own time."""
 
     state: State
     function: SlopeFunction
     slopes: Slopes
     selection: Selection
     space: Basis
+    time: float
 
     def linearization(self, cyclic: Sequence[str], notes: tuple[str, ...]) -> Linearization:
         """Return the linear equations, without cyclic coordinates."""
@@ -141,8 +150,7 @@ class _Point:
         reach = np.concatenate([np.abs(values), sizes[speeds:]])
         bounds = _AT_REST * (np.abs(A) @ reach)
         bounds[speeds:] = np.maximum(bounds[speeds:], _AT_REST * rate * sizes[speeds:])
-        time = mechanism_scales(self.function.eqs, self.state.parameters, near=self.state.q).time
-        least = _STILL * sizes / np.where(np.arange(sizes.size) < speeds, time**2, time)
+        least = _STILL * sizes / np.where(np.arange(sizes.size) < speeds, self.time**2, self.time)
         return [k for k in range(len(affine)) if abs(affine[k]) > bounds[k] + least[k]]
 
     def _notes(self, moving: list[int], names: tuple[str, ...], affine: Floats) -> tuple[str, ...]:

@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
 from symbody.analysis.linear.kinks import Switch, kink_notes, switches
-from symbody.analysis.scales import mechanism_scales
+from symbody.analysis.scales import Scales
 from symbody.analysis.state import State
 from symbody.codegen.compile import Value, constant_values, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
+from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME, Kind
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import symbols_of
@@ -128,7 +129,7 @@ class SlopeFunction:
         return kink_notes(self.eqs, self.switches, found.switches, self.beside)
 
 
-def slope_function(eqs: EquationSet, state: State, outputs: Sequence[str]) -> SlopeFunction:
+def slope_function(eqs: EquationSet, state: State, outputs: Sequence[str], known: Scales) -> SlopeFunction:
     """Return the derivatives with the parameters, inputs and time of a state."""
     parameters = state.parameters
     if eqs.multiplier_names:
@@ -147,20 +148,23 @@ def slope_function(eqs: EquationSet, state: State, outputs: Sequence[str]) -> Sl
              "velocity_constraints", _KINKS)  # fmt: skip
     given = dict.fromkeys(eqs.input_names, 0) | dict(state.inputs)
     function = CompiledFunction(*form_sequence(wider, words, parameters, (), given))
-    q, u = np.array(list(state.q.values())), np.array(list(state.u.values()))
-    beside = function(state.t, *_beside(eqs, state, q, u))[-1] if between else np.zeros(0)
+    # Without the accelerations, as far as it goes: there need be none at a place that fits no constraint.
+    kinks_alone, _ = form_sequence(wider, _KINKS, parameters, (), given)
+    far = {"t": [state.t], "r": [], **_beside(eqs, known, state)}
+    beside = np.array(evaluate_sequence(kinks_alone, far)[0], dtype=np.float64)
     graph, every = eqs.formed.graph, (*nodes, *eqs.roots("constraints").nodes)
     timed = graph.symbol(TIME) in symbols_of(graph, every)
     names = tuple(symbol.name for symbol in inputs)
     return SlopeFunction(eqs, state.t, _scalars(shown), names, timed, every, between, beside, function)
 
 
-def _beside(eqs: EquationSet, state: State, q: Floats, u: Floats) -> tuple[Floats, Floats]:
+def _beside(eqs: EquationSet, scales: Scales, state: State) -> dict[str, list[float]]:
     """Return coordinates and speeds that differ by what counts as large, without symmetry."""
-    scales = mechanism_scales(eqs, state.parameters, near=state.q)
+    q, u = np.array(list(state.q.values())), np.array(list(state.u.values()))
     shares = np.cos(np.arange(1.0, 1.0 + q.size + u.size))
     fast = scales.displacements(eqs) / scales.time
-    return q + shares[: q.size] * scales.coordinates(eqs), u + shares[q.size :] * fast
+    far = q + shares[: q.size] * scales.coordinates(eqs), u + shares[q.size :] * fast
+    return {"q": far[0].tolist(), "u": far[1].tolist()}
 
 
 def _check_finite(

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from symbody.analysis.kinematics.follower import follower
-from symbody.analysis.scales import mechanism_scales
+from symbody.analysis.scales import checked_scales
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
@@ -27,7 +27,7 @@ from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
 from symbody.simulation.inputs.tables import Table
 from symbody.simulation.inverse.influence import influence
 from symbody.simulation.inverse.motion_laws import Motion, motion_laws
-from symbody.simulation.inverse.path import Path, Samples
+from symbody.simulation.inverse.path import Samples, path_of
 from symbody.simulation.inverse.unknowns import Unknowns
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.provenance import provenance_of
@@ -47,6 +47,8 @@ def inverse_dynamics(
     parameters: Mapping[str, Value] | None = None,
     inputs: Mapping[str, Law] | None = None,
     guess: Mapping[str, Value] | None = None,
+    *,
+    scales: Mapping[str, float] | None = None,
 ) -> Trajectory:
     """Return the motion asked for, with the inputs that make it.
 
@@ -64,6 +66,9 @@ def inverse_dynamics(
         As for `simulate`; inputs without a law are 0.
     guess : mapping of name to number or formula in parameters
         Near which the loops close at the first time.
+    scales : mapping of "length", "time", "mass" to float, optional
+        What counts as large [m, s, kg]; by default it follows from the model, and without any length there
+        from the motion asked for and the first position.
 
     Returns
     -------
@@ -86,7 +91,8 @@ def inverse_dynamics(
     t, given, others = _times(times), dict(parameters or {}), dict(inputs or {})
     _check_questions(eqs, names, motion, others)
     span = (float(t[0]), float(t[-1]))
-    path = Path(eqs, follower(eqs, *motion_laws(motion, span), given), given, dict(guess or {}))
+    driven = follower(eqs, *motion_laws(motion, span), given)
+    path = path_of(eqs, driven, given, dict(guess or {}), checked_scales(scales), t)
     known = input_laws([name for name in eqs.input_names if name not in names], others, span)
     solver = Unknowns(path, eqs, known, names, influence(eqs, names))
     samples = path.samples(t)
@@ -101,9 +107,7 @@ def _trajectory(
     """Return the motion with the inputs found, and what follows from both."""
     eqs, known = solver.eqs, solver.laws
     laws = FoundLaws(known.formulas, known.asked, known.notes, known.tables, solver, {_key(samples): r})
-    first = dict(zip(eqs.coordinate_names, samples.q[:, 0].tolist(), strict=True))
-    scales = mechanism_scales(eqs, solver.path.parameters, near=first)
-    evaluate = Evaluator(Task(eqs, solver.path.parameters, laws, scales), None)
+    evaluate = Evaluator(Task(eqs, solver.path.parameters, laws, solver.path.scales), None)
     power = evaluate("power", samples.t, samples.q, samples.u)
     count = samples.t.size
     tables = {name: Table(samples.t, row) for name, row in zip(solver.names, r, strict=True) if count > 1}

@@ -13,6 +13,7 @@ from symbody.analysis.assembly import assemble
 from symbody.analysis.kinematics.follower import Follower
 from symbody.analysis.kinematics.held import element_of
 from symbody.analysis.redundancy import redundancy
+from symbody.analysis.scales import Scales, mechanism_scales
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, SimulationError, SymbodyError, UsageError
@@ -33,26 +34,26 @@ class Samples(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Path:
-    """What is asked of a mechanism, and of what it consists."""
+    """What is asked of a mechanism, of what it consists, and its first position."""
 
     eqs: EquationSet
     follower: Follower
     parameters: Mapping[str, Value]
-    guess: Mapping[str, Value]
+    scales: Scales
+    first: Floats
 
     def samples(self, times: Floats) -> Samples:
         """Return the motion at times.
 
         Raises
         ------
-        AssemblyError
-            If there is no first position.
         UsageError
             If the motion leaves freedoms.
         SimulationError
             If the motion contradicts the constraints, or leads out of reach, naming time and joint.
         """
-        q = self._first(float(times[0]))
+        first = self.follower.closed(float(times[0]), self.first)
+        q = self.first if first is None else first
         found = []
         for k, t in enumerate(times.tolist()):
             if k:
@@ -86,12 +87,6 @@ class Path:
         udot, error = follower.solve(jacobian, acceleration)
         self._check(t, "accelerations", error, acceleration)
         return u, udot
-
-    def _first(self, t: float) -> Floats:
-        state = assemble(self.eqs, self.follower.asked(t), self.guess, self.parameters, None, t)
-        q = np.array(list(state.q.values()))
-        closer = self.follower.closed(t, q)
-        return q if closer is None else closer
 
     def _check(self, t: float, what: str, error: float, wanted: Floats) -> None:
         largest = float(np.abs(wanted / self.follower.scales).max(initial=0.0))
@@ -145,3 +140,26 @@ class Path:
                        f"at t = {reached:.9g} s the motion cannot go on; there {asked}", why,
                        "end the motion before this time, or ask for one within reach; "
                        "sb.trace_positions tells the limits")  # fmt: skip
+
+
+def path_of(
+    eqs: EquationSet,
+    follower: Follower,
+    parameters: Mapping[str, Value],
+    guess: Mapping[str, Value],
+    scales: Mapping[str, float],
+    times: Floats,
+) -> Path:
+    """Return the path of a motion, with scales of its own where the model has no length.
+
+    Raises
+    ------
+    AssemblyError
+        If there is no first position.
+    """
+    t = float(times[0])
+    state = assemble(eqs, follower.asked(t), guess, parameters, None, t, scales=scales)
+    asked = [follower.asked(float(s)) for s in times]
+    farthest = {name: max(abs(one[name]) for one in asked) for name in follower.driven}
+    known = mechanism_scales(eqs, parameters, scales, {**state.q, **farthest})
+    return Path(eqs, follower.scaled(known), parameters, known, np.array(list(state.q.values())))

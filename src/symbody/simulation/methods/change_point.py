@@ -265,6 +265,7 @@ class _Passages:
     def _beside(self, at: float, limit: float) -> float | None:
         """Return the nearest time towards a limit at which constraints are independent again."""
         times = at + (limit - at) * np.exp2(-np.arange(_DOUBLINGS - 1.0, -1.0, -1.0))
+        times[-1] = limit  # the sum may be rounded to beyond it, where there is no motion
         clear = np.flatnonzero(self.shares(times) > _BESIDE_IT)
         return float(times[clear[0]]) if clear.size else None
 

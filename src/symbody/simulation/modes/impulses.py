@@ -39,6 +39,8 @@ Move = Callable[[Task, State, tuple[float, float], "partial[Request]", tuple[Eve
 
 # Positions and rates that change by less, of their largest value, have not jumped.
 _SLIGHT: Final = 1e-9
+# Nor where it is less, of the mechanism's size: rows that always hold are zero but for rounding.
+_ROUNDED: Final = 1e-12
 _SAMPLES: Final = 33  # of a motion, for the size of what is prescribed
 _MOST_TOLD: Final = 20
 _MOMENTA: Final = "momenta of the speeds"
@@ -129,14 +131,23 @@ def struck_times(task: Task, first: State, span: tuple[float, float]) -> tuple[l
     turning = [eqs.units.get(name) == "rad" for name in names]
     positions[: len(names)] = _without_turns(positions[: len(names)], np.array(turning, dtype=np.bool_))
     width = 4.0 * margin * (fastest[: len(largest)] + np.abs(rates[: len(largest)]).max(axis=1, initial=0.0))
-    torn = np.abs(positions) > (_SLIGHT * largest + width)[:, np.newaxis]
+    rounded = _ROUNDED * _sizes(task, names)
+    torn = np.abs(positions) > (_SLIGHT * largest + width + rounded[: len(largest)])[:, np.newaxis]
     if torn.any():
         row, k = np.argwhere(torn)[0]
         raise UsageError(
             _torn([*names, *(row.coordinate or row.name for row in eqs.formed.rows)][row], float(times[k]))
         )
-    found: list[float] = times[(np.abs(rates) > _SLIGHT * fastest[:, np.newaxis]).any(axis=0)].tolist()
+    least = (_SLIGHT * fastest + rounded / task.scales.time)[:, np.newaxis]
+    found: list[float] = times[(np.abs(rates) > least).any(axis=0)].tolist()
     return found if span[1] >= span[0] else found[::-1], margin
+
+
+def _sizes(task: Task, names: tuple[str, ...]) -> Floats:
+    """Return what counts as large for prescribed coordinates, and for constraints."""
+    scales, eqs = task.scales, task.eqs
+    own = [scales.length if eqs.units.get(name) == "m" else 1.0 for name in names]
+    return np.concatenate([own, scales.constraints(eqs)])
 
 
 def _prescribed(eqs: EquationSet) -> tuple[str, ...]:

@@ -24,7 +24,7 @@ from symbody.simulation.native.loop import advance, begin
 from symbody.simulation.native.places import FIRST_BREAK, NEXT_BREAK, RUNNING, STATE_OLD, TIME
 
 # A test says what it has to be.
-SOURCES: Final = "9896c9ce3ebc71ba"
+SOURCES: Final = "138f6ee08b34c48d"
 # Steps between two looks at whether the run is to stop.
 _SLICE: Final = 1000
 

@@ -54,7 +54,9 @@ def next_trial(goal: Goal, counts: Integers, t: float, h: float) -> tuple[float,
     length, k = _bounded(goal, counts, t, h)
     # stretched by one percent rather than leave a tiny last step, but never beyond the step that was allowed
     is_free = length == abs(h) and abs(rest) <= abs(goal.breaks[counts[NEXT_BREAK]] - t)
-    if abs(rest) <= (1.01 * length if is_free else length) and abs(rest) <= goal.max_step * (1.0 + 1e-9):
+    # and a step that ends beside the end by the rounding of times alone ends there
+    allowed = 1.01 * length if is_free else length + 4.0 * EPSILON * abs(goal.t_end)
+    if abs(rest) <= allowed and abs(rest) <= goal.max_step * (1.0 + 1e-9):
         return rest, goal.t_end
     if k >= 0:
         end = goal.breaks[k]
@@ -66,10 +68,11 @@ def next_trial(goal: Goal, counts: Integers, t: float, h: float) -> tuple[float,
 
 @inlined
 def behind_jump(goal: Goal, counts: Integers, t: float) -> float:
-    """Return a time just behind a jump that lies at this time; without a jump the time itself."""
+    """Return a time just behind a jump that lies at this time; the time itself without one before the end."""
     k = next_break(goal, counts, t)
     if k > counts[FIRST_BREAK] and goal.jumps[k - 1] and t != goal.t_end:
         if (goal.breaks[k - 1] - t) * goal.direction >= -goal.margins[k - 1]:
             behind: float = goal.breaks[k - 1] + goal.direction * goal.margins[k - 1]
-            return behind
+            if (goal.t_end - behind) * goal.direction > 0.0:  # motions may end just before a jump
+                return behind
     return t

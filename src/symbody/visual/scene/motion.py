@@ -13,7 +13,7 @@ from symbody.arguments import checked_arguments
 from symbody.errors import Problem, UsageError
 from symbody.model.model import Model
 from symbody.simulation.results.trajectory import Trajectory
-from symbody.visual.curves import curves_of
+from symbody.visual.plotting.curves import curves_of
 from symbody.visual.scene.body_poses import Chain, Floats, chain_of, of_one_sign
 from symbody.visual.scene.force_arrows import Arrow, arrows_of, vectors_of
 from symbody.visual.scene.sampling import Sampled, sample, thin

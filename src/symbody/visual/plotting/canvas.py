@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from symbody.visual.curves import Curve, Path, shared_label, shared_quantity
-from symbody.visual.labels import plain, printed_length, shown_unit
-from symbody.visual.picture_axes import axes_class
+from symbody.visual.plotting.axis_labels import plain, printed_length, shown_unit
+from symbody.visual.plotting.curves import Curve, Path, shared_label, shared_quantity
+from symbody.visual.plotting.picture_axes import axes_class
 
 SIZE: Final = (7.0, 4.2)  # inches: a column of text, and a slide
 SIZE_IN_SPACE: Final = (6.0, 5.2)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from symbody.equations.showing.units import Units
 from symbody.errors import Problem, UsageError
 from symbody.simulation.results.trajectory import Trajectory
-from symbody.visual.labels import plain, printed_length, readable, shown_unit, typed_unit
+from symbody.visual.plotting.axis_labels import plain, printed_length, readable, shown_unit, typed_unit
 
 Floats = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.results.trajectory import Trajectory
-from symbody.visual.canvas import (
+from symbody.visual.plotting.canvas import (
     draw,
     is_in_space,
     label_curves,
@@ -21,9 +21,9 @@ from symbody.visual.canvas import (
     new_panels,
     panels_beside,
 )
-from symbody.visual.curves import Curve, Path, curves_of, named, path_of, single_curve
-from symbody.visual.event_marks import mark_events
-from symbody.visual.sampling import is_continuous, smooth_motion
+from symbody.visual.plotting.curves import Curve, Path, curves_of, named, path_of, single_curve
+from symbody.visual.plotting.event_marks import mark_events
+from symbody.visual.plotting.line_sampling import is_continuous, smooth_motion
 
 
 @checked_arguments

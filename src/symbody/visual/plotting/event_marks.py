@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
 from symbody.simulation.results.trajectory import Trajectory
-from symbody.visual.labels import plain, printed_length, readable
+from symbody.visual.plotting.axis_labels import plain, printed_length, readable
 
 _MARK: Final = "symbody event"  # the id by which our marks are known
 _ROWS: Final = 3  # of names above the axes

@@ -1,0 +1,1 @@
+"""Outputs of a motion as curves and paths."""
