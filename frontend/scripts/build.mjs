@@ -1,4 +1,4 @@
-/** Builds the player page, the notebook widget and the file of licences into the Python package. */
+/** Builds the player page, the notebook widget, the builder's page and the file of licences into the Python package. */
 
 import { createHash } from "node:crypto";
 import { mkdir, readFile, writeFile } from "node:fs/promises";
@@ -9,6 +9,7 @@ import { writeLicenses } from "./licenses.mjs";
 const root = fileURLToPath(new URL("..", import.meta.url));
 const pages = fileURLToPath(new URL("../../src/symbody/visual/pages/", import.meta.url));
 const MOST_BYTES = 900_000;
+const MOST_BUILDER_BYTES = 1_800_000;
 
 /** Return the code and the style of one entry, each as one text. */
 async function bundle(entry, format) {
@@ -51,6 +52,23 @@ async function writeWidget() {
   await write("widget.js", script);
 }
 
+/** Write the builder's page: a page of its own and its assets, served from the root of its server. */
+async function writeBuilder() {
+  const outDir = fileURLToPath(new URL("../../src/symbody/builder/pages/", import.meta.url));
+  const results = await build({
+    root: `${root}/src/builder`,
+    base: "/",
+    configFile: false,
+    logLevel: "warn",
+    define: { "process.env.NODE_ENV": '"production"' },
+    build: { outDir, emptyOutDir: true, target: "es2022", assetsInlineLimit: 0, chunkSizeWarningLimit: 2000, modulePreload: { polyfill: false } },
+  });
+  const outputs = [results].flat().flatMap((each) => each.output);
+  const bytes = outputs.reduce((sum, each) => sum + Buffer.byteLength(each.type === "chunk" ? each.code : each.source), 0);
+  if (bytes > MOST_BUILDER_BYTES) throw new Error(`the builder's page has ${bytes} bytes, at most ${MOST_BUILDER_BYTES}`);
+  console.log(`builder: ${(bytes / 1000).toFixed(0)} kB in ${outputs.length} files`);
+}
+
 async function write(name, text) {
   const bytes = Buffer.byteLength(text);
   if (bytes > MOST_BYTES) throw new Error(`${name} has ${bytes} bytes, at most ${MOST_BYTES}`);
@@ -61,4 +79,5 @@ async function write(name, text) {
 await mkdir(pages, { recursive: true });
 await writePlayer();
 await writeWidget();
+await writeBuilder();
 await writeLicenses();

@@ -1,0 +1,128 @@
+/** Files: open, save, drafts, and changes from outside. */
+
+import { api, problemsOf, ServerError, type Opened } from "../api";
+import { isDirty, showDocument, useStore, say } from "../store";
+import type { DocumentAnswer, Problem } from "../types";
+
+function notice(problems: readonly Problem[]): void {
+  useStore.setState({ notice: problems });
+}
+
+/** Whether the user agrees to leave edits that are in no file. */
+function mayLeave(): boolean {
+  const state = useStore.getState();
+  return state.document === null || !isDirty(state) || window.confirm("The model has changes that are in no file. Leave them?");
+}
+
+async function show(answer: Promise<DocumentAnswer>): Promise<boolean> {
+  try {
+    showDocument(await answer);
+    return true;
+  } catch (error) {
+    notice(problemsOf(error));
+    return false;
+  }
+}
+
+export async function openModel(what: Opened): Promise<boolean> {
+  return mayLeave() && show(api.open(what));
+}
+
+export async function newModel(): Promise<boolean> {
+  return mayLeave() && show(api.create());
+}
+
+/** Open a file that was dragged in or chosen with the browser's own picker. */
+export async function openFile(file: File): Promise<boolean> {
+  return openModel({ text: await file.text(), name: file.name });
+}
+
+export async function save(overwrite = false): Promise<boolean> {
+  const { document } = useStore.getState();
+  if (document === null) return false;
+  if (document.path === null) {
+    useStore.setState({ dialog: "saveAs" });
+    return false;
+  }
+  return saveTo(document.path, overwrite);
+}
+
+export async function saveTo(path: string, overwrite: boolean): Promise<boolean> {
+  const { document, data } = useStore.getState();
+  if (document === null) return false;
+  const fingerprint = path === document.path ? document.fingerprint : null;
+  try {
+    const answer = await api.save({ document: document.id, path, data, fingerprint, overwrite });
+    const name = answer.path.split(/[/\\]/).at(-1) ?? document.name;
+    useStore.setState({ saved: data, document: { ...document, path: answer.path, name, fingerprint: answer.fingerprint }, outside: false, notice: [], dialog: null });
+    say(`${name} saved`);
+    return true;
+  } catch (error) {
+    const changed = error instanceof ServerError && error.status === 409;
+    if (changed && path === document.path) useStore.setState({ outside: true });
+    notice(problemsOf(error));
+    return false;
+  }
+}
+
+export async function reloadFile(): Promise<void> {
+  const { document } = useStore.getState();
+  if (document?.path != null) await show(api.open({ path: document.path }));
+}
+
+const DRAFT_WAIT = 1500; // [ms]
+const WATCH_WAIT = 2000;
+
+/** Keep a draft of edits; return what ends it. */
+export function keepDrafts(): () => void {
+  let wait: ReturnType<typeof setTimeout> | null = null;
+  return useStore.subscribe((state, before) => {
+    if (state.data === before.data || state.document === null || state.document !== before.document) return;
+    if (wait !== null) clearTimeout(wait);
+    wait = setTimeout(() => { void sendDraft(); }, DRAFT_WAIT);
+  });
+}
+
+async function sendDraft(): Promise<void> {
+  const { document, data, offline } = useStore.getState();
+  if (document === null || offline) return;
+  await api.draft(document.id, data).catch(() => undefined); // the next edit tries again
+}
+
+/** Look whether the file changed outside while the page is seen; return what ends it. */
+export function watchFile(): () => void {
+  const timer = setInterval(() => { if (document.visibilityState === "visible") void lookOutside(); }, WATCH_WAIT);
+  return () => { clearInterval(timer); };
+}
+
+async function lookOutside(): Promise<void> {
+  const { document: shown, outside } = useStore.getState();
+  if (shown?.path == null || shown.fingerprint === null || outside) return;
+  const changed = await api.changed(shown.id, shown.fingerprint).catch(() => false);
+  if (changed && useStore.getState().document === shown) useStore.setState({ outside: true, spoken: "The file was changed outside." });
+}
+
+/** Write a text as a file of the browser. */
+export function download(name: string, text: string, type = "text/plain"): void {
+  const link = document.createElement("a");
+  const address = URL.createObjectURL(new Blob([text], { type }));
+  link.href = address;
+  link.download = name;
+  link.click();
+  setTimeout(() => { URL.revokeObjectURL(address); }, 1000);
+}
+
+export const EXPORTS = [
+  ["toml", "Model file (TOML)"], ["python", "Python script"], ["c", "C code"], ["latex", "Equations (LaTeX)"], ["html", "Animation (HTML)"],
+] as const; // prettier-ignore
+
+export async function exportModel(kind: string): Promise<void> {
+  const { data, simulated, document: shown } = useStore.getState();
+  try {
+    const { name, text } = await api.exported(shown?.id ?? "", data, kind, kind === "html" ? (simulated?.job ?? null) : null);
+    download(name, text, kind === "html" ? "text/html" : "text/plain");
+    say(`${name} written`);
+  } catch (error) {
+    notice(problemsOf(error));
+  }
+}

@@ -1,0 +1,98 @@
+/** The nodes and edges that the diagram draws. */
+
+import { badgeParts, type End } from "../model/curves";
+import type { DiagramEdge, DiagramGraph, DiagramNode } from "../model/graph";
+import { entryOfPointer, type EntryId } from "../model/entries";
+import { sidesOf, sizeOf, spotsOf } from "../model/layout";
+import { isInTree } from "../model/trees";
+import type { Model, Problem, Severity, Summary } from "../types";
+import { handleOf, type BodyFlowNode, type JointFlowEdge, type Port } from "./flow";
+
+const ORDER: readonly Severity[] = ["error", "warning", "note"];
+
+/** Return the worst severity of the problems of each entry. */
+export function severities(problems: readonly Problem[]): ReadonlyMap<EntryId, Severity> {
+  const worst = new Map<EntryId, Severity>();
+  for (const { pointer, severity } of problems) {
+    const id = entryOfPointer(pointer);
+    if (id === null || severity === "note") continue;
+    const before = worst.get(id);
+    if (before === undefined || ORDER.indexOf(severity) < ORDER.indexOf(before)) worst.set(id, severity);
+  }
+  return worst;
+}
+
+export interface Marks {
+  readonly selection: readonly EntryId[];
+  readonly highlighted: readonly EntryId[];
+  readonly worst: ReadonlyMap<EntryId, Severity>;
+}
+
+export function flowNodes(data: Model, graph: DiagramGraph, { selection, highlighted, worst }: Marks): BodyFlowNode[] {
+  const spots = spotsOf(data, graph);
+  const sides = sidesOf(data, graph, spots);
+  return graph.nodes.map((node) => {
+    const [x, y] = spots.get(node.id)!;
+    const size = sizeOf(node);
+    return {
+      id: node.id,
+      type: "body",
+      position: { x, y },
+      width: size.width,
+      height: size.height,
+      selected: selection.includes(node.id),
+      ariaLabel: `${node.kind === "coupling" ? node.type : node.kind} ${node.name}`,
+      data: {
+        node, ports: portsOf(node, (frame) => sides.get(`${node.id} ${frame}`) ?? "right"),
+        severity: worst.get(node.id) ?? null, highlighted: highlighted.includes(node.id),
+      }, // prettier-ignore
+    };
+  });
+}
+
+function portsOf(node: DiagramNode, sideOf: (frame: string) => Port["side"]): Port[] {
+  const counts: Record<Port["side"], number> = { left: 0, right: 0, top: 0, bottom: 0 };
+  for (const frame of node.frames) counts[sideOf(frame)] += 1;
+  const used: Record<Port["side"], number> = { left: 0, right: 0, top: 0, bottom: 0 };
+  return node.frames.map((frame) => {
+    const side = sideOf(frame);
+    used[side] += 1;
+    return { frame, side, part: used[side] / (counts[side] + 1) };
+  });
+}
+
+/** Return where on the screen of the diagram a port is. */
+function endOfPort(node: BodyFlowNode, frame: string): End {
+  const { side, part } = node.data.ports.find((each) => each.frame === frame)!;
+  const { x, y } = node.position;
+  const { width = 0, height = 0 } = node;
+  if (side === "left" || side === "right") return { x: side === "left" ? x : x + width, y: y + part * height, side };
+  return { x: x + part * width, y: side === "top" ? y : y + height, side };
+}
+
+export function flowEdges(data: Model, graph: DiagramGraph, nodes: readonly BodyFlowNode[], summary: Summary | null, { selection, highlighted, worst }: Marks): JointFlowEdge[] {
+  const byId = new Map(nodes.map((each) => [each.id, each]));
+  const spots = new Map(nodes.map((each) => [each.id, [each.position.x, each.position.y] as const]));
+  const details = new Map(graph.edges.map((edge) => [edge.id, {
+    severity: worst.get(edge.id) ?? null,
+    rotation: edge.section === "joint" ? isInTree(data, summary, edge.id, "rotation") : null,
+    translation: edge.section === "joint" ? isInTree(data, summary, edge.id, "translation") : null,
+  }]));
+  const widthOf = (edge: DiagramEdge): number => {
+    const { severity, rotation, translation } = details.get(edge.id)!;
+    return 44 + 8 * edge.name.length + (severity === null ? 0 : 18) + (rotation === true && translation === true ? 0 : edge.section === "joint" ? 46 : 0);
+  };
+  const parts = badgeParts(graph, spots, (node, frame) => endOfPort(byId.get(node)!, frame), widthOf);
+  return graph.edges.map((edge) => ({
+    id: edge.id,
+    type: "joint",
+    source: edge.source,
+    sourceHandle: handleOf(edge.sourceFrame),
+    target: edge.target,
+    targetHandle: handleOf(edge.targetFrame),
+    selected: selection.includes(edge.id),
+    reconnectable: true,
+    ariaLabel: `${edge.type} ${edge.name}`,
+    data: { edge, highlighted: highlighted.includes(edge.id), part: parts.get(edge.id)!, ...details.get(edge.id)! },
+  }));
+}

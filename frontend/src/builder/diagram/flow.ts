@@ -1,0 +1,78 @@
+/** The one diagram of the page: what commands need of it. */
+
+import type { Edge, Node, ReactFlowInstance } from "@xyflow/react";
+import type { DiagramEdge, DiagramNode } from "../model/graph";
+import type { Side } from "../model/layout";
+import type { Severity } from "../types";
+
+export interface Port {
+  readonly frame: string;
+  readonly side: Side;
+  /** Place along its side, from 0 to 1. */
+  readonly part: number;
+}
+
+export type BodyNodeData = {
+  readonly node: DiagramNode;
+  readonly ports: readonly Port[];
+  readonly severity: Severity | null;
+  readonly highlighted: boolean;
+};
+export type BodyFlowNode = Node<BodyNodeData, "body">;
+
+export type JointEdgeData = {
+  readonly edge: DiagramEdge;
+  readonly severity: Severity | null;
+  readonly highlighted: boolean;
+  readonly rotation: boolean | null;
+  readonly translation: boolean | null;
+  /** Where along the line the badge is, from 0 to 1. */
+  readonly part: number;
+};
+export type JointFlowEdge = Edge<JointEdgeData, "joint">;
+
+type Instance = ReactFlowInstance<BodyFlowNode, JointFlowEdge>;
+
+let instance: Instance | null = null;
+
+export function keepFlow(flow: Instance): void {
+  instance = flow;
+}
+
+/** The id of a port within its node; empty ids mean no port. */
+export function handleOf(frame: string): string {
+  return `@${frame}`;
+}
+
+export function frameOf(handle: string | null | undefined): string {
+  return (handle ?? "@").slice(1);
+}
+
+export function fitDiagram(): void {
+  if (instance?.getNodes().length === 1) {
+    const area = document.querySelector(".diagram")?.getBoundingClientRect();
+    void instance.setViewport({ x: 20, y: (area?.height ?? 300) / 2 - 70, zoom: 1 });
+    return;
+  }
+  void instance?.fitView({ padding: 0.12, maxZoom: 1, duration: glide() });
+}
+
+export function showNode(id: string): void {
+  const node = instance?.getNode(id);
+  if (node === undefined) return;
+  const { width = 140, height = 70 } = node.measured ?? {};
+  void instance?.setCenter(node.position.x + width / 2, node.position.y + height / 2, { zoom: instance.getZoom(), duration: glide() });
+}
+
+export function zoomDiagram(factor: number): void {
+  void instance?.zoomTo(instance.getZoom() * factor, { duration: glide() });
+}
+
+export function spotAt(x: number, y: number): [number, number] {
+  const { x: left, y: top } = instance?.screenToFlowPosition({ x, y }) ?? { x: 0, y: 0 };
+  return [left, top];
+}
+
+function glide(): number {
+  return window.matchMedia("(prefers-reduced-motion: reduce)").matches ? 0 : 160;
+}

@@ -1,0 +1,36 @@
+/** Lines that show with what a dragged node is aligned. */
+
+import { ViewportPortal, type Node } from "@xyflow/react";
+import { useState, type ReactElement } from "react";
+import type { BodyFlowNode } from "./flow";
+
+export interface GuideLines {
+  readonly x: number | null;
+  readonly y: number | null;
+}
+
+const NONE: GuideLines = { x: null, y: null };
+
+function middleOf(node: Node): [number, number] {
+  return [node.position.x + (node.width ?? 0) / 2, node.position.y + (node.height ?? 0) / 2];
+}
+
+export function useGuides(nodes: readonly BodyFlowNode[]): { lines: GuideLines; follow: (event: unknown, node: Node) => void; clear: () => void } {
+  const [lines, setLines] = useState(NONE);
+  const follow = (_: unknown, dragged: Node): void => {
+    const [x, y] = middleOf(dragged);
+    const others = nodes.filter((each) => each.id !== dragged.id).map(middleOf);
+    const aligned = { x: others.some((each) => each[0] === x) ? x : null, y: others.some((each) => each[1] === y) ? y : null };
+    setLines((before) => (before.x === aligned.x && before.y === aligned.y ? before : aligned));
+  };
+  return { lines, follow, clear: () => { setLines(NONE); } };
+}
+
+export function Guides({ lines }: { lines: GuideLines }): ReactElement {
+  return (
+    <ViewportPortal>
+      {lines.x !== null && <div className="guide upright" style={{ left: lines.x }} />}
+      {lines.y !== null && <div className="guide level" style={{ top: lines.y }} />}
+    </ViewportPortal>
+  );
+}

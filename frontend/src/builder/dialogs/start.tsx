@@ -1,0 +1,94 @@
+/** The start: examples, recent files, drafts, a new model. */
+
+import { useEffect, useState, type ReactElement } from "react";
+import { api, problemsOf } from "../api";
+import { COMMANDS } from "../commands/all";
+import { newModel, openModel } from "../commands/files";
+import { ProblemLines } from "../panels/field_frame";
+import { Icon } from "../shell/icons";
+import { useStore } from "../store";
+import type { Draft, Example, Problem, RecentFile } from "../types";
+import { SketchOf } from "./sketch";
+
+interface Offers {
+  readonly examples: readonly Example[];
+  readonly files: readonly RecentFile[];
+  readonly drafts: readonly Draft[];
+}
+
+function useOffers(): { offers: Offers | null; problems: readonly Problem[] } {
+  const [offers, setOffers] = useState<Offers | null>(null);
+  const [problems, setProblems] = useState<readonly Problem[]>([]);
+  useEffect(() => {
+    Promise.all([api.examples(), api.recent(), api.recovery()]).then(
+      ([examples, files, drafts]) => { setOffers({ examples, files, drafts }); },
+      (error: unknown) => { setProblems(problemsOf(error)); },
+    );
+  }, []);
+  return { offers, problems };
+}
+
+export function StartScreen(): ReactElement {
+  const { offers, problems } = useOffers();
+  const hasDocument = useStore((state) => state.document !== null);
+  const notice = useStore((state) => state.notice);
+  return (
+    <main className="start" data-testid="start">
+      <div className="start-inner">
+        <header className="start-head">
+          <div>
+            <h1>symbody <span>ModelBuilder</span></h1>
+            <p className="soft">Draw a mechanism, read its equations, watch it move.</p>
+          </div>
+          <div className="row">
+            <button type="button" className="button primary" onClick={() => { void newModel(); }}><Icon name="plus" size={17} /> New model</button>
+            <button type="button" className="button" onClick={() => { COMMANDS.open.run(); }}><Icon name="open" size={17} /> Open…</button>
+            {hasDocument && <button type="button" className="button" onClick={() => { useStore.setState({ dialog: null }); }}><Icon name="close" size={17} /> Back</button>}
+          </div>
+        </header>
+        <ProblemLines problems={[...problems, ...notice]} />
+        {offers !== null && offers.drafts.length > 0 && <Drafts drafts={offers.drafts} />}
+        {offers !== null && offers.files.length > 0 && <Recent files={offers.files} />}
+        <section aria-labelledby="examples-head">
+          <h2 id="examples-head">Examples</h2>
+          <ul className="cards">{offers?.examples.map((each) => <ExampleCard key={each.name} example={each} />)}</ul>
+        </section>
+      </div>
+    </main>
+  );
+}
+
+function ExampleCard({ example }: { readonly example: Example }): ReactElement {
+  return (
+    <li>
+      <button type="button" className="card" data-testid={`example-${example.name}`} onClick={() => { void openModel({ example: example.name }); }}>
+        <SketchOf name={example.name} />
+        <b>{example.title}</b>
+        <span className="soft">{example.summary}</span>
+      </button>
+    </li>
+  );
+}
+
+function whenText(when: string): string {
+  const date = new Date(when);
+  return Number.isNaN(date.getTime()) ? when : date.toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" });
+}
+
+function Drafts({ drafts }: { readonly drafts: readonly Draft[] }): ReactElement {
+  return (
+    <section aria-labelledby="drafts-head" className="drafts">
+      <h2 id="drafts-head">Edits that were not saved</h2>
+      <ul className="files">{drafts.map((each) => <li key={each.id}><button type="button" onClick={() => { void openModel({ draft: each.id }); }}><Icon name="file" size={16} /> <b>{each.name}</b> <span className="soft">{each.path ?? "in no file yet"} · {whenText(each.when)}</span></button></li>)}</ul>
+    </section>
+  );
+}
+
+function Recent({ files }: { readonly files: readonly RecentFile[] }): ReactElement {
+  return (
+    <section aria-labelledby="recent-head">
+      <h2 id="recent-head">Recent files</h2>
+      <ul className="files">{files.slice(0, 6).map((each) => <li key={each.path}><button type="button" onClick={() => { void openModel({ path: each.path }); }}><Icon name="file" size={16} /> <b>{each.name}</b> <span className="soft">{each.path} · {whenText(each.when)}</span></button></li>)}</ul>
+    </section>
+  );
+}

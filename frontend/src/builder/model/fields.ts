@@ -1,0 +1,132 @@
+/** The fields of a form, made from the schema of what they change. */
+
+import { isArray, isObject } from "./pointers";
+import { choicesOf, hasType, isFormula, resolveNode, type SchemaNode } from "./schema";
+import { textOf } from "./entries";
+import type { Json, JsonObject } from "../types";
+
+export type FieldKind =
+  | { readonly kind: "name" | "text" | "formula" | "switch" | "axis" | "tree" | "names" | "formulas" | "json" }
+  | { readonly kind: "choice"; readonly values: readonly string[] }
+  | { readonly kind: "vector"; readonly labels: readonly string[] }
+  | { readonly kind: "matrix"; readonly rows: number; readonly columns: number }
+  | { readonly kind: "reference"; readonly of: "frame" | "body" | "coordinate"; readonly labels: readonly string[] }
+  | { readonly kind: "axes"; readonly count: number }
+  | { readonly kind: "group"; readonly node: SchemaNode }
+  | { readonly kind: "map"; readonly node: SchemaNode }
+  | { readonly kind: "list" }
+  | { readonly kind: "entries"; readonly node: SchemaNode }
+  | { readonly kind: "law"; readonly curve: SchemaNode };
+
+export interface Field {
+  readonly key: string;
+  readonly label: string;
+  readonly unit: string;
+  readonly tip: string;
+  readonly required: boolean;
+  readonly default: Json;
+  readonly control: FieldKind;
+}
+
+/** Fields that refer to other parts of the model. */
+const REFERENCES: Readonly<Record<string, "frame" | "body" | "coordinate">> = {
+  between: "frame", on: "frame", reaction_on: "body", resolved_in: "frame", coupled: "coordinate",
+};
+
+/** Return the fields of an object's schema, in its order; constants have none. */
+export function fieldsOf(schema: JsonObject, node: SchemaNode): Field[] {
+  const properties = isObject(node["properties"]) ? node["properties"] : {};
+  const required = isArray(node["required"]) ? node["required"] : [];
+  return Object.keys(properties).flatMap((key) => {
+    const own = resolveNode(schema, properties[key]);
+    if (own["const"] !== undefined) return [];
+    return [fieldOf(schema, key, own, required.includes(key))];
+  });
+}
+
+export function fieldOf(schema: JsonObject, key: string, node: SchemaNode, required: boolean): Field {
+  const description = textOf(node["description"]);
+  const units = /\s*\[([^\]]+)\]/.exec(description);
+  const tip = description.replace(/\s*\[[^\]]+\]/g, "").trim();
+  return {
+    key,
+    label: labelOf(key),
+    // several units belong to several components; they stay in the tip
+    unit: units === null || units[1]!.includes(",") ? "" : units[1]!,
+    tip: units?.[1]?.includes(",") === true ? description : tip,
+    required,
+    default: node["default"] ?? null,
+    control: controlOf(schema, key, node),
+  };
+}
+
+export function labelOf(key: string): string {
+  const words = key.replaceAll("_", " ");
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+function controlOf(schema: JsonObject, key: string, node: SchemaNode): FieldKind {
+  if (key === "name") return { kind: "name" };
+  const of = REFERENCES[key];
+  if (of !== undefined) return { kind: "reference", of, labels: referenceLabels(key, node) };
+  const choices = choicesOf(schema, node);
+  const [first, ...others] = choices;
+  if (first === undefined) return { kind: "json" };
+  if (others.length > 0) return mixedControl(choices);
+  return singleControl(schema, first, textOf(node["description"]));
+}
+
+function referenceLabels(key: string, node: SchemaNode): readonly string[] {
+  if (node["type"] !== "array") return [""];
+  const count = typeof node["minItems"] === "number" ? node["minItems"] : 2;
+  if (key === "between") return ["Start", "End"];
+  return Array.from({ length: count }, (_, index) => String(index + 1));
+}
+
+/** Return the control of a field that accepts several forms. */
+function mixedControl(choices: readonly SchemaNode[]): FieldKind {
+  const object = choices.find((each) => each["type"] === "object");
+  if (choices.some((each) => isArray(each["enum"])) && choices.some((each) => each["type"] === "array")) return { kind: "axis" };
+  if (object !== undefined && choices.some((each) => each["type"] === "boolean")) return { kind: "tree" };
+  if (object !== undefined && choices.some(isFormula)) return { kind: "law", curve: object };
+  if (choices.some(isFormula)) return { kind: "formulas" };
+  const array = choices.find((each) => each["type"] === "array" && typeof each["minItems"] === "number");
+  if (array !== undefined) return { kind: "vector", labels: Array.from({ length: Number(array["minItems"]) }, (_, index) => ["x", "y", "z", "x", "y", "z"][index] ?? "") };
+  return { kind: "json" };
+}
+
+function singleControl(schema: JsonObject, node: SchemaNode, description: string): FieldKind {
+  if (isFormula(node)) return { kind: "formula" };
+  if (isArray(node["enum"])) return { kind: "choice", values: node["enum"].map(textOf) };
+  if (hasType(node, "boolean")) return { kind: "switch" };
+  if (hasType(node, "array")) return arrayControl(schema, node, description);
+  if (isObject(node["properties"])) return { kind: "group", node };
+  if (isObject(node["additionalProperties"])) return { kind: "map", node: resolveNode(schema, node["additionalProperties"]) };
+  return hasType(node, "string") ? { kind: "text" } : { kind: "json" };
+}
+
+function arrayControl(schema: JsonObject, node: SchemaNode, description: string): FieldKind {
+  const item = resolveNode(schema, node["items"]);
+  const count = typeof node["minItems"] === "number" && node["minItems"] === node["maxItems"] ? node["minItems"] : null;
+  const inner = choicesOf(schema, item);
+  if (count !== null) return fixedControl(item, inner, description, count);
+  if (isFormula(item)) return { kind: "formulas" };
+  if (isArray(item["prefixItems"])) return { kind: "list" };
+  if (inner.some((each) => isObject(each["properties"]))) return { kind: "entries", node: item };
+  return hasType(item, "string") ? { kind: "names" } : { kind: "json" };
+}
+
+/** Return the control of so many values of one form. */
+function fixedControl(item: SchemaNode, inner: readonly SchemaNode[], description: string, count: number): FieldKind {
+  if (inner.length > 1) return { kind: "axes", count };
+  if (isFormula(item) || hasType(item, "number")) return { kind: "vector", labels: componentLabels(description, count) };
+  if (item["type"] === "array") return { kind: "matrix", rows: count, columns: Number(item["minItems"] ?? count) };
+  return hasType(item, "string") ? { kind: "names" } : { kind: "json" };
+}
+
+/** Return the short words that a description lists, as in "xx, yy, zz about ...", else x, y, z. */
+export function componentLabels(description: string, count: number): string[] {
+  const listed = /((?:\b[xyz]{2}\b,?\s*(?:and\s+)?)+)/.exec(description)?.[1]?.match(/[xyz]{2}/g) ?? [];
+  if (listed.length === count) return [...listed];
+  return Array.from({ length: count }, (_, index) => (count === 3 ? "xyz".charAt(index) : String(index + 1)));
+}

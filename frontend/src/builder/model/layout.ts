@@ -1,0 +1,207 @@
+/** Where the nodes of a diagram are, and on which sides of them their ports. */
+
+import { Graph, layout as arrange } from "@dagrejs/dagre";
+import { diagramOf, topologyOf, type DiagramGraph, type DiagramNode } from "./graph";
+import { GROUND, referenceText } from "./entries";
+import { isArray, isObject, valueAt, withValue } from "./pointers";
+import type { Json, Model } from "../types";
+
+export type Spot = readonly [number, number];
+export type Side = "left" | "right" | "top" | "bottom";
+export const SIDES: readonly Side[] = ["left", "right", "top", "bottom"];
+export const GRID = 10;
+
+export interface Size {
+  readonly width: number;
+  readonly height: number;
+}
+
+/** Return the size that a node is drawn with. */
+export function sizeOf(node: DiagramNode): Size {
+  const label = Math.max(node.kind === "ground" ? 6 : 2, ...node.frames.map((each) => each.length));
+  const width = Math.max(node.kind === "coupling" ? 110 : 140, 9 * node.name.length + 30 + 14 * Math.min(label, 14));
+  // ports may all be on one side
+  const height = Math.max(node.kind === "body" ? 70 : 50, 22 * (node.frames.length - 1));
+  return { width: 2 * snapped(width / 2), height: 2 * snapped(height / 2) };
+}
+
+export function snapped(value: number): number {
+  return GRID * Math.round(value / GRID);
+}
+
+/** Return the name under which the layout of a file keeps a node. */
+export function layoutName(node: DiagramNode): string {
+  return node.id === GROUND ? GROUND : node.name;
+}
+
+const AROUND: readonly Spot[] = [[1, 0], [0, 1], [1, 1], [0, -1], [1, -1], [-1, 0], [-1, 1], [-1, -1]];
+
+let lastTopology = "";
+let lastSpots: ReadonlyMap<string, Spot> = new Map();
+
+/** Return an arrangement without overlap; the same for the same bodies and connections. */
+export function automaticSpots(graph: DiagramGraph): ReadonlyMap<string, Spot> {
+  const topology = topologyOf(graph);
+  if (topology !== lastTopology) {
+    lastSpots = arranged(graph);
+    lastTopology = topology;
+  }
+  return lastSpots;
+}
+
+function arranged(graph: DiagramGraph): ReadonlyMap<string, Spot> {
+  const longest = Math.max(0, ...graph.edges.map((each) => 44 + 8 * each.name.length));
+  const plan = new Graph({ multigraph: true });
+  plan.setGraph({ rankdir: "LR", nodesep: 70, ranksep: Math.max(130, 70 + longest), edgesep: 30, marginx: 40, marginy: 40 });
+  plan.setDefaultEdgeLabel(() => ({}));
+  for (const node of graph.nodes) if (node.kind !== "coupling") plan.setNode(node.id, { ...sizeOf(node) });
+  const order = distances(graph);
+  graph.edges.forEach(({ source, target }, index) => {
+    if (source === target) return;
+    // away from the ground, so that chains run from left to right
+    const forward = (order.get(source) ?? 0) <= (order.get(target) ?? 0);
+    plan.setEdge(forward ? source : target, forward ? target : source, {}, String(index));
+  });
+  arrange(plan);
+  const spots = new Map<string, Spot>();
+  let bottom = 0;
+  for (const node of graph.nodes) {
+    if (node.kind === "coupling") continue;
+    const { x, y } = plan.node(node.id) as unknown as { x: number; y: number };
+    const { width, height } = sizeOf(node);
+    spots.set(node.id, [snapped(x - width / 2), snapped(y - height / 2)]);
+    bottom = Math.max(bottom, y + height / 2);
+  }
+  let left = 40;
+  for (const node of graph.nodes) {
+    if (node.kind !== "coupling") continue;
+    spots.set(node.id, [snapped(left), snapped(bottom + 60)]);
+    left += sizeOf(node).width + 30;
+  }
+  return spots;
+}
+
+/** Return how many connections each node is from the ground. */
+function distances(graph: DiagramGraph): Map<string, number> {
+  const far = new Map<string, number>([[GROUND, 0]]);
+  let front = [GROUND];
+  while (front.length > 0) {
+    const next: string[] = [];
+    for (const { source, target } of graph.edges) {
+      for (const [from, to] of [[source, target], [target, source]] as const) {
+        if (!front.includes(from) || far.has(to)) continue;
+        far.set(to, far.get(from)! + 1);
+        next.push(to);
+      }
+    }
+    front = next;
+  }
+  return far;
+}
+
+/** Return where every node is: as the file says, else automatically. */
+export function spotsOf(data: Model, graph: DiagramGraph): ReadonlyMap<string, Spot> {
+  const kept = valueAt(data, "/layout/nodes");
+  const spots = new Map<string, Spot>();
+  const open: DiagramNode[] = [];
+  for (const node of graph.nodes) {
+    const spot = isObject(kept) ? spotFrom(kept[layoutName(node)]) : null;
+    if (spot === null) open.push(node);
+    else spots.set(node.id, spot);
+  }
+  if (open.length === 0) return spots;
+  const automatic = automaticSpots(graph);
+  for (const node of open) spots.set(node.id, freeSpot(automatic.get(node.id) ?? [40, 40], node, graph, spots));
+  return spots;
+}
+
+function spotFrom(value: Json | undefined): Spot | null {
+  if (!isArray(value) || value.length !== 2) return null;
+  const [x, y] = value.map(Number);
+  return Number.isFinite(x) && Number.isFinite(y) ? [x!, y!] : null;
+}
+
+/** Return the spot nearest to one at which a node overlaps none of the others. */
+export function freeSpot(spot: Spot, node: DiagramNode, graph: DiagramGraph, others: ReadonlyMap<string, Spot>): Spot {
+  const own = sizeOf(node);
+  const overlaps = (x: number, y: number): boolean => graph.nodes.some((each) => {
+    const at = others.get(each.id);
+    if (at === undefined || each.id === node.id) return false;
+    const size = sizeOf(each);
+    return x < at[0] + size.width + 20 && at[0] < x + own.width + 20 && y < at[1] + size.height + 20 && at[1] < y + own.height + 20;
+  });
+  for (let far = 0; ; far += 2 * GRID) {
+    for (const [across, down] of AROUND) {
+      const place: Spot = [spot[0] + across * far, spot[1] + down * far];
+      if (!overlaps(...place)) return place;
+    }
+  }
+}
+
+/** Return data that says where every node is, so that an edit moves none of them. */
+export function withLayout(data: Model, moved: ReadonlyMap<string, Spot> = new Map()): Model {
+  const graph = diagramOf(data);
+  const spots = spotsOf(data, graph);
+  const entries = graph.nodes.map((node) => [layoutName(node), [...(moved.get(node.id) ?? spots.get(node.id)!)]] as const);
+  return withValue(data, "/layout/nodes", Object.fromEntries(entries));
+}
+
+/** Return data without places of nodes: the page arranges them. */
+export function withoutLayout(data: Model): Model {
+  return withValue(data, "/layout", undefined);
+}
+
+/** Return the side of each port, by "id frame": as the file says, else towards what it is joined to. */
+export function sidesOf(data: Model, graph: DiagramGraph, spots: ReadonlyMap<string, Spot>): ReadonlyMap<string, Side> {
+  const kept = valueAt(data, "/layout/sides");
+  const boxes = new Map(graph.nodes.map((node) => [node.id, { at: spots.get(node.id)!, size: sizeOf(node) }]));
+  const leads = new Map<string, Leading>();
+  for (const { source, sourceFrame, target, targetFrame } of graph.edges) {
+    addTowards(leads, `${source} ${sourceFrame}`, boxes.get(source)!, boxes.get(target)!);
+    addTowards(leads, `${target} ${targetFrame}`, boxes.get(target)!, boxes.get(source)!);
+  }
+  const sides = new Map<string, Side>();
+  for (const node of graph.nodes) {
+    node.frames.forEach((frame, index) => {
+      const key = `${node.id} ${frame}`;
+      const said = isObject(kept) ? kept[referenceText({ body: layoutName(node), frame })] : undefined;
+      const free: Side = node.kind === "ground" ? "right" : frame === "" ? "bottom" : index % 2 === 1 ? "left" : "right";
+      sides.set(key, SIDES.find((each) => each === said) ?? sideTowards(leads.get(key)) ?? free);
+    });
+  }
+  return sides;
+}
+
+interface Placed {
+  readonly at: Spot;
+  readonly size: Size;
+}
+
+/** Return the room between two intervals, with the sign of the direction; 0 where they overlap. */
+function gap(start: number, length: number, other: number, otherLength: number): number {
+  return other > start + length ? other - start - length : Math.min(0, other + otherLength - start);
+}
+
+/** What the edges of a port lead to: the room on either side, and the sum of that below. */
+interface Leading {
+  readonly left: number;
+  readonly right: number;
+  readonly down: number;
+}
+
+function addTowards(leads: Map<string, Leading>, key: string, from: Placed, to: Placed): void {
+  const { left, right, down } = leads.get(key) ?? { left: 0, right: 0, down: 0 };
+  const across = gap(from.at[0], from.size.width, to.at[0], to.size.width);
+  const below = gap(from.at[1], from.size.height, to.at[1], to.size.height);
+  leads.set(key, { left: left + Math.max(0, -across), right: right + Math.max(0, across), down: down + below });
+}
+
+function sideTowards(leading: Leading | undefined): Side | null {
+  if (leading === undefined) return null;
+  const { left, right, down } = leading;
+  // a line to either side leaves in the middle
+  if (left > 0 && right > 0) return down < 0 ? "top" : "bottom";
+  if (left + right === 0 && down === 0) return null;
+  if (left + right >= 0.6 * Math.abs(down)) return right > 0 ? "right" : "left";
+  return down > 0 ? "bottom" : "top";
+}

@@ -1,0 +1,97 @@
+/** New names, and all places that refer to the old ones. */
+
+import { entriesOf, entryAt, GROUND, pointerOf, referenceOf, referenceText, textOf, type EntryId } from "./entries";
+import { isArray, isObject, valueAt, withKey, withValue } from "./pointers";
+import { mapFormulas } from "./schema";
+import type { Json, JsonObject, Model } from "../types";
+
+/** The fields of an entry that refer to bodies and frames. */
+const REFERRING = ["between", "on", "reaction_on", "resolved_in"] as const;
+
+type Change = (reference: string) => string;
+
+function changedReferences(data: Model, change: Change): Model {
+  return entriesOf(data).reduce((before, { id, value }) => {
+    return REFERRING.reduce((within, key) => {
+      const old = value[key];
+      if (typeof old === "string") return withValue(within, pointerOf(id, key), change(old));
+      if (isArray(old)) return withValue(within, pointerOf(id, key), old.map((each) => change(textOf(each))));
+      return within;
+    }, before);
+  }, data);
+}
+
+/** Return data in which an entry has another name, and all that refers to it follows. */
+export function renameEntry(data: Model, id: EntryId, name: string): Model {
+  const entry = entryAt(data, id);
+  if (entry === null || entry.name === name) return data;
+  const named = withValue(data, pointerOf(id, "name"), name);
+  if (entry.section !== "body") return renameInLayout(renameAutomatic(named, entry.name, name, entry.value), entry.name, name);
+  const referred = changedReferences(named, (text) => {
+    const reference = referenceOf(text);
+    return reference.body === entry.name ? referenceText({ ...reference, body: name }) : text;
+  });
+  return renameInLayout(referred, entry.name, name);
+}
+
+/** A joint without names of coordinates lends its own to its only one. */
+function renameAutomatic(data: Model, before: string, after: string, value: JsonObject): Model {
+  return value["coordinate"] === undefined && value["coordinates"] === undefined ? renameInitial(data, before, after) : data;
+}
+
+export function renameFrame(data: Model, id: EntryId, before: string, after: string): Model {
+  const body = id === GROUND ? GROUND : (entryAt(data, id)?.name ?? "");
+  const keyed = withKey(data, pointerOf(id, "frames"), before, after);
+  const referred = changedReferences(keyed, (text) => text === `${body}.${before}` ? `${body}.${after}` : text);
+  return withKey(referred, "/layout/sides", `${body}.${before}`, `${body}.${after}`);
+}
+
+/** Return data in which a coordinate has another name: in its joint, in initial values, couplings and formulas. */
+export function renameCoordinate(schema: JsonObject, data: Model, before: string, after: string): Model {
+  const changed = entriesOf(data).reduce((within, { id, value }) => {
+    const names = value["coordinates"];
+    const coupled = value["coupled"];
+    let next = within;
+    if (value["coordinate"] === before) next = withValue(next, pointerOf(id, "coordinate"), after);
+    if (isArray(names)) next = withValue(next, pointerOf(id, "coordinates"), swapped(names, before, after));
+    if (isArray(coupled)) next = withValue(next, pointerOf(id, "coupled"), swapped(coupled, before, after));
+    for (const key of ["force", "torque", "motion"]) next = withKey(next, pointerOf(id, key), before, after);
+    return next;
+  }, data);
+  return renameInFormulas(schema, renameInitial(changed, before, after), before, after);
+}
+
+function swapped(names: readonly Json[], before: string, after: string): Json[] {
+  return names.map((each) => (each === before ? after : each));
+}
+
+export function renameInitial(data: Model, before: string, after: string): Model {
+  return withKey(withKey(data, "/initial", before, after), "/initial", `${before}_dot`, `${after}_dot`);
+}
+
+export function renameParameter(schema: JsonObject, data: Model, before: string, after: string): Model {
+  return renameInFormulas(schema, withKey(data, "/parameters", before, after), before, after);
+}
+
+export function renameInput(schema: JsonObject, data: Model, index: number, after: string): Model {
+  const before = textOf(valueAt(data, `/inputs/${index}`));
+  return renameInFormulas(schema, withValue(data, `/inputs/${index}`, after), before, after);
+}
+
+/** Return data in which a symbol has another name in every formula. */
+export function renameInFormulas(schema: JsonObject, data: Model, before: string, after: string): Model {
+  if (before === "") return data;
+  const word = new RegExp(`(?<![\\w.])${before.replace(/[$()*+.?[\\\]^{|}]/g, "\\$&")}(_dot)?(?!\\w)`, "g");
+  return mapFormulas(schema, schema, data, (text) => text.replace(word, (_, rate: string | undefined) => after + (rate ?? ""))) as Model;
+}
+
+function renameInLayout(data: Model, before: string, after: string): Model {
+  const moved = withKey(data, "/layout/nodes", before, after);
+  const sides = valueAt(moved, "/layout/sides");
+  if (!isObject(sides)) return moved;
+  const entries = Object.entries(sides).map(([key, side]) => {
+    const reference = referenceOf(key);
+    return [reference.body === before ? referenceText({ ...reference, body: after }) : key, side] as const;
+  });
+  return withValue(moved, "/layout/sides", Object.fromEntries(entries));
+}

@@ -1,0 +1,73 @@
+/** What surrounds a field: its label, unit, tip, and what is wrong with it. */
+
+import { useId, type ReactElement, type ReactNode } from "react";
+import { repair } from "../commands/editing";
+import { Icon } from "../shell/icons";
+import { useStore } from "../store";
+import type { Problem } from "../types";
+
+/** Return the problems of a place, and of what is in it where `deep`. */
+export function useProblems(pointer: string, deep = true): readonly Problem[] {
+  const problems = useStore((state) => state.check?.problems);
+  return (problems ?? []).filter((each) => each.pointer === pointer || (deep && each.pointer.startsWith(`${pointer}/`)));
+}
+
+interface FrameProps {
+  readonly label: string;
+  readonly unit?: string;
+  readonly tip?: string;
+  readonly problems: readonly Problem[];
+  /** Called with the id of the control and the ids of what describes it. */
+  readonly children: (id: string, describedBy: string) => ReactNode;
+}
+
+export function FieldFrame({ label, unit = "", tip = "", problems, children }: FrameProps): ReactElement {
+  const id = useId();
+  return (
+    <div className={`field${problems.some((each) => each.severity === "error") ? " wrong" : ""}`}>
+      <div className="label"><label htmlFor={id}>{label}</label>{unit !== "" && <span className="unit">{unit}</span>}</div>
+      {children(id, `${id}-tip ${id}-wrong`)}
+      {tip !== "" && <p className="tip" id={`${id}-tip`}>{tip}</p>}
+      <ProblemLines id={`${id}-wrong`} problems={problems} />
+    </div>
+  );
+}
+
+/** A group of controls with a legend instead of a label. */
+export function FieldGroup({ label, unit = "", tip = "", problems, children }: Omit<FrameProps, "children"> & { readonly children: ReactNode }): ReactElement {
+  return (
+    <fieldset className={`field${problems.some((each) => each.severity === "error") ? " wrong" : ""}`}>
+      <legend>{label}{unit !== "" && <span className="unit">{unit}</span>}</legend>
+      {children}
+      {tip !== "" && <p className="tip">{tip}</p>}
+      <ProblemLines problems={problems} />
+    </fieldset>
+  );
+}
+
+export function ProblemLines({ id, problems }: { id?: string; problems: readonly Problem[] }): ReactElement {
+  return (
+    <div id={id} role={problems.length > 0 ? "alert" : undefined} className="field-problems">
+      {problems.map((each) => (
+        <div key={`${each.code}${each.pointer}${each.what}`} className={`field-problem ${each.severity}`}>
+          <Icon name={each.severity} size={14} />
+          <span><What text={each.what} /> {each.fix !== "" && <em>{sentence(each.fix)}</em>}</span>
+          {each.repair !== null && <button type="button" className="button small" onClick={() => { repair(each); }}>{each.repair.label}</button>}
+        </div>
+      ))}
+    </div>
+  );
+}
+
+/** What a problem is; lines after the first show a place in a text. */
+export function What({ text }: { readonly text: string }): ReactElement {
+  const [head = "", ...lines] = text.trim().split("\n");
+  return <>{sentence(head)}{lines.length > 0 && <code className="place">{lines.map((each) => each.replace(/^ {4}/, "")).join("\n")}</code>}</>;
+}
+
+/** Return a text with a capital at its start and a full stop at its end. */
+export function sentence(text: string): string {
+  const trimmed = text.trim();
+  if (trimmed === "") return "";
+  return trimmed.charAt(0).toUpperCase() + trimmed.slice(1) + (/[.!?:]$/.test(trimmed) ? "" : ".");
+}

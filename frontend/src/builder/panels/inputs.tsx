@@ -1,0 +1,142 @@
+/** Inputs of single values. */
+
+import { useEffect, useState, type KeyboardEvent, type ReactElement } from "react";
+import { api } from "../api";
+import { textOf } from "../model/entries";
+import { withValue } from "../model/pointers";
+import { edit, endGesture, useStore } from "../store";
+import type { Json } from "../types";
+import { Formula } from "./math";
+
+/** Change the value at a pointer; typing in one field is one step of the history. */
+export function setValue(pointer: string, value: Json | undefined): void {
+  edit((data) => withValue(data, pointer, value), `field ${pointer}`);
+}
+
+export interface InputProps {
+  readonly pointer: string;
+  readonly id?: string;
+  readonly describedBy?: string;
+  readonly label?: string;
+  readonly wrong?: boolean;
+  readonly placeholder?: string;
+}
+
+interface TextProps extends InputProps {
+  readonly value: string;
+  /** A list of what may be meant. */
+  readonly list?: string;
+  readonly disabled?: boolean;
+  readonly change: (text: string) => void;
+}
+
+function attributes({ pointer, id, describedBy, label, wrong, placeholder }: InputProps): object {
+  return {
+    "data-pointer": pointer, id, placeholder, "aria-label": label, "aria-describedby": describedBy,
+    "aria-invalid": wrong === true ? true : undefined, autoComplete: "off", spellCheck: false,
+  };
+}
+
+/** A text whose every keystroke counts. */
+export function LiveInput({ value, change, list, disabled, ...rest }: TextProps): ReactElement {
+  return (
+    <input
+      {...attributes(rest)} value={value} list={list} disabled={disabled} onBlur={endGesture}
+      onChange={(event) => { change(event.target.value); }}
+    />
+  );
+}
+
+/** A name, which counts when the field is left or Enter is pressed. */
+export function NameInput({ value, change, list, disabled, ...rest }: TextProps): ReactElement {
+  const [text, setText] = useState(value);
+  useEffect(() => { setText(value); }, [value]);
+  const accept = (): void => {
+    if (text.trim() !== value) change(text.trim());
+    endGesture();
+    if (text.trim() === value) setText(value);
+  };
+  const press = (event: KeyboardEvent): void => {
+    if (event.key === "Enter") accept();
+    else if (event.key === "Escape" && text !== value) {
+      event.stopPropagation(); // the first press rejects the name, the next leaves the field
+      setText(value);
+    }
+  };
+  return (
+    <input
+      {...attributes(rest)} value={text} list={list} disabled={disabled} onBlur={accept} onKeyDown={press}
+      onChange={(event) => { setText(event.target.value); }}
+    />
+  );
+}
+
+/** Return the mathematics of a formula: as the last check wrote it, else as the server writes it now. */
+function useEcho(pointer: string, text: string): string {
+  const checked = useStore((state) => (state.checked === state.data ? state.check?.formulas[pointer] : undefined));
+  const [own, setOwn] = useState({ text: "", mathml: "" });
+  const plain = text.trim() === "" || Number.isFinite(Number(text));
+  useEffect(() => {
+    if (plain || checked !== undefined) return undefined;
+    const wait = setTimeout(() => {
+      api.formula(text, pointer).then((mathml) => { setOwn({ text, mathml }); }, () => { setOwn({ text, mathml: "" }); });
+    }, 250);
+    return () => { clearTimeout(wait); };
+  }, [text, pointer, plain, checked]);
+  if (plain) return "";
+  return checked ?? (own.text === text ? own.mathml : "");
+}
+
+export function Echo({ pointer, value }: { pointer: string; value: string }): ReactElement | null {
+  const mathml = useEcho(pointer, value);
+  // a single name says no more in italics
+  if (mathml === "" || /^[A-Za-z]\w?$/.test(value.trim())) return null;
+  return <div className="echo" aria-hidden="true"><Formula text={mathml} /></div>;
+}
+
+export function FormulaInput({ value, optional = false, ...rest }: InputProps & { readonly value: Json | undefined; readonly optional?: boolean }): ReactElement {
+  const text = textOf(value);
+  return (
+    <>
+      <LiveInput {...rest} value={text} change={(next) => { setValue(rest.pointer, next === "" && optional ? undefined : next); }} />
+      <Echo pointer={rest.pointer} value={text} />
+    </>
+  );
+}
+
+/** Components of a vector side by side; the whole of them is changed. */
+export function VectorInput({ pointer, value, labels, label, fill = "0" }: {
+  readonly pointer: string; readonly value: readonly Json[]; readonly labels: readonly string[]; readonly label: string; readonly fill?: string;
+}): ReactElement { // prettier-ignore
+  const problems = useStore((state) => state.check?.problems);
+  const texts = labels.map((_, index) => textOf(value[index] ?? fill));
+  return (
+    <div className="vector" style={{ gridTemplateColumns: `repeat(${Math.min(3, labels.length)}, minmax(0, 1fr))` }}>
+      {labels.map((each, index) => {
+        const own = `${pointer}/${index}`;
+        return (
+          <label key={own}>
+            <span aria-hidden="true">{each}</span>
+            <LiveInput
+              pointer={own} value={texts[index]!} label={`${label} ${each}`} wrong={problems?.some((problem) => problem.pointer === own) ?? false}
+              change={(next) => { setValue(pointer, texts.map((text, place) => (place === index ? next : text))); }}
+            />
+            <Echo pointer={own} value={texts[index]!} />
+          </label>
+        );
+      })}
+    </div>
+  );
+}
+
+export function Choice({ pointer, value, options, change, id, describedBy, label }: InputProps & {
+  readonly value: string; readonly options: readonly { readonly value: string; readonly text: string }[]; readonly change: (value: string) => void;
+}): ReactElement { // prettier-ignore
+  const missing = !options.some((each) => each.value === value);
+  return (
+    <select id={id} data-pointer={pointer} aria-describedby={describedBy} aria-label={label} value={value} onChange={(event) => { endGesture(); change(event.target.value); }}>
+      {missing && <option value={value}>{value === "" ? "—" : `${value} (missing)`}</option>}
+      {options.map((each) => <option key={each.value} value={each.value}>{each.text}</option>)}
+    </select>
+  );
+}

@@ -1,0 +1,146 @@
+/** The mechanism in three dimensions: its start position, or its motion. */
+
+import { useEffect, useRef, type ReactElement } from "react";
+import { Player } from "../../player/player";
+import { DEFAULTS } from "../../player/settings";
+import { decodeMotion, decodeScene, LiveSource, sourceOf, type SceneElement } from "../../viewer";
+import { entriesOf, entryNamed, GROUND, type EntryId } from "../model/entries";
+import { select, useStore } from "../store";
+import { resolvedTheme } from "../shell/theme";
+import type { Model } from "../types";
+import { keepPicture, pictureNow, type Shown } from "./shown";
+import "../../player/style.css";
+
+/** Return the entry that a part of the picture belongs to. */
+export function entryOfElement(data: Model, { kind, name, body }: SceneElement): EntryId | null {
+  if (name === GROUND) return GROUND;
+  const sections = kind === "body" ? ["body"] : kind === "joint" ? ["joint"] : undefined;
+  const exact = entryNamed(data, name, sections) ?? entryNamed(data, name);
+  if (exact !== null) return exact.id;
+  return body === 0 ? GROUND : null;
+}
+
+/** Return what of the state the picture shows. */
+function usePicture(): { scene: unknown; motion: unknown; title: string; moves: boolean } | null {
+  const check = useStore((state) => state.check?.picture ?? null);
+  const simulated = useStore((state) => state.simulated);
+  const motion = useStore((state) => state.showsMotion);
+  const analysisPicture = useStore((state) => state.analysisPicture);
+  if (analysisPicture !== null) return { ...analysisPicture, moves: true };
+  if (motion && simulated !== null) return { scene: simulated.scene, motion: simulated.motion, title: "", moves: true };
+  return check === null ? null : { ...check, title: "", moves: false };
+}
+
+/** Make the player of a picture in an element, with the camera of the one before. */
+function makePlayer(root: HTMLElement, scene: unknown, motion: unknown, moves: boolean, before: Shown | null): Shown {
+  const decoded = decodeScene(scene);
+  const base = sourceOf(decoded, motion === null ? null : decodeMotion(motion, decoded.bodies.length));
+  const source = new LiveSource(base, decoded.bodies.length);
+  const theme = resolvedTheme(useStore.getState().theme);
+  const kept = before?.player.settings.values ?? DEFAULTS;
+  const settings = { ...kept, theme, curves: false, autoplay: moves };
+  const player = new Player(root, { scene: decoded, source, title: "", settings }, {
+    onSelect: (element) => { chosenInPicture(element); },
+    onTime: (time) => { pictureNow.curves?.showTime(time); },
+  });
+  const size = JSON.stringify([decoded.size, decoded.up, decoded.normal]);
+  if (before?.player.viewer != null && player.viewer !== null && before.size === size) {
+    const { camera, controls } = before.player.viewer.rig;
+    player.viewer.rig.camera.position.copy(camera.position);
+    player.viewer.rig.camera.quaternion.copy(camera.quaternion);
+    player.viewer.rig.controls.target.copy(controls.target);
+    player.viewer.rig.controls.update();
+  }
+  return { player, source, size, scene: JSON.stringify(scene), base };
+}
+
+let telling = false;
+
+function chosenInPicture(element: SceneElement | null): void {
+  if (telling) return;
+  const { data } = useStore.getState();
+  if (element === null) return;
+  const id = entryOfElement(data, element);
+  if (id !== null) select([id], `${element.name} selected`);
+}
+
+export function Picture(): ReactElement {
+  const host = useRef<HTMLDivElement>(null);
+  const picture = usePicture();
+  const scene = picture?.scene ?? null;
+  const motion = picture?.motion ?? null;
+  const moves = picture?.moves ?? false;
+  useEffect(() => {
+    const root = host.current;
+    if (root === null || scene === null) return;
+    showPicture(root, scene, motion, moves);
+  }, [scene, motion, moves]);
+  useEffect(() => () => {
+    pictureNow.shown?.player.dispose();
+    keepPicture(null);
+  }, []);
+  useSelectionInPicture();
+  return (
+    <section className="picture" aria-label="Picture in three dimensions" data-testid="picture">
+      <div ref={host} className="picture-host" />
+      {picture === null && <Empty />}
+      <PictureBar moves={moves} />
+    </section>
+  );
+}
+
+function Empty(): ReactElement {
+  const bodies = useStore((state) => entriesOf(state.data).some((each) => each.section === "body"));
+  const problems = useStore((state) => state.check !== null);
+  return <p className="soft picture-empty">{bodies && !problems ? "Assembling…" : bodies ? "There is no picture until the errors are mended." : "The mechanism appears here as soon as it has a body."}</p>;
+}
+
+/** Show a picture; where only the places of bodies differ, they alone change. */
+function showPicture(root: HTMLElement, scene: unknown, motion: unknown, moves: boolean): void {
+  const before = pictureNow.shown;
+  const text = JSON.stringify(scene);
+  if (before !== null && !moves && before.scene === text && before.player.clock.duration === 0) {
+    const bodies = before.player.data.scene.bodies.length;
+    const { positions, quaternions } = decodeMotion(motion, bodies);
+    before.source.show({ positions: [...positions], quaternions: [...quaternions] });
+    before.player.refresh();
+    return;
+  }
+  const next = (): Shown => {
+    before?.player.dispose();
+    return makePlayer(root, scene, motion, moves, before);
+  };
+  keepPicture(next());
+  const [id] = useStore.getState().selection;
+  if (id !== undefined) markSelection([id]);
+}
+
+function markSelection(ids: readonly EntryId[]): void {
+  const { data } = useStore.getState();
+  const [id] = ids;
+  const entry = id === undefined || id === GROUND ? undefined : data[id.split("/")[0]!];
+  const value = Array.isArray(entry) ? (entry[Number(id!.split("/")[1])] as { name?: string } | undefined) : undefined;
+  telling = true;
+  pictureNow.shown?.player.select(id === GROUND ? GROUND : (value?.name ?? null));
+  telling = false;
+}
+
+function useSelectionInPicture(): void {
+  const selection = useStore((state) => state.selection);
+  useEffect(() => { markSelection(selection); }, [selection]);
+}
+
+function PictureBar({ moves }: { readonly moves: boolean }): ReactElement | null {
+  const simulated = useStore((state) => state.simulated);
+  const stale = useStore((state) => state.simulated !== null && state.simulated.of !== state.data);
+  const analysis = useStore((state) => state.analysisPicture);
+  if (simulated === null && analysis === null) return null;
+  const show = (motion: boolean): void => { useStore.setState({ showsMotion: motion, analysisPicture: null }); };
+  return (
+    <div className="picture-bar segments" role="radiogroup" aria-label="What the picture shows">
+      <button type="button" role="radio" aria-checked={!moves} onClick={() => { show(false); }}>Start position</button>
+      {simulated !== null && <button type="button" role="radio" aria-checked={moves && analysis === null} onClick={() => { show(true); }}>Motion{stale ? " (before the edits)" : ""}</button>}
+      {analysis !== null && <button type="button" role="radio" aria-checked>{analysis.title}</button>}
+    </div>
+  );
+}

@@ -1,0 +1,27 @@
+/** New names that the user gave, where nothing else has them. */
+
+import { entryAt, namesOf, type EntryId } from "./model/entries";
+import { renameEntry } from "./model/rename";
+import { edit, endGesture, say, useStore } from "./store";
+
+/** Return why an entry cannot have a name, or "" where it can. */
+export function refusalOfName(id: EntryId, name: string): string {
+  const { data } = useStore.getState();
+  const before = entryAt(data, id)?.name;
+  if (name === "") return "A name is needed.";
+  if (name !== before && namesOf(data).has(name)) return `${name} is another element's name.`;
+  return /[./\s]/.test(name) && /[./]/.test(name) ? "A name has no dot and no slash." : "";
+}
+
+/** Give an entry a name; return whether it has it now. */
+export function acceptName(id: EntryId, text: string): boolean {
+  const name = text.trim();
+  const refusal = refusalOfName(id, name);
+  if (refusal !== "") {
+    say(refusal);
+    return false;
+  }
+  endGesture();
+  edit((data) => renameEntry(data, id, name));
+  return true;
+}

@@ -1,0 +1,31 @@
+/** Puts the focus into the field that a problem, or a new row, points to. */
+
+import { useEffect } from "react";
+import { useStore } from "../store";
+
+/** Return the control of a pointer, else that of the nearest place around or within it. */
+export function controlOf(pointer: string): HTMLElement | null {
+  const controls = [...document.querySelectorAll<HTMLElement>(".properties [data-pointer]")];
+  const own = (each: HTMLElement): string => each.dataset["pointer"] ?? "";
+  const exact = controls.find((each) => own(each) === pointer);
+  if (exact !== undefined) return exact;
+  const within = controls.find((each) => own(each).startsWith(`${pointer}/`));
+  if (within !== undefined) return within;
+  const around = controls.filter((each) => pointer.startsWith(`${own(each)}/`));
+  return around.sort((a, b) => own(b).length - own(a).length)[0] ?? null;
+}
+
+export function useFocusPointer(): void {
+  const pointer = useStore((state) => state.focusPointer);
+  useEffect(() => {
+    if (pointer === null) return undefined;
+    const wait = setTimeout(() => {
+      const control = controlOf(pointer);
+      control?.focus();
+      control?.scrollIntoView({ block: "center" });
+      if (control instanceof HTMLInputElement && control.type !== "checkbox") control.select();
+      useStore.setState({ focusPointer: null });
+    }, 30); // its panel may just be opening
+    return () => { clearTimeout(wait); };
+  }, [pointer]);
+}
