@@ -137,12 +137,17 @@ class BuilderPage:
         """Return times and values of a curve of the last simulation, as the picture has them."""
         base = "window.symbodyPicture.shown.base"
         times = self.page.evaluate(f"Array.from({base}.times)")
-        values = self.page.evaluate(f"Array.from({base}.curves.find(c => c.name === {json.dumps(name)}).values)")
+        values = self.page.evaluate(
+            f"Array.from({base}.curves.find(c => c.name === {json.dumps(name)}).values)"
+        )
         return times, values
 
     def simulate(self) -> None:
         self.keys("F5")
-        self.wait("s.simulated !== null && s.simulated.of === s.data || s.notice.some(p => p.severity === 'error')", 120)
+        self.wait(
+            "s.simulated !== null && s.simulated.of === s.data || s.notice.some(p => p.severity === 'error')",
+            120,
+        )
         assert self.state("simulated") is not None, self.state("notice")
         self.wait("window.symbodyPicture.shown.base.curves.length > 0")
 
@@ -158,5 +163,6 @@ def overlaps(page: Any, selector: str) -> list[tuple[str, str]]:
         (one[0], other[0])
         for index, one in enumerate(boxes)
         for other in boxes[:index]
-        if min(one[3], other[3]) - max(one[1], other[1]) > 2 and min(one[4], other[4]) - max(one[2], other[2]) > 2
+        if min(one[3], other[3]) - max(one[1], other[1]) > 2
+        and min(one[4], other[4]) - max(one[2], other[2]) > 2
     ]

@@ -13,7 +13,6 @@ from symbody.formats.model_files import examples_folder
 
 from .builder_page import BuilderPage, overlaps, running_builder
 
-
 HARMLESS = ("GPU stall", "GroupMarkerNotSet")
 
 
@@ -42,7 +41,10 @@ def visit(chromium: Any, settings: Any) -> Iterator[Any]:
         page.on("pageerror", lambda error: note(str(error)))
         page.on("console", lambda said: note(said.text) if said.type == "error" else None)
         home = f"http://127.0.0.1:{settings.port}/"
-        page.on("request", lambda sent: note(sent.url) if not sent.url.startswith((home, "data:", "blob:")) else None)
+        page.on(
+            "request",
+            lambda sent: note(sent.url) if not sent.url.startswith((home, "data:", "blob:")) else None,
+        )
         page.on("dialog", lambda dialog: dialog.accept())
         page.goto(settings.address())
         page.get_by_test_id("start").wait_for()
