@@ -313,7 +313,7 @@ def test_a_file_is_saved_as_it_was_and_changes_outside_are_seen(visit: Any, sett
     path.write_text(text, encoding="utf-8")
     builder = visit(expected=("409",))
     page = builder.page
-    page.evaluate("location.hash = 'open=%s'" % path)
+    page.evaluate(f"location.hash = 'open={path}'")
     page.reload()
     page.get_by_test_id("node-Crank").wait_for()
     builder.keys("Control+s")
