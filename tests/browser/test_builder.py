@@ -56,6 +56,7 @@ def visit(chromium: Any, settings: Any) -> Iterator[Any]:
     assert not complaints, complaints
 
 
+@pytest.mark.exhaustive
 def test_every_example_opens_without_overlap(visit: Any) -> None:
     builder = visit()
     cards = builder.page.locator(".card")
@@ -189,6 +190,7 @@ JOINTS = (
 )
 
 
+@pytest.mark.exhaustive
 def test_a_slider_crank_is_built_with_the_keys_alone(visit: Any) -> None:
     builder = visit()
     builder.page.locator(".card").first.wait_for()
