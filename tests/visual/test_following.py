@@ -38,10 +38,12 @@ def test_what_goes_far_is_followed(speed: float) -> None:
 def test_the_followed_stays_in_the_picture(tmp_path: Path) -> None:
     shares = []
     for time in (0.0, 1.0):
+        times = (0.9 * time, 0.9 * time + 0.1)
         sb.save_animation(
-            thrown(200.0), tmp_path / "a.gif", times=(time * 0.9, time * 0.9 + 0.1), fps=10, size=(160, 90)
+            thrown(200.0), tmp_path / "a.gif", times=times, fps=10, size=(160, 90), progress=False
         )
-        pixels = np.asarray(Image.open(tmp_path / "a.gif").convert("RGB"), dtype=int)
+        with Image.open(tmp_path / "a.gif") as film:
+            pixels = np.asarray(film.convert("RGB"), dtype=int)
         shares.append(float((np.ptp(pixels, axis=2) > 40).mean()))
     assert min(shares) > 0.1
 
