@@ -48,7 +48,9 @@ class PagesHook(BuildHookInterface[Any]):
         if not reason:
             return
         state = "are those of older sources" if has_pages(root) else "are missing"
-        message = f"the web pages {state}: {reason}. symbody.animate and symbody builder need them; all else works"
+        message = (
+            f"the web pages {state}: {reason}. symbody.animate and symbody builder need them; all else works"
+        )
         if self.target_name == "sdist":
             raise RuntimeError(
                 f"{message}. Releases are built from this archive; {WITHOUT}=1 leaves pages out"

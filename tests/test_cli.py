@@ -15,9 +15,9 @@ import pytest
 
 import symbody
 from symbody.cli import run
-from symbody.formats.model_files import examples_folder
 from symbody.cli.written import equation_lines
 from symbody.equations.form import form_equations
+from symbody.formats.model_files import examples_folder
 from symbody.formats.native import load_model
 from symbody.simulation.native import run as native_run
 from symbody.simulation.progress import COMPILING

@@ -10,7 +10,8 @@ import pytest
 
 import symbody as sb
 from symbody.formats.model_files import examples_folder
-from tests.browser.builder_page import BuilderPage, overlaps, running_builder
+
+from .builder_page import BuilderPage, overlaps, running_builder
 
 HARMLESS = ("GPU stall", "GroupMarkerNotSet")
 
@@ -55,6 +56,7 @@ def visit(chromium: Any, settings: Any) -> Iterator[Any]:
     assert not complaints, complaints
 
 
+@pytest.mark.exhaustive
 def test_every_example_opens_without_overlap(visit: Any) -> None:
     builder = visit()
     cards = builder.page.locator(".card")
@@ -132,10 +134,9 @@ def test_a_slider_crank_is_built_with_the_mouse(visit: Any) -> None:
     builder.fill("Applied", "F")
     builder.wait_checked()
     page.locator(".react-flow__pane").click(position={"x": 20, "y": 20})
-    for number, (name, value) in enumerate(INITIAL.items()):
+    for name, value in INITIAL.items():
         builder.press_button("Add an initial value")
-        row = page.get_by_test_id("initial").locator(".table-row").nth(number).locator("input")
-        page.wait_for_timeout(100)  # the focus goes to the new row
+        row = page.get_by_test_id("initial").locator(".table-row").last.locator("input")
         row.nth(0).fill(name)
         row.nth(1).fill(value)
         row.nth(1).press("Enter")
@@ -189,6 +190,7 @@ JOINTS = (
 )
 
 
+@pytest.mark.exhaustive
 def test_a_slider_crank_is_built_with_the_keys_alone(visit: Any) -> None:
     builder = visit()
     builder.page.locator(".card").first.wait_for()

@@ -128,9 +128,11 @@ def test_views_and_fit(surfer: Surfer, four_bar: Any) -> None:
     page.keyboard.press("1")
     settle(page)
     assert np.allclose(state(page)["camera"]["position"], front["position"], atol=1e-6)
-    page.evaluate("symbodyPlayer.settings.set('parallel', true)")
+    page.evaluate("symbodyPlayer.settings.set('parallel', false)")
     settle(page)
-    assert state(page)["camera"]["position"][2] > 5 * front["position"][2]
+    assert (
+        state(page)["camera"]["position"][2] < front["position"][2] / 5
+    )  # planar ones are without perspective
 
 
 def test_what_is_shown(surfer: Surfer, four_bar: Any) -> None:

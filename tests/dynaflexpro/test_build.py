@@ -84,7 +84,10 @@ def test_the_editor_runs_in_a_process_of_its_own(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(subprocess, "run", run)
     BuildModel()
     BuildModel(FILE)
-    assert [call[1:] for call in calls] == [["-m", "symbody", "builder"], ["-m", "symbody", "builder", str(FILE)]]
+    assert [call[1:] for call in calls] == [
+        ["-m", "symbody", "builder"],
+        ["-m", "symbody", "builder", str(FILE)],
+    ]
     with pytest.raises(EnvironmentFault) as caught:
         BuildModel(FILE)
     assert caught.value.problems[0].code == "dynaflexpro.build_model"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,6 +21,12 @@ FUNCTIONS = (
 ).split()
 # Each takes a second or more where the strange value fits.
 SLOW = {"singular_configurations", "solve_positions", "velocity_ratios", "trace_positions"}
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Some of the strange texts are names of files that can be written."""
+    monkeypatch.chdir(tmp_path)
 
 
 @pytest.fixture(scope="module")

@@ -250,7 +250,7 @@ def test_traces_end_with_the_film() -> None:
     lengths = []
     for until in (0.2, None):
         marks = one.draw([5], until)[0].marks
-        (trace,) = [mark for mark in marks if isinstance(mark, Stroke) and mark.color == "#d1495b"]
+        (trace,) = [mark for mark in marks if isinstance(mark, Stroke) and mark.color == "#4f8fc4"]
         lengths.append(float(np.ptp(trace.lines[0][:, 0])) / one.backdrop.camera.scale)
     assert_allclose(lengths, [0.2, 0.5])
     with pytest.raises(UsageError, match=r"\[film.trace\].*\n.*ball.tip"):

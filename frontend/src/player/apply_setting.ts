@@ -7,7 +7,7 @@ import { resolveTheme } from "./theme";
 
 type Name = keyof SettingValues;
 
-const SHOWN = ["frames", "joints", "labels", "grid", "gravity", "force", "torque", "reaction"] as const;
+const SHOWN = ["frames", "joints", "labels", "grid", "force", "torque", "reaction"] as const;
 
 const IN_PICTURE: Partial<Record<Name, (viewer: Viewer, values: SettingValues) => void>> = {
   view: (viewer, { view }) => {
@@ -36,6 +36,7 @@ const IN_PAGE: Partial<Record<Name, (player: Player, values: SettingValues) => v
   },
   speed: ({ clock }, { speed }) => { clock.speed = speed > 0 ? speed : 1; },
   loop: ({ clock }, { loop }) => { clock.loop = loop; },
+  gravity: ({ triad }, { gravity }) => { triad.showGravity(gravity); },
   curves: ({ root, curves }, values) => { root.classList.toggle("sb-no-curves", !values.curves || curves === null); },
 };
 

@@ -25,9 +25,9 @@ export function valueAt(times: Float64Array, values: Float32Array, time: number)
 
 /** Return a number with four digits that keeps its width. */
 export function formatValue(value: number): string {
-  const size = Math.abs(value);
+  const size = Math.abs(value) < 1e-15 ? 0 : Math.abs(value); // less is rounding
   const text =
-    size !== 0 && (size < 1e-3 || size >= 1e5) ? value.toExponential(2) : size < 10 ? value.toFixed(4) : value.toPrecision(5);
+    size !== 0 && (size < 1e-3 || size >= 1e5) ? value.toExponential(2) : size < 10 ? (size === 0 ? 0 : value).toFixed(4) : value.toPrecision(5);
   return text.replace("-", "−");
 }
 

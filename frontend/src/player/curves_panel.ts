@@ -5,14 +5,12 @@ import { groupCurves, toCsv } from "./curve_table";
 import { create, download, fileName, setText } from "./dom";
 import { iconButton } from "./icons";
 import { curveColor, Plot } from "./plot";
+import { plainReading } from "./readable";
 import { formatTime } from "./transport";
 
-const LEAST_HEIGHT = 84;
+const LEAST_HEIGHT = 62;
 const TIME_AXIS = 20; // the height that the numbers of the time take under the last panel
 const GAP = 4;
-const MOST_ROWS = 5; // of a legend that give a panel its height; more are scrolled
-const ROW = 24;
-const HEADER = 24;
 
 export class CurvesPanel {
   readonly element: HTMLElement;
@@ -53,9 +51,8 @@ export class CurvesPanel {
 
   resize(): void {
     const room = (this.list.clientHeight - TIME_AXIS) / this.plots.length - GAP;
-    this.plots.forEach((plot, index) => {
-      const rows = Math.min(plot.group.curves.length, MOST_ROWS) * ROW + (index === 0 ? HEADER : 0);
-      const height = Math.max(LEAST_HEIGHT, Math.floor(room), rows);
+    this.plots.forEach((plot) => {
+      const height = Math.max(LEAST_HEIGHT, Math.floor(room)); // its legend scrolls
       plot.resize(plot.last ? height + TIME_AXIS : height);
     });
     this.showTime(this.time);
@@ -120,8 +117,9 @@ function picture(plots: readonly Plot[], styled: HTMLElement): HTMLCanvasElement
       context.fillRect(left, top + head / 2 - ratio, 18 * ratio, 2 * ratio);
       context.fillStyle = style.getPropertyValue("--sb-text");
       const { name } = plot.group.curves[curve]!;
-      context.fillText(name, left + 24 * ratio, top + head / 2);
-      left += context.measureText(name).width + 44 * ratio;
+      const text = plainReading(name);
+      context.fillText(text, left + 24 * ratio, top + head / 2);
+      left += context.measureText(text).width + 44 * ratio;
     }
     context.drawImage(sources[index]!, 0, top + head);
     top += head + sources[index]!.height;

@@ -26,7 +26,7 @@ export const COMMANDS = {
   panDown: "Shift down",
   zoomIn: "Nearer",
   zoomOut: "Farther",
-  follow: "Go with the selected body, or stay",
+  follow: "Go with what moves, or stay",
   frames: "Frames on or off",
   joints: "Joints on or off",
   labels: "Names on or off",

@@ -40,7 +40,7 @@ export class Player {
   readonly stage = create("div", { class: "sb-stage" });
   private readonly live = create("div", { class: "sb-live", role: "status", "aria-live": "polite" });
   private readonly transport: Transport | null;
-  private readonly triad = new Triad();
+  readonly triad: Triad;
   private readonly legend: ArrowLegend | null;
   private readonly tooltip: Tooltip | null;
   private readonly selection: SelectionCard | null;
@@ -59,7 +59,9 @@ export class Player {
     this.settings = new Settings(settings);
     root.classList.add("sb-player");
     root.append(this.stage); // before the picture, which takes its size
+    this.triad = new Triad(scene);
     this.viewer = this.createViewer();
+    this.chooseCamera();
     this.legend = this.viewer === null ? null : new ArrowLegend(this.viewer);
     this.tooltip = this.viewer === null ? null : new Tooltip(this.viewer);
     this.selection = this.viewer === null ? null : new SelectionCard(this.viewer);
@@ -180,6 +182,12 @@ export class Player {
       this.stage.append(webglMessage(this.data.source.curves.length > 0));
       return null;
     }
+  }
+
+  /** Planar mechanisms are seen as they are drawn, without perspective; those that go far are followed. */
+  private chooseCamera(): void {
+    if (this.data.scene.normal !== null && this.settings.values.view === "auto") this.settings.set("parallel", true);
+    if (this.viewer?.roams === true) this.settings.set("follow", true);
   }
 
   private assemble(title: string): void {

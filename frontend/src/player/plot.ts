@@ -4,6 +4,7 @@ import uPlot from "uplot";
 import type { MotionEvent } from "../viewer";
 import { valueAt, formatValue, type CurveGroup } from "./curve_table";
 import { create, setText } from "./dom";
+import { nameElement } from "./readable";
 
 const DASHES: readonly (readonly number[])[] = [[], [8, 4], [2, 3], [10, 3, 2, 3]];
 const COLORS = 8; // that the style has for curves
@@ -46,14 +47,16 @@ export class Plot {
       stroke: (chart: uPlot) => variable(chart, curveColor(index)),
       dash: [...curveDash(index)],
       width: 2,
+      pxAlign: 0,
       show: visible(index),
       points: { show: false },
     }));
     const options: uPlot.Options = {
       width: 300,
       height: 120,
+      pxAlign: 0, // points stay where they are: lines without steps
       legend: { show: false },
-      scales: { x: { time: false } },
+      scales: { x: { time: false }, y: { range: (_, low, high) => valueRange(low, high) } },
       series: [{}, ...series],
       axes: [timeAxis(last), valueAxis(group.unit)],
       cursor: { sync: { key: "symbody" }, drag: { x: true, y: false, setScale: true }, points: { size: 7 } },
@@ -118,7 +121,7 @@ export class Plot {
     const unit = this.group.unit === "" ? "" : ` ${this.group.unit}`;
     const rows = this.rows.map((row, index) => {
       const name = this.group.curves[index]!.name;
-      return create("label", { class: "sb-curve", title: name + unit }, row.box, swatch(index), create("span", { class: "sb-curve-name" }, name), row.value);
+      return create("label", { class: "sb-curve", title: name + unit }, row.box, swatch(index), nameElement(name, { class: "sb-curve-name" }), row.value);
     });
     const title = this.group.unit === "" ? "no unit" : this.group.unit;
     return create("div", { class: "sb-legend", role: "group", "aria-label": `Curves, ${title}`, tabindex: 0 }, ...rows);
@@ -191,6 +194,15 @@ function plainAxis(): uPlot.Axis {
 function timeAxis(last: boolean): uPlot.Axis {
   if (!last) return { ...plainAxis(), size: 6, values: (_, splits) => splits.map(() => ""), ticks: { show: false } };
   return { ...plainAxis(), size: 24, gap: 2, values: (_, splits) => splits.map((each, index) => (index === splits.length - 1 ? `${formatTick(each)} s` : formatTick(each))) };
+}
+
+/** Return the ends of an axis; what differs by rounding alone is a level line. */
+function valueRange(low: number | null, high: number | null): uPlot.Range.MinMax {
+  if (low === null || high === null) return [0, 1];
+  const middle = (low + high) / 2;
+  if (high - low > Math.max(1e-12, 1e-9 * Math.abs(middle))) return uPlot.rangeNum(low, high, 0.1, true);
+  const reach = Math.abs(middle) > 1e-12 ? 0.5 * Math.abs(middle) : 1;
+  return [middle - reach, middle + reach];
 }
 
 function valueAxis(unit: string): uPlot.Axis {

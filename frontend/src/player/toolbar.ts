@@ -24,7 +24,7 @@ export function createToolbar(
   run: (command: Command) => void,
 ): Toolbar {
   const { settings } = player;
-  const views = new Popover("views", "Views", viewButtons(run), cameraBox(player, "parallel", "Without perspective"), cameraBox(player, "follow", "Go with the selected body"));
+  const views = new Popover("views", "Views", viewButtons(run), cameraBox(player, "parallel", "Without perspective"), cameraBox(player, "follow", "Go with what moves"));
   const display = new Popover("display", "What is shown", ...displayPanel(settings, scene, source));
   const popovers = player.viewer === null ? [] : [views, display];
   const curves = iconButton("curves", "Curves", "C", () => { run("curves"); });

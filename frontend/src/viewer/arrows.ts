@@ -1,4 +1,4 @@
-/** Forces and torques as arrows (torques with two heads), and gravity. */
+/** Forces and torques as arrows (torques with two heads). */
 
 import {
   BufferGeometry,
@@ -16,7 +16,7 @@ import { arrowScale, largestMagnitude } from "./arrow_scale";
 import type { MotionVector, Scene, VectorKind } from "./contract";
 import { Curls } from "./curls";
 import { anchorPoint, type Instant, type Layer } from "./layer";
-import { HIGHLIGHT, VECTOR_COLORS, type Theme } from "./palette";
+import { HIGHLIGHT, VECTOR_COLORS } from "./palette";
 import type { StateSource } from "./source";
 
 export type VectorGroup = "force" | "torque" | "reaction";
@@ -191,34 +191,5 @@ export class VectorArrows implements Layer {
   private flush(): void {
     this.arrows.flush();
     this.curls.flush();
-  }
-}
-
-/** An arrow that shows where gravity points, beside the mechanism. */
-export class GravityArrow implements Layer {
-  readonly object = new Group();
-  /** Where its name stands. */
-  readonly middle = new Vector3();
-  private readonly arrow: ArrowMeshes;
-
-  constructor(start: Vector3, end: Vector3) {
-    this.arrow = new ArrowMeshes(1, 0.03 * start.distanceTo(end));
-    const along = new Vector3().subVectors(end, start);
-    this.arrow.set(0, start, along, false);
-    this.middle.lerpVectors(start, end, 0.5);
-    this.object.add(this.arrow.object);
-  }
-
-  update(): void {
-    // fixed on the ground
-  }
-
-  setTheme(theme: Theme): void {
-    this.arrow.setColor(0, new Color(theme.gravity));
-    this.arrow.flush();
-  }
-
-  dispose(): void {
-    this.arrow.dispose();
   }
 }

@@ -39,7 +39,7 @@ export function viewDirection(scene: Scene, view: ViewName): Vector3 {
     case "top":
       return up.addScaledVector(front, 1e-4).normalize();
     case "isometric":
-      return front.addScaledVector(right, 0.75).addScaledVector(up, 0.7).normalize();
+      return front.add(right).add(up).normalize();
   }
 }
 
@@ -62,6 +62,7 @@ export class CameraRig {
   private readonly up: Vector3;
   private height = 1;
   private covered = 0;
+  private readonly gone = new Vector3(); // how far the camera has gone along with the mechanism
 
   constructor(
     canvas: HTMLElement,
@@ -124,7 +125,8 @@ export class CameraRig {
     const offset = this.offset().multiplyScalar(before / after);
     this.camera.position.copy(this.controls.target).add(offset);
     this.camera.updateProjectionMatrix();
-    this.finish();
+    if (this.fits) this.fit(true);
+    else this.finish();
   }
 
   /** Turn by angles [rad] to the left and up. */
@@ -153,6 +155,17 @@ export class CameraRig {
     this.controls.target.add(by);
     this.turn = null;
     this.fits = false;
+  }
+
+  /** Go along with a mechanism that goes far, by so much since the start of the motion. */
+  carry(gone: Vector3): void {
+    const by = gone.clone().sub(this.gone);
+    if (by.lengthSq() === 0) return;
+    this.gone.copy(gone);
+    this.camera.position.add(by);
+    this.controls.target.add(by);
+    this.turn?.fromTarget.add(by);
+    this.turn?.toTarget.add(by);
   }
 
   /** Where the camera is, to be taken back by `place`. */
@@ -232,7 +245,7 @@ export class CameraRig {
     return part < 1;
   }
 
-  /** The target and the distance at which every point of the motion is in the middle of the picture. */
+  /** The target and the distance at which every point of the motion, or of a mechanism that is followed, is in the middle of the picture. */
   private fitted(direction: Vector3): { target: Vector3; distance: number } {
     const right = new Vector3().crossVectors(this.up, direction);
     if (right.lengthSq() < 1e-8) right.set(1, 0, 0);
@@ -248,6 +261,7 @@ export class CameraRig {
       .addScaledVector(right, ((toRight - toLeft) * tan * this.camera.aspect) / 2)
       .addScaledVector(above, ((upwards - downwards) * free) / 2);
     const distance = MARGIN * Math.max((toRight + toLeft) / 2, (upwards + downwards) / 2);
+    target.add(this.gone);
     return { target, distance: Math.max(distance, 0.05 * this.scene.size) };
   }
 

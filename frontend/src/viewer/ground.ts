@@ -39,6 +39,10 @@ void main() {
 export class GroundGrid implements Layer {
   readonly object: Mesh<PlaneGeometry, ShaderMaterial>;
   readonly spacing: number;
+  private readonly home = new Vector3();
+  private readonly homeInPlane = new Vector3();
+  private readonly toPlane: Quaternion;
+  private readonly level: Vector3;
 
   constructor(scene: Scene, box: Box3) {
     const center = box.getCenter(new Vector3());
@@ -69,6 +73,18 @@ export class GroundGrid implements Layer {
     this.object.quaternion.copy(turn);
     this.object.renderOrder = -1;
     this.object.raycast = () => undefined;
+    this.home.copy(place);
+    this.homeInPlane.copy(inPlane);
+    this.toPlane = turn.clone().invert();
+    this.level = normal;
+  }
+
+  /** Go along with the camera; the lines stay where they are. */
+  carry(gone: Vector3): void {
+    const along = gone.clone().addScaledVector(this.level, -gone.dot(this.level));
+    this.object.position.addVectors(this.home, along);
+    along.applyQuaternion(this.toPlane).add(this.homeInPlane);
+    this.object.material.uniforms["offset"]!.value = [along.x, along.y];
   }
 
   update(): void {

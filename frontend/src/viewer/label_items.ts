@@ -1,4 +1,4 @@
-/** What is labelled: bodies, joints, vectors, gravity. */
+/** What is labelled: bodies, joints, vectors. */
 
 import type { Vector3 } from "three";
 import { vectorGroup } from "./arrows";
@@ -10,11 +10,10 @@ import type { StateSource } from "./source";
 
 /** What labels need of a picture. */
 interface Places {
-  readonly shown: { labels: boolean; gravity: boolean; joints: boolean };
+  readonly shown: { labels: boolean; joints: boolean };
   positionOf(element: SceneElement, into: Vector3): boolean;
   bodyPosition(body: number, into: Vector3): Vector3;
   vectorTip(index: number): Vector3 | null;
-  readonly gravityPlace: Vector3 | null;
 }
 
 function put(into: Vector3, place: Vector3): boolean {
@@ -23,14 +22,6 @@ function put(into: Vector3, place: Vector3): boolean {
 }
 
 export function labelItems(scene: Scene, source: StateSource, places: Places): LabelItem[] {
-  const gravity = Math.hypot(...(scene.gravity ?? [0, 0, 0]));
-  const gravityLabel: LabelItem = {
-    text: `g ${Number(gravity.toPrecision(3))}\u202fm/s²`,
-    kind: "gravity",
-    color: "",
-    place: (into) => places.shown.gravity && places.gravityPlace !== null
-      && put(into, places.gravityPlace),
-  };
   const bodies = scene.bodies.slice(1).map((body, index): LabelItem => ({
     text: body.name,
     kind: "body",
@@ -55,5 +46,5 @@ export function labelItems(scene: Scene, source: StateSource, places: Places): L
       return tip !== null && put(into, tip);
     },
   }));
-  return [...(scene.gravity === null ? [] : [gravityLabel]), ...bodies, ...joints, ...vectors];
+  return [...bodies, ...joints, ...vectors];
 }

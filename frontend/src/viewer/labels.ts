@@ -1,10 +1,10 @@
-/** Names beside bodies, joints, vectors and gravity: text over the picture, never one over another. */
+/** Names beside bodies, joints and vectors: text over the picture, never one over another. */
 
 import { Vector3, type Camera } from "three";
 
 export interface LabelItem {
   readonly text: string;
-  readonly kind: "body" | "joint" | "vector" | "gravity";
+  readonly kind: "body" | "joint" | "vector";
   readonly color: string;
   /** Write the place in ground's axes; return whether the label is to be shown. */
   place(into: Vector3): boolean;

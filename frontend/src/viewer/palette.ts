@@ -1,21 +1,21 @@
 /** Colours: of bodies, kinds of elements and themes. */
 
-/** After Okabe and Ito: distinct with any colour vision. */
+/** Soft relatives of the palette of Okabe and Ito, as films have them: distinct with any colour vision. */
 export const BODY_COLORS = [
-  "#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#8c6bb1", "#b8a100",
+  "#4f8fc4", "#e08a3c", "#4da887", "#c987ad", "#d8b13a", "#79b8dd", "#8f7fc0", "#b9705c",
 ] as const; // prettier-ignore
 
-const GROUND = "#8a93a0";
+const GROUND = "#a9b0b8";
 
 export const CONNECTOR_COLORS = {
-  spring: "#7a8594",
-  damper: "#6b7787",
-  rope: "#b08a57",
-  actuator: "#c0504d",
-  line: "#7a8594",
+  spring: "#9aa6b2",
+  damper: "#a4abb4",
+  rope: "#8a6d4b",
+  actuator: "#c2a14d",
+  line: "#6d7a86",
 } as const;
 
-export const VECTOR_COLORS = { force: "#d1352b", torque: "#8e44ad", reaction: "#0a8f8f" } as const;
+export const VECTOR_COLORS = { force: "#c62f3b", torque: "#7a3fa0", reaction: "#0a8f8f" } as const;
 export const HIGHLIGHT = "#ffe433";
 
 /** Return a colour of a body by its place; the ground is grey. */

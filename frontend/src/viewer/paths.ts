@@ -9,6 +9,8 @@ import { restPose, type StateSource } from "./source";
 const SAMPLES = 80;
 const MOST_GROUND = 1.8; // a ground that is larger, in parts of what moves, may stick out
 const MOST_POINTS = 24_000; // that a view is fitted to
+const LOOSE: readonly string[] = ["free", "cartesian", "rectangular", "planar"]; // joints that hold nothing in its place
+const FAR = 15; // times its own extent goes a mechanism that the camera follows
 
 /** Call `visit` with the state at each of the times; the instant is reused. */
 export function visitStates(
@@ -87,6 +89,20 @@ function solidBox(scene: Scene, solid: Solid): Box3 {
 export interface Extent {
   readonly points: Float32Array;
   readonly box: Box3;
+  /** Whether the mechanism goes far: then the points are those of a camera that goes along with its centre. */
+  readonly roams: boolean;
+}
+
+/** Write the mean place of all bodies but the ground, by their mass [m]. */
+export function centreOf(scene: Scene, matrices: readonly Matrix4[], into: Vector3): Vector3 {
+  const whole = scene.bodies.slice(1).reduce((sum, body) => sum + body.mass, 0);
+  into.set(0, 0, 0);
+  const place = new Vector3();
+  for (let body = 1; body < matrices.length; body += 1) {
+    const share = whole > 0 ? scene.bodies[body]!.mass / whole : 1 / (matrices.length - 1);
+    into.addScaledVector(place.setFromMatrixPosition(matrices[body]!), share);
+  }
+  return into;
 }
 
 /** Return the extent of the whole motion, without a ground that is far larger than the rest. */
@@ -94,12 +110,21 @@ export function motionExtent(scene: Scene, source: StateSource): Extent {
   const local = scene.bodies.map((_, body) => boxCorners(bodyBox(scene, body)));
   const samples = Math.min(Math.max(Math.floor(MOST_POINTS / (8 * local.length)), 6), SAMPLES);
   const moving: number[] = [];
-  const corner = new Vector3();
-  visitStates(scene, source, chosenTimes(source, samples), ({ matrices }) => {
+  const carried: number[] = []; // beside the centre, which is where it is at the start
+  const [corner, first, centre] = [new Vector3(), new Vector3(), new Vector3()];
+  visitStates(scene, source, chosenTimes(source, samples), ({ matrices }, index) => {
+    centreOf(scene, matrices, centre);
+    if (index === 0) first.copy(centre);
     for (let body = 1; body < local.length; body += 1) {
-      for (const each of local[body]!) corner.copy(each).applyMatrix4(matrices[body]!).toArray(moving, moving.length);
+      for (const each of local[body]!) {
+        corner.copy(each).applyMatrix4(matrices[body]!).toArray(moving, moving.length);
+        corner.sub(centre).add(first).toArray(carried, carried.length);
+      }
     }
   });
+  if (!isTied(scene) && diagonal(moving) > FAR * diagonal(carried)) {
+    return { points: new Float32Array(carried), box: new Box3().setFromArray(carried), roams: true };
+  }
   const ground = local[0]!.flatMap((each) => each.toArray());
   const extent = diagonal(moving);
   const points = moving.length === 0 || diagonal(ground) < MOST_GROUND * extent ? [...ground, ...moving] : moving;
@@ -108,7 +133,12 @@ export function motionExtent(scene: Scene, source: StateSource): Extent {
     box.expandByScalar(0.5 * scene.size);
     points.push(...boxCorners(box).flatMap((each) => each.toArray()));
   }
-  return { points: new Float32Array(points), box };
+  return { points: new Float32Array(points), box, roams: false };
+}
+
+/** Return whether a joint, such as a guide that shows the way, holds the mechanism on the ground. */
+function isTied(scene: Scene): boolean {
+  return scene.joints.some(({ type, start, end }) => (start.body === 0 || end.body === 0) && !LOOSE.includes(type));
 }
 
 function diagonal(points: number[]): number {
@@ -119,26 +149,4 @@ function boxCorners(box: Box3): Vector3[] {
   const { min, max } = box;
   if (box.isEmpty()) return [];
   return Array.from({ length: 8 }, (_, i) => new Vector3(i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z));
-}
-
-/** Return an extent that holds more points. */
-export function withPoints(extent: Extent, more: readonly Vector3[]): Extent {
-  const points = new Float32Array([...extent.points, ...more.flatMap((each) => each.toArray())]);
-  return { points, box: new Box3().setFromArray(points) };
-}
-
-/** Return where the arrow of gravity starts and ends: beside the upper left of a box, where it hides nothing. */
-export function gravityEnds(scene: Scene, box: Box3): [Vector3, Vector3] | null {
-  if (scene.gravity === null) return null;
-  const size = box.getSize(new Vector3());
-  const length = 0.13 * size.length();
-  const up = new Vector3(...scene.up).normalize();
-  const left = new Vector3(-1, 0, 0);
-  if (scene.normal !== null) left.set(...scene.normal).cross(up).normalize();
-  if (Math.abs(left.dot(up)) > 0.9 || left.lengthSq() < 0.5) left.set(0, -1, 0);
-  const reach = (along: Vector3): number =>
-    (Math.abs(along.x) * size.x + Math.abs(along.y) * size.y + Math.abs(along.z) * size.z) / 2;
-  const start = box.getCenter(new Vector3()).addScaledVector(left, reach(left) + 0.3 * length).addScaledVector(up, reach(up));
-  const end = start.clone().addScaledVector(new Vector3(...scene.gravity).normalize(), length);
-  return [start, end];
 }

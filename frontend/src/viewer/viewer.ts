@@ -1,7 +1,7 @@
 /** The picture of a mechanism in an element of a page; free of any framework. */
 
 import { Matrix4, Vector3 } from "three";
-import { GravityArrow, VectorArrows } from "./arrows";
+import { VectorArrows } from "./arrows";
 import { BodyLines } from "./body_lines";
 import { CameraRig, type ViewName } from "./camera_rig";
 import { Connectors } from "./connectors";
@@ -12,7 +12,7 @@ import { labelItems } from "./label_items";
 import { anchorPoint, writeMatrices, type Counts, type Instant, type Layer, type SceneElement } from "./layer";
 import { FrameAxes, JointMarks } from "./marks";
 import { THEMES, type ThemeName } from "./palette";
-import { chosenTimes, gravityEnds, motionExtent, shortestLengths, visitStates, withPoints } from "./paths";
+import { centreOf, chosenTimes, motionExtent, shortestLengths, visitStates } from "./paths";
 import { elementNamed, Picker } from "./picker";
 import { GeometryStore, Solids, type Look } from "./solids";
 import { restPose, type Pose, type StateSource } from "./source";
@@ -27,7 +27,6 @@ export interface Shown {
   joints: boolean;
   labels: boolean;
   grid: boolean;
-  gravity: boolean;
   force: boolean;
   torque: boolean;
   reaction: boolean;
@@ -48,10 +47,12 @@ export class Viewer {
   readonly counts: Counts = { rebuilt: 0, frames: 0 };
   readonly rig: CameraRig;
   readonly shown: Shown = {
-    frames: false, joints: false, labels: false, grid: true, gravity: true,
+    frames: false, joints: false, labels: false, grid: true,
     force: true, torque: true, reaction: true,
   }; // prettier-ignore
   selected: SceneElement | null = null;
+  /** Whether the mechanism goes far, so that the camera may go along with it. */
+  readonly roams: boolean;
   private readonly stage: Stage;
   private readonly pose: Pose;
   private readonly instant: Instant & { time: number };
@@ -63,7 +64,6 @@ export class Viewer {
   readonly joints: JointMarks;
   private readonly traces: Traces;
   private readonly grid: GroundGrid;
-  private readonly gravity: GravityArrow | null;
   private readonly layers: Layer[];
   private readonly labels: Labels;
   private readonly picker: Picker;
@@ -75,6 +75,7 @@ export class Viewer {
   private followed = false;
   private readonly followedTo = new Vector3();
   private readonly here = new Vector3();
+  private readonly first = new Vector3(); // where a mechanism that goes far begins
   private stale = true;
 
   /** Throws `WebGLMissing` where the browser has none. */
@@ -87,9 +88,9 @@ export class Viewer {
     this.stage = new Stage(scene.up);
     this.pose = restPose(scene.bodies.length);
     this.instant = { time: source.start, matrices: scene.bodies.map(() => new Matrix4()) };
-    const moved = motionExtent(scene, source);
-    const fall = gravityEnds(scene, moved.box);
-    const extent = fall === null ? moved : withPoints(moved, fall);
+    const extent = motionExtent(scene, source);
+    this.roams = extent.roams;
+    visitStates(scene, source, [source.start], ({ matrices }) => { centreOf(scene, matrices, this.first); });
     this.store = new GeometryStore(scene);
     this.solids = new Solids(scene, this.store);
     this.connectors = new Connectors(scene, this.store, shortestLengths(scene, source), this.counts);
@@ -97,10 +98,8 @@ export class Viewer {
     this.axes = new FrameAxes(scene);
     this.joints = new JointMarks(scene);
     this.traces = new Traces(scene, source, this.counts);
-    this.grid = new GroundGrid(scene, moved.box);
-    this.gravity = fall === null ? null : new GravityArrow(...fall);
+    this.grid = new GroundGrid(scene, extent.box);
     this.layers = [this.grid, this.solids, new BodyLines(scene), this.connectors, this.axes, this.arrows, this.traces, this.joints];
-    if (this.gravity !== null) this.layers.push(this.gravity);
     for (const layer of this.layers) this.stage.scene.add(layer.object);
     this.picker = new Picker(scene, this);
     this.firstRebuilt = this.counts.rebuilt;
@@ -145,7 +144,6 @@ export class Viewer {
     this.axes.object.visible = this.shown.frames;
     this.joints.object.visible = this.shown.joints;
     this.grid.object.visible = this.shown.grid;
-    if (this.gravity !== null) this.gravity.object.visible = this.shown.gravity;
     for (const group of ["force", "torque", "reaction"] as const) this.arrows.shown[group] = this.shown[group];
     this.setTime(this.instant.time);
   }
@@ -252,10 +250,6 @@ export class Viewer {
     return this.arrows.isShown(index) ? this.arrows.tips[index]! : null;
   }
 
-  get gravityPlace(): Vector3 | null {
-    return this.gravity?.middle ?? null;
-  }
-
   /** Draw; return whether the camera still moves. */
   render(now: number): boolean {
     const moving = this.rig.step(now);
@@ -264,7 +258,7 @@ export class Viewer {
       writeMatrices(this.pose, this.instant.matrices);
       for (const layer of this.layers) layer.update(this.instant);
       this.stale = false;
-      if (this.selected !== null && this.followed) this.goWith(this.selected.body);
+      this.goOn();
     }
     this.stage.draw(this.rig.camera);
     this.labels.update(this.rig.camera, this.stage.width, this.stage.height);
@@ -282,12 +276,23 @@ export class Viewer {
     this.stage.dispose();
   }
 
-  /** Let the camera look at the body of the selection and go with it, or stay where it is. */
+  /** Let the camera go with a mechanism that goes far, else look at the selected body and go with it, or stay. */
   setFollow(follow: boolean): void {
     this.followed = follow;
-    if (!follow || this.selected === null) return;
+    if (!follow || this.selected === null || this.roams) return;
     this.followedTo.copy(this.rig.controls.target);
     this.goWith(this.selected.body);
+  }
+
+  private goOn(): void {
+    if (!this.followed) return;
+    if (this.roams) {
+      centreOf(this.scene, this.instant.matrices, this.here).sub(this.first);
+      this.rig.carry(this.here);
+      this.grid.carry(this.here);
+    } else if (this.selected !== null) {
+      this.goWith(this.selected.body);
+    }
   }
 
   private goWith(body: number): void {

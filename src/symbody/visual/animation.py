@@ -26,6 +26,7 @@ from symbody.visual.live import Slider, SliderMechanism, slider_mechanism
 from symbody.visual.page import PageData, page_data, page_text, write_page
 from symbody.visual.scene import make_motion, make_scene
 from symbody.visual.scene.scene import Scene, SceneMotion
+from symbody.visual.scene.view import seen_along
 from symbody.visual.still import run_of_state
 
 Theme = Literal["auto", "light", "dark", "contrast"]
@@ -273,6 +274,7 @@ def make_animation(
     scene = make_scene(motion_run.model, motion_run.parameters, courses)
     pair = _span(times)
     motion = make_motion(motion_run, scene, None if pair else times, curves, vectors, pair)
+    scene = seen_along(scene, motion)
     settings = {
         **options,
         "speed": float(options["speed"]),

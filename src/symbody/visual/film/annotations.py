@@ -12,7 +12,7 @@ from symbody.visual.film.arrows import arrow
 from symbody.visual.film.camera import Camera
 from symbody.visual.film.drawing import Caption, Mark, Stroke
 from symbody.visual.film.facets import Floats
-from symbody.visual.film.palette import AXES, FORCE, TORQUE, TRACES, Paper
+from symbody.visual.film.palette import AXES, FORCE, TORQUE, Paper
 from symbody.visual.film.shapes import rotation_of
 from symbody.visual.film.stage import BodyPlaces
 from symbody.visual.film.text_metrics import text_width
@@ -42,12 +42,12 @@ def frame_marks(scene: Scene, camera: Camera, pose: BodyPlaces) -> list[Mark]:
     return marks
 
 
-def trace_marks(camera: Camera, paths: Sequence[Floats]) -> list[Mark]:
-    """Return the ways of points (N, 3) in ground's axes."""
+def trace_marks(camera: Camera, paths: Sequence[Floats], colors: Sequence[str], last: int) -> list[Mark]:
+    """Return the first samples of the ways of points (N, 3) in ground's axes."""
     return [
-        Stroke((camera.project(path)[:, :2],), TRACES[k % len(TRACES)], 1.2)
-        for k, path in enumerate(paths)
-        if len(path) > 1
+        Stroke((camera.project(path[:last])[:, :2],), color, 1.2)
+        for path, color in zip(paths, colors, strict=True)
+        if min(last, len(path)) > 1
     ]
 
 

@@ -22,7 +22,6 @@ CONNECTORS: Final[Mapping[str, str]] = {
 }
 FORCE: Final = "#c62f3b"
 TORQUE: Final = "#7a3fa0"
-TRACES: Final = ("#d1495b", "#00798c", "#8d5a97", "#c98a00")
 AXES: Final = ("#c8382e", "#2e8b45", "#2f63c2")  # x, y, z
 
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from symbody.arguments import checked_arguments
 from symbody.errors import Problem, UsageError
+from symbody.model.model import Model
 from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import told
 from symbody.simulation.results.trajectory import Trajectory
@@ -22,6 +23,7 @@ from symbody.visual.film.pictures import STILLS, file_kind, write_film, write_st
 from symbody.visual.film.studio import Look
 from symbody.visual.scene import make_motion, make_scene
 from symbody.visual.scene.scene import Scene, SceneMotion
+from symbody.visual.scene.view import seen_along
 
 _MOST_FRAMES: Final = 20_000
 _SIZES: Final = (32, 8192)  # pixels
@@ -30,23 +32,13 @@ _TRACK: Final = 1500  # samples of traces
 
 @checked_arguments
 def save_animation(
-    run: Trajectory,
-    path: str | PathLike[str],
-    *,
-    times: ArrayLike | None = None,
-    view: str | Sequence[float] | Mapping[str, Any] | None = None,
-    size: tuple[int, int] = (960, 540),
-    fps: float = 30.0,
-    speed: float = 1.0,
-    traces: Sequence[str] = (),
-    labels: bool = False,
-    vectors: str | Sequence[str] = (),
-    frames: bool = False,
-    dark: bool = False,
-    ghosts: float = 0.35,
-    title: str | None = None,
+    run: Trajectory, path: str | PathLike[str], *,
+    times: ArrayLike | None = None, view: str | Sequence[float] | Mapping[str, Any] | None = None,
+    size: tuple[int, int] = (960, 540), fps: float = 30.0, speed: float = 1.0, traces: Sequence[str] = (),
+    labels: bool = False, vectors: str | Sequence[str] = (), frames: bool = False, dark: bool = False,
+    ghosts: float = 0.35, title: str | None = None, model: Model | None = None,
     progress: Progress | bool | None = True,
-) -> None:
+) -> None:  # fmt: skip
     """Write a film or a picture of a motion to a file, without a browser; docs/film.md shows examples.
 
     Parameters
@@ -64,6 +56,8 @@ def save_animation(
         Frames in a second (of a .gif at most 50); seconds of the motion in a second of the film.
     vectors : str or sequence of str
         Forces and torques that are drawn: "all", "applied", or names of elements.
+    model : Model, optional
+        The mechanism that moves, for motions from files of older versions.
     progress : bool or callable, optional
         True shows a bar while a film is made; a callable takes the share that is done, and ends the work by
         returning False. Then, as after an interrupt, no file is written.
@@ -78,6 +72,7 @@ def save_animation(
     target = Path(path)
     is_still = file_kind(target) in STILLS
     _check(run, fps, speed, ghosts)
+    run = run if model is None or model == run.model else run.of_model(model)
     look = Look(view, _pixels(size), tuple(traces), labels, frames, dark, ghosts, title)
     rate = fps if target.suffix.lower() != ".gif" else min(fps, FASTEST)
     shown = _still_times(run, times) if is_still else _film_times(run, times, rate, speed)
@@ -96,10 +91,11 @@ def _scene(run: Trajectory) -> Scene:
         raise UsageError(
             Problem("film.no_model", "run", "the motion does not say which mechanism moves",
                     "its file was written by an older version, or its equations were placed by hand",
-                    "compute it again with simulate")
+                    "save_animation(run, ..., model=...) with the model it was computed from")
         )  # fmt: skip
     courses = {name: np.atleast_1d(run[name]) for name in run.coordinate_names}
-    return make_scene(run.model, run.parameters, courses)
+    scene = make_scene(run.model, run.parameters, courses)
+    return seen_along(scene, _motion_at(run, scene, np.unique(run.t)[:: max(1, run.t.size // 20)], "none"))
 
 
 def _motion_at(run: Trajectory, scene: Scene, times: Floats, vectors: str | Sequence[str]) -> SceneMotion:

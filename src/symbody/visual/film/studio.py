@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -22,11 +22,12 @@ from symbody.visual.film.annotations import (
 from symbody.visual.film.camera import View, fit_camera
 from symbody.visual.film.drawing import Drawing, Mark
 from symbody.visual.film.facets import Floats
+from symbody.visual.film.following import carried_extent, centre_of
 from symbody.visual.film.labels import Box, Offsets, named_points, place_labels
 from symbody.visual.film.layer import Grid
 from symbody.visual.film.painting import Backdrop, make_backdrop, paint
-from symbody.visual.film.palette import DARK, LIGHT, Paper
-from symbody.visual.film.stage import Stage, extent, make_stage, pose_at, stage_at
+from symbody.visual.film.palette import DARK, LIGHT, Paper, body_color
+from symbody.visual.film.stage import BodyPlaces, Stage, extent, make_stage, pose_at, stage_at
 from symbody.visual.scene.scene import Anchor, Scene, SceneMotion, VectorKind
 
 POINTS_PER_PIXEL: Final = 0.75  # 96 pixels and 72 points are an inch
@@ -83,8 +84,12 @@ class Studio:
         When traced points are where they are [s].
     traces : tuple of (M, 3) arrays
         Their places [m].
+    trace_colors : tuple of str
+        Those of their bodies.
     decimals : int
         Of printed times.
+    followed : (3,) array, optional
+        Of a mechanism that goes far, which the camera follows: where its centre of mass begins [m].
     """
 
     stage: Stage
@@ -95,7 +100,9 @@ class Studio:
     scales: dict[VectorKind, float]
     trace_times: Floats
     traces: tuple[Floats, ...]
+    trace_colors: tuple[str, ...]
     decimals: int
+    followed: Floats | None
 
     def draw(
         self, samples: Sequence[int], until: float | None = None, before: Offsets | None = None
@@ -111,12 +118,13 @@ class Studio:
         """
         poses = [pose_at(self.motion, k) for k in samples]
         instants = [stage_at(self.stage, pose) for pose in poses]
-        painted, strokes = paint(self.backdrop, instants, self.look.ghosts)
-        camera, scene, size = self.backdrop.camera, self.stage.scene, _points(self.look)
+        backdrop = self.backdrop_at(poses[-1])
+        painted, strokes = paint(backdrop, instants, self.look.ghosts)
+        camera, scene, size = backdrop.camera, self.stage.scene, _points(self.look)
         last = len(self.trace_times)
         if until is not None:
             last = int(np.searchsorted(self.trace_times, until, side="right"))
-        marks: list[Mark] = [*strokes, *trace_marks(camera, [path[:last] for path in self.traces])]
+        marks: list[Mark] = [*strokes, *trace_marks(camera, self.traces, self.trace_colors, last)]
         if self.look.frames:
             marks += frame_marks(scene, camera, poses[-1])
         for k, pose in zip(samples, poses, strict=True):
@@ -132,6 +140,15 @@ class Studio:
         stamp = time_text([float(self.motion.times[k]) for k in samples], self.decimals)
         marks += heading_marks(size, self.paper, self.look.title, stamp)
         return Drawing(size, self.paper.background, painted, tuple(marks)), offsets
+
+    def backdrop_at(self, pose: BodyPlaces) -> Backdrop:
+        """Return the ground as the camera sees it that goes along with the mechanism, if it does."""
+        before = self.backdrop
+        if self.followed is None:
+            return before
+        gone = centre_of(self.stage.scene, pose) - self.followed
+        camera = replace(before.camera, center=before.camera.center + gone)
+        return make_backdrop(self.stage, camera, before.grid, before.paper, before.tone_width)
 
 
 def _corners(size: tuple[float, float], scales: int) -> tuple[Box, ...]:
@@ -173,7 +190,9 @@ def make_studio(
     stage = make_stage(scene, motion)
     size = _points(look)
     chosen = np.unique(np.linspace(0, len(motion.times) - 1, min(len(motion.times), 120)).astype(int))
-    reach = np.concatenate([extent(stage, [pose_at(motion, k) for k in chosen]), *traces])
+    poses = [pose_at(motion, k) for k in chosen]
+    carried, followed = carried_extent(stage, poses)
+    reach = np.concatenate([extent(stage, poses), *traces]) if followed is None else carried
     margin = min(_MARGIN, _SMALL_MARGIN * min(size))
     camera = fit_camera(scene, look.view, reach[np.isfinite(reach).all(axis=1)], size, margin)
     width = round(per_pixel * look.size[0])
@@ -181,7 +200,12 @@ def make_studio(
     paper = DARK if look.dark else LIGHT
     backdrop = make_backdrop(stage, camera, grid, paper.background, tone_width)
     scales = vector_scales(motion, scene.size)
-    return Studio(stage, motion, look, paper, backdrop, scales, track.times, traces, _decimals(motion.times))
+    bodies = [body.name for body in scene.bodies]
+    colors = tuple(body_color(bodies.index(name.split(".")[0])) for name in look.traces)
+    decimals = _decimals(motion.times)
+    return Studio(
+        stage, motion, look, paper, backdrop, scales, track.times, traces, colors, decimals, followed
+    )
 
 
 def _points(look: Look) -> tuple[float, float]:

@@ -119,6 +119,15 @@ class SceneBasis:
                         points.append(at)
         return points
 
+    def loose_points(self, body: str) -> list[Floats]:
+        """Return the places of a body's frames [m] at which nothing is connected to it, in its axes."""
+        linked = {address for link in self.links for address in (link.start, link.end)}
+        return [
+            frame.at
+            for address, frame in self.frames.items()
+            if address.body == body and address.point and address not in linked
+        ]
+
 
 def scene_basis(
     model: Model, numbers: ModelNumbers, motion: Mapping[str, Floats] | None = None

@@ -31,13 +31,15 @@ _LARGEST, _SMALLEST = 0.17, 0.07
 _WIDEST, _WIDE = 0.7, 0.35
 # Massless bodies are this much thinner.
 _THIN: Final = 0.6
+# A body reaches to so many frames that nothing is connected to; more are no shape.
+_MOST_LOOSE: Final = 2
 # Points off a line, or off a plane, by this share of the extent are on it.
 _OFF: Final = 0.03
 
 
 def body_shapes(basis: SceneBasis, body: Body, is_wheel: bool = False) -> list[FixedShape]:
     """Return the default shapes of a body; of one that is drawn as a wheel no more than rods."""
-    points = basis.points(body.name)
+    points = _shape_points(basis, body)
     mass = abs(basis.numbers.number(body.mass))
     radius = basis.rod if mass else _THIN * basis.rod
     apart = [point for point in points if np.linalg.norm(point) > SAME_POINT * basis.size]
@@ -53,6 +55,18 @@ def body_shapes(basis: SceneBasis, body: Body, is_wheel: bool = False) -> list[F
         shapes += [rod(body.name, body.name, middle, np.zeros(3), _THIN * radius)]
         shapes += [ball(body.name, body.name, np.zeros(3), 2.0 * radius)]
     return shapes
+
+
+def _shape_points(basis: SceneBasis, body: Body) -> list[Floats]:
+    """Return the points that a body reaches to: where it is connected, and its few other frames."""
+    points = basis.points(body.name)
+    loose = basis.loose_points(body.name)
+    if not points or len(loose) > _MOST_LOOSE:
+        return points
+    for at in loose:
+        if all(np.linalg.norm(at - other) > SAME_POINT * basis.size for other in [np.zeros(3), *points]):
+            points.append(at)
+    return points
 
 
 def inertia_box(basis: SceneBasis, body: Body) -> tuple[tuple[float, float, float], RigidTransform]:
@@ -82,7 +96,9 @@ def _solid_of_inertia(basis: SceneBasis, body: Body) -> FixedShape:
     """Return a box of a body's inertia, or a cylinder if two of its moments are equal, or a ball."""
     edges, axes = inertia_box(basis, body)
     is_alone = all(basis.extent(other.name) == 0.0 for other in basis.model.bodies)
-    low, high = _SMALLEST * 0.3 * basis.size, (_WIDEST if is_alone else _WIDE) * basis.size
+    # Flat bodies differ in thickness: where two overlap in their plane, one is in front.
+    place = [other.name for other in basis.model.bodies].index(body.name) % 8
+    low, high = _SMALLEST * (0.3 + 0.04 * place) * basis.size, (_WIDEST if is_alone else _WIDE) * basis.size
     scale = min(1.0, high / max(edges))
     a, b, c = (max(low, scale * edge) for edge in edges)
     name = body.name

@@ -31,6 +31,8 @@ from symbody.visual.scene.scene import Anchor, Connector, ConnectorKind, Floats
 
 # Sizes in radii of rods.
 _COIL, _DAMPER, _ROPE, _ROD = 2.4, 1.3, 0.35, 0.6
+# Springs and dampers beside a guide are so far from its middle.
+_ASIDE: Final = 3.4
 # Springs of sliding joints without a free length of their own have this share of the mechanism's size.
 _COIL_LENGTH: Final = 0.45
 # Turns of a spring: as many as this times its radius fits into its length, between the two limits.
@@ -70,9 +72,34 @@ def drive_connectors(basis: SceneBasis, joint: Joint) -> list[Connector]:
         kinds = _kinds(drive.stiffness, drive.damping, Formula.of(0), drive.law)
         if name in slides and kinds:
             where, length = _foot(basis, joint, drive, slides[name], name)
-            ends = (anchor_at(basis, joint.start.body, where), anchor(basis, joint.end))
-            connectors += [_connector(basis, joint.name, kind, ends, length) for kind in kinds]
+            for kind, aside in zip(kinds, _aside(basis, joint, slides[name], len(kinds)), strict=True):
+                start = RigidTransform(where.at + basis.frames[joint.start].axes @ aside, where.axes)
+                end = basis.frames[joint.end]
+                end = RigidTransform(end.point(aside), end.axes)
+                ends = (
+                    anchor_at(basis, joint.start.body, start),
+                    anchor_at(basis, joint.end.body, end),
+                )
+                connectors.append(_connector(basis, joint.name, kind, ends, length))
     return connectors
+
+
+def _aside(basis: SceneBasis, joint: Joint, slide: Floats, count: int) -> list[Floats]:
+    """Return where springs and dampers along a guide stand, across it: on both sides where there are two.
+
+    What turns about the guide, or is alone, is on it.
+    """
+    if count < 2 or basis.freedoms[joint.name].rotations:
+        return [np.zeros(3)] * count
+    axes = basis.frame(joint.start).axes
+    gravity = basis.numbers.vector(basis.model.gravity)
+    up = axes.T @ (-gravity if np.any(gravity) else np.array([0.0, 1.0, 0.0]))
+    across = up - (up @ slide) * slide
+    if np.linalg.norm(across) < 1e-3 * np.linalg.norm(up):
+        across = np.eye(3)[int(np.argmin(np.abs(slide)))]
+        across = across - (across @ slide) * slide
+    step = _ASIDE * basis.rod * across / np.linalg.norm(across)
+    return [(1.0 - 2.0 * k / (count - 1)) * step for k in range(count)]
 
 
 def distance_connectors(basis: SceneBasis, element: Distance) -> list[Connector]:
@@ -177,9 +204,12 @@ def _feet(basis: SceneBasis, joint: Joint) -> list[FixedShape]:
     freedoms = basis.freedoms[joint.name]
     for connector in drive_connectors(basis, joint)[:1]:
         at = np.array(connector.start.at)
+        direction = basis.frames[joint.start].axes @ freedoms.slides[0]
+        frame = basis.frames[joint.start].at
+        at = frame + (at - frame) @ direction * direction
         if np.linalg.norm(at - basis.frames[joint.start].at) > basis.rod:
-            direction = basis.frames[joint.start].axes @ freedoms.slides[0]
-            edges = (7.0 * basis.rod, 7.0 * basis.rod, basis.rod)
+            wide = 12.0 if len(drive_connectors(basis, joint)) > 1 else 7.0
+            edges = (wide * basis.rod, wide * basis.rod, basis.rod)
             where = shift_frame(along(at, direction), z=-0.5 * basis.rod)
             shapes.append(fixed_shape(joint.start.body, joint.name, "box", edges, where, STEEL))
     return shapes

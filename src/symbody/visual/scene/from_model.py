@@ -132,7 +132,10 @@ def _shapes(basis: SceneBasis, given: Mapping[str, list[FixedShape]]) -> list[Fi
     shapes = [*given.get(GROUND, ()), *floor_shapes(basis)]
     for body in basis.model.bodies:
         shapes += given.get(body.name) or body_shapes(basis, body, body.name in names)
+    detailed = {name for name, own in given.items() if any(shape.mesh is not None for shape in own)}
     for joint in basis.model.joints:
+        if {joint.start.body, joint.end.body} <= detailed:
+            continue  # meshes show themselves how they are joined
         shapes += [*joint_shapes(basis, joint), *drive_shapes(basis, joint)]
     for element in basis.model.elements:
         make = _SHAPES.get(type(element))

@@ -20,6 +20,7 @@ CURVE_SHARE: Final = 1 / 300  # of a curve's range: about a pixel of its height
 _HALVING: Final = 1.0
 _LEAVING_OUT: Final = 0.7
 
+_ROUNDING: Final = 1e-12  # what a curve varies by less is no motion
 _ROUNDS: Final = 14  # halvings of an interval: a jump is not followed any further
 _FEWEST: Final = 16  # intervals at the start
 
@@ -136,7 +137,7 @@ def _errors(samples: Sampled, before: Places, after: Places, truth: Sampled, siz
     s = shares[:, np.newaxis]
     values = samples.values[before] * (1.0 - s) + samples.values[after] * s
     ranges = np.ptp(samples.values, axis=0) if samples.values.size else np.zeros(samples.values.shape[1])
-    bounds = np.where(ranges > 0.0, CURVE_SHARE * ranges, np.inf)
+    bounds = np.where(ranges > _ROUNDING, CURVE_SHARE * ranges, np.inf)
     off = np.abs(values - truth.values) / bounds
     parts = [array.max(axis=1, initial=0.0) for array in (away, turned, off)]
     errors: Floats = np.max(parts, axis=0)

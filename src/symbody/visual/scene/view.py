@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from symbody.visual.scene.basis import SceneBasis
 from symbody.visual.scene.freedoms import are_parallel
 from symbody.visual.scene.numbers import unit
-from symbody.visual.scene.scene import Floats
+from symbody.visual.scene.poses import as_point
+from symbody.visual.scene.scene import Floats, Scene, SceneMotion
 
 _ACROSS = 1e-6
 
@@ -47,6 +50,22 @@ def up_direction(gravity: Floats | None, normal: Floats | None) -> Floats:
             across = candidate if normal is None else candidate - (candidate @ normal) * normal
             return unit(across)
     return candidates[-1]
+
+
+def seen_along(scene: Scene, motion: SceneMotion) -> Scene:
+    """Return a scene of bodies without joints that move in a plane as one that is seen along its normal."""
+    if scene.joints or scene.normal is not None or not motion.positions.size:
+        return scene
+    reach = np.ptp(motion.positions.reshape(-1, len(scene.bodies) - 1, 3), axis=0).max(axis=0)
+    turns = np.abs(motion.quaternions.reshape(-1, 4)[:, 1:]).max(axis=0)
+    for k in (2, 1, 0):
+        others = [j for j in range(3) if j != k]
+        if reach[k] <= _ACROSS * scene.size and turns[others].max() <= _ACROSS and reach.max() > 0.0:
+            normal = np.eye(3)[k]
+            gravity = None if scene.gravity is None else np.array(scene.gravity)
+            up = up_direction(gravity, normal)
+            return replace(scene, normal=as_point(normal), up=as_point(up))
+    return scene
 
 
 def _common_normal(rotations: list[Floats], translations: list[Floats]) -> Floats | None:
