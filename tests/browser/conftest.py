@@ -32,7 +32,8 @@ def missing() -> str:
         return f"the package {error.name} is missing"
     if executable() is None:
         return "Chromium is missing"
-    if not (PAGES / "player.html").exists():
+    builder = REPOSITORY / "src" / "symbody" / "builder" / "pages" / "index.html"
+    if not (PAGES / "player.html").exists() or not builder.exists():
         return "the pages are not built: cd frontend && npm ci && npm run build"
     return ""
 

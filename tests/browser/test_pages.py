@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.cli.model_files import load_model
+from symbody.formats.model_files import load_model
 from tests.browser.conftest import PAGES, Surfer, wait_until
 from tests.browser.test_player import changed, pixels
 

@@ -44,10 +44,10 @@ function takeResult(kind: JobKind, job: string, of: Model, state: JobState): voi
   }
   useStore.setState({ run: null, notice: state.problems });
   if (kind === "equations") useStore.setState({ equations: { of, result }, tab: "equations" });
-  else if (kind === "simulate") {
+  else if (result["scene"] !== undefined && result["motion"] !== undefined) {
     const title = useStore.getState().document?.name ?? "";
-    useStore.setState({ simulated: { job, of, scene: result["scene"], motion: result["motion"], result, title }, showsMotion: true, tab: "curves" });
-  } else useStore.setState({ analysis: { kind, of, result }, tab: "analyses" });
+    useStore.setState({ simulated: { job, of, scene: result["scene"], motion: result["motion"], result, title }, showsMotion: true, analysisPicture: null, tab: "curves" });
+  } else useStore.setState({ analysisPicture: null, analysis: { kind, of, result }, tab: "analyses" });
   say(`${labelOfJob(kind)} finished`);
 }
 

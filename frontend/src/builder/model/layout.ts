@@ -50,7 +50,9 @@ export function automaticSpots(graph: DiagramGraph): ReadonlyMap<string, Spot> {
 }
 
 function arranged(graph: DiagramGraph): ReadonlyMap<string, Spot> {
-  const longest = Math.max(0, ...graph.edges.map((each) => 44 + 8 * each.name.length));
+  // joints that close loops say so on their badges
+  const loops = graph.edges.length >= graph.nodes.length;
+  const longest = Math.max(0, ...graph.edges.map((each) => (loops ? 90 : 44) + 8 * each.name.length));
   const plan = new Graph({ multigraph: true });
   plan.setGraph({ rankdir: "LR", nodesep: 70, ranksep: Math.max(130, 70 + longest), edgesep: 30, marginx: 40, marginy: 40 });
   plan.setDefaultEdgeLabel(() => ({}));

@@ -81,7 +81,8 @@ function JointRow({ joint, name, inside, body }: { readonly joint: Entry; readon
 /** What the joints outside the trees add, and what of it is redundant. */
 function Chords(): ReactElement | null {
   const summary = useStore((state) => state.check?.summary ?? null);
-  if (summary === null) return null;
+  const wrong = useStore((state) => state.check?.problems.some((each) => each.severity === "error") ?? false);
+  if (summary === null || wrong) return null;
   return (
     <section aria-label="Loops">
       <h3>Loops</h3>
