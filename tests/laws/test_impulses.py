@@ -111,6 +111,27 @@ def rounded_errors(
     return found
 
 
+def locks_up(
+    case: Struck, eqs: sb.EquationSet, span: tuple[float, float], at: dict[str, float], run: sb.Trajectory
+) -> bool:
+    """Whether a driven mechanism has no motion beyond the end of a run: rates grow as it comes near.
+
+    Then another integrator, with the speeds chosen anew at each step, ends there too, behind the corner.
+    """
+    other = sb.simulate(
+        eqs, span, guess=at, inputs=case.mechanism.inputs, rtol=RTOL, constraints=sb.Partition()
+    )
+    apart = abs(float(other.t[-1] - run.t[-1]))
+    grown = float(np.abs(run.u[:, -1]).max() / np.abs(sides_at(case, eqs, run)).max())
+    return not other.success and apart < 0.01 * (span[1] - case.mechanism.t) and grown > 5
+
+
+def sides_at(case: Struck, eqs: sb.EquationSet, run: sb.Trajectory) -> Array:
+    """All speeds on both sides of the corner."""
+    both = sides(eqs, case, run)
+    return np.array([both[name] for name in eqs.speed_names])
+
+
 def check(seed: int, rounded: bool) -> float | None:
     """Return the largest error as a share of what is allowed; None where there is nothing to strike."""
     case = struck(seed)
@@ -122,11 +143,12 @@ def check(seed: int, rounded: bool) -> float | None:
     t, at = start(eqs, case)
     span = (t, case.mechanism.t + BEHIND * time)
     run = sb.simulate(eqs, span, guess=at, inputs=case.mechanism.inputs, rtol=RTOL, **way)  # type: ignore[arg-type]
-    assert run.success, (seed, way, run.notes)
+    passed = run.success or locks_up(case, eqs, span, at, run)
+    assert passed, (seed, way, run.notes)
     assert any("prescribed rates jump" in note for note in run.notes), (seed, run.notes)
     share = error(case, eqs, run) / ALLOWED[kind]
     assert share < 1, (seed, way, share)
-    if rounded:
+    if rounded and run.success:
         first, second = rounded_errors(case, tree, span, at, ends(case, eqs, run))
         assert second < 0.2 * first + ALLOWED[kind] * case.speed, (seed, way, first, second)
     return share
@@ -137,8 +159,8 @@ def check_all(seeds: Iterable[int]) -> None:
     print(f"{len(shares)} struck, with at most {max(shares, default=0.0):.2g} of the errors allowed")
 
 
-# In 105 there are rows in t that always hold: their rounding is no jump.
-@pytest.mark.parametrize("seed", [0, 6, 9, 11, 105])
+# In 105 there are rows in t that always hold: their rounding is no jump. 146 locks up behind the corner.
+@pytest.mark.parametrize("seed", [0, 6, 9, 11, 105, 146])
 def test_speeds_jump_by_what_the_joints_transmit(seed: int) -> None:
     check_all([seed])
 
