@@ -20,6 +20,7 @@ from benchmarks import (
     motion,
     nodes,
     operations,
+    pages,
     robots,
     sweep,
     trajectories,
@@ -41,6 +42,7 @@ BENCHMARKS: Final[Mapping[str, Callable[[Settings], Iterator[Table]]]] = Mapping
         "operations": operations.tables,
         "robots": robots.tables,
         "sweep": sweep.tables,
+        "pages": pages.tables,
     }
 )
 
