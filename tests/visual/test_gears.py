@@ -192,3 +192,11 @@ def test_wheels_on_crossing_axes_are_cones_with_one_tip(ratio: float, height: fl
         assert math.isclose((phases[0] - phases[1]) % 1.0, 0.5, abs_tol=1e-6)
         assert math.isclose(numbers[1] / numbers[0], abs(ratio))
         assert math.isclose(np.linalg.norm(centres[0]) / np.linalg.norm(centres[1]), abs(ratio))
+
+
+@pytest.mark.parametrize("teeth", [6, 9, 16, 30, 41, 80])
+def test_outlines_turn_on_round_the_centre(teeth: int) -> None:
+    """Seen from the centre every side has a width, so that no triangle of a face is a line: each would show an edge."""
+    x, y = gear_outline(1.0, teeth).T
+    angles = np.unwrap(np.arctan2(y, x))
+    assert (np.diff(np.append(angles, angles[0] + 2 * math.pi)) > 1e-3 / teeth).all()

@@ -47,7 +47,8 @@ def gear_outline(
     half = (1.0 - backlash) * math.pi / (2 * teeth) + _involute(PRESSURE_ANGLE) - _involute(pressure)
     half = np.maximum(half, 0.02 * math.pi / teeth)
     if root < base:
-        radii, half = np.r_[root, radii], np.r_[half[0], half]
+        # A foot a little wider: seen from the centre no part of the outline is a point.
+        radii, half = np.r_[root, radii], np.r_[half[0] + 0.04 * math.pi / teeth, half]
     flank_radii, angles = np.r_[radii, radii[::-1]], np.r_[-half, half[::-1]]
     centres = 2.0 * math.pi / teeth * np.arange(teeth)
     all_angles = (centres[:, np.newaxis] + angles).ravel()
