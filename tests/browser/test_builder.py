@@ -108,9 +108,9 @@ def test_a_slider_crank_is_built_with_the_mouse(visit: Any) -> None:
         builder.fill("Mass", mass)
         for label in ("xx", "yy", "zz"):
             builder.fill(f"Inertia {label}", inertia if label == "zz" and inertia else "0")
-        for frame, place in frames.items():
+        for place_of_row, (frame, place) in enumerate(frames.items()):
             builder.press_button("Add a frame")
-            row = page.get_by_test_id("properties").locator(".map-row").last.locator("input")
+            row = page.get_by_test_id("properties").locator(".map-row").nth(place_of_row).locator("input")
             row.first.fill(frame)
             row.first.press("Enter")
             builder.fill(f"{frame} at x", place)
@@ -134,9 +134,9 @@ def test_a_slider_crank_is_built_with_the_mouse(visit: Any) -> None:
     builder.fill("Applied", "F")
     builder.wait_checked()
     page.locator(".react-flow__pane").click(position={"x": 20, "y": 20})
-    for name, value in INITIAL.items():
+    for number, (name, value) in enumerate(INITIAL.items()):
         builder.press_button("Add an initial value")
-        row = page.get_by_test_id("initial").locator(".table-row").last.locator("input")
+        row = page.get_by_test_id("initial").locator(".table-row").nth(number).locator("input")
         row.nth(0).fill(name)
         row.nth(1).fill(value)
         row.nth(1).press("Enter")

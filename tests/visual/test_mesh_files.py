@@ -48,6 +48,7 @@ def test_stl_in_bytes(tmp_path: Path) -> None:
     assert np.allclose(read_mesh(path).vertices.max(axis=0), (1, 2, 0))
 
 
+@pytest.mark.filterwarnings("ignore:Setting the shape on a NumPy array:DeprecationWarning")  # in pycollada
 @pytest.mark.parametrize("suffix", ["stl", "obj", "glb", "gltf", "dae"])
 def test_formats(suffix: str, tmp_path: Path) -> None:
     if suffix == "dae":

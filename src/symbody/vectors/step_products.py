@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from itertools import count
+from typing import Any
 
 from symbody.expr.graph import Graph
 from symbody.vectors.matrix import Matrix, identity, product, transpose
@@ -32,6 +33,14 @@ class StepProducts:
         self._steps: dict[int, RotationStep] = {}
         self._merged: dict[tuple[int, int], Word | None] = {}
         self._matrices: dict[Word, Matrix] = {(): identity(graph)}
+
+    def __getstate__(self) -> tuple[object, ...]:
+        """Return what a copy needs; a counter cannot be pickled from Python 3.14 on."""
+        return self._graph, self._codes, self._steps, self._merged, self._matrices
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        self._graph, self._codes, self._steps, self._merged, self._matrices = state
+        self._next = count(max(self._steps, default=0) + 1)
 
     def word(self, rotation: Rotation) -> Word:
         """Return the codes of the steps of a rotation, identities left out."""
