@@ -46,8 +46,8 @@ def test_an_exported_notebook_works_without_a_network(surfer: Surfer) -> None:
     assert page.locator("math").count() > 0  # the equations, which browsers draw by themselves
     image = page.locator(".jp-OutputArea-output img, .jp-OutputArea-output svg").first
     assert image.bounding_box()["width"] > 200
-    frame = next(frame for frame in page.frames if frame.url == "about:srcdoc")
     page.locator("iframe").scroll_into_view_if_needed()  # what is out of sight is not drawn
+    frame = page.locator("iframe").element_handle().content_frame()
     frame.wait_for_selector("canvas")
     wait_until(frame, "window.symbodyPlayer !== undefined")
     frame.evaluate("symbodyPlayer.setPlaying(false)")
