@@ -116,7 +116,8 @@ def _refuse(
     except TypeError:  # one is missing, or there are too many: Python tells
         return
     problems = []
-    label = label or function.__qualname__.removesuffix(".__init__")
+    is_constructor = function.__name__ == "__init__" and bool(given)
+    label = label or (type(given[0]).__name__ if is_constructor else function.__qualname__)
     for name, value in bound.items():
         if names is None or name in names:
             hint = _hint(function, name)

@@ -60,9 +60,36 @@ class Box(BodyShape):
         return tuple((f"size[{k}]", edge) for k, edge in enumerate(self.size))
 
 
+@dataclass(frozen=True, slots=True, init=False)
+class RoundShape(BodyShape):
+    """A shape about its z axis, given by a radius and a length [m]."""
+
+    radius: Formula
+    length: Formula
+
+    @checked_arguments
+    def __init__(
+        self,
+        radius: Value,
+        length: Value,
+        at: Iterable[Value] = (0, 0, 0),
+        rotate: Turns = (),
+        matrix: Rows | None = None,
+        color: str = "",
+        opacity: Value = 1,
+    ) -> None:
+        sizes = {"radius": (Door.formula, radius), "length": (Door.formula, length)}
+        set_shape(self, sizes, at, rotate, matrix, color, opacity)
+
+    @property
+    def lengths(self) -> tuple[tuple[str, Formula], ...]:
+        """Radius and length."""
+        return (("radius", self.radius), ("length", self.length))
+
+
 @final
 @dataclass(frozen=True, slots=True, init=False)
-class Cylinder(BodyShape):
+class Cylinder(RoundShape):
     """A cylinder about its z axis.
 
     Parameters
@@ -86,32 +113,10 @@ class Cylinder(BodyShape):
         With everything that is not a formula or a colour.
     """
 
-    radius: Formula
-    length: Formula
-
-    @checked_arguments
-    def __init__(
-        self,
-        radius: Value,
-        length: Value,
-        at: Iterable[Value] = (0, 0, 0),
-        rotate: Turns = (),
-        matrix: Rows | None = None,
-        color: str = "",
-        opacity: Value = 1,
-    ) -> None:
-        sizes = {"radius": (Door.formula, radius), "length": (Door.formula, length)}
-        set_shape(self, sizes, at, rotate, matrix, color, opacity)
-
-    @property
-    def lengths(self) -> tuple[tuple[str, Formula], ...]:
-        """Radius and length."""
-        return (("radius", self.radius), ("length", self.length))
-
 
 @final
 @dataclass(frozen=True, slots=True, init=False)
-class Capsule(BodyShape):
+class Capsule(RoundShape):
     """A cylinder about its z axis with half a sphere on each end.
 
     Parameters
@@ -135,32 +140,10 @@ class Capsule(BodyShape):
         With everything that is not a formula or a colour.
     """
 
-    radius: Formula
-    length: Formula
-
-    @checked_arguments
-    def __init__(
-        self,
-        radius: Value,
-        length: Value,
-        at: Iterable[Value] = (0, 0, 0),
-        rotate: Turns = (),
-        matrix: Rows | None = None,
-        color: str = "",
-        opacity: Value = 1,
-    ) -> None:
-        sizes = {"radius": (Door.formula, radius), "length": (Door.formula, length)}
-        set_shape(self, sizes, at, rotate, matrix, color, opacity)
-
-    @property
-    def lengths(self) -> tuple[tuple[str, Formula], ...]:
-        """Radius and length."""
-        return (("radius", self.radius), ("length", self.length))
-
 
 @final
 @dataclass(frozen=True, slots=True, init=False)
-class Cone(BodyShape):
+class Cone(RoundShape):
     """A cone about its z axis, to which it points.
 
     Parameters
@@ -183,28 +166,6 @@ class Cone(BodyShape):
     ModelError
         With everything that is not a formula or a colour.
     """
-
-    radius: Formula
-    length: Formula
-
-    @checked_arguments
-    def __init__(
-        self,
-        radius: Value,
-        length: Value,
-        at: Iterable[Value] = (0, 0, 0),
-        rotate: Turns = (),
-        matrix: Rows | None = None,
-        color: str = "",
-        opacity: Value = 1,
-    ) -> None:
-        sizes = {"radius": (Door.formula, radius), "length": (Door.formula, length)}
-        set_shape(self, sizes, at, rotate, matrix, color, opacity)
-
-    @property
-    def lengths(self) -> tuple[tuple[str, Formula], ...]:
-        """Radius and length."""
-        return (("radius", self.radius), ("length", self.length))
 
 
 @final

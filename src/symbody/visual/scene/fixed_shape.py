@@ -60,13 +60,6 @@ def mesh_shape(
     return FixedShape(body, solid, mesh)
 
 
-def line_shape(body: str, element: str, points: Floats, where: RigidTransform, color: str = "") -> FixedShape:
-    """Return a line through points (N, 3) of a frame on a body."""
-    mesh = SceneMesh(points, np.zeros((0, 3), dtype=np.int32))
-    solid = Solid(element, "line", (), where.place, where.quaternion, color=color)
-    return FixedShape(body, solid, mesh)
-
-
 def rod(body: str, element: str, start: Floats, end: Floats, radius: float, color: str = "") -> FixedShape:
     """Return a capsule whose axis ends in two points of a body."""
     length = float(np.linalg.norm(end - start))
