@@ -152,3 +152,10 @@ def _path(place: Path, key: bytes) -> Path:
 
 def _digest(key: bytes, content: bytes) -> bytes:
     return sha256(sha256(key).digest() + content).digest()
+
+
+def new_file_mode() -> int:
+    """Return the permissions that a new file gets; temporary ones are for their owner alone."""
+    mask = os.umask(0)
+    os.umask(mask)
+    return 0o666 & ~mask

@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import Final
 
 from symbody.errors import FormatError, Problem
+from symbody.storage import new_file_mode
 
 _CURES: Final = MappingProxyType(
     {
@@ -76,19 +77,13 @@ def replace_content(target: Path, content: bytes, like: Path) -> None:
         if like.exists():
             shutil.copymode(like, name)
         else:
-            os.chmod(name, 0o666 & ~_umask())
+            os.chmod(name, new_file_mode())
         os.replace(name, target)
     except BaseException:
         with contextlib.suppress(OSError):
             os.unlink(name)
         raise
     _settle(target.parent)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def _settle(folder: Path) -> None:

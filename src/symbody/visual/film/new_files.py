@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from symbody.errors import EnvironmentFault, Problem
+from symbody.storage import new_file_mode
 
 
 @contextmanager
@@ -28,18 +29,12 @@ def file_replacement(path: Path) -> Iterator[Path]:
     draft = Path(name)
     try:
         yield draft
-        draft.chmod(0o666 & ~_mask())  # drafts are for their owner alone; what is finished is like any file
+        draft.chmod(new_file_mode())
         draft.replace(path)
     except OSError as error:
         raise _unwritable(path, error) from error
     finally:
         draft.unlink(missing_ok=True)
-
-
-def _mask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def _unwritable(path: Path, error: OSError) -> EnvironmentFault:
