@@ -24,7 +24,7 @@ from symbody.builder.settings import pages_folder
 from symbody.builder.tasks.analyses import equilibrium, inverse, modes, singular_positions
 from symbody.builder.tasks.equations import equation_tabs
 from symbody.builder.tasks.exports import export_model
-from symbody.builder.tasks.formula_blocks import FormulaBlock, entry_label, rendered
+from symbody.builder.tasks.formula_blocks import FormulaBlock, entry_label, render_block
 from symbody.builder.tasks.simulation import curve_list, more_curves, simulate_model
 from symbody.builder.tasks.sweeps import sweep_parameter
 from symbody.builder.worker_process import TaskFailure
@@ -187,7 +187,7 @@ def test_what_is_too_long_is_named_part_by_part_or_counted() -> None:
     node = graph.symbol(Symbol("x"))
     for k in range(12_000):
         node = graph.node(SIN, graph.node(ADD, node, graph.constant(k + 1)))
-    long = rendered(graph, FormulaBlock("f", (node,), (entry_label("f", 1),)), "")
+    long = render_block(graph, FormulaBlock("f", (node,), (entry_label("f", 1),)), "")
     assert long["mathml"] is None and long["latex"] is None and long["characters"] > 20_000
 
 

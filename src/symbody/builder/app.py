@@ -147,7 +147,7 @@ def _adopt(request: asked.AdoptRequest, builder: Builder) -> Answer:
 
 
 @api.post("/changed")
-def _changed(request: asked.ChangedRequest, builder: Builder) -> Answer:
+def _compare_file(request: asked.ChangedRequest, builder: Builder) -> Answer:
     return builder.documents.changed(request.document, request.fingerprint)
 
 

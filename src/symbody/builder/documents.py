@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from symbody.builder.model_text import Opened, data_from_text, text_from_data
 from symbody.builder.page_problems import page_notes
-from symbody.builder.paths import contained, with_ending
+from symbody.builder.paths import contained_path, with_ending
 from symbody.builder.refusal import refusal
 from symbody.builder.requests import OpenRequest, SaveRequest
 from symbody.builder.settings import BuilderSettings
@@ -92,17 +92,17 @@ class Documents:
         return ways[word](value)
 
     def _open_path(self, path: str) -> Answer:
-        real = contained(path, self._settings.roots)
+        real = contained_path(path, self._settings.roots)
         if real.suffix.lower() in _URDF:
             return self._open_urdf(path)
         with_ending(real, _TOML)
         content = read_bytes(real)
-        opened = data_from_text(_decoded(content, str(real)), real.name)
+        opened = data_from_text(_decode(content, str(real)), real.name)
         self._remember(str(real))
         return self._answer(Document(str(real), real.stem), opened, fingerprint(content))
 
     def _open_urdf(self, path: str) -> Answer:
-        real = with_ending(contained(path, self._settings.roots), _URDF)
+        real = with_ending(contained_path(path, self._settings.roots), _URDF)
         return self._answer(Document(None, real.stem), _from_model(load_urdf(real)))
 
     def _open_example(self, name: str) -> Answer:
@@ -116,7 +116,7 @@ class Documents:
         path = entry.get("path") if isinstance(entry.get("path"), str) else None
         mark = None
         if path is not None:
-            real = contained(path, self._settings.roots)
+            real = contained_path(path, self._settings.roots)
             mark = fingerprint(read_bytes(real)) if real.is_file() else None
         opened = Opened(entry["data"], None, [])
         return self._answer(Document(path, str(entry.get("name"))), opened, mark, draft)
@@ -149,7 +149,7 @@ class Documents:
             If it cannot be written.
         """
         document = self._document(request.document)
-        real = with_ending(contained(request.path, self._settings.roots), _TOML)
+        real = with_ending(contained_path(request.path, self._settings.roots), _TOML)
         old = read_bytes(real) if real.exists() else None
         mark = None if old is None else fingerprint(old)
         is_same = mark == request.fingerprint and document.path in (None, str(real), request.path)
@@ -183,7 +183,7 @@ class Documents:
         if path is None:
             return {"changed": False}
         try:
-            return {"changed": fingerprint(read_bytes(contained(path, self._settings.roots))) != mark}
+            return {"changed": fingerprint(read_bytes(contained_path(path, self._settings.roots))) != mark}
         except SymbodyError:  # it was moved or deleted
             return {"changed": True}
 
@@ -203,14 +203,14 @@ class Documents:
 
     def examples(self) -> Answer:
         """Return the examples with a title and a sentence each."""
-        return {"examples": [_described(path) for path in self._examples()]}
+        return {"examples": [_describe(path) for path in self._examples()]}
 
     def folder(self, path: str) -> Answer:
         """Return the folders and model files in a folder inside the roots."""
-        real = contained(path or str(self._settings.roots[-1]), self._settings.roots)
+        real = contained_path(path or str(self._settings.roots[-1]), self._settings.roots)
         try:
             with os.scandir(real) as entries:
-                listed = [entry for entry in map(_listed, entries) if entry][:_MOST_ENTRIES]
+                listed = [entry for entry in map(_folder_entry, entries) if entry][:_MOST_ENTRIES]
         except OSError as error:
             raise FormatError(
                 Problem("builder.folder", str(real), f"the folder cannot be read: {error.strerror}",
@@ -242,7 +242,7 @@ class Documents:
             If its path lies outside the roots.
         """
         UserState.check_identifier(identifier)
-        real = None if path is None else str(contained(path, self._settings.roots))
+        real = None if path is None else str(contained_path(path, self._settings.roots))
         with self._lock:
             self._open.setdefault(identifier, Document(real, name))
         return {}
@@ -289,7 +289,7 @@ def read_bytes(path: Path) -> bytes:
         ) from None  # fmt: skip
 
 
-def _decoded(content: bytes, where: str) -> str:
+def _decode(content: bytes, where: str) -> str:
     try:
         return content.decode("utf-8")
     except UnicodeDecodeError as error:
@@ -316,7 +316,7 @@ def _example(path: Path) -> Opened:
     return data_from_text(path.read_text(encoding="utf-8"), path.name)
 
 
-def _described(path: Path) -> dict[str, str]:
+def _describe(path: Path) -> dict[str, str]:
     title, summary = path.stem.replace("_", " "), "A robot from a URDF file"
     if path.suffix == ".toml":
         lines = path.read_text(encoding="utf-8").splitlines()
@@ -327,7 +327,7 @@ def _described(path: Path) -> dict[str, str]:
     return {"name": path.stem, "title": title, "summary": summary}
 
 
-def _listed(entry: os.DirEntry[str]) -> dict[str, str] | None:
+def _folder_entry(entry: os.DirEntry[str]) -> dict[str, str] | None:
     if entry.name.startswith("."):
         return None
     try:

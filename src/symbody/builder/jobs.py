@@ -98,18 +98,18 @@ class Jobs:
     def state(self, job: str, seen: int) -> dict[str, Any]:
         """Return the state of a job: when it is newer than the one seen, or after a second."""
         with self._news:
-            self._known(job)
+            self._find_job(job)
             self._news.wait_for(lambda: job not in self._states or self._states[job].version > seen, _WAIT)
-            return self._known(job).answer()
+            return self._find_job(job).answer()
 
     def cancel(self, job: str) -> dict[str, Any]:
         """End a job at once; one that has ended stays as it is."""
         with self._news:
-            state = self._known(job)
+            state = self._find_job(job)
             if state.state == "running":
                 self._put(job, replace(state, state="cancelled", ended=time.monotonic()))
                 self._workers.pop(job).kill()
-            return self._known(job).answer()
+            return self._find_job(job).answer()
 
     def ask(self, job: str, task: str, payload: Payload) -> Any:
         """Return what a task returns in the process of a finished run, which holds the run.
@@ -122,7 +122,7 @@ class Jobs:
             If the task fails.
         """
         with self._news:
-            self._known(job)
+            self._find_job(job)
             worker = self._workers.get(job)
             if worker is None or self._states[job].state != "done":
                 raise refusal(
@@ -205,7 +205,7 @@ class Jobs:
             if worker is not None:
                 worker.kill()
 
-    def _known(self, job: str) -> JobState:
+    def _find_job(self, job: str) -> JobState:
         state = self._states.get(job)
         if state is None:
             raise refusal("builder.unknown_job", job[:40], "there is no such job", fix="start it again")

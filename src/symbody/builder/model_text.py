@@ -149,14 +149,14 @@ def _says(whole: Node | None, part: Node, before: Node | None) -> bool:
         old = before if isinstance(before, dict) else {}
         return all(_says(whole.get(key), node, old.get(key)) for key, node in part.items())
     if isinstance(whole, list) and isinstance(part, list):
-        old_entries = _named(before)
+        old_entries = _by_name(before)
         return len(whole) == len(part) and all(
             _says(each, node, old_entries.get(_name(node))) for each, node in zip(whole, part, strict=True)
         )
     return whole == part
 
 
-def _named(nodes: Node | None) -> dict[str, Node]:
+def _by_name(nodes: Node | None) -> dict[str, Node]:
     return {_name(node): node for node in nodes if _name(node)} if isinstance(nodes, list) else {}
 
 

@@ -17,7 +17,7 @@ _DEVICES: Final = frozenset(
 _LONGEST: Final = 4096
 
 
-def contained(path: str, roots: Sequence[Path]) -> Path:
+def contained_path(path: str, roots: Sequence[Path]) -> Path:
     """Return a path with all links followed.
 
     Raises

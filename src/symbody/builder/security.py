@@ -61,24 +61,24 @@ class LocalOnly:
         if scope["type"] == "lifespan":
             await self._application(scope, receive, send)
             return
-        guarded = _with_headers(send)
+        send_guarded = _with_headers(send)
         if scope["type"] != "http":
-            await guarded({"type": "websocket.close", "code": 1008})
+            await send_guarded({"type": "websocket.close", "code": 1008})
             return
         headers = {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
         repeated = len(headers) < len(scope["headers"]) and _repeats(scope, b"host")
-        refused = (400, "several Host headers") if repeated else self._refused(scope, headers)
+        refused = (400, "several Host headers") if repeated else self._refusal_of(scope, headers)
         if refused is not None:
             await self._drain(receive)
-            await _refuse(guarded, *refused)
+            await _refuse(send_guarded, *refused)
             return
         content = await self._content(receive, headers) if scope["method"] == "POST" else b""
         if isinstance(content, tuple):
-            await _refuse(guarded, *content)
+            await _refuse(send_guarded, *content)
             return
-        await self._application(scope, _replay(content, receive), guarded)
+        await self._application(scope, _replay(content, receive), send_guarded)
 
-    def _refused(self, scope: Scope, headers: dict[str, str]) -> tuple[int, str] | None:
+    def _refusal_of(self, scope: Scope, headers: dict[str, str]) -> tuple[int, str] | None:
         """Return the status and the reason of a refusal by what stands in front of the body."""
         if headers.get("host", "").lower() not in self._settings.hosts:
             return 403, "the Host header names another computer"
@@ -93,9 +93,9 @@ class LocalOnly:
             )
         if scope["method"] != "POST":
             return 405, f"the method {scope['method'][:20]} is not answered"
-        return self._refused_post(headers, site)
+        return self._refusal_of_post(headers, site)
 
-    def _refused_post(self, headers: dict[str, str], site: str) -> tuple[int, str] | None:
+    def _refusal_of_post(self, headers: dict[str, str], site: str) -> tuple[int, str] | None:
         if site not in ("same-origin", "none"):
             return 403, "the request comes from another page"
         if headers.get("content-type", "").split(";")[0].strip().lower() != "application/json":
@@ -173,7 +173,7 @@ def _replay(content: bytes, receive: Receive) -> Receive:
 
 
 def _with_headers(send: Send) -> Send:
-    async def guarded(message: Message) -> None:
+    async def send_guarded(message: Message) -> None:
         if message["type"] == "http.response.start":
             present = {name.lower() for name, _ in message.get("headers", ())}
             added = [(name, value) for name, value in _HEADERS if name not in present]
@@ -182,7 +182,7 @@ def _with_headers(send: Send) -> Send:
             message["headers"] = [*message.get("headers", ()), *added]
         await send(message)
 
-    return guarded
+    return send_guarded
 
 
 async def _refuse(send: Send, status: int, what: str) -> None:

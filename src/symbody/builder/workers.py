@@ -159,7 +159,7 @@ class NewestOnly:
             while self._is_busy:
                 self._free.wait()
                 if self._newest[key] != ticket:
-                    raise _superseded()
+                    raise _superseded_error()
             self._is_busy = True
         begun = time.monotonic()
 
@@ -173,7 +173,7 @@ class NewestOnly:
             return self._worker.run(task, payload, is_over=is_over)
         except TimeoutError:
             if self._newest[key] != ticket:
-                raise _superseded() from None
+                raise _superseded_error() from None
             raise refusal(
                 "builder.time_limit",
                 task,
@@ -187,7 +187,7 @@ class NewestOnly:
                 self._free.notify_all()
 
 
-def _superseded() -> Exception:
+def _superseded_error() -> Exception:
     return refusal("builder.superseded", "", "a newer request took the place of this one")
 
 

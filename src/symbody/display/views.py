@@ -107,12 +107,12 @@ def _course(values: NDArray[np.float64]) -> tuple[str, ...]:
 
 def _state(state: State) -> str:
     title = f"{type(state).__name__} of {state.eqs.model.name!r} at t = {number(state.t)} s"
-    parts = [table(("", "value", "unit"), _valued(state))]
+    parts = [table(("", "value", "unit"), _state_rows(state))]
     parts.append(paragraph(f"largest open constraint: {state.residual:.2g}"))
     return page(title, *parts)
 
 
-def _valued(state: State) -> Iterator[tuple[str, str, str]]:
+def _state_rows(state: State) -> Iterator[tuple[str, str, str]]:
     for values in (state.q, state.u):
         for name, value in values.items():
             yield symbol(name), number(value), unit_shown(state.eqs.units.get(name, ""))
@@ -124,20 +124,20 @@ def _equilibrium(state: Equilibrium) -> str:
         title += f": {state.verdict}"
     except SymbodyError:  # no linear equations here
         title += ": its stability is not known"
-    return page(title, table(("", "value", "unit"), _valued(state)), notes(state.notes))
+    return page(title, table(("", "value", "unit"), _state_rows(state)), notes(state.notes))
 
 
 def _linearization(linear: Linearization) -> str:
     title = f"Linearization of {linear.at.eqs.model.name!r}: {linear.verdict}"
     matrix = Markup()
     if 0 < len(linear.state_names) <= _MOST_STATES:
-        rows = [[f"<mn>{_signed(value)}</mn>" for value in row] for row in linear.A]
+        rows = [[f"<mn>{_signed_number(value)}</mn>" for value in row] for row in linear.A]
         matrix = Markup(math_element(f"<mi>A</mi><mo>=</mo>{mathml_matrix(rows)}", block=True))
     states = paragraph(Markup(f"states {_symbols(linear.state_names)}"))
     return page(title, _modes(linear.modes), states, matrix, notes(linear.notes))
 
 
-def _signed(value: float) -> str:
+def _signed_number(value: float) -> str:
     return f"{value:.5g}".replace("-", "\u2212")
 
 

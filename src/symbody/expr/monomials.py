@@ -28,18 +28,18 @@ def monomials(graph: Graph, nodes: Sequence[int]) -> dict[int, Monomials]:
     values = fingerprints(graph, reached)
     expanded: dict[int, Monomials] = {}
     for node in reached:
-        made = _expanded(graph, node, values, expanded)
+        made = _expand(graph, node, values, expanded)
         expanded[node] = made if len(made) <= MOST else _atom(values[node])
     return {node: expanded[node] for node in nodes}
 
 
-def _expanded(graph: Graph, node: int, values: dict[int, Pair], expanded: dict[int, Monomials]) -> Monomials:
+def _expand(graph: Graph, node: int, values: dict[int, Pair], expanded: dict[int, Monomials]) -> Monomials:
     number = graph.number(node)
     if number is not None:
         return {_ONE: Fraction(number)} if number else {}
     op, operands = graph.ops[node], graph.operands(node)
     if op in (ADD, SUB):
-        return _added(expanded[operands[0]], expanded[operands[1]], 1 if op == ADD else -1)
+        return _add(expanded[operands[0]], expanded[operands[1]], 1 if op == ADD else -1)
     if op == NEG:
         return {pair: -factor for pair, factor in expanded[operands[0]].items()}
     if op == MUL:
@@ -75,7 +75,7 @@ def _whole(value: Pair) -> Monomials:
     return _atom(value) if any(value) else {}
 
 
-def _added(left: Monomials, right: Monomials, sign: int) -> Monomials:
+def _add(left: Monomials, right: Monomials, sign: int) -> Monomials:
     result = dict(left)
     for pair, factor in right.items():
         total = result.get(pair, Fraction(0)) + sign * factor

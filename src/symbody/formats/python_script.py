@@ -143,18 +143,18 @@ def _text(value: str) -> str:
 
 
 def _mapping(items: Mapping[str, str]) -> str:
-    return _broken("{", [f"{_text(name)}: {value}" for name, value in items.items()], "}")
+    return _break_lines("{", [f"{_text(name)}: {value}" for name, value in items.items()], "}")
 
 
 def _list(items: Iterable[str]) -> str:
-    return _broken("[", list(items), "]")
+    return _break_lines("[", list(items), "]")
 
 
 def _call(name: str, arguments: list[str]) -> str:
-    return _broken(f"{name}(", arguments, ")")
+    return _break_lines(f"{name}(", arguments, ")")
 
 
-def _broken(opening: str, parts: list[str], closing: str) -> str:
+def _break_lines(opening: str, parts: list[str], closing: str) -> str:
     """Return parts in brackets: in one line, or a line each where that is too long."""
     line = opening + ", ".join(parts) + closing
     if len(line) <= _WIDTH and "\n" not in line:

@@ -18,7 +18,7 @@ from symbody.expr.expression import Expr, cos, sin, sqrt
 from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.expr.printing.latex import to_latex
 from symbody.expr.printing.mathml import mathml_name, to_mathml, to_mathml_with_definitions
-from symbody.expr.printing.mathml_tables import broken, math_element, mathml_equations, mathml_matrix
+from symbody.expr.printing.mathml_tables import break_rows, math_element, mathml_equations, mathml_matrix
 from tests.expr.printing.test_latex import Names
 from tests.expr.strategies import Sample, both_tiers, built, samples
 
@@ -121,7 +121,7 @@ def test_long_equations_are_broken_at_their_terms() -> None:
     terms = [getattr(names, f"k_{k}") * names.x for k in range(40)]
     total = sum(terms[1:], terms[0])
     formula = to_mathml(names.graph, total.index)
-    rows = broken(formula, 30)
+    rows = break_rows(formula, 30)
     assert len(rows) > 3
     assert sum(counted(row)["mo"] for row in rows) == counted(formula)["mo"]
     assert all(parsed(row)[1].text == "+" for row in rows[1:])

@@ -25,7 +25,7 @@ from symbody.builder.tasks.options import (
 )
 from symbody.builder.tasks.placement import placed_motion, scene_bodies
 from symbody.builder.tasks.reading import complete_model
-from symbody.builder.tasks.simulation import drawn, run_verdict
+from symbody.builder.tasks.simulation import draw_run, run_verdict
 from symbody.builder.worker_process import Report
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
@@ -135,10 +135,10 @@ def _swing(mode: Mode, linear: Linearization, state: State, scene: Scene) -> Sce
         except SymbodyError:
             return None
         frames.append(placed_motion(eqs, near.q, scene_bodies(eqs.model)))
-    return joined(frames, times)
+    return join_motions(frames, times)
 
 
-def joined(frames: Sequence[SceneMotion], times: Any) -> SceneMotion:
+def join_motions(frames: Sequence[SceneMotion], times: Any) -> SceneMotion:
     """Return motions of one sample each as one motion."""
     positions = np.concatenate([frame.positions for frame in frames])
     quaternions = np.concatenate([frame.quaternions for frame in frames])
@@ -163,7 +163,7 @@ def singular_positions(payload: Mapping[str, Any], report: Report) -> Answer:
                 "joint": place.joint,
                 "limits": dict(place.limits),
                 "text": str(place),
-                "picture": _placed(eqs, place.q),
+                "picture": _state_answer(eqs, place.q),
             }
             for place in places[:40]
         ],
@@ -178,7 +178,7 @@ def inverse(payload: Mapping[str, Any], report: Report) -> Answer:
     times = np.linspace(0.0, options.t_end, options.samples)
     run = inverse_dynamics(eqs, options.motion, options.unknowns, times)
     report("drawing", None)
-    finished = drawn(run, eqs, "none", tuple(options.unknowns))
+    finished = draw_run(run, eqs, "none", tuple(options.unknowns))
     return {
         "scene": scene_to_json(finished.scene),
         "motion": motion_to_json(finished.motion),
@@ -199,7 +199,7 @@ def _still(state: State) -> Answer:
     return {"scene": scene_to_json(_scene(state)), "motion": motion_to_json(motion)}
 
 
-def _placed(eqs: EquationSet, values: Mapping[str, float]) -> Answer | None:
+def _state_answer(eqs: EquationSet, values: Mapping[str, float]) -> Answer | None:
     try:
         return _still(assemble(eqs, guess=values))
     except SymbodyError:  # at the edge of what closes

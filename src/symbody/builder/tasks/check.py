@@ -94,7 +94,7 @@ def _understood(read: ReadModel, data: Data, folder: str) -> Checked:
     if not model.bodies:
         what, cure = "there is no body yet", "drag a body from the palette, or double-click the diagram"
         return Checked(None, None, [page_problem(Problem("builder.empty", "", what, fix=cure), data, "note")])
-    return _formed(model, data, model_key(data, folder))
+    return _check_formed(model, data, model_key(data, folder))
 
 
 # Where equations are missing, the page finds the same keys.
@@ -109,7 +109,7 @@ _NO_EQUATIONS: Final[Mapping[str, Any]] = {
 }
 
 
-def _formed(model: Model, data: Data, key: str) -> Checked:
+def _check_formed(model: Model, data: Data, key: str) -> Checked:
     try:
         eqs = form_equations(model, time_limit=_FORMING)
         summary = equation_summary(eqs)
@@ -121,11 +121,11 @@ def _formed(model: Model, data: Data, key: str) -> Checked:
         return Checked(summary, solver.positions({}, {}), notes, eqs)
     except SymbodyError as error:
         valueless = [name for name, value in model.parameters.items() if value is None]
-        faults = [_unvalued(name, data) for name in valueless] or page_problems(error.problems, data)
+        faults = [_missing_value(name, data) for name in valueless] or page_problems(error.problems, data)
         return Checked(summary, None, [*faults, *notes], eqs)
 
 
-def _unvalued(name: str, data: Data) -> PageProblem:
+def _missing_value(name: str, data: Data) -> PageProblem:
     problem = Problem(
         "builder.no_value", f"#/parameters/{name}", f"{name} has no value", "it is drawn as if it were 1",
         "give it one to see the mechanism assembled, and to simulate"

@@ -14,7 +14,7 @@ from symbody.builder.tasks.formula_blocks import (
     Label,
     entry_label,
     number_block,
-    rendered,
+    render_block,
 )
 from symbody.builder.tasks.options import EquationOptions, read_options
 from symbody.builder.tasks.reading import complete_model
@@ -94,7 +94,7 @@ def equation_tabs(payload: Mapping[str, Any], report: Report) -> Answer:
 
 def _tab(eqs: EquationSet, name: str, make: Callable[[], list[FormulaBlock]]) -> Answer:
     try:
-        blocks = [rendered(eqs.formed.graph, block, _c_code(eqs, block.output)) for block in make()]
+        blocks = [render_block(eqs.formed.graph, block, _c_code(eqs, block.output)) for block in make()]
         return {"name": name, "blocks": blocks, "note": "" if blocks else _NOTHING.get(name, "")}
     except SymbodyError as error:  # too long to be written out, or not there for this mechanism
         blocks = _numbers(eqs) if name == "Linearization" else []
@@ -160,7 +160,7 @@ def _with_sources(eqs: EquationSet, data: Mapping[str, Any], folder: str) -> Ans
     rows = range(len(eqs.speed_names))
     spans = tuple({node: marks[i, node] for i, node in sources if i == row} for row in rows)
     block = _motion_block(eqs, spans if sources else ())
-    shown = rendered(eqs.formed.graph, block, _c_code(eqs, block.output))
+    shown = render_block(eqs.formed.graph, block, _c_code(eqs, block.output))
     listed = [{"span": marks[term], "elements": names} for term, names in sources.items()]
     return {**shown, "sources": listed}
 

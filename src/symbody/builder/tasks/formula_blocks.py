@@ -99,7 +99,7 @@ def number_block(title: str, symbol: str, rows: Sequence[Sequence[float]]) -> Bl
     }
 
 
-def rendered(graph: Graph, block: FormulaBlock, c_code: str) -> Block:
+def render_block(graph: Graph, block: FormulaBlock, c_code: str) -> Block:
     """Return a block as the page shows it; what is too long has its number of characters only."""
     nodes = [*block.nodes, *(label for label in block.labels if isinstance(label, int))]
     result: Block = {"title": block.title, "mathml": None, "latex": None, "sympy": None, "c": c_code,

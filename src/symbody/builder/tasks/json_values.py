@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import base64
 import math
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
+
+from symbody.visual.scene.json_form import encode_array
 
 
 def finite(value: float) -> float | None:
@@ -22,11 +22,6 @@ def finite_values(values: Mapping[str, float]) -> dict[str, float | None]:
     return {name: finite(value) for name, value in values.items()}
 
 
-def encoded(values: ArrayLike, kind: str = "<f4") -> str:
-    """Return an array as the page decodes it: base64 of single precision, little-endian."""
-    return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")
-
-
 def curve(name: str, unit: str, values: ArrayLike) -> dict[str, Any]:
     """Return a curve as motions hold it."""
-    return {"name": name, "unit": unit, "values": encoded(values)}
+    return {"name": name, "unit": unit, "values": encode_array(values)}

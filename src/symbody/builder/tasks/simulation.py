@@ -82,7 +82,7 @@ def simulate_model(payload: Mapping[str, Any], report: Report) -> Answer:
         progress=PipeProgress(report, "integrating"),
     )
     report("drawing", None)
-    finished = drawn(run, eqs, options.vectors or None)
+    finished = draw_run(run, eqs, options.vectors or None)
     _FINISHED[:] = [finished]
     return {
         "scene": scene_to_json(finished.scene),
@@ -93,7 +93,9 @@ def simulate_model(payload: Mapping[str, Any], report: Report) -> Answer:
     }
 
 
-def drawn(run: Trajectory, eqs: EquationSet, vectors: str | None, extra: tuple[str, ...] = ()) -> FinishedRun:
+def draw_run(
+    run: Trajectory, eqs: EquationSet, vectors: str | None, extra: tuple[str, ...] = ()
+) -> FinishedRun:
     """Return a motion with its picture; `extra` are curves beside coordinates and speeds."""
     courses = {name: run[name] for name in eqs.coordinate_names}
     scene = make_scene(eqs.model, motion=courses)

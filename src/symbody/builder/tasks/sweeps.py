@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from symbody.builder.tasks.json_values import curve, encoded, finite
+from symbody.builder.tasks.json_values import curve, finite
 from symbody.builder.tasks.options import SweepOptions, read_options
 from symbody.builder.tasks.reading import complete_model
 from symbody.builder.tasks.simulation import PipeProgress
 from symbody.builder.worker_process import Report
 from symbody.equations.form import form_equations
 from symbody.simulation.sweeps.sweep import sweep
+from symbody.visual.scene.json_form import encode_array
 
 
 def sweep_parameter(payload: Mapping[str, Any], report: Report) -> dict[str, Any]:
@@ -34,7 +35,7 @@ def sweep_parameter(payload: Mapping[str, Any], report: Report) -> dict[str, Any
     return {
         "parameter": options.parameter,
         "unit": motions.units.get(options.parameter, ""),
-        "times": encoded(motions.t, "<f8"),
+        "times": encode_array(motions.t, "<f8"),
         "cases": [
             {
                 "value": options.values[k],

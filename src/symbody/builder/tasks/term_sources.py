@@ -90,7 +90,7 @@ def _variants(data: Data) -> Iterator[tuple[str, dict[str, Any]]]:
     """Return the model without each element in turn, as far as elements add terms."""
     for k, body in enumerate(data.get("body", [])):
         without = {key: value for key, value in body.items() if key not in _NO_INERTIA}
-        yield body["name"], _replaced(data, "body", k, without)
+        yield body["name"], _replace_entry(data, "body", k, without)
     for kind in _LOADS:
         for k, entry in enumerate(data.get(kind, [])):
             yield entry["name"], {**data, kind: [each for j, each in enumerate(data[kind]) if j != k]}
@@ -99,8 +99,8 @@ def _variants(data: Data) -> Iterator[tuple[str, dict[str, Any]]]:
             yield joint["name"], {**data, "joint": [each for j, each in enumerate(data["joint"]) if j != k]}
         elif set(joint) & {*_EFFORTS, "armature"}:
             without = {key: value for key, value in joint.items() if key not in (*_EFFORTS, "armature")}
-            yield joint["name"], _replaced(data, "joint", k, without)
+            yield joint["name"], _replace_entry(data, "joint", k, without)
 
 
-def _replaced(data: Data, kind: str, place: int, entry: Mapping[str, Any]) -> dict[str, Any]:
+def _replace_entry(data: Data, kind: str, place: int, entry: Mapping[str, Any]) -> dict[str, Any]:
     return {**data, kind: [entry if k == place else each for k, each in enumerate(data[kind])]}

@@ -21,7 +21,7 @@ def with_spans(graph: Graph, spans: Mapping[int, str], formula: str) -> str:
     formula : str
         MathML of a sum.
     """
-    marks = {_unsigned(to_mathml(graph, node)): span for node, span in spans.items()}
+    marks = {_strip_sign(to_mathml(graph, node)): span for node, span in spans.items()}
     parts = []
     for elements in terms_of(list(ElementTree.fromstring(f"<mrow>{formula}</mrow>"))):
         signs, unsigned = _without_sign(elements)
@@ -32,7 +32,7 @@ def with_spans(graph: Graph, spans: Mapping[int, str], formula: str) -> str:
     return "".join(parts)
 
 
-def _unsigned(formula: str) -> str:
+def _strip_sign(formula: str) -> str:
     _, unsigned = _without_sign(list(ElementTree.fromstring(f"<mrow>{formula}</mrow>")))
     return "".join(map(_text, unsigned))
 

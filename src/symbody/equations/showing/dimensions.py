@@ -93,7 +93,7 @@ def expression_unit(text: str, unit_of: Callable[[str], str | None]) -> str | No
         Takes the name of a symbol or output, returns its unit or None.
     """
     try:
-        value = _evaluated(Formula.of(text, has_outputs=True), unit_of)
+        value = _evaluate(Formula.of(text, has_outputs=True), unit_of)
     except (ExpressionError, ArithmeticError, ValueError):
         return None
     if value is None or value.is_literal:
@@ -105,7 +105,7 @@ def expression_unit(text: str, unit_of: Callable[[str], str | None]) -> str | No
     return next(near, None)
 
 
-def _evaluated(formula: Formula, unit_of: Callable[[str], str | None]) -> _Quantity | None:
+def _evaluate(formula: Formula, unit_of: Callable[[str], str | None]) -> _Quantity | None:
     stack: list[_Quantity | None] = []
     for step in formula.program:
         if not isinstance(step.payload, str):
@@ -113,13 +113,13 @@ def _evaluated(formula: Formula, unit_of: Callable[[str], str | None]) -> _Quant
         elif step.kind == "apply":
             operands = stack[-step.arity :]
             del stack[-step.arity :]
-            stack.append(_applied(step.payload, operands))
+            stack.append(_apply(step.payload, operands))
         else:
-            stack.append(_named(step.payload, unit_of))
+            stack.append(_quantity_named(step.payload, unit_of))
     return stack[0]
 
 
-def _named(name: str, unit_of: Callable[[str], str | None]) -> _Quantity | None:
+def _quantity_named(name: str, unit_of: Callable[[str], str | None]) -> _Quantity | None:
     if name == "pi":
         return _Quantity(PURE, math.pi, is_literal=True)
     unit = unit_of(name)
@@ -127,7 +127,7 @@ def _named(name: str, unit_of: Callable[[str], str | None]) -> _Quantity | None:
     return None if dimension is None else _Quantity(dimension, unit=unit or "")
 
 
-def _applied(name: str, given: Sequence[_Quantity | None]) -> _Quantity | None:
+def _apply(name: str, given: Sequence[_Quantity | None]) -> _Quantity | None:
     if name == "if":
         return _alike(given[1:])
     if name in COMPARISONS or name in CONNECTIVES:

@@ -55,13 +55,11 @@ def linear_names(formula: Formula) -> frozenset[str]:
         else:
             operands = stack[-step.arity :]
             del stack[-step.arity :]
-            stack.append(_combined(str(step.payload), operands))
+            stack.append(_combine(str(step.payload), operands))
     return stack[0] if isinstance(stack[0], frozenset) else frozenset()
 
 
-def _combined(
-    name: str, operands: list[frozenset[str] | Fraction | None]
-) -> frozenset[str] | Fraction | None:
+def _combine(name: str, operands: list[frozenset[str] | Fraction | None]) -> frozenset[str] | Fraction | None:
     numbers = [each for each in operands if isinstance(each, Fraction)]
     names = [each for each in operands if isinstance(each, frozenset)]
     if len(numbers) == len(operands):
@@ -82,7 +80,7 @@ def _sites(model: Model) -> Iterator[tuple[Formula, str]]:
     yield from ((formula, "m/s^2") for formula in model.gravity)
     yield from _frame_sites(model.ground.items())
     for body in model.bodies:
-        yield from _matched((use.path, use.formula) for use in body.uses())
+        yield from _match((use.path, use.formula) for use in body.uses())
     for joint in model.joints:
         yield from _joint_sites(joint)
     for element in model.elements:
@@ -96,10 +94,10 @@ def _sites(model: Model) -> Iterator[tuple[Formula, str]]:
 
 def _frame_sites(frames: Iterable[tuple[str, Frame]]) -> Iterator[tuple[Formula, str]]:
     for name, frame in frames:
-        yield from _matched((use.path, use.formula) for use in frame.uses(f"frames.{name}"))
+        yield from _match((use.path, use.formula) for use in frame.uses(f"frames.{name}"))
 
 
-def _matched(uses: Iterable[tuple[str, Formula]]) -> Iterator[tuple[Formula, str]]:
+def _match(uses: Iterable[tuple[str, Formula]]) -> Iterator[tuple[Formula, str]]:
     for path, formula in uses:
         for place, unit in _PLACES:
             if place.fullmatch(path):

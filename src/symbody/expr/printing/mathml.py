@@ -54,7 +54,7 @@ def to_mathml(graph: Graph, node: int, names: Mapping[Symbol, str] | None = None
         Above 20,000 operations written out, and for entries of kernels.
     """
     style = _MathML(dict(names or {}))
-    return _tidied(printed(graph, node, textbook(graph, [node], style), style.brackets))
+    return _tidy(printed(graph, node, textbook(graph, [node], style), style.brackets))
 
 
 def to_mathml_with_definitions(
@@ -73,7 +73,7 @@ def to_mathml_with_definitions(
     style = _MathML(dict(names or {}))
     notation = textbook(graph, nodes, style)
     written = printed_with_definitions(graph, nodes, notation, limit, mathml_name, style.brackets)
-    return [_tidied(text) for text in written[0]], [(name, _tidied(text)) for name, text in written[1]]
+    return [_tidy(text) for text in written[0]], [(name, _tidy(text)) for name, text in written[1]]
 
 
 def mathml_name(name: str, order: int = 0) -> str:
@@ -85,14 +85,14 @@ def mathml_name(name: str, order: int = 0) -> str:
     '<msub><mi>m</mi><mn>1</mn></msub>'
     """
     head, *indices = name_words(name)
-    base = _dotted(_word(head), order)
+    base = _put_dots(_word(head), order)
     if not indices:
         return base
     below = _COMMA.join(map(_word, indices))
     return f"<msub>{base}{below if len(indices) == 1 else f'<mrow>{below}</mrow>'}</msub>"
 
 
-def _dotted(base: str, order: int) -> str:
+def _put_dots(base: str, order: int) -> str:
     if order == 0:
         return base
     if order <= len(_DOTS):
@@ -107,7 +107,7 @@ def _word(word: str) -> str:
     return f"<mi>{escape(GREEK.get(word, shown))}</mi>"
 
 
-def _tidied(text: str) -> str:
+def _tidy(text: str) -> str:
     return _SINGLE.sub(r"\1", text)
 
 
@@ -132,7 +132,7 @@ class _MathML(Style):
         if symbol in self.names:
             return self.names[symbol]
         given = self.names.get(Symbol(symbol.name, symbol.kind))
-        return _dotted(given, symbol.order) if given else mathml_name(symbol.name, symbol.order)
+        return _put_dots(given, symbol.order) if given else mathml_name(symbol.name, symbol.order)
 
     def number(self, value: Constant) -> str:
         text = repr(value) if isinstance(value, float) else number_text(value)
@@ -159,17 +159,17 @@ class _MathML(Style):
     def function(self, name: str, arguments: Sequence[Piece], exponent: int = 1) -> Layout:
         listed = joined(_COMMA, [[argument] for argument in arguments])
         if name == "sqrt":
-            return self._raised(["<msqrt>", *_row(listed), "</msqrt>"], exponent)
+            return self._raise_to(["<msqrt>", *_row(listed), "</msqrt>"], exponent)
         if name in _AROUND:
             before, after = map(_sign, _AROUND[name])
-            return self._raised(_row([before, *listed, after]), exponent)
+            return self._raise_to(_row([before, *listed, after]), exponent)
         word = f"<mi>{escape(_NAMES.get(name, name))}</mi>"
         bracket = [self.brackets.opening, *listed, self.brackets.closing]
         if exponent != 1 and name in _POWER_OF_NAME:
             return Layout([f"<msup>{word}{self.number(exponent)}</msup>", _APPLY, *bracket], POWER)
-        return self._raised([word, _APPLY, *bracket], exponent)
+        return self._raise_to([word, _APPLY, *bracket], exponent)
 
-    def _raised(self, pieces: Sequence[Piece], exponent: int) -> Layout:
+    def _raise_to(self, pieces: Sequence[Piece], exponent: int) -> Layout:
         if exponent == 1:
             return Layout(pieces, ATOM)
         return Layout(["<msup>", *_row(pieces), self.number(exponent), "</msup>"], POWER)

@@ -31,7 +31,7 @@ def mathml_equations(sides: Iterable[tuple[str, str]], width: int = WIDTH) -> st
     Sides are broken in front of the signs of their terms, and further rows are indented; a product is never
     broken.
     """
-    rows = [row for left, right in sides for row in _rows(broken(left, width), broken(right, width))]
+    rows = [row for left, right in sides for row in _rows(break_rows(left, width), break_rows(right, width))]
     return f'<mtable displaystyle="true">{"".join(rows)}</mtable>'
 
 
@@ -47,7 +47,7 @@ def _rows(left: Sequence[str], right: Sequence[str]) -> list[str]:
     ]
 
 
-def broken(formula: str, width: int = WIDTH) -> list[str]:
+def break_rows(formula: str, width: int = WIDTH) -> list[str]:
     """Return the rows of a formula, each of at most `width` letters where its terms allow it."""
     rows: list[list[Element]] = [[]]
     filled = 0

@@ -68,15 +68,19 @@ class Recomputation:
             if missing and not np.isfinite(values).all():
                 listed = ", ".join(missing)
                 why = f"it depends on {listed}, whose law was a Python function, which no file holds"
-                raise _unknown(name, why)
+                raise _unknown_output(name, why)
         return computed
 
     def _check(self, name: str) -> None:
         if name == "work":
-            raise _unknown(name, "it was summed up during the motion; the file has it at the samples alone")
+            raise _unknown_output(
+                name, "it was summed up during the motion; the file has it at the samples alone"
+            )
         kinematic = name.startswith(_KINEMATIC) or name in (*_ENERGIES, *self.coordinate_names)
         if self.provenance.switches and not kinematic:
-            raise _unknown(name, "joints stuck or ropes slackened on the way, which changes the equations")
+            raise _unknown_output(
+                name, "joints stuck or ropes slackened on the way, which changes the equations"
+            )
 
     def _evaluator(self) -> Evaluator:
         source = self.provenance
@@ -149,7 +153,7 @@ def _unknown_value(t: float, q: Floats, u: Floats) -> float:
     return float("nan")
 
 
-def _unknown(name: str, why: str) -> UsageError:
+def _unknown_output(name: str, why: str) -> UsageError:
     return UsageError(
         Problem("trajectory.not_computable", repr(name), f"{name} cannot be computed from the file", why,
                 f"store it with the motion: run.save(path, {name!r})")

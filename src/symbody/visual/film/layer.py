@@ -73,7 +73,7 @@ def make_layer(facets: Facets, camera: Camera, grid: Grid, tone_width: float = 0
     parts[facets.triangles.reshape(-1)] = np.repeat(facets.parts, 3)
     points[:, 2] -= _APART * _depth_range(points) * parts
     corners = points[facets.triangles]
-    is_front = _turning(corners) < 0.0
+    is_front = _signed_areas(corners) < 0.0
     drawn = np.flatnonzero(is_front | ~facets.closed)
     buffer = rasterize(points, facets.triangles[drawn], grid.shape)
     buffer = ItemBuffer(buffer.depth, buffer.places, drawn[buffer.items])
@@ -107,7 +107,7 @@ def _depth_range(points: Floats) -> float:
     return float(np.ptp(points[:, 2])) if len(points) else 0.0
 
 
-def _turning(corners: Floats) -> Floats:
+def _signed_areas(corners: Floats) -> Floats:
     """Return twice the areas of triangles in the picture: negative for those that face the eye."""
     a, b = corners[:, 1, :2] - corners[:, 0, :2], corners[:, 2, :2] - corners[:, 0, :2]
     return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], dtype=np.float64)
@@ -116,7 +116,7 @@ def _turning(corners: Floats) -> Floats:
 def _brightness(lit: Floats, corners: Floats, buffer: ItemBuffer, grid: Grid) -> Floats:
     """Return the brightness at each place that is seen, from that at corners (T, 3) of triangles."""
     shade: Floats = lit[buffer.items, 0]
-    curved = _curved(lit, buffer)
+    curved = _uneven_places(lit, buffer)
     items = buffer.items[curved]
     row, column = np.divmod(buffer.places[curved], grid.shape[1])
     across, down = (slope[items] for slope in _slopes(lit, corners))
@@ -130,7 +130,7 @@ def _tones(
     shade: Floats, lit: Floats, corners: Floats, parts: Ints, buffer: ItemBuffer, width: float
 ) -> Floats:
     """Return brightnesses in so few steps for each part that tones have a width [samples] on the average."""
-    curved = _curved(lit, buffer)
+    curved = _uneven_places(lit, buffer)
     if not len(curved):
         return shade
     items = buffer.items[curved]
@@ -144,7 +144,7 @@ def _tones(
     return toned
 
 
-def _curved(lit: Floats, buffer: ItemBuffer) -> Ints:
+def _uneven_places(lit: Floats, buffer: ItemBuffer) -> Ints:
     """Return at which places a triangle is seen that is not equally bright all over."""
     return np.flatnonzero(np.ptp(lit, axis=1)[buffer.items] > 1e-9)
 
@@ -153,7 +153,7 @@ def _slopes(values: Floats, corners: Floats) -> tuple[Floats, Floats]:
     """Return how fast values at corners (T, 3) of triangles change to the right and downwards."""
     dx, dy = (corners[:, 1:, k] - corners[:, :1, k] for k in (0, 1))
     dv = values[:, 1:] - values[:, :1]
-    area = _turning(corners)
+    area = _signed_areas(corners)
     area = np.where(np.abs(area) > 1e-12, area, np.inf)
     across = (dv[:, 0] * dy[:, 1] - dv[:, 1] * dy[:, 0]) / area
     return across, (dx[:, 0] * dv[:, 1] - dx[:, 1] * dv[:, 0]) / area

@@ -108,15 +108,15 @@ def _motion_at(run: Trajectory, scene: Scene, times: Floats, vectors: str | Sequ
 def resample(motion: SceneMotion, times: Floats) -> SceneMotion:
     """Return a motion at other times, straight on between its samples."""
 
-    def between(values: Floats) -> Floats:
+    def interpolate(values: Floats) -> Floats:
         columns = values.reshape(len(motion.times), -1).T
         rows = np.array([np.interp(times, motion.times, column) for column in columns])
         return rows.T.reshape(len(times), *values.shape[1:])
 
-    quaternions = between(motion.quaternions)
+    quaternions = interpolate(motion.quaternions)
     quaternions /= np.linalg.norm(quaternions, axis=-1, keepdims=True)
-    vectors = tuple(replace(each, values=between(each.values)) for each in motion.vectors)
-    return SceneMotion(times, between(motion.positions), quaternions, (), vectors, motion.events)
+    vectors = tuple(replace(each, values=interpolate(each.values)) for each in motion.vectors)
+    return SceneMotion(times, interpolate(motion.positions), quaternions, (), vectors, motion.events)
 
 
 def _track(run: Trajectory, scene: Scene, shown: Floats, is_still: bool) -> SceneMotion:

@@ -62,17 +62,17 @@ def _primitive(kind: str, size: tuple[float, ...]) -> Facets:
         return _box(np.array(size))
     if kind == "sphere":
         angles = np.linspace(0.0, np.pi, 2 * RINGS + 1)
-        return _revolved(size[0] * np.sin(angles), -size[0] * np.cos(angles))
+        return _revolve(size[0] * np.sin(angles), -size[0] * np.cos(angles))
     radius, length = size[0], size[1]
     half = length / 2
     if kind == "cylinder":
-        return _revolved(np.array([0.0, radius, radius, 0.0]), np.array([-half, -half, half, half]))
+        return _revolve(np.array([0.0, radius, radius, 0.0]), np.array([-half, -half, half, half]))
     if kind == "cone":
-        return _revolved(np.array([0.0, radius, 0.0]), np.array([-half, -half, half]))
+        return _revolve(np.array([0.0, radius, 0.0]), np.array([-half, -half, half]))
     angles = np.linspace(0.0, np.pi / 2, RINGS + 1)
     below, above = -half - radius * np.cos(angles), half + radius * np.sin(angles)
     radii = radius * np.concatenate([np.sin(angles), np.cos(angles)])
-    return _revolved(radii, np.concatenate([below, above]))
+    return _revolve(radii, np.concatenate([below, above]))
 
 
 def _box(size: Floats) -> Facets:
@@ -82,7 +82,7 @@ def _box(size: Floats) -> Facets:
     return facets_of(signs * size / 2, triangles)
 
 
-def _revolved(radii: Floats, heights: Floats) -> Facets:
+def _revolve(radii: Floats, heights: Floats) -> Facets:
     """Return the surface that a profile makes about z, from the bottom upwards; both ends are on the axis."""
     turn = 2 * np.pi * np.arange(ROUND) / ROUND
     rings = np.stack(

@@ -178,7 +178,9 @@ def _connectors(stage: Stage, pose: BodyPlaces) -> tuple[list[Facets], list[Stra
         start, end = pose.place(each.start), pose.place(each.end)
         if each.kind in ("rope", "line"):
             slack = each.length if each.kind == "rope" else 0.0
-            lines.append(Strand(rope_points(start, end, slack, _down(scene)), each.radius, color))
+            lines.append(
+                Strand(rope_points(start, end, slack, _gravity_direction(scene)), each.radius, color)
+            )
         elif np.linalg.norm(end - start) > 1e-6 * scene.size:
             facets = _connector(each, start, end, float(stage.shortest[place]), scene)
             solids.append(facets.in_color(color, -1 - place, 0))
@@ -194,6 +196,6 @@ def _connector(each: Connector, start: Floats, end: Floats, shortest: float, sce
     return cylinder_between(start, end, each.radius) if each.radius else NOTHING
 
 
-def _down(scene: Scene) -> Floats:
+def _gravity_direction(scene: Scene) -> Floats:
     pull = np.array(scene.gravity if scene.gravity is not None else (0.0, 0.0, 0.0))
     return unit(pull) if np.linalg.norm(pull) > 0.0 else -np.array(scene.up)

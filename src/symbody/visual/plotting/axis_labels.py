@@ -72,13 +72,13 @@ def _formula(text: str, states: Collection[str]) -> str:
     def symbol(name: str, column: int) -> int:
         if name == "pi":
             return graph.pi()
-        base, order = _parted(name)
+        base, order = _split_name(name)
         kind = Kind.COORDINATE if order or name in states else Kind.PARAMETER
         return graph.symbol(Symbol(base, kind, order))
 
     def output(name: str, column: int) -> int:
         named = Symbol(name, Kind.INPUT)
-        names[named] = _quoted(name)
+        names[named] = _quoted_symbol(name)
         return graph.symbol(named)
 
     try:
@@ -90,14 +90,14 @@ def _formula(text: str, states: Collection[str]) -> str:
     return label
 
 
-def _parted(name: str) -> tuple[str, int]:
+def _split_name(name: str) -> tuple[str, int]:
     for ending, order in (("_ddot", 2), ("_dot", 1)):
         if name.endswith(ending) and len(name) > len(ending):
             return name.removesuffix(ending), order
     return name, 0
 
 
-def _quoted(name: str) -> str:
+def _quoted_symbol(name: str) -> str:
     """Return an output within a formula, as a symbol with indices."""
     wrench = _WRENCH.fullmatch(name)
     if wrench is not None:

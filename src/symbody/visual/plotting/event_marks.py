@@ -35,7 +35,7 @@ def mark_events(axes: Axes, panels: Iterable[Axes], run: Trajectory) -> None:
     Names are written from left to right, each in the lowest row that has room; where none has, and where
     the same name would follow itself, the line stands alone.
     """
-    events = [(event.t, _shown(event.name, run)) for event in run.events]
+    events = [(event.t, _event_text(event.name, run)) for event in run.events]
     for lines in _lines_of(axes):
         events += lines.events
     events = sorted(set(events))
@@ -112,7 +112,7 @@ def _write(axes: Axes, place: tuple[float, float], text: str) -> None:
     note.set_gid(_MARK)
 
 
-def _shown(name: str, run: Trajectory) -> str:
+def _event_text(name: str, run: Trajectory) -> str:
     """Return the name of an event as it is written: expressions as formulas, words as they are, all cut."""
     states = (*run.coordinate_names, *run.speed_names)
     is_word = name.replace(" ", "").isidentifier() and name not in states

@@ -90,7 +90,7 @@ class SceneBasis:
         """Return where a frame stands in ground's axes at the start."""
         return self.bodies[address.body] @ self.frames[address]
 
-    def between(self, start: Address, end: Address) -> float:
+    def distance(self, start: Address, end: Address) -> float:
         """Return the distance of two frames at the start [m]."""
         return float(np.linalg.norm(self.frame(start).at - self.frame(end).at))
 

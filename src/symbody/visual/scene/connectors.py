@@ -52,7 +52,7 @@ def anchor_at(basis: SceneBasis, body: str, where: RigidTransform) -> Anchor:
 
 def spring_damper_connectors(basis: SceneBasis, element: SpringDamper) -> list[Connector]:
     """Return the spring, the damper and the actuator of an element between two points."""
-    distance = basis.between(element.start, element.end)
+    distance = basis.distance(element.start, element.end)
     length = abs(basis.numbers.number(element.free, distance)) or distance
     ends = (anchor(basis, element.start), anchor(basis, element.end))
     return [

@@ -71,7 +71,7 @@ def arrows_of(model: Model, scene: Scene, chosen: str | Iterable[str] | None) ->
         return words[chosen]
     names = (chosen,) if isinstance(chosen, str) else tuple(chosen)
     known = {name for arrow in every for name in (arrow.name, _element(arrow))}
-    problems = [_unknown(name, known) for name in names if name not in known]
+    problems = [_unknown_name(name, known) for name in names if name not in known]
     if problems:
         raise UsageError(*problems)
     return [arrow for arrow in every if arrow.name in names or _element(arrow) in names]
@@ -102,9 +102,9 @@ def _all_arrows(model: Model, scene: Scene) -> list[Arrow]:
     for element in model.elements:
         if isinstance(element, Force | Torque):
             kind: VectorKind = "force" if isinstance(element, Force) else "torque"
-            arrows.append(_applied(element, kind, anchors.at(element.on)))
+            arrows.append(_applied_arrow(element, kind, anchors.at(element.on)))
         elif isinstance(element, SpringDamper):
-            arrows.append(_spring(element, anchors.at(element.end)))
+            arrows.append(_spring_arrow(element, anchors.at(element.end)))
     contacts = [part for part in model.constraints if isinstance(part, Contact)]
     links: list[Joint | Contact] = [*model.joints, *contacts]
     for link in links:
@@ -129,17 +129,17 @@ class _Anchors:
         return Anchor(place, points.get(address.point, (0.0, 0.0, 0.0)))
 
 
-def _applied(element: Force | Torque, kind: VectorKind, anchor: Anchor) -> Arrow:
+def _applied_arrow(element: Force | Torque, kind: VectorKind, anchor: Anchor) -> Arrow:
     components = [_output(formula) for formula in element.vector]
     axes = _axes(element.resolved_in)
 
     def values(outputs: Outputs) -> Floats:
-        return _turned(outputs[axes], np.array([outputs[name] for name in components]))
+        return _rotate(outputs[axes], np.array([outputs[name] for name in components]))
 
     return Arrow(f"{kind} {element.name}", kind, anchor, (*components, axes), values)
 
 
-def _spring(spring: SpringDamper, anchor: Anchor) -> Arrow:
+def _spring_arrow(spring: SpringDamper, anchor: Anchor) -> Arrow:
     line = f'frame r "{spring.end.frame}" "{spring.start.frame}" ground'
     effort = f"effort {spring.name}"
 
@@ -155,10 +155,10 @@ def _reactions(name: str, start: Address, anchor: Anchor) -> list[Arrow]:
     axes, wrench = _axes(start), f'reaction "{name}"'
 
     def force(outputs: Outputs) -> Floats:
-        return _turned(outputs[axes], outputs[wrench][:3])
+        return _rotate(outputs[axes], outputs[wrench][:3])
 
     def moment(outputs: Outputs) -> Floats:
-        return _turned(outputs[axes], outputs[wrench][3:])
+        return _rotate(outputs[axes], outputs[wrench][3:])
 
     needed = (wrench, axes)
     return [
@@ -175,13 +175,13 @@ def _output(formula: Formula) -> str:
     return f"({formula.text})"
 
 
-def _turned(matrices: Floats, components: Floats) -> Floats:
+def _rotate(matrices: Floats, components: Floats) -> Floats:
     """Return vectors (N, 3) in ground's axes from components (3, N) in others, matrices (3, 3, N)."""
     turned: Floats = np.einsum("ijn,jn->ni", matrices, components)
     return turned
 
 
-def _unknown(name: str, known: Iterable[str]) -> Problem:
+def _unknown_name(name: str, known: Iterable[str]) -> Problem:
     return Problem(
         "animation.unknown_vector", repr(name), f"nothing that {name!r} names acts on a body", "",
         f'{nearest(name, known).rstrip(".")} "all" draws every force and reaction'.lstrip(),

@@ -7,7 +7,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from symbody.visual.scene.scene import Scene, SceneMotion
 
@@ -17,46 +17,44 @@ VERSION = 1
 def scene_to_json(scene: Scene) -> dict[str, Any]:
     """Return a scene as values that `json.dumps` takes, floats with seven digits."""
     meshes = [
-        {"vertices": _floats(mesh.vertices), "triangles": _encode(mesh.triangles, "<u4")}
+        {"vertices": encode_array(mesh.vertices), "triangles": encode_array(mesh.triangles, "<u4")}
         for mesh in scene.meshes
     ]
-    return {"version": VERSION, **_rounded(asdict(replace(scene, meshes=()))), "meshes": meshes}
+    return {"version": VERSION, **_round(asdict(replace(scene, meshes=()))), "meshes": meshes}
 
 
 def motion_to_json(motion: SceneMotion) -> dict[str, Any]:
     """Return a motion as values that `json.dumps` takes; times in double, all else in single precision."""
     curves = [
-        {"name": curve.name, "unit": curve.unit, "values": _floats(curve.values)} for curve in motion.curves
+        {"name": curve.name, "unit": curve.unit, "values": encode_array(curve.values)}
+        for curve in motion.curves
     ]
     vectors = [
-        {"name": vector.name, "kind": vector.kind, "anchor": _rounded(asdict(vector.anchor)),
-         "values": _floats(vector.values)}
+        {"name": vector.name, "kind": vector.kind, "anchor": _round(asdict(vector.anchor)),
+         "values": encode_array(vector.values)}
         for vector in motion.vectors
     ]  # fmt: skip
     return {
         "version": VERSION,
-        "times": _encode(motion.times, "<f8"),
-        "positions": _floats(motion.positions),
-        "quaternions": _floats(motion.quaternions),
+        "times": encode_array(motion.times, "<f8"),
+        "positions": encode_array(motion.positions),
+        "quaternions": encode_array(motion.quaternions),
         "curves": curves,
         "vectors": vectors,
         "events": [{"name": name, "t": t} for name, t in motion.events],
     }
 
 
-def _floats(values: NDArray[np.float64]) -> str:
-    return _encode(values, "<f4")
-
-
-def _encode(values: NDArray[Any], kind: str) -> str:
+def encode_array(values: ArrayLike, kind: str = "<f4") -> str:
+    """Return an array as the pages decode it: base64 of little-endian numbers, in single precision."""
     return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")
 
 
-def _rounded(value: Any) -> Any:
+def _round(value: Any) -> Any:
     if isinstance(value, float):
         return float(f"{value:.7g}")
     if isinstance(value, dict):
-        return {key: _rounded(each) for key, each in value.items()}
+        return {key: _round(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
-        return [_rounded(each) for each in value]
+        return [_round(each) for each in value]
     return value

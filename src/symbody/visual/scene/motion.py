@@ -123,7 +123,7 @@ class _Source:
         if run.dense_output is not None:
             moved = run.at(times)
             only_stored = (run.stored.keys() - {"work"}) & {*self.curves}
-            return replace(moved, stored={name: _between(run, name, times) for name in only_stored})
+            return replace(moved, stored={name: _interpolate(run, name, times) for name in only_stored})
         t = np.atleast_1d(run.t)
         order = np.argsort(t, kind="stable")
         places = order[np.searchsorted(t[order], times, side="right") - 1]
@@ -131,7 +131,7 @@ class _Source:
         q, u = (array.reshape(-1, t.size)[:, places] for array in (run.q, run.u))
         return replace(run, t=t[places], q=q, u=u, stored=stored)
 
-    def sampled(self, times: Floats) -> Sampled:
+    def sample(self, times: Floats) -> Sampled:
         """Return poses and curves at times."""
         run = self.motion(times)
         outputs = run.outputs(*self.chain.outputs, *self.curves)
@@ -146,7 +146,7 @@ class _Source:
         return replace(run, stored={**run.stored, **run.outputs(*names)})
 
 
-def _between(run: Trajectory, name: str, times: Floats) -> Floats:
+def _interpolate(run: Trajectory, name: str, times: Floats) -> Floats:
     """Return what is stored and nowhere else, along lines between its samples."""
     values = run.stored[name].reshape(-1, run.t.size)
     order = np.argsort(run.t, kind="stable")
@@ -159,14 +159,14 @@ def _samples(
 ) -> Sampled:
     run = source.run
     if times is not None:
-        return source.sampled(_chosen_times(run, times))
+        return source.sample(_chosen_times(run, times))
     bodies = max(len(source.chain.names), 1)
     most = min(MOST_SAMPLES, max(_FEWEST, _MOST_POSES // bodies))
     every = _inside(run, np.unique(np.atleast_1d(run.t)), span)
     if run.dense_output is None:
-        return thin(source.sampled(every), size, most)
+        return thin(source.sample(every), size, most)
     ends = [float(t) for _, t, _ in run.events if every[0] < t < every[-1]]
-    return sample(source.sampled, np.union1d(every, ends), size, most)
+    return sample(source.sample, np.union1d(every, ends), size, most)
 
 
 def _inside(run: Trajectory, every: Floats, span: tuple[float, float] | None) -> Floats:

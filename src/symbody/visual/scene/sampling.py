@@ -33,12 +33,12 @@ class Sampled:
     poses: Poses
     values: Floats
 
-    def at(self, places: Places | NDArray[np.bool_]) -> Sampled:
+    def select(self, places: Places | NDArray[np.bool_]) -> Sampled:
         """Return some of the samples."""
         poses = Poses(self.poses.positions[places], self.poses.quaternions[places])
         return Sampled(self.times[places], poses, self.values[places])
 
-    def merged(self, other: Sampled) -> Sampled:
+    def merge(self, other: Sampled) -> Sampled:
         """Return the samples of both in the order of time."""
         times = np.concatenate([self.times, other.times])
         poses = Poses(
@@ -46,7 +46,7 @@ class Sampled:
             np.concatenate([self.poses.quaternions, other.poses.quaternions]),
         )
         both = Sampled(times, poses, np.concatenate([self.values, other.values]))
-        return both.at(np.argsort(times, kind="stable"))
+        return both.select(np.argsort(times, kind="stable"))
 
 
 def sample(compute: Callable[[Floats], Sampled], starts: Floats, size: float, most: int) -> Sampled:
@@ -77,7 +77,7 @@ def sample(compute: Callable[[Floats], Sampled], starts: Floats, size: float, mo
         # Steps of high order may take half a turn, of which a midpoint alone shows nothing.
         is_large = (errors > _HALVING) | (k == 0 and 4 * samples.times.size < most)
         worst = middles[is_large][np.argsort(-errors[is_large], kind="stable")]
-        samples = samples.merged(between)
+        samples = samples.merge(between)
         places = np.searchsorted(samples.times, worst)
         rest = np.stack([places - 1, places], axis=1).ravel()
     return thin(samples, size, most)
@@ -103,7 +103,7 @@ def thin(samples: Sampled, size: float, most: int) -> Sampled:
             if left == 0:
                 break
         waiting = [each for each in following if each[2] - each[1] > 1]
-    return samples.at(kept)
+    return samples.select(kept)
 
 
 def _starts(times: Floats, most: int) -> Floats:
@@ -122,7 +122,9 @@ def _worst(samples: Sampled, first: int, last: int, size: float) -> tuple[int, f
     inner = np.arange(first + 1, last)
     if inner.size == 0:
         return first, 0.0
-    errors = _errors(samples, np.full_like(inner, first), np.full_like(inner, last), samples.at(inner), size)
+    errors = _errors(
+        samples, np.full_like(inner, first), np.full_like(inner, last), samples.select(inner), size
+    )
     k = int(np.argmax(errors))
     return int(inner[k]), float(errors[k])
 
