@@ -87,7 +87,7 @@ def BuildModel(path: str | os.PathLike[str] = "") -> None:
     if code not in _ENDED:
         raise EnvironmentFault(
             Problem("dynaflexpro.build_model", os.fspath(path), "the editor ended with a fault",
-                    "it is told above, on standard error", "symbody builder tells it again")
+                    "it is told above, on standard error", "run symbody builder in a terminal to see it again")
         )  # fmt: skip
 
 

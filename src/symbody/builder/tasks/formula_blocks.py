@@ -64,7 +64,7 @@ class FormulaBlock:
 
 
 @dataclass(frozen=True, slots=True)
-class _Written:
+class _BlockTexts:
     """The nodes of a block as text, and the names of shared parts."""
 
     texts: dict[int, str]
@@ -123,7 +123,7 @@ def render_block(graph: Graph, block: FormulaBlock, c_code: str) -> Block:
 
 def _latex(graph: Graph, block: FormulaBlock, nodes: Sequence[int]) -> str:
     texts, named = to_latex_with_definitions(graph, nodes, LONG)
-    written = _Written(dict(zip(nodes, texts, strict=True)), named)
+    written = _BlockTexts(dict(zip(nodes, texts, strict=True)), named)
     if _is_drawn(block, written):
         assert block.name is not None
         rows = [" & ".join(row) for row in _matrix_rows(block, written)]
@@ -143,7 +143,7 @@ def _mathml(graph: Graph, block: FormulaBlock, nodes: Sequence[int], latex: str)
     if len(latex) > _MOST_CHARACTERS:
         return " " * (_MOST_CHARACTERS + 1)
     texts, named = to_mathml_with_definitions(graph, nodes, LONG)
-    written = _Written(dict(zip(nodes, texts, strict=True)), named)
+    written = _BlockTexts(dict(zip(nodes, texts, strict=True)), named)
     definitions = named
     if "\\begin{bmatrix}" in latex and block.name is not None:
         matrix = mathml_matrix(_matrix_rows(block, written))
@@ -181,23 +181,23 @@ def _sympy(graph: Graph, block: FormulaBlock, nodes: Sequence[int]) -> str | Non
     return "\n".join(lines)
 
 
-def _is_drawn(block: FormulaBlock, written: _Written) -> bool:
+def _is_drawn(block: FormulaBlock, written: _BlockTexts) -> bool:
     """Return whether a matrix is drawn as one: whether its rows fit a column of text."""
     if not block.rows:
         return False
     return all(sum(map(len, row)) <= _WIDEST * 2 for row in _matrix_rows(block, written))
 
 
-def _matrix_rows(block: FormulaBlock, written: _Written) -> list[list[str]]:
+def _matrix_rows(block: FormulaBlock, written: _BlockTexts) -> list[list[str]]:
     texts = [written.texts[node] for node in block.nodes]
     return [texts[k * block.columns : (k + 1) * block.columns] for k in range(block.rows)]
 
 
-def _pairs(block: FormulaBlock, written: _Written) -> list[tuple[Label | int, str]]:
+def _pairs(block: FormulaBlock, written: _BlockTexts) -> list[tuple[Label | int, str]]:
     """Return left and right sides; of a matrix those entries that are not zero."""
     pairs = zip(block.labels, block.nodes, strict=True)
     return [(label, written.texts[node]) for label, node in pairs if node != 0 or not block.rows]
 
 
-def _side(label: Label | int, written: _Written, kind: str) -> str:
+def _side(label: Label | int, written: _BlockTexts, kind: str) -> str:
     return written.texts[label] if isinstance(label, int) else str(getattr(label, kind))
