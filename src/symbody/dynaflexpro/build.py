@@ -87,7 +87,8 @@ def BuildModel(path: str | os.PathLike[str] = "") -> None:
     if code not in _ENDED:
         raise EnvironmentFault(
             Problem("dynaflexpro.build_model", os.fspath(path), "the editor ended with a fault",
-                    "it is told above, on standard error", "run symbody builder in a terminal to see it again")
+                    "it stands above, on standard error",
+                    "run symbody builder in a terminal to see it again")
         )  # fmt: skip
 
 
