@@ -66,6 +66,20 @@ def object_codes(texts: Items[str], level: int) -> list[bytes]:
                 piece.cancel()
 
 
+def optimized_code(text: str) -> bytes:
+    """Return the object code of a module of loops and variables in memory, which LLVM's passes improve.
+
+    No pass changes a result: the text grants no freedom to reorder or fuse operations.
+    """
+    initialize()
+    module = binding.parse_assembly(text, binding.create_context())
+    machine = target_machine()
+    options = binding.create_pipeline_tuning_options(speed_level=2)
+    builder = binding.create_pass_builder(machine, options)
+    builder.getModulePassManager().run(module, builder)
+    return bytes(machine.emit_object(module))
+
+
 def _in_time(piece: Future[bytes]) -> bytes:
     code = piece.result()
     check()
