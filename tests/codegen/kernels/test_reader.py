@@ -66,7 +66,7 @@ def test_types_conversions_and_changes() -> None:
         "def fill(n: int, x: Reals) -> None:\n"
         "    for k in range(n):\n        x[k] = SHARE * k\n"
         "def f(n: int, x: Reals, y: Reals) -> float:\n"
-        "    tail = part(x, n)\n    fill(n, tail)\n    total = y[0] + 1\n    return total\n"
+        "    tail = part(x, n, 2)\n    fill(n, tail)\n    total = y[0] + 1\n    return total\n"
     )
     kernels = read_text(HEAD + text, "kernels/case.py")
     tree = kernels["f"]

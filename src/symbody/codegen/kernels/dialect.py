@@ -53,7 +53,7 @@ class Arrays(Enum):
     POINTERS = "a part is a value, like an array: a pointer or a view"
     OFFSETS = "each array is passed with the index at which it begins"
     ADDRESSES = "an array is passed by the entry at which it begins; local parts are offsets"
-    COPIES = "arrays are values: a kernel returns those that it changes"
+    COPIES = "arrays are values: a kernel returns those that it changes; local parts are places in them"
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +72,8 @@ class KernelDialect:
         Of the words of the language, conversions and ``not``; ``"max int"`` is that for integers.
     arrays : Arrays
     entry, part : format
-        With ``array``, ``index`` (counted from 0) and ``next`` (from 1); for `part` it is where it begins.
+        With ``array``, ``index`` (counted from 0) and ``next`` (from 1); for `part` where it begins, and
+        ``last`` (from 1).
     assign, store, perform, returns, returns_nothing, leave : format
         Statements; with ``name``, ``value``, and of an entry ``array``, ``index``, ``next``.
     count, count_down, repeat, choose, choose_next : format
@@ -139,6 +140,11 @@ def offset_name(array: str) -> str:
     return f"{array}_0"
 
 
+def size_name(array: str) -> str:
+    """Return the name of the number of entries of a part, where arrays are copies."""
+    return f"{array}_n"
+
+
 class _KernelWriter:
     """Writes one kernel."""
 
@@ -147,7 +153,7 @@ class _KernelWriter:
         self._kernels = kernels
         self._dialect = dialect
         self._names = dialect.rename(tree)
-        self._bases: dict[str, str] = {}  # of local parts, where these are offsets
+        self._bases: dict[str, str] = {}  # of local parts, where these are places in another array
 
     def lines(self) -> Iterator[str]:
         """Yield the lines of the kernel."""
@@ -170,7 +176,7 @@ class _KernelWriter:
         d = self._dialect
         match statement:
             case Assign(name, value):
-                yield self._assign(name, value)
+                yield from self._assign(name, value)
             case Store(array, index, value):
                 yield d.store.format(value=self._text(value), **self._place_words(array, index))
             case Perform(call):
@@ -187,15 +193,17 @@ class _KernelWriter:
             case _:
                 yield from self._compound(statement)
 
-    def _assign(self, name: str, value: Expression) -> str:
+    def _assign(self, name: str, value: Expression) -> Iterator[str]:
         d = self._dialect
-        if isinstance(value, Part) and d.arrays in {Arrays.OFFSETS, Arrays.ADDRESSES}:
-            base, offset = self._place(value)
-            self._bases[name] = base
-            return d.assign.format(name=offset_name(self._name(name)), value=self._text(offset))
-        if isinstance(value, Call) and d.arrays == Arrays.COPIES:
-            return self._assign_call(self._name(name), value)
-        return d.assign.format(name=self._name(name), value=self._text(value))
+        if isinstance(value, Part) and d.arrays != Arrays.POINTERS:
+            self._bases[name], offset = self._place(value)
+            yield d.assign.format(name=offset_name(self._name(name)), value=self._text(offset))
+            if d.arrays == Arrays.COPIES:
+                yield d.assign.format(name=size_name(self._name(name)), value=self._text(value.size))
+        elif isinstance(value, Call) and d.arrays == Arrays.COPIES:
+            yield self._assign_call(self._name(name), value)
+        else:
+            yield d.assign.format(name=self._name(name), value=self._text(value))
 
     def _assign_call(self, name: str, call: Call) -> str:
         """Return the assignment of all that a call returns, where arrays are copies."""
@@ -207,7 +215,7 @@ class _KernelWriter:
     def _changed(self, call: Call) -> list[str]:
         parameters = self._kernels[call.kernel].parameters
         pairs = zip(call.arguments, parameters, strict=True)
-        return [self._text(argument) for argument, parameter in pairs if parameter.is_changed]
+        return [self._array(argument) for argument, parameter in pairs if parameter.is_changed]
 
     def _perform(self, call: Call) -> str:
         d = self._dialect
@@ -249,7 +257,7 @@ class _KernelWriter:
     def _place(self, array: Expression) -> tuple[str, Expression]:
         """Return the array in which a part lies, and the index at which it begins."""
         match array:
-            case Part(inner, offset):
+            case Part(inner, offset, _):
                 base, first = self._place(inner)
                 return base, add(first, offset)
             case Variable(name) if name in self._bases:
@@ -261,25 +269,36 @@ class _KernelWriter:
         raise AssertionError(array)
 
     def _place_words(self, array: Expression, index: Expression) -> dict[str, str]:
-        if self._dialect.arrays in {Arrays.OFFSETS, Arrays.ADDRESSES}:
-            base, first = self._place(array)
-            text, index = base, add(first, index)
-        else:
+        if self._dialect.arrays == Arrays.POINTERS:
             text = self._text(array, NAME)
+        else:
+            text, first = self._place(array)
+            index = add(first, index)
         return {"array": text, "index": self._text(index), "next": self._text(add(index, 1))}
 
     def _array(self, array: Expression) -> str:
         """Return an array as an argument."""
-        d = self._dialect
-        if d.arrays in {Arrays.OFFSETS, Arrays.ADDRESSES}:
-            base, offset = self._place(array)
-            if offset == Literal(0, Type.INTEGER):
-                return base
-        elif isinstance(array, Part):
+        d, last = self._dialect, ""
+        if d.arrays == Arrays.POINTERS:
+            if not isinstance(array, Part):
+                return self._text(array)
             base, offset = self._text(array.array, NAME), array.offset
         else:
-            return self._text(array)
-        return d.part.format(array=base, index=self._text(offset), next=self._text(add(offset, 1)))
+            base, offset = self._place(array)
+            if offset == Literal(0, Type.INTEGER) and not isinstance(array, Part):
+                return base
+        if d.arrays == Arrays.COPIES:
+            last = self._text(add(offset, self._size(array)))
+        return d.part.format(array=base, index=self._text(offset), next=self._text(add(offset, 1)), last=last)
+
+    def _size(self, array: Expression) -> Expression:
+        """Return the size of a part."""
+        match array:
+            case Part(size=size):
+                return size
+            case Variable(name):
+                return Variable(size_name(self._name(name)), Type.INTEGER)
+        raise AssertionError(array)
 
     def _text(self, expression: Expression, binding: int = 0) -> str:
         """Return an expression, in brackets if it binds less tightly than `binding`."""

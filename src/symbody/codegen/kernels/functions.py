@@ -289,9 +289,10 @@ class FunctionReader:
             value = self._expression(node.args[0])
             self._number_type(node, value)
             return value if value.type == kind else Apply(word, (value,), kind)
-        if name == "part" and len(node.args) == 2:
+        if name == "part" and len(node.args) == 3:
             array = self._convert(node.args[0], Type.ARRAY)
-            return Part(array, self._convert(node.args[1], Type.INTEGER))
+            offset, size = (self._convert(argument, Type.INTEGER) for argument in node.args[1:])
+            return Part(array, offset, size)
         if name in _WORDS and len(node.args) == len(_WORDS[name][0]):
             kinds, result = _WORDS[name]
             values = [self._expression(argument) for argument in node.args]

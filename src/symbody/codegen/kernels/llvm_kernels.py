@@ -243,7 +243,7 @@ class _FunctionWriter:
             case Entry(array, index):
                 address = self._address(array, index)
                 return self._value(f"load {self._types[Type.REAL]}, ptr {address}, align 8")
-            case Part(array, offset):
+            case Part(array, offset, _):
                 return self._address(array, offset)
             case Call():
                 return self._call(expression)

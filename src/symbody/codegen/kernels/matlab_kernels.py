@@ -55,7 +55,7 @@ MATLAB: Final = KernelDialect(
     },
     arrays=Arrays.COPIES,
     entry="{array}({next})",
-    part="{array}({next}:end)",
+    part="{array}({next}:{last})",
     assign="{name} = {value};",
     store="{array}({next}) = {value};",
     perform="{value};",

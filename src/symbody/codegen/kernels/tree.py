@@ -49,10 +49,11 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """An array from one of its entries on."""
+    """Some entries of an array, from an offset on."""
 
     array: Expression
     offset: Expression
+    size: Expression
     type: Type = Type.ARRAY
 
 

@@ -73,16 +73,20 @@ def _codes() -> tuple[bytes, ...]:
     key = written_by() and written_by() + environment().encode()
     known = read_module(key)
     if known is None:
-        kernels = read_kernels(SADDLE)
-        loops = [llvm_text(kernels, [SADDLE], width) for width in (1, lanes())]
-        codes = *map(optimized_code, loops), *object_codes([text()], THOROUGH)
+        codes = *map(optimized_code, kernel_texts()), *object_codes([text()], THOROUGH)
         known = Module(codes, 0, calls_runtime=False)
         store_module(key, known)
     return known.codes
 
 
+def kernel_texts() -> list[str]:
+    """Return the kernels as LLVM text, for one system and for as many as there are lanes."""
+    kernels = read_kernels(SADDLE)
+    return [llvm_text(kernels, [SADDLE], width) for width in (1, lanes())]
+
+
 def text() -> str:
-    """Return the functions as LLVM text."""
+    """Return all other functions as LLVM text."""
     module = ir.Module("symbody_runtime")
     define_sincos(module).linkage = "external"
     for width in lane_counts():
