@@ -74,7 +74,7 @@ def optimized_code(text: str) -> bytes:
     initialize()
     module = binding.parse_assembly(text, binding.create_context())
     machine = target_machine()
-    # Vectors and unrolling double the code and cost systems of up to ten unknowns 10 to 30 %; those of 30 gain.
+    # Vectors and unrolling double the code; systems of up to ten unknowns lose 10 to 30 %, those of 30 gain.
     options = binding.create_pipeline_tuning_options(speed_level=2)
     options.loop_vectorization = options.slp_vectorization = options.loop_unrolling = False
     builder = binding.create_pass_builder(machine, options)
