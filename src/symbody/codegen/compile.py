@@ -1,6 +1,6 @@
 """`compile` and `generate_code`: from equations and outputs asked for to functions and source text.
 
-The only file of this folder that knows EquationSet.
+The only file of this folder that imports EquationSet.
 """
 
 from __future__ import annotations

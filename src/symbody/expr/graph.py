@@ -300,11 +300,11 @@ class Graph:
         return found
 
     def datum(self, node: int) -> int:
-        """Return what else defines `node`: entry of a PICK, place of a function, kernel or program."""
+        """Return the datum of `node`: entry of a PICK, place of a function, kernel or program."""
         return self.right[node] if self.ops[node] in (PICK, CALL, SADDLE, MAP) else 0
 
     def copies_of(self, other: Graph) -> dict[int, int]:
-        """Return what was copied from another living graph: its nodes to nodes of this one."""
+        """Return the copies made from another living graph: its nodes to nodes of this one."""
         with self._lock:
             return self._copies.setdefault(other, {})
 
@@ -355,7 +355,7 @@ def copy_node(source: Graph, target: Graph, node: int, memo: Mapping[int, int]) 
 
 
 def copied_datum(source: Graph, target: Graph, node: int) -> int:
-    """Return what `datum` says of a node, for one of the same kind in another graph."""
+    """Return the content of `datum` of a node, for a node of the same kind in another graph."""
     op, datum = source.ops[node], source.datum(node)
     if op == CALL:
         return target.function(source.functions[datum])

@@ -146,7 +146,7 @@ def _scaled_residual(
     udot: list[float],
     multipliers: list[float],
 ) -> tuple[list[float], list[float]]:
-    """Return what `udot` and `multipliers` leave of F (n,) and, in kept rows, of gamma (m,)."""
+    """Return the residuals of F (n,) and, in kept rows, of gamma (m,)."""
     n, m = factors.n, factors.m
     f, g = [0.0] * n, [0.0] * m
     for j in range(n):

@@ -102,7 +102,7 @@ class _Reader:
         return known[id(root)][1]
 
     def _arguments(self, item: sp.Basic) -> Sequence[sp.Basic]:
-        """Return what `item` is computed from; nothing for symbols, functions of time and derivatives."""
+        """Return the operands of `item`; none for symbols, functions of time and derivatives."""
         if isinstance(item, sp.Piecewise):
             return [part for pair in item.args for part in pair.args]
         if isinstance(item, AppliedUndef):

@@ -343,7 +343,7 @@ class _Body:
             yield f"call void @llvm.masked.store.v{width}f64.p0({arguments})"
 
     def _mask(self) -> Iterator[str]:
-        """Yield the lines that tell which items of a register there are."""
+        """Yield the lines that compute which items of a register exist."""
         name, width = self._name, self._words.width
         kind, numbers = f"<{width} x i64>", ", ".join(f"i64 {k}" for k in range(width))
         yield f"%{name}.put = insertelement {kind} poison, i64 %{name}.i, i64 0"

@@ -20,7 +20,7 @@ def solutions(equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]) -> li
     if found is None:
         try:
             found = sp.solve(equations, unknowns, dict=True)
-        except NotImplementedError:  # what SymPy raises where it knows no method
+        except NotImplementedError:  # SymPy has no method for these
             found = []
     wanted = set(unknowns)
     complete = [

@@ -20,7 +20,7 @@ CURVE_SHARE: Final = 1 / 300  # of a curve's range: about a pixel of its height
 _HALVING: Final = 1.0
 _LEAVING_OUT: Final = 0.7
 
-_ROUNDING: Final = 1e-12  # what a curve varies by less is no motion
+_ROUNDING: Final = 1e-12  # smaller variations of a curve are rounding
 _ROUNDS: Final = 14  # halvings of an interval: a jump is not followed any further
 _FEWEST: Final = 16  # intervals at the start
 
