@@ -280,24 +280,24 @@ class Graph:
         """Return all nodes the `roots` are computed from, ascending."""
         ops, left, right, tuples = self.ops, self.left, self.right, self.operand_tuples
         seen = set(roots)
-        found = list(seen)
-        for node in found:  # it grows meanwhile
+        nodes = list(seen)
+        for node in nodes:  # it grows meanwhile
             arity = ARITY[ops[node]]
             if arity == 2:
                 a, b = left[node], right[node]
                 if a not in seen:
                     seen.add(a)
-                    found.append(a)
+                    nodes.append(a)
                 if b not in seen:
                     seen.add(b)
-                    found.append(b)
+                    nodes.append(b)
             elif arity:
                 for a in (left[node],) if arity == 1 else tuples[left[node]]:
                     if a not in seen:
                         seen.add(a)
-                        found.append(a)
-        found.sort()
-        return found
+                        nodes.append(a)
+        nodes.sort()
+        return nodes
 
     def datum(self, node: int) -> int:
         """Return the datum of `node`: entry of a PICK, place of a function, kernel or program."""

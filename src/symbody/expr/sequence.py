@@ -240,9 +240,9 @@ def build_sequence(
     return _linearized(target, finished, [places.get(name) for name in target.symbols])
 
 
-def _linearized(graph: Graph, outputs: Items[Roots], found: Items[Input | None]) -> Sequence:
+def _linearized(graph: Graph, outputs: Items[Roots], inputs: Items[Input | None]) -> Sequence:
     order = graph.reachable(node for output in outputs for node in output.nodes)
-    missing = {k for k, entry in enumerate(found) if entry is None}
+    missing = {k for k, entry in enumerate(inputs) if entry is None}
     unknown = [graph.left[n] for n in order if graph.ops[n] == SYMBOL and graph.left[n] in missing]
     if unknown:
         names = ", ".join(graph.symbols[k].label for k in unknown)
@@ -263,7 +263,7 @@ def _linearized(graph: Graph, outputs: Items[Roots], found: Items[Input | None])
             continue
         if op == SYMBOL:
             datum = len(used)
-            entry = found[graph.left[node]]
+            entry = inputs[graph.left[node]]
             used.extend([entry] if entry is not None else [])
         elif op in (RATIONAL, FLOAT):
             datum = len(constants)

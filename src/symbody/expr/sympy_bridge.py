@@ -190,19 +190,19 @@ class _Writer:
                 )  # fmt: skip
 
     def expression(self, root: int) -> SympyExpr:
-        known = self._known
+        built = self._known
         stack: list[tuple[int, _Plan | None]] = [(root, None)]
         while stack:
             node, plan = stack.pop()
-            if node in known:
+            if node in built:
                 continue
             if plan is None:
                 plan = self._plan(node)
                 stack.append((node, plan))
-                stack.extend((operand, None) for operand in plan.operands if operand not in known)
+                stack.extend((operand, None) for operand in plan.operands if operand not in built)
             else:
-                known[node] = self._built(plan)
-        return known[root][0]
+                built[node] = self._built(plan)
+        return built[root][0]
 
     def definition(self, node: int) -> SympyExpr:
         """Return the SymPy object of a named node."""
