@@ -110,7 +110,7 @@ def initialize() -> None:
 
 @once
 def environment() -> str:
-    """Return what object code depends on besides its text."""
+    """Return the key of object code apart from its text."""
     features = binding.get_host_cpu_features().flatten()
     versions = f"{llvmlite.__version__} {binding.llvm_version_info}"
     return f"{versions} {binding.get_default_triple()} {binding.get_host_cpu_name()} {features} {SMALL}"

@@ -70,21 +70,21 @@ def read_module(key: bytes) -> Module | None:
     if content is None:
         return None
     head, _, body = content.partition(b"\n")
-    told = json.loads(head)
-    bounds = accumulate(told["sizes"], initial=0)
+    header = json.loads(head)
+    bounds = accumulate(header["sizes"], initial=0)
     codes = tuple(body[start:stop] for start, stop in pairwise(bounds))
-    return Module(codes, told["work_size"], told["calls_runtime"])
+    return Module(codes, header["work_size"], header["calls_runtime"])
 
 
 def store_module(key: bytes, module: Module) -> None:
     """Store a module, if it has a key."""
     if key:
-        told = {
+        header = {
             "sizes": [len(code) for code in module.codes],
             "work_size": module.work_size,
             "calls_runtime": module.calls_runtime,
         }
-        store(key, json.dumps(told).encode() + b"\n" + b"".join(module.codes))
+        store(key, json.dumps(header).encode() + b"\n" + b"".join(module.codes))
 
 
 @once

@@ -101,13 +101,13 @@ def generate(
     Raises
     ------
     CompileError
-        If `name` is no C identifier, the sequence calls functions the user supplied, or a constant is
+        If `name` is not a C identifier, the sequence calls functions the user supplied, or a constant is
         beyond the doubles.
     """
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,40}", name) or _is_reserved(name):
         raise CompileError(
             Problem("compile.name", "", f"{quoted(name)} cannot be the name of a C function",
-                    "it is no identifier, longer than 41 letters, or taken", "choose another, such as 'f'")
+                    "not an identifier, longer than 41 letters, or taken", "choose another, such as 'f'")
         )  # fmt: skip
     plan = plan_pieces(sequence, piece_size)
     shown = {entry.name: entry.name for entry in sequence.inputs}

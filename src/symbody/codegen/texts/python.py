@@ -91,13 +91,13 @@ def generate(sequence: Sequence, name: str = "f", names: Mapping[str, str] | Non
     Raises
     ------
     CompileError
-        If `name` is no identifier of Python, the sequence calls functions the user supplied, or a constant
+        If `name` is not a Python identifier, the sequence calls functions the user supplied, or a constant
         is beyond the doubles.
     """
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,40}", name) or _is_reserved(name):
         raise CompileError(
             Problem("compile.name", "", f"{quoted(name)} cannot be the name of a Python function",
-                    "it is no identifier, longer than 41 letters, or taken", "choose another, such as 'f'")
+                    "not an identifier, longer than 41 letters, or taken", "choose another, such as 'f'")
         )  # fmt: skip
     plan = plan_pieces(sequence)
     module = _Module(sequence, plan, name, names or {})
