@@ -66,6 +66,11 @@ class Scales:
     has_time: bool = False
 
     @property
+    def sizes(self) -> dict[str, float]:
+        """Length, time and mass by name, as analyses take them."""
+        return {"length": self.length, "time": self.time, "mass": self.mass}
+
+    @property
     def energy(self) -> float:
         """What counts as a large energy [J]."""
         return self.mass * (self.length / self.time) ** 2
