@@ -98,10 +98,10 @@ def redundancy(
             Problem("redundancy.open", eqs.model.name, "no configuration closes the loops", "",
                     "see assemble() for the joint that stays open, or give guess=")
         )  # fmt: skip
-    scales = task.mechanism.constraints(eqs)[:, np.newaxis]
+    sizes = task.mechanism.constraints(eqs)[:, np.newaxis]
 
     def velocity_rows(q: Floats) -> Floats:
-        return np.asarray(task.velocity_rows(q, {})[0] / scales * task.speed_sizes)
+        return np.asarray(task.velocity_rows(q, {})[0] / sizes * task.speed_sizes)
 
     branch = explore_branch(task.manifold, q)
     count = count_freedoms(eqs.formed, branch, velocity_rows)
