@@ -333,6 +333,8 @@ def constant_values(
     CompileError
         If a parameter has no value, or a formula reads something else than parameters.
     """
+    if not formulas:
+        return {}
     graph, names = eqs.formed.graph, eqs.formed.names
     replacements = _parameter_nodes(eqs, parameters or {}, ())
     nodes = [names.expression(Formula.of(value, where=name), name).index for name, value in formulas.items()]

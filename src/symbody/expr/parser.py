@@ -1,7 +1,8 @@
 """Text of the expression language to formulas.
 
 The grammar: numbers, names, ``+ - * / ^ **``, signs, ``if(condition, a, b)`` with comparisons, ``and``,
-``or`` and ``not`` in the condition, and the functions of `symbody.expr.language.program.FUNCTIONS`. Names
+``or`` and ``not`` in the condition, and the functions of `symbody.expr.language.program.FUNCTIONS`. What has
+no value, such as ``1/0``, is refused but in a branch that a condition of numbers alone never takes. Names
 mean nothing here: whatever reads as an identifier is one, ``I``, ``lambda`` and ``max`` too.
 """
 

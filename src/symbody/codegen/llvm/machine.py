@@ -46,9 +46,15 @@ THOROUGH: Final = 1
 
 
 @once
+def _features() -> binding.targets.FeatureMap:
+    """Return what this processor can do; looked up once, as it takes a millisecond."""
+    return binding.get_host_cpu_features()
+
+
+@once
 def lanes() -> int:
     """Return how many doubles the widest registers of this processor hold, at least 2."""
-    features = binding.get_host_cpu_features()
+    features = _features()
     return 8 if features.get("avx512f") else 4 if features.get("avx") else 2
 
 
@@ -93,7 +99,7 @@ def target_machine(level: int = THOROUGH) -> binding.TargetMachine:
     initialize()
     return binding.Target.from_default_triple().create_target_machine(
         cpu=binding.get_host_cpu_name(),
-        features=binding.get_host_cpu_features().flatten(),
+        features=_features().flatten(),
         opt=level,
         reloc="pic" if SMALL else "default",
         codemodel="small" if SMALL else "jitdefault",
@@ -111,7 +117,7 @@ def initialize() -> None:
 @once
 def environment() -> str:
     """Return the key of object code apart from its text."""
-    features = binding.get_host_cpu_features().flatten()
+    features = _features().flatten()
     versions = f"{llvmlite.__version__} {binding.llvm_version_info}"
     return f"{versions} {binding.get_default_triple()} {binding.get_host_cpu_name()} {features} {SMALL}"
 

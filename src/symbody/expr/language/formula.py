@@ -143,7 +143,7 @@ def build(
     """
     nodes: dict[tuple[str, str], int] = {}
     look_up = {"name": lookup, "output": outputs or lookup}
-    stack: list[int] = []
+    stack: list[int | ExpressionError] = []
     for step in formula.program:
         if not isinstance(step.payload, str):
             stack.append(constant(graph, step.payload))
@@ -156,17 +156,27 @@ def build(
             operands = stack[-step.arity :]
             del stack[-step.arity :]
             stack.append(_applied(formula, graph, step, operands, where))
+    if isinstance(stack[0], ExpressionError):
+        raise stack[0]
     return stack[0]
 
 
-def _applied(formula: Formula, graph: Graph, step: Instruction, operands: list[int], where: str) -> int:
+def _applied(
+    formula: Formula, graph: Graph, step: Instruction, operands: list[int | ExpressionError], where: str
+) -> int | ExpressionError:
+    """Return the node of an operation, or what is wrong; a branch that is never taken may be wrong."""
+    name, nodes = str(step.payload), [operand for operand in operands if isinstance(operand, int)]
+    if name == "if" and isinstance(operands[0], int) and (decided := graph.number(operands[0])) is not None:
+        return operands[1] if decided else operands[2]
+    if len(nodes) < len(operands):
+        return next(operand for operand in operands if isinstance(operand, ExpressionError))
     try:
-        return applied_node(graph, str(step.payload), operands)
+        return applied_node(graph, name, nodes)
     except ExpressionError as error:  # the graph has the fault, the formula has the text
         problems = [
             formula.problem(p.code, step.column, p.what, p.why, p.fix, where=where) for p in error.problems
         ]
-        raise ExpressionError(*problems) from error
+        return ExpressionError(*problems)
 
 
 def _numeral(value: object, where: str) -> str:
