@@ -1,7 +1,7 @@
 /** Calls of the server, each with the types of its answer. */
 
 import type {
-  CheckAnswer, DocumentAnswer, Draft, Example, FolderAnswer, JobKind, JobState, JsonObject, Json, Model, PoseAnswer,
+  CheckAnswer, DocumentAnswer, DragAnswer, Draft, Example, FolderAnswer, JobKind, JobState, JsonObject, Json, Model, PoseAnswer,
   Problem, RecentFile, SchemaAnswer,
 } from "./types"; // prettier-ignore
 
@@ -54,6 +54,14 @@ async function call(name: string, body: object, signal?: AbortSignal): Promise<u
 
 export type Opened = { path: string } | { example: string } | { text: string; name: string } | { draft: string } | { urdf: string };
 
+/** A body held at a point of it, and the line of sight on which that point should be [m]. */
+export interface Held {
+  readonly body: string;
+  readonly point: readonly number[];
+  readonly origin: readonly number[];
+  readonly direction: readonly number[];
+}
+
 export const api = {
   schema: () => call("schema", {}) as Promise<SchemaAnswer>,
   examples: async () => (await call("examples", {}) as { examples: readonly Example[] }).examples,
@@ -70,6 +78,8 @@ export const api = {
   check: (document: string, data: Model, signal: AbortSignal) => call("check", { data, document, page }, signal) as Promise<CheckAnswer>,
   pose: (document: string, data: Model, fixed: Record<string, number>, guess: Readonly<Record<string, number>>) =>
     call("pose", { data, document, page, fixed, guess }) as Promise<PoseAnswer>,
+  drag: (document: string, data: Model, held: Held, guess: Readonly<Record<string, number>>) =>
+    call("drag", { data, document, page, ...held, guess }) as Promise<DragAnswer>,
   formula: async (text: string, pointer: string) =>
     (await call("formula", { text, pointer }) as { mathml: string }).mathml,
   job: async (document: string, kind: JobKind, data: Model, options: Json) =>
