@@ -1,5 +1,6 @@
 /** Calls of the server, each with the types of its answer. */
 
+import { ABSENCES, request } from "./connection";
 import type {
   CheckAnswer, DocumentAnswer, DragAnswer, Draft, Example, FolderAnswer, JobKind, JobState, JsonObject, Json, Model, PoseAnswer,
   Problem, RecentFile, SchemaAnswer,
@@ -29,23 +30,10 @@ export function problemsOf(error: unknown): readonly Problem[] {
 /** Of the requests of one page the server answers the newest. */
 const page = Math.random().toString(36).slice(2);
 
-function token(): string {
-  return document.querySelector<HTMLMetaElement>('meta[name="symbody-token"]')?.content ?? "";
-}
-
 async function call(name: string, body: object, signal?: AbortSignal): Promise<unknown> {
-  let response: Response;
-  try {
-    response = await fetch(`/api/${name}`, {
-      method: "POST",
-      headers: { "Content-Type": "application/json", "X-Symbody-Token": token() },
-      body: JSON.stringify(body),
-      ...(signal === undefined ? {} : { signal }),
-    });
-  } catch (error) {
-    if (error instanceof DOMException && error.name === "AbortError") throw error;
-    throw new ServerError([problemOf("page.no_server", "the server of this page does not answer", "Start symbody builder again; edits are kept.")], 0);
-  }
+  const response = await request(name, body, signal);
+  if (response === null) throw new ServerError([problemOf("page.no_server", ABSENCES.gone.what, ABSENCES.gone.fix)], 0);
+  if (response.status === 401) throw new ServerError([problemOf("page.other_run", ABSENCES.other.what, ABSENCES.other.fix)], 401);
   const answer = (await response.json().catch(() => null)) as unknown;
   if (response.ok) return answer;
   const problems = (answer as { problems?: readonly Problem[] } | null)?.problems;

@@ -19,6 +19,9 @@ export interface OpenDocument {
   readonly fingerprint: string | null;
 }
 
+/** Whether the server of this page answers; "other": one answers that was started later. */
+export type ServerState = "here" | "gone" | "other";
+
 /** A choice that waits for the user at a place of the window. */
 export type Popup =
   | { readonly kind: "types"; readonly x: number; readonly y: number; readonly ends: readonly [string, string] }
@@ -62,7 +65,7 @@ export interface State {
   /** The model that `check` is of. */
   readonly checked: Model | null;
   readonly openProblems: readonly Problem[];
-  readonly offline: boolean;
+  readonly server: ServerState;
   readonly outside: boolean;
   readonly copied: Copied | null;
   readonly popup: Popup | null;
@@ -97,7 +100,7 @@ export const useStore = create<State>()(
   temporal(
     (): State => ({
       data: EMPTY, document: null, saved: EMPTY, schema: null, selection: [], check: null, checked: null, openProblems: [],
-      offline: false, outside: false, copied: null, popup: null, dialog: "start", tab: "positions", leftTab: "palette",
+      server: "here", outside: false, copied: null, popup: null, dialog: "start", tab: "positions", leftTab: "palette",
       wide: false, theme: "auto", focusPointer: null, renaming: null, spoken: "", notice: [], run: null, equations: null,
       analysis: null, simulated: null, showsMotion: false, highlighted: [], posed: null, dragged: null, pictureNote: "",
       analysisPicture: null,
