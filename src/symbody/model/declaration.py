@@ -52,6 +52,8 @@ class Field(Generic[Given, Kept]):
         Of its value; "" if it has none, or several, which the sentence then contains.
     place : str
         Where it stands in an entry of the model file, if that is not its name.
+    is_content : bool
+        Whether it is written to files and counts where elements are compared.
     """
 
     role: ClassVar[str]
@@ -64,7 +66,7 @@ class Field(Generic[Given, Kept]):
     default: Any = REQUIRED
     unit: str = ""
     place: str = ""
-    compare: bool = True
+    is_content: bool = True
 
     # For type checkers alone, which take the argument from one and the attribute from the other: at run
     # time a slot stands in the place of the field. Never: nothing can be assigned to an element.
@@ -100,11 +102,11 @@ class Field(Generic[Given, Kept]):
 
     @property
     def description(self) -> str:
-        """The sentence with the unit before its full stop."""
-        unit = f"[{self.unit}]" if self.unit else ""
-        return (
-            f"{self.sentence.removesuffix('.')} {unit}." if unit and self.sentence else self.sentence or unit
-        )
+        """The sentence with the unit behind its first part."""
+        if not self.unit or not self.sentence:
+            return f"[{self.unit}]" if self.unit else self.sentence
+        first, mark, rest = self.sentence.removesuffix(".").partition(";")
+        return f"{first} [{self.unit}]{mark}{rest}."
 
 
 class Declared:
@@ -141,6 +143,11 @@ class Declared:
             object.__setattr__(self, name, kept)
         self.check(door)
         door.close()
+
+    @classmethod
+    def summary(cls) -> str:
+        """Return the first line of the documentation."""
+        return (cls.__doc__ or "").partition("\n")[0].replace("``", "")
 
     def label(self) -> str:
         """Return what it is in words, the first part of the place of a fault."""
@@ -190,7 +197,7 @@ def declared(kind: type[C]) -> type[C]:
     for name, value in list(vars(kind).items()):
         if isinstance(value, Field):
             given = {} if value.is_required else {"default": value.default}
-            plain = dataclasses.field(**given, compare=value.compare, metadata={"declared": value})
+            plain = dataclasses.field(**given, compare=value.is_content, metadata={"declared": value})
             type.__setattr__(kind, name, plain)
     made = dataclass(frozen=True, slots=True)(kind)
     fields = {field.name: field.metadata["declared"] for field in dataclasses.fields(made)}

@@ -21,9 +21,12 @@ class Element(Declared):
     ----------
     kind : str
         The word for it in messages and model files: ``"joint"``.
+    word : str
+        The type in model files, where the kind has several; by default the name of the class.
     """
 
     kind: ClassVar[str]
+    word: ClassVar[str] = ""
 
     name: Name = Name("Unique among the elements of the model.")
 

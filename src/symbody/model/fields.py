@@ -224,8 +224,6 @@ class Choice(Field[L, L], Generic[L]):
     ----------
     words : tuple of str
         What may be chosen; the first stands for what is none of them.
-    code : str
-        Of the fault.
     """
 
     role: ClassVar[str] = "choice"
@@ -234,7 +232,6 @@ class Choice(Field[L, L], Generic[L]):
 
     _: KW_ONLY
     words: tuple[L, ...] = field(default=())
-    code: str = "model.curve_kind"
 
     def read(self, owner: object, door: Door, value: object, path: str) -> L:
         """Return the word."""
@@ -242,7 +239,7 @@ class Choice(Field[L, L], Generic[L]):
             if isinstance(value, str) and value == word:
                 return word
         choices = " or ".join(repr(word) for word in self.words)
-        door.refuse(self.code, path, f"{path} = {value!r} means nothing", "", f"write {choices}")
+        door.refuse("model.curve_kind", path, f"{path} = {value!r} means nothing", "", f"write {choices}")
         return self.words[0]
 
 

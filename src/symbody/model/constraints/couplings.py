@@ -157,6 +157,8 @@ class Constraint(Condition):
     rate, is the effort along that coordinate.
     """
 
+    word: ClassVar[str] = "equation"
+
     equations: Equations = Equations(
         "What vanishes, in coordinates, parameters and t; or also in rates and speeds, of first degree."
     )

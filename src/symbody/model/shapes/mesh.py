@@ -37,7 +37,9 @@ class Factors(Field[Value | Iterable[Value], Triple]):
 class Mesh(BodyShape):
     """Triangles of a file: STL, OBJ, glTF or GLB, DAE."""
 
-    path: FilePath = FilePath("Of the file, from `folder`.")
+    path: FilePath = FilePath(
+        "Of the file, from the directory of the model file that names it, or from `folder`."
+    )
     scale: Factors = Factors("Metres for one unit of the file; one number or three.", default=1)
     at: Vector = Vector(
         "Origin of the file's axes, in the body's axes from its centre of mass.", unit="m", default=(0, 0, 0)
@@ -49,7 +51,7 @@ class Mesh(BodyShape):
     folder: Text = Text(
         'Where the path starts: that of the model file that names it; "" is the working directory.',
         default="",
-        compare=False,
+        is_content=False,
     )
 
     @property
