@@ -14,5 +14,5 @@ def model_schema() -> dict[str, Any]:
 
 
 def palette() -> list[dict[str, Any]]:
-    """Return all elements: section, type, title, group, a sentence, fields, and the name of their definition."""
+    """Return all elements as the editor shows them."""
     return elements()

@@ -16,10 +16,15 @@ class Condition(Element):
     ----------
     multiplier_unit : str
         Of its multipliers, "" where it depends on what users write.
+    rows, holds, multiplier : str
+        For the documentation: how many equations, what they say, and what a multiplier is.
     """
 
     kind: ClassVar[str] = "constraint"
     multiplier_unit: ClassVar[str] = ""
+    rows: ClassVar[str]
+    holds: ClassVar[str]
+    multiplier: ClassVar[str]
 
     @property
     def coordinates(self) -> tuple[str, ...]:

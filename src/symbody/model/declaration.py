@@ -30,7 +30,7 @@ _WIDTH: Final = 100
 _IN_WORDS: Final = MappingProxyType({"str": "a text", "bool": "true or false"})
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Field(Generic[Given, Kept]):
     """One argument of an element: a constructor takes `Given`, the element holds `Kept`.
 
@@ -144,6 +144,20 @@ class Declared:
         self.check(door)
         door.close()
 
+    def __eq__(self, other: object) -> bool:
+        return self._content() == other._content() if type(other) is type(self) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._content())
+
+    def __repr__(self) -> str:
+        arguments = ", ".join(f"{name}={getattr(self, name)!r}" for name in self.fields)
+        return f"{type(self).__qualname__}({arguments})"
+
+    def _content(self) -> tuple[object, ...]:
+        """Return what counts where elements are compared."""
+        return tuple(getattr(self, name) for name, field in self.fields.items() if field.is_content)
+
     @classmethod
     def summary(cls) -> str:
         """Return the first line of the documentation."""
@@ -197,9 +211,9 @@ def declared(kind: type[C]) -> type[C]:
     for name, value in list(vars(kind).items()):
         if isinstance(value, Field):
             given = {} if value.is_required else {"default": value.default}
-            plain = dataclasses.field(**given, compare=value.is_content, metadata={"declared": value})
+            plain = dataclasses.field(**given, metadata={"declared": value})
             type.__setattr__(kind, name, plain)
-    made = dataclass(frozen=True, slots=True)(kind)
+    made = dataclass(frozen=True, slots=True, eq=False, repr=False)(kind)
     fields = {field.name: field.metadata["declared"] for field in dataclasses.fields(made)}
     made.fields = MappingProxyType(fields)
     hints = {name: field.annotation for name, field in fields.items()}

@@ -73,7 +73,7 @@ class Directions(Field[Iterable[AxisLike], tuple[Axis, Axis]]):
                 check_axis(check, axis, f"{where}[{k}]")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Equations(Field[Value | Iterable[Value], tuple[Formula, ...]]):
     """What vanishes: one formula or several."""
 
@@ -98,7 +98,7 @@ class Equations(Field[Value | Iterable[Value], tuple[Formula, ...]]):
         return (Use(f"{path}[{k}]", formula, self.scope) for k, formula in enumerate(value))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Coupled(Field[Iterable[str], tuple[str, ...]]):
     """The coordinates of joints that a constraint couples."""
 

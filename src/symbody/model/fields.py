@@ -56,7 +56,7 @@ class Text(Field[str, str]):
         return str(value)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Quantity(Field[Value, Formula]):
     """A number or formula.
 
@@ -100,7 +100,7 @@ class AngleQuantity(Quantity):
         return door.angle(value, path)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class OptionalQuantity(Field[Value | None, Formula | None]):
     """A number or formula that may be left out."""
 
@@ -122,7 +122,7 @@ class OptionalQuantity(Field[Value | None, Formula | None]):
             yield Use(path, value, self.scope)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Vector(Field[Iterable[Value], Triple]):
     """Three numbers or formulas."""
 
@@ -142,7 +142,6 @@ class Vector(Field[Iterable[Value], Triple]):
         return triple_uses(path, value, self.scope)
 
 
-@dataclass(frozen=True)
 class Direction(Field[AxisLike, Axis]):
     """A direction: a letter, or components."""
 
@@ -216,7 +215,7 @@ class Flag(Field[bool, bool]):
         return False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Choice(Field[L, L], Generic[L]):
     """One of some words.
 

@@ -28,7 +28,7 @@ T = TypeVar("T")
 TreeChoice = InTrees | bool | Mapping[str, bool] | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Tree(Field[TreeChoice, InTrees]):
     """The choice of trees."""
 
@@ -60,7 +60,7 @@ class Tree(Field[TreeChoice, InTrees]):
         return InTrees()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Coordinate(Field[str | None, str | None]):
     """The name of the only coordinate."""
 
@@ -76,7 +76,7 @@ class Coordinate(Field[str | None, str | None]):
         return None if value is None else _symbol(door, value, path, owner.default_coordinates[0])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Coordinates(Field[Iterable[str] | None, tuple[str, ...]]):
     """The names of several coordinates."""
 
@@ -93,7 +93,7 @@ class Coordinates(Field[Iterable[str] | None, tuple[str, ...]]):
         return names_from(door, value, path, owner.default_coordinates)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class _Drives(Field[Given, Table[Drive]]):
     """What both roles of drives do."""
 
@@ -131,7 +131,7 @@ class CoordinateDrives(_Drives[Mapping[str, Drive] | None]):
     annotation: ClassVar[str] = "Mapping[str, Drive] | None"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class _Motions(Field[Given, Table[Formula]]):
     """What both roles of prescribed motions do."""
 
@@ -205,7 +205,7 @@ class Armature(Field[Value, Table[Formula]]):
                 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class DryFriction(Field[Friction | None, Friction | None]):
     """Dry friction along the only coordinate."""
 

@@ -56,6 +56,9 @@ class Gear(Coupling):
     torque on the first wheel about its axis [N m].
     """
 
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`first = ratio second + offset`"
+    multiplier: ClassVar[str] = "the torque on the first"
     multiplier_unit: ClassVar[str] = "N m"
 
     coupled: Coupled = Coupled("The angles of two joints.")
@@ -80,6 +83,9 @@ class RackPinion(Coupling):
     The multiplier is the force on the rack along its displacement [N].
     """
 
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`displacement = radius angle + offset`"
+    multiplier: ClassVar[str] = "the force on the rack"
     multiplier_unit: ClassVar[str] = "N"
     displacements: ClassVar[int] = 1
 
@@ -107,6 +113,9 @@ class Belt(Coupling):
     The multiplier is the pull of the belt at the rim of the first pulley, in the sense of its angle [N].
     """
 
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`radius1 first = radius2 second + offset`; crossed: `- radius2 second`"
+    multiplier: ClassVar[str] = "the pull at the first rim, in the sense of its angle"
     multiplier_unit: ClassVar[str] = "N"
 
     coupled: Coupled = Coupled("The angles of two joints.")
@@ -134,6 +143,9 @@ class Differential(Coupling):
     The multiplier is half the torque on the carrier about its axis [N m].
     """
 
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`2 carrier = left + right + offset`"
+    multiplier: ClassVar[str] = "half the torque on the carrier"
     multiplier_unit: ClassVar[str] = "N m"
 
     coupled: Coupled = Coupled("The angles of carrier, left and right shaft.", count=3)
@@ -157,6 +169,9 @@ class Constraint(Condition):
     rate, is the effort along that coordinate.
     """
 
+    rows: ClassVar[str] = "their number"
+    holds: ClassVar[str] = "what they say vanishes"
+    multiplier: ClassVar[str] = "times the derivative by a coordinate, or by its rate: the effort along it"
     word: ClassVar[str] = "equation"
 
     equations: Equations = Equations(

@@ -37,6 +37,9 @@ def _check_cosine(check: Checker, angle: Formula, where: str) -> None:
 class Parallel(Contact):
     """Holds a direction of end parallel to one of start."""
 
+    rows: ClassVar[str] = "2"
+    holds: ClassVar[str] = "the second axis has no part along two perpendiculars `n` of the first"
+    multiplier: ClassVar[str] = "the moment on end about `second x n`"
     multiplier_unit: ClassVar[str] = "N m"
 
     axes: Directions = Directions(_BOTH, default=("z", "z"))
@@ -47,6 +50,9 @@ class Parallel(Contact):
 class Perpendicular(Contact):
     """Holds a direction of end perpendicular to one of start."""
 
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`first . second = 0`"
+    multiplier: ClassVar[str] = "the moment on end about `second x first`"
     multiplier_unit: ClassVar[str] = "N m"
 
     axes: Directions = Directions(_BOTH)
@@ -60,6 +66,9 @@ class Angle(Contact):
     The angle must stay off 0 and pi, where the cosine has no slope.
     """
 
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`first . second = cos(value)`"
+    multiplier: ClassVar[str] = "times the sine of the angle: the moment on end about `second x first`"
     multiplier_unit: ClassVar[str] = "N m"
 
     axes: Directions = Directions(_BOTH)

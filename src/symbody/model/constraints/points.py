@@ -19,6 +19,9 @@ class Distance(Contact):
     Its one multiplier is the force with which it pushes the points apart [N]; in a rope it is never positive.
     """
 
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`sqrt(p . p) = value`"
+    multiplier: ClassVar[str] = "the force along the line, positive pushing the points apart"
     multiplier_unit: ClassVar[str] = "N"
 
     value: Quantity = Quantity(
@@ -35,6 +38,9 @@ class Distance(Contact):
 class PointOnLine(Contact):
     """Holds the origin of end on a line through the origin of start."""
 
+    rows: ClassVar[str] = "2"
+    holds: ClassVar[str] = "`p` has no part across the axis"
+    multiplier: ClassVar[str] = "the force on end along a direction of start across the axis"
     multiplier_unit: ClassVar[str] = "N"
 
     axis: Direction = Direction("Direction of the line, in the start frame.", default="x")
@@ -45,6 +51,9 @@ class PointOnLine(Contact):
 class PointOnPlane(Contact):
     """Holds the origin of end in a plane through the origin of start."""
 
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`p . axis = 0`"
+    multiplier: ClassVar[str] = "the force on end along the normal"
     multiplier_unit: ClassVar[str] = "N"
 
     axis: Direction = Direction("Normal of the plane, in the start frame.", default="z")
@@ -59,6 +68,11 @@ class PointOnCurve(Contact):
     it must vanish nowhere.
     """
 
+    rows: ClassVar[str] = "3"
+    holds: ClassVar[str] = "`p = curve(parameter, t)`; the parameter becomes a coordinate"
+    multiplier: ClassVar[str] = (
+        "the force on end along x, y, z of start; together they have no part along the curve"
+    )
     multiplier_unit: ClassVar[str] = "N"
 
     curve: CurvePoint = CurvePoint(
@@ -90,6 +104,10 @@ class PointOnSurface(Contact):
 
     A multiplier times the gradient of its equation is the force on end.
     """
+
+    rows: ClassVar[str] = "their number"
+    holds: ClassVar[str] = "`f(p, t) = 0`"
+    multiplier: ClassVar[str] = "times the gradient of f: the force on end"
 
     equations: Equations = Equations(
         "What vanishes, in x, y, z of the point in the start frame [m], parameters and t.", scope=Scope.POINT

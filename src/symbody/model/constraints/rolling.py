@@ -18,6 +18,9 @@ class KnifeEdge(Contact):
     The velocity of end's origin relative to start has no component along the blade's normal.
     """
 
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "the velocity of end's origin over start has no part along the axis"
+    multiplier: ClassVar[str] = "the force on end along the axis"
     multiplier_unit: ClassVar[str] = "N"
 
     axis: Direction = Direction("Normal of the blade, in the end frame.", default="y")
@@ -35,6 +38,9 @@ class Rolling(Contact):
     left [N].
     """
 
+    rows: ClassVar[str] = "3"
+    holds: ClassVar[str] = "height of the point of contact; its velocity forward and to the left"
+    multiplier: ClassVar[str] = "the force on end along normal, forward, left"
     multiplier_unit: ClassVar[str] = "N"
 
     radius: Quantity = Quantity(

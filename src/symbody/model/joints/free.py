@@ -44,6 +44,7 @@ class Free(Joint):
     ('base_x', 'base_y', 'base_z', 'base_qw', 'base_qx', 'base_qy', 'base_qz')
     """
 
+    letters: ClassVar[tuple[str, ...]] = ("x", "y", "z", "orientation")
     law: ClassVar[str] = "d = (x, y, z), R by the sequence"
 
     angles: AngleSequence = ORIENTATION

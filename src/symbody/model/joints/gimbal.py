@@ -34,7 +34,7 @@ class Gimbal(Joint):
     """
 
     letters: ClassVar[tuple[str, ...]] = ("a", "b", "c")
-    law: ClassVar[str] = "R by the sequence; speeds are the rates"
+    law: ClassVar[str] = "R by the sequence, its rates are the speeds"
 
     angles: ThreeAngles = THREE_ANGLES
     coordinates: Coordinates = Coordinates("Names of the angles.", unit="rad")

@@ -69,7 +69,7 @@ class ThreeAngles(AngleSequence):
         return "123"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class SpeedChoice(Field[str | None, str]):
     """What the speeds are.
 
@@ -114,7 +114,7 @@ class SpeedChoice(Field[str | None, str]):
         return value
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class SpeedNames(Field[Iterable[str] | None, tuple[str, ...] | None]):
     """Names of quasi-speeds, three for each kind.
 

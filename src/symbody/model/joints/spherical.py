@@ -40,6 +40,7 @@ class Spherical(Joint):
     ['zeta', 'eta', 'xi']
     """
 
+    letters: ClassVar[tuple[str, ...]] = ("3 angles, or a quaternion",)
     law: ClassVar[str] = "R by the sequence"
 
     angles: AngleSequence = ORIENTATION

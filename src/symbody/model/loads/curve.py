@@ -73,7 +73,7 @@ Law: TypeAlias = Formula | Curve
 LawValue: TypeAlias = Value | Curve | Mapping[str, object]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class SpringLaw(Field[LawValue, Law]):
     """A formula or curve of a force or torque.
 

@@ -22,6 +22,10 @@ LENGTH: Final = ("length", "length_rate")
 class Drive(Part):
     """What acts along a joint coordinate: ``applied + law - stiffness*(x - free) - damping*x_dot``."""
 
+    equation: ClassVar[str] = "applied + law - stiffness (x - free) - damping x'"
+    sign: ClassVar[str] = "positive drives end along the positive coordinate"
+    outputs: ClassVar[str] = "`effort J`, `effort J x` where several"
+
     applied: Quantity = Quantity("Effort on the end body.", unit="N, N m", default=0, scope=Scope.LOAD)
     stiffness: Quantity = Quantity(unit="N/m, N m/rad", default=0, scope=Scope.LOAD, fits=remark_negative)
     damping: Quantity = Quantity(unit="N s/m, N m s/rad", default=0, scope=Scope.LOAD, fits=remark_negative)
@@ -57,6 +61,9 @@ def drive_from(door: Door, value: object, path: str) -> Drive | None:
 class Force(Element):
     """A force in a point, and its reaction, which acts in the same point."""
 
+    equation: ClassVar[str] = "vector in the point `on`, axes of `resolved_in`"
+    sign: ClassVar[str] = "the opposite force acts on `reaction_on` in the same point"
+    outputs: ClassVar[str] = ""
     kind: ClassVar[str] = "force"
 
     on: AttachedFrame = AttachedFrame("The point.")
@@ -70,6 +77,9 @@ class Force(Element):
 class Torque(Element):
     """A torque on a body, and its reaction."""
 
+    equation: ClassVar[str] = "vector on `on`"
+    sign: ClassVar[str] = "the opposite torque acts on `reaction_on`"
+    outputs: ClassVar[str] = ""
     kind: ClassVar[str] = "torque"
 
     on: AttachedFrame = AttachedFrame("The body.")
@@ -83,6 +93,9 @@ class Torque(Element):
 class SpringDamper(Connection):
     """A spring and damper on the line between two points; a free length of exactly 0 is a vector law."""
 
+    equation: ClassVar[str] = "applied + law - stiffness (length - free) - damping length' along the line"
+    sign: ClassVar[str] = "positive pushes the ends apart; `free` exactly 0: vector law, smooth at length 0"
+    outputs: ClassVar[str] = "`length S`, `effort S`"
     kind: ClassVar[str] = "spring"
 
     stiffness: Quantity = Quantity(unit="N/m", default=0, scope=Scope.LOAD, fits=remark_negative)

@@ -79,6 +79,11 @@ class TorsionSpring(Connection):
     the two count their turns; else the angle is measured on the frames, within half a turn of `free`.
     """
 
+    equation: ClassVar[str] = (
+        "applied + law - stiffness (angle - free) - damping angle_rate about `axis`, fixed in start"
+    )
+    sign: ClassVar[str] = "positive turns end forward about the axis"
+    outputs: ClassVar[str] = "`angle S`, `effort S`"
     kind: ClassVar[str] = "torsion_spring"
 
     axis: Direction = Direction("In the start frame.", default="z")
@@ -109,6 +114,11 @@ class Bushing(Connection):
     second angle is a quarter turn.
     """
 
+    equation: ClassVar[str] = (
+        "-stiffness (x - free) - damping x' in six coordinates; six values or six rows of six"
+    )
+    sign: ClassVar[str] = "efforts on end along the coordinates"
+    outputs: ClassVar[str] = "`length B x` `y` `z`, `angle B rx` `ry` `rz`, `effort B x` .. `rz`"
     kind: ClassVar[str] = "joint"
 
     stiffness: SixOrMatrix = SixOrMatrix(unit="N/m, N m/rad", default=_NONE)
