@@ -1,6 +1,6 @@
-"""Rewrite the tables of elements in the docs: ``python docs/list_elements.py``.
+"""Rewrite tables of elements and the schema of model files: ``python docs/list_elements.py``.
 
-A table follows from what the elements declare: their fields, and the texts about their law.
+Both follow from what the elements declare: their fields, and the texts about their law.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+from symbody.formats import schema
 from symbody.model import Bushing, Drive, Force, SpringDamper, Torque, TorsionSpring
 from symbody.model.declaration import Declared, Field
 from symbody.model.joint import Joint
@@ -117,3 +118,4 @@ PAGES = {"joints.md": joints, "constraints.md": constraints, "forces.md": forces
 if __name__ == "__main__":
     for page, make in PAGES.items():
         (DOCS / page).write_text(write(page, make()), encoding="utf-8")
+    Path(schema.__file__).with_name("schema.json").write_text(schema.schema_text(), encoding="utf-8")
