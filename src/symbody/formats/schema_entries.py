@@ -23,7 +23,7 @@ from symbody.model.loads.forces import Drive
 from symbody.model.loads.friction import Friction
 from symbody.model.loads.springs import Six, SixOrMatrix
 from symbody.model.registry import definition_name, element_types, shape_types
-from symbody.model.shapes.mesh import Factors
+from symbody.model.shapes.mesh import ScaleFactors
 from symbody.model.shapes.shape import Color, Shapes
 
 Role: TypeAlias = type[declaration.Field[Any, Any]]
@@ -34,21 +34,21 @@ _FIRST: Final = ("name", "between", "tree", "type")
 # The type of a value in the file by its role; a role without a row takes that of the role it is derived from.
 _PLAIN: Final[Mapping[Role, Any]] = MappingProxyType(
     {
-        fields.Name: str,
-        fields.Symbol: str,
+        fields.ElementName: str,
+        fields.SymbolName: str,
         fields.FilePath: str,
         fields.Quantity: Expression,
         fields.AngleQuantity: Angle,
         fields.OptionalQuantity: Expression,
-        fields.Vector: Triple,
+        fields.VectorQuantity: Triple,
         fields.Direction: Axis,
         fields.OptionalDirection: Axis,
         fields.Flag: bool,
         element_fields.AttachedFrame: str,
         element_fields.Directions: Annotated[list[Axis], Field(min_length=2, max_length=2)],
-        element_fields.Equations: Expression | list[Expression],
+        element_fields.VanishingFormulas: Expression | list[Expression],
         element_fields.Radii: Annotated[list[Expression], Field(min_length=2, max_length=2)],
-        joint_fields.Tree: values.Trees,
+        joint_fields.TreeMembership: values.Trees,
         joint_fields.Letter: Annotated[str, Field(json_schema_extra={"enum": ["x", "y", "z"]})],
         joint_fields.Coordinate: str | None,
         joint_fields.Coordinates: list[str] | None,
@@ -63,7 +63,7 @@ _PLAIN: Final[Mapping[Role, Any]] = MappingProxyType(
         Turns: list[values.Turn],
         RotationMatrix: Annotated[list[Triple], Field(min_length=3, max_length=3)] | None,
         Color: str,
-        Factors: values.Factors,
+        ScaleFactors: values.Factors,
     }
 )
 # Roles whose values are tables, which are empty where they are left out.

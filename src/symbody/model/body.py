@@ -9,7 +9,7 @@ from symbody.expr.language.tokens import normalize
 from symbody.model.declaration import Field
 from symbody.model.door import Door
 from symbody.model.element import Address, Element, address_of
-from symbody.model.fields import Flag, Quantity, Vector, part
+from symbody.model.fields import Flag, Quantity, VectorQuantity, part
 from symbody.model.frame import Frame
 from symbody.model.naming import CENTRE, element_problem
 from symbody.model.shapes.shape import Shapes
@@ -51,10 +51,10 @@ class Body(Element):
     mass: Quantity = Quantity(
         "Mass; zero is legal as long as the mechanism as a whole can be accelerated.", unit="kg", default=0
     )
-    inertia: Vector = Vector(
+    inertia: VectorQuantity = VectorQuantity(
         "xx, yy, zz about the centre of mass, in the body's axes.", unit="kg m^2", default=(0, 0, 0)
     )
-    products: Vector = Vector(
+    products: VectorQuantity = VectorQuantity(
         "Tensor entries xy, xz, yz, with the sign of URDF.", unit="kg m^2", default=(0, 0, 0)
     )
     frames: Frames = Frames("Frames fixed on the body.", default=None)

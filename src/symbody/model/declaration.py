@@ -192,7 +192,7 @@ class Declared:
         )  # fmt: skip
 
 
-class Part(Declared):
+class ElementPart(Declared):
     """What is declared as a part of elements: a frame, a drive, a shape."""
 
     __slots__ = ()

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from symbody.model.checker import Checker
 from symbody.model.declaration import Declared
-from symbody.model.fields import Name, part
+from symbody.model.fields import ElementName, part
 from symbody.model.naming import CENTRE, GROUND
 from symbody.model.uses import Use
 
@@ -28,7 +28,7 @@ class Element(Declared):
     kind: ClassVar[str]
     word: ClassVar[str] = ""
 
-    name: Name = Name("Unique among the elements of the model.")
+    name: ElementName = ElementName("Unique among the elements of the model.")
 
     def label(self) -> str:
         """Return kind and name."""

@@ -16,11 +16,11 @@ from symbody.model.fields import (
     AngleQuantity,
     AxisLike,
     Direction,
+    ElementName,
     Flag,
-    Name,
     Quantity,
-    Symbol,
-    Vector,
+    SymbolName,
+    VectorQuantity,
     list_of,
 )
 from symbody.model.turn import Axis, axis_from
@@ -74,7 +74,7 @@ class Directions(Field[Iterable[AxisLike], tuple[Axis, Axis]]):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Equations(Field[Value | Iterable[Value], tuple[Formula, ...]]):
+class VanishingFormulas(Field[Value | Iterable[Value], tuple[Formula, ...]]):
     """What vanishes: one formula or several."""
 
     role: ClassVar[str] = "equations"
@@ -148,7 +148,7 @@ class Radii(Field[Iterable[Value], tuple[Formula, ...]]):
             fits(check, radius, f"{where}[{k}]")
 
 
-class CurvePoint(Vector):
+class CurvePoint(VectorQuantity):
     """A point of a curve, whose parameter the element names."""
 
     role: ClassVar[str] = "vector"
@@ -162,8 +162,8 @@ class CurvePoint(Vector):
 # A type checker has to see all roles whose fields may be without default.
 @dataclass_transform(
     field_specifiers=(
-        Field, Name, Symbol, Quantity, AngleQuantity, Vector, Direction, Flag,
-        AttachedFrame, Directions, Equations, Coupled, CurvePoint, Radii,
+        Field, ElementName, SymbolName, Quantity, AngleQuantity, VectorQuantity, Direction, Flag,
+        AttachedFrame, Directions, VanishingFormulas, Coupled, CurvePoint, Radii,
     )
 )  # fmt: skip
 def element(kind: type[E]) -> type[E]:

@@ -20,7 +20,7 @@ AxisLike = str | Iterable[Value]
 NumberCheck = Callable[[Checker, Formula, str], None]
 
 
-class Name(Field[str, str]):
+class ElementName(Field[str, str]):
     """The name of an element."""
 
     role: ClassVar[str] = "name"
@@ -32,7 +32,7 @@ class Name(Field[str, str]):
         return door.element_name(value, path)
 
 
-class Symbol(Field[str, str]):
+class SymbolName(Field[str, str]):
     """The name of a coordinate that an element brings with it."""
 
     role: ClassVar[str] = "symbol"
@@ -123,7 +123,7 @@ class OptionalQuantity(Field[Value | None, Formula | None]):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Vector(Field[Iterable[Value], Triple]):
+class VectorQuantity(Field[Iterable[Value], Triple]):
     """Three numbers or formulas."""
 
     role: ClassVar[str] = "vector"
@@ -216,7 +216,7 @@ class Flag(Field[bool, bool]):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Choice(Field[L, L], Generic[L]):
+class WordChoice(Field[L, L], Generic[L]):
     """One of some words.
 
     Attributes
@@ -301,14 +301,14 @@ def list_of(
 @dataclass_transform(
     field_specifiers=(
         Field,
-        Name,
-        Symbol,
+        ElementName,
+        SymbolName,
         Text,
         FilePath,
         Quantity,
         AngleQuantity,
         Numbers,
-        Vector,
+        VectorQuantity,
         Direction,
         Flag,
     )

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import ClassVar
 
 from symbody.expr.language.formula import Formula
-from symbody.model.declaration import Field, Part
+from symbody.model.declaration import ElementPart, Field
 from symbody.model.door import ZERO, Door, Value
 from symbody.model.euler_angles import euler_turns
-from symbody.model.fields import AxisLike, Vector, part
+from symbody.model.fields import AxisLike, VectorQuantity, part
 from symbody.model.turn import Axis, Turn, axis_from, unit_axis
 from symbody.model.uses import Scope, Triple, Use, triple_uses
 
@@ -54,7 +54,7 @@ class RotationMatrix(Field[Sequence[Iterable[Value]] | None, Matrix | None]):
 
 
 @part
-class Frame(Part):
+class Frame(ElementPart):
     """Axes with an origin, placed on a body by constants.
 
     Examples
@@ -63,7 +63,9 @@ class Frame(Part):
     'L'
     """
 
-    at: Vector = Vector("Origin, in the body's axes from its centre of mass.", unit="m", default=(0, 0, 0))
+    at: VectorQuantity = VectorQuantity(
+        "Origin, in the body's axes from its centre of mass.", unit="m", default=(0, 0, 0)
+    )
     rotate: Turns = Turns("Successive body-fixed turns: axis and angle.", default=())
     matrix: RotationMatrix = RotationMatrix(
         "Rotation matrix instead of turns; takes components in the frame to the body.", default=None

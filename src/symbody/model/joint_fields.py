@@ -29,7 +29,7 @@ TreeChoice = InTrees | bool | Mapping[str, bool] | None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Tree(Field[TreeChoice, InTrees]):
+class TreeMembership(Field[TreeChoice, InTrees]):
     """The choice of trees."""
 
     role: ClassVar[str] = "tree"
@@ -296,7 +296,9 @@ class PerpendicularAxes(Directions):
 
 
 # Arguments that many joints share.
-TREE: Final = Tree("Whether the joint is in the rotation and translation tree; left out: automatic.")
+TREE: Final = TreeMembership(
+    "Whether the joint is in the rotation and translation tree; left out: automatic."
+)
 MOTIONS: Final = PrescribedMotions("Prescribed coordinates in parameters and t [m, rad], by coordinate.")
 AS_CONSTRAINT: Final = Flag("Whether prescribed motions become constraints.", default=False)
 FRICTION: Final = DryFriction("What holds the joint back.")

@@ -8,7 +8,7 @@ from typing import ClassVar, Final, final
 from symbody.expr.language.formula import Formula
 from symbody.model.checker import refuse_zero_ratio
 from symbody.model.constraint import Condition
-from symbody.model.element_fields import Coupled, Equations, Radii, element
+from symbody.model.element_fields import Coupled, Radii, VanishingFormulas, element
 from symbody.model.fields import AngleQuantity, Flag, Quantity
 from symbody.model.uses import Scope
 
@@ -174,7 +174,7 @@ class Constraint(Condition):
     multiplier: ClassVar[str] = "times the derivative by a coordinate, or by its rate: the effort along it"
     word: ClassVar[str] = "equation"
 
-    equations: Equations = Equations(
+    equations: VanishingFormulas = VanishingFormulas(
         "What vanishes, in coordinates, parameters and t; or also in rates and speeds, of first degree."
     )
 

@@ -6,8 +6,8 @@ from typing import ClassVar, final
 
 from symbody.model.checker import Checker, positive_length
 from symbody.model.constraint import Contact
-from symbody.model.element_fields import CurvePoint, Equations, element
-from symbody.model.fields import Direction, Flag, Quantity, Symbol
+from symbody.model.element_fields import CurvePoint, VanishingFormulas, element
+from symbody.model.fields import Direction, Flag, Quantity, SymbolName
 from symbody.model.uses import Scope
 
 
@@ -78,7 +78,7 @@ class PointOnCurve(Contact):
     curve: CurvePoint = CurvePoint(
         "Position in the start frame, in the parameter, parameters and t.", unit="m"
     )
-    parameter: Symbol = Symbol("Name of the parameter, which becomes a coordinate.")
+    parameter: SymbolName = SymbolName("Name of the parameter, which becomes a coordinate.")
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -109,6 +109,6 @@ class PointOnSurface(Contact):
     holds: ClassVar[str] = "`f(p, t) = 0`"
     multiplier: ClassVar[str] = "times the gradient of f: the force on end"
 
-    equations: Equations = Equations(
+    equations: VanishingFormulas = VanishingFormulas(
         "What vanishes, in x, y, z of the point in the start frame [m], parameters and t.", scope=Scope.POINT
     )

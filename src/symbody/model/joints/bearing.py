@@ -14,7 +14,7 @@ from symbody.model.joint_fields import (
     CoordinateDrives,
     Coordinates,
     PrescribedMotions,
-    Tree,
+    TreeMembership,
     shift_along,
 )
 from symbody.model.joints.orientation import THREE_ANGLES, ThreeAngles, orientation_turns
@@ -38,7 +38,7 @@ class Bearing(Joint):
     axis: Direction = Direction("In the start frame.", default="z")
     angles: ThreeAngles = THREE_ANGLES
     coordinates: Coordinates = Coordinates("Names of the displacement [m] and the angles [rad].")
-    tree: Tree = TREE
+    tree: TreeMembership = TREE
     force: CoordinateDrives = CoordinateDrives("What acts along the displacement, by coordinate.")
     torque: CoordinateDrives = CoordinateDrives("What acts along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS

@@ -15,7 +15,7 @@ from symbody.model.joint_fields import (
     CoordinateDrives,
     Coordinates,
     PrescribedMotions,
-    Tree,
+    TreeMembership,
 )
 from symbody.model.uses import Triple
 
@@ -36,7 +36,7 @@ class Cartesian(Joint):
     law: ClassVar[str] = "R = 1, d = (x, y, z)"
 
     coordinates: Coordinates = Coordinates("Names of the displacements along x, y, z of start.", unit="m")
-    tree: Tree = TREE
+    tree: TreeMembership = TREE
     force: CoordinateDrives = CoordinateDrives("What acts along the displacements, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT

@@ -17,7 +17,7 @@ from symbody.model.joint_fields import (
     Coordinates,
     Letter,
     PrescribedMotions,
-    Tree,
+    TreeMembership,
 )
 from symbody.model.turn import LETTERS
 
@@ -45,7 +45,7 @@ class ConstantVelocity(Joint):
 
     axis: Letter = Letter("The axis of both shafts.", default="z")
     coordinates: Coordinates = Coordinates("Names of the bend and of its azimuth.", unit="rad")
-    tree: Tree = TREE
+    tree: TreeMembership = TREE
     torque: CoordinateDrives = CoordinateDrives("What acts along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT

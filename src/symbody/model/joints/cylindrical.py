@@ -17,7 +17,7 @@ from symbody.model.joint_fields import (
     Coordinates,
     DryFriction,
     PrescribedMotions,
-    Tree,
+    TreeMembership,
     shift_along,
 )
 from symbody.model.turn import unit_axis
@@ -43,7 +43,7 @@ class Cylindrical(Joint):
 
     axis: Direction = Direction("In the start frame.", default="z")
     coordinates: Coordinates = Coordinates("Names of angle [rad] and displacement [m].")
-    tree: Tree = TREE
+    tree: TreeMembership = TREE
     force: CoordinateDrives = CoordinateDrives("What acts along the displacement, by coordinate.")
     torque: CoordinateDrives = CoordinateDrives("What acts about the axis, by coordinate.")
     motion: PrescribedMotions = MOTIONS

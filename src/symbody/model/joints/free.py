@@ -15,7 +15,7 @@ from symbody.model.joint_fields import (
     CoordinateDrives,
     Coordinates,
     PrescribedMotions,
-    Tree,
+    TreeMembership,
 )
 from symbody.model.joints.orientation import (
     ORIENTATION,
@@ -59,7 +59,7 @@ class Free(Joint):
     speed_names: SpeedNames = SpeedNames(
         "Names of the velocity [m/s], then of the angular velocity [rad/s].", default=None, kinds="vw"
     )
-    tree: Tree = TREE
+    tree: TreeMembership = TREE
     force: CoordinateDrives = CoordinateDrives("What acts along the position, by coordinate.")
     torque: CoordinateDrives = CoordinateDrives("What acts along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS

@@ -14,7 +14,7 @@ from symbody.model.joint_fields import (
     CoordinateDrives,
     Coordinates,
     PrescribedMotions,
-    Tree,
+    TreeMembership,
 )
 from symbody.model.joints.orientation import THREE_ANGLES, ThreeAngles, orientation_turns
 
@@ -38,7 +38,7 @@ class Gimbal(Joint):
 
     angles: ThreeAngles = THREE_ANGLES
     coordinates: Coordinates = Coordinates("Names of the angles.", unit="rad")
-    tree: Tree = TREE
+    tree: TreeMembership = TREE
     torque: CoordinateDrives = CoordinateDrives("What acts along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT

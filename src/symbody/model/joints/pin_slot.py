@@ -16,7 +16,7 @@ from symbody.model.joint_fields import (
     Coordinates,
     PerpendicularAxes,
     PrescribedMotions,
-    Tree,
+    TreeMembership,
     shift_along,
 )
 from symbody.model.turn import unit_axis
@@ -40,7 +40,7 @@ class PinSlot(Joint):
 
     axes: PerpendicularAxes = PerpendicularAxes("Pin and slot, in start; perpendicular.", default=("z", "x"))
     coordinates: Coordinates = Coordinates("Names of angle [rad] and displacement [m].")
-    tree: Tree = TREE
+    tree: TreeMembership = TREE
     force: CoordinateDrives = CoordinateDrives("What acts along the slot, by coordinate.")
     torque: CoordinateDrives = CoordinateDrives("What acts about the pin, by coordinate.")
     motion: PrescribedMotions = MOTIONS

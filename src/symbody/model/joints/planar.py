@@ -16,7 +16,7 @@ from symbody.model.joint_fields import (
     Coordinates,
     Letter,
     PrescribedMotions,
-    Tree,
+    TreeMembership,
     in_plane,
 )
 from symbody.model.turn import LETTERS
@@ -40,7 +40,7 @@ class Planar(Joint):
 
     axis: Letter = Letter("The normal; the displacements follow in cyclic order.", default="z")
     coordinates: Coordinates = Coordinates("Names of the two displacements [m] and of the angle [rad].")
-    tree: Tree = TREE
+    tree: TreeMembership = TREE
     force: CoordinateDrives = CoordinateDrives("What acts along the displacements, by coordinate.")
     torque: CoordinateDrives = CoordinateDrives("What acts about the normal, by coordinate.")
     motion: PrescribedMotions = MOTIONS

@@ -16,7 +16,7 @@ from symbody.model.joint_fields import (
     CoordinateDrive,
     DryFriction,
     PrescribedDisplacement,
-    Tree,
+    TreeMembership,
     shift_along,
 )
 from symbody.model.uses import Triple
@@ -38,7 +38,7 @@ class Prismatic(Joint):
 
     axis: Direction = Direction("In the start frame.", default="x")
     coordinate: Coordinate = Coordinate("Name of the displacement.", unit="m")
-    tree: Tree = TREE
+    tree: TreeMembership = TREE
     force: CoordinateDrive = CoordinateDrive("What acts along the axis.")
     motion: PrescribedDisplacement = PrescribedDisplacement(
         "Prescribed displacement in parameters and t.", unit="m"

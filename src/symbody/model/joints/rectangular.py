@@ -16,7 +16,7 @@ from symbody.model.joint_fields import (
     Coordinates,
     Letter,
     PrescribedMotions,
-    Tree,
+    TreeMembership,
     in_plane,
 )
 from symbody.model.uses import Triple
@@ -39,7 +39,7 @@ class Rectangular(Joint):
 
     axis: Letter = Letter("The normal; the displacements follow in cyclic order.", default="z")
     coordinates: Coordinates = Coordinates("Names of the two displacements.", unit="m")
-    tree: Tree = TREE
+    tree: TreeMembership = TREE
     force: CoordinateDrives = CoordinateDrives("What acts along the displacements, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT

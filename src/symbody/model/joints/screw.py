@@ -17,7 +17,7 @@ from symbody.model.joint_fields import (
     CoordinateDrive,
     DryFriction,
     PrescribedAngle,
-    Tree,
+    TreeMembership,
     shift_along,
 )
 from symbody.model.turn import unit_axis
@@ -47,7 +47,7 @@ class Screw(Joint):
     )
     axis: Direction = Direction("In the start frame.", default="z")
     coordinate: Coordinate = Coordinate("Name of the angle.", unit="rad")
-    tree: Tree = TREE
+    tree: TreeMembership = TREE
     torque: CoordinateDrive = CoordinateDrive("What acts about the axis.")
     motion: PrescribedAngle = PrescribedAngle("Prescribed angle in parameters and t.", unit="rad")
     as_constraint: Flag = AS_CONSTRAINT

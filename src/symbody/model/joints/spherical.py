@@ -14,7 +14,7 @@ from symbody.model.joint_fields import (
     CoordinateDrives,
     Coordinates,
     PrescribedMotions,
-    Tree,
+    TreeMembership,
 )
 from symbody.model.joints.orientation import (
     ORIENTATION,
@@ -52,7 +52,7 @@ class Spherical(Joint):
     speed_names: SpeedNames = SpeedNames(
         "Names of the components x, y, z of the angular velocity.", unit="rad/s"
     )
-    tree: Tree = TREE
+    tree: TreeMembership = TREE
     torque: CoordinateDrives = CoordinateDrives("What acts along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT

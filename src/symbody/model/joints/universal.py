@@ -16,7 +16,7 @@ from symbody.model.joint_fields import (
     Coordinates,
     PerpendicularAxes,
     PrescribedMotions,
-    Tree,
+    TreeMembership,
 )
 from symbody.model.turn import unit_axis
 
@@ -40,7 +40,7 @@ class Universal(Joint):
         "First in start, second in end; perpendicular.", default=("x", "y")
     )
     coordinates: Coordinates = Coordinates("Names of the two angles.", unit="rad")
-    tree: Tree = TREE
+    tree: TreeMembership = TREE
     torque: CoordinateDrives = CoordinateDrives("What acts along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT

@@ -6,7 +6,7 @@ from typing import ClassVar, final
 
 from symbody.model.element_fields import element
 from symbody.model.joint import Joint
-from symbody.model.joint_fields import TREE, Tree
+from symbody.model.joint_fields import TREE, TreeMembership
 
 
 @final
@@ -16,4 +16,4 @@ class Weld(Joint):
 
     law: ClassVar[str] = "R = 1, d = 0"
 
-    tree: Tree = TREE
+    tree: TreeMembership = TREE

@@ -9,9 +9,9 @@ from itertools import pairwise
 from typing import ClassVar, Final, Literal, TypeAlias, cast, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.declaration import Field, Part
+from symbody.model.declaration import ElementPart, Field
 from symbody.model.door import ZERO, Door, Value
-from symbody.model.fields import Choice, Numbers, part
+from symbody.model.fields import Numbers, WordChoice, part
 from symbody.model.numbers import as_float, value_of
 from symbody.model.uses import Scope, Use
 
@@ -21,7 +21,7 @@ OUTSIDE: Final[tuple[Literal["hold", "slope"], ...]] = ("hold", "slope")
 
 @final
 @part
-class Curve(Part):
+class Curve(ElementPart):
     """A function of one variable through given points; values are numbers, not formulas.
 
     Cubics of kind "pchip" have a continuous slope and do not overshoot: they are monotone where the points
@@ -30,10 +30,10 @@ class Curve(Part):
 
     x: Numbers = Numbers("Places, which increase; at least two.")
     y: Numbers = Numbers("The values there.")
-    kind: Choice[Literal["linear", "pchip"]] = Choice(
+    kind: WordChoice[Literal["linear", "pchip"]] = WordChoice(
         'Straight between points, "linear"; or cubics, "pchip".', words=KINDS, default="linear"
     )
-    outside: Choice[Literal["hold", "slope"]] = Choice(
+    outside: WordChoice[Literal["hold", "slope"]] = WordChoice(
         'Before the first and after the last place: the end value, "hold", or the end slope, "slope".',
         words=OUTSIDE,
         default="hold",

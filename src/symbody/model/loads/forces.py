@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import ClassVar, Final, final
 
 from symbody.model.checker import remark_negative
-from symbody.model.declaration import Part
+from symbody.model.declaration import ElementPart
 from symbody.model.door import Door
 from symbody.model.element import Element
 from symbody.model.element_fields import AttachedFrame, Connection, element
-from symbody.model.fields import AngleQuantity, Quantity, Vector, part
+from symbody.model.fields import AngleQuantity, Quantity, VectorQuantity, part
 from symbody.model.loads.curve import Curve, SpringLaw
 from symbody.model.uses import Scope
 
@@ -19,7 +19,7 @@ LENGTH: Final = ("length", "length_rate")
 
 @final
 @part
-class Drive(Part):
+class Drive(ElementPart):
     """What acts along a joint coordinate: ``applied + law - stiffness*(x - free) - damping*x_dot``."""
 
     equation: ClassVar[str] = "applied + law - stiffness (x - free) - damping x'"
@@ -67,7 +67,7 @@ class Force(Element):
     kind: ClassVar[str] = "force"
 
     on: AttachedFrame = AttachedFrame("The point.")
-    vector: Vector = Vector("Components.", unit="N", scope=Scope.LOAD)
+    vector: VectorQuantity = VectorQuantity("Components.", unit="N", scope=Scope.LOAD)
     resolved_in: AttachedFrame = AttachedFrame("The axes of the components.", default="ground")
     reaction_on: AttachedFrame = AttachedFrame("The body that gets the opposite force.", default="ground")
 
@@ -83,7 +83,7 @@ class Torque(Element):
     kind: ClassVar[str] = "torque"
 
     on: AttachedFrame = AttachedFrame("The body.")
-    vector: Vector = Vector("Components.", unit="N m", scope=Scope.LOAD)
+    vector: VectorQuantity = VectorQuantity("Components.", unit="N m", scope=Scope.LOAD)
     resolved_in: AttachedFrame = AttachedFrame("The axes of the components.", default="ground")
     reaction_on: AttachedFrame = AttachedFrame("The body that gets the opposite torque.", default="ground")
 

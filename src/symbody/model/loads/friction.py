@@ -6,7 +6,7 @@ from typing import Final, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.checker import Checker
-from symbody.model.declaration import Part
+from symbody.model.declaration import ElementPart
 from symbody.model.door import Door
 from symbody.model.fields import OptionalQuantity, Quantity, part
 from symbody.model.uses import Scope
@@ -17,7 +17,7 @@ _CONSTANT: Final = ("radius", "v0")
 
 @final
 @part
-class Friction(Part):
+class Friction(ElementPart):
     """Dry friction in a joint, from its own reaction or of given strength.
 
     A prismatic joint is held back by ``mu*N``, a revolute joint by ``mu*radius*N``, where N is the magnitude

@@ -10,13 +10,13 @@ from typing import ClassVar, final
 from symbody.expr.language.formula import Formula
 from symbody.model.declaration import Field
 from symbody.model.door import Door, Value
-from symbody.model.fields import FilePath, Quantity, Text, Vector, part
+from symbody.model.fields import FilePath, Quantity, Text, VectorQuantity, part
 from symbody.model.frame import RotationMatrix, Turns
 from symbody.model.shapes.shape import COLOR, MATRIX, OPACITY, ROTATE, BodyShape, Color
 from symbody.model.uses import Scope, Triple, Use, triple_uses
 
 
-class Factors(Field[Value | Iterable[Value], Triple]):
+class ScaleFactors(Field[Value | Iterable[Value], Triple]):
     """A factor for all directions, or three."""
 
     role: ClassVar[str] = "factors"
@@ -40,8 +40,8 @@ class Mesh(BodyShape):
     path: FilePath = FilePath(
         "Of the file, from the directory of the model file that names it, or from `folder`."
     )
-    scale: Factors = Factors("Metres for one unit of the file; one number or three.", default=1)
-    at: Vector = Vector(
+    scale: ScaleFactors = ScaleFactors("Metres for one unit of the file; one number or three.", default=1)
+    at: VectorQuantity = VectorQuantity(
         "Origin of the file's axes, in the body's axes from its centre of mass.", unit="m", default=(0, 0, 0)
     )
     rotate: Turns = ROTATE

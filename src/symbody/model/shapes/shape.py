@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from typing import ClassVar, Final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.declaration import Field, Part
+from symbody.model.declaration import ElementPart, Field
 from symbody.model.door import Door
-from symbody.model.fields import Quantity, Vector
+from symbody.model.fields import Quantity, VectorQuantity
 from symbody.model.frame import Frame, RotationMatrix, Turns, check_rotation
 from symbody.model.shapes.colors import color_from
 
@@ -27,14 +27,16 @@ class Color(Field[str, str]):
 
 
 # The last arguments of every shape.
-CENTRE: Final = Vector("Centre, in the body's axes from its centre of mass.", unit="m", default=(0, 0, 0))
+CENTRE: Final = VectorQuantity(
+    "Centre, in the body's axes from its centre of mass.", unit="m", default=(0, 0, 0)
+)
 ROTATE: Final = Turns("Successive turns from the body's axes to its own: axis and angle.", default=())
 MATRIX: Final = RotationMatrix("Rotation matrix instead of turns.", default=None)
 COLOR: Final = Color('"#rrggbb", a CSS name, or "" for the colour of the body.', default="")
 OPACITY: Final = Quantity("From 0 to 1.", default=1)
 
 
-class BodyShape(Part):
+class BodyShape(ElementPart):
     """Something to be seen, fixed on a body.
 
     A shape declares its size, then the fields above in this order: they are its last arguments.
@@ -42,7 +44,7 @@ class BodyShape(Part):
 
     __slots__ = ()
 
-    at: Vector
+    at: VectorQuantity
     rotate: Turns
     matrix: RotationMatrix
     color: Color

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.fields import Quantity, Vector, part
+from symbody.model.fields import Quantity, VectorQuantity, part
 from symbody.model.frame import RotationMatrix, Turns
 from symbody.model.shapes.shape import CENTRE, COLOR, MATRIX, OPACITY, ROTATE, BodyShape, Color
 
@@ -15,8 +15,8 @@ from symbody.model.shapes.shape import CENTRE, COLOR, MATRIX, OPACITY, ROTATE, B
 class Box(BodyShape):
     """A box with its edges along its axes."""
 
-    size: Vector = Vector("Edges along x, y and z.", unit="m")
-    at: Vector = CENTRE
+    size: VectorQuantity = VectorQuantity("Edges along x, y and z.", unit="m")
+    at: VectorQuantity = CENTRE
     rotate: Turns = ROTATE
     matrix: RotationMatrix = MATRIX
     color: Color = COLOR
@@ -34,7 +34,7 @@ class RoundShape(BodyShape):
 
     radius: Quantity = Quantity(unit="m")
     length: Quantity = Quantity(unit="m")
-    at: Vector = CENTRE
+    at: VectorQuantity = CENTRE
     rotate: Turns = ROTATE
     matrix: RotationMatrix = MATRIX
     color: Color = COLOR
@@ -75,7 +75,7 @@ class Sphere(BodyShape):
     """A sphere."""
 
     radius: Quantity = Quantity(unit="m")
-    at: Vector = CENTRE
+    at: VectorQuantity = CENTRE
     rotate: Turns = ROTATE
     matrix: RotationMatrix = MATRIX
     color: Color = COLOR
