@@ -28,7 +28,7 @@ class Frames(Field[Mapping[str, Frame] | None, Table[Frame]]):
         """Return the frames."""
         return frame_table(door, value or {}, path)
 
-    def uses(self, owner: object, value: Table[Frame], path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Table[Frame], path: str) -> Iterator[Use]:
         """Return where their formulas stand."""
         for name, frame in value.items():
             yield from frame.uses(f"{path}.{name}")
@@ -73,7 +73,7 @@ class Body(Element):
             yield from shape.uses(f"shape[{k}]")
 
 
-Place = Body | Address | str | tuple[Body | str, str]
+FrameLike = Body | Address | str | tuple[Body | str, str]
 
 
 def address_from(door: Door, place: object, path: str) -> Address:

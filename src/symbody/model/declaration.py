@@ -84,7 +84,7 @@ class Field(Generic[Given, Kept]):
         """Return what is kept of an argument; the owner holds what stands before it."""
         raise NotImplementedError(self.role)
 
-    def uses(self, owner: Any, value: Any, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: Any, value: Any, path: str) -> Iterator[Use]:
         """Return where the formulas of the value stand."""
         return iter(())
 
@@ -173,7 +173,7 @@ class Declared:
     def _sites(self, before: str = "") -> Iterator[Use]:
         """Return where the formulas stand; `before` begins each path."""
         for name, field in self.fields.items():
-            yield from field.uses(self, getattr(self, name), f"{before}{field.place or name}")
+            yield from field.formula_sites(self, getattr(self, name), f"{before}{field.place or name}")
 
     def _check_numbers(self, check: Checker, before: str) -> None:
         """Note numbers that cannot be, as far as parameters have values; `before` begins each place."""

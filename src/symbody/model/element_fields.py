@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, TypeVar, dataclass_transform
 
 from symbody.expr.language.formula import Formula
-from symbody.model.body import Place, address_from
+from symbody.model.body import FrameLike, address_from
 from symbody.model.checker import Checker, check_axis, positive_length
 from symbody.model.declaration import Declared, Field, declared
 from symbody.model.door import Door, Value
@@ -29,12 +29,12 @@ from symbody.model.uses import Scope, Triple, Use, triple_uses
 E = TypeVar("E", bound=Declared)
 
 
-class AttachedFrame(Field[Place, Address]):
+class AttachedFrame(Field[FrameLike, Address]):
     """A frame of a body or of the ground."""
 
     role: ClassVar[str] = "frame"
     takes: ClassVar[str] = "Body, frame or name"
-    annotation: ClassVar[str] = "Place"
+    annotation: ClassVar[str] = "FrameLike"
 
     def read(self, owner: object, door: Door, value: object, path: str) -> Address:
         """Return the address."""
@@ -56,7 +56,7 @@ class Directions(Field[Iterable[AxisLike], tuple[Axis, Axis]]):
         first, second = (axis_from(door, item, f"{path}[{k}]") for k, item in enumerate(items or ("z", "z")))
         return (first, second)
 
-    def uses(self, owner: object, value: tuple[Axis, Axis], path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: tuple[Axis, Axis], path: str) -> Iterator[Use]:
         """Return where the components stand."""
         for k, axis in enumerate(value):
             if not isinstance(axis, str):
@@ -93,7 +93,7 @@ class VanishingFormulas(Field[Value | Iterable[Value], tuple[Formula, ...]]):
             door.refuse("model.empty", path, "there is no equation", why, 'write equations = ["x - y"]')
         return tuple(door.formula(item, f"{path}[{k}]") for k, item in enumerate(items))
 
-    def uses(self, owner: object, value: tuple[Formula, ...], path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: tuple[Formula, ...], path: str) -> Iterator[Use]:
         """Return where the equations stand."""
         return (Use(f"{path}[{k}]", formula, self.scope) for k, formula in enumerate(value))
 
@@ -119,7 +119,7 @@ class Coupled(Field[Iterable[str], tuple[str, ...]]):
             door.refuse("model.coupled_twice", path, what, why, "name different coordinates")
         return names if items else ("?",) * self.count
 
-    def uses(self, owner: object, value: tuple[str, ...], path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: tuple[str, ...], path: str) -> Iterator[Use]:
         """Return where the names stand."""
         for k, name in enumerate(value):
             yield Use(f"{path}[{k}]", Formula.of(name), Scope.COORDINATE)
@@ -137,7 +137,7 @@ class Radii(Field[Iterable[Value], tuple[Formula, ...]]):
         items = list_of(door, value, path, 2, "values", "there are two pulleys", "give one for each")
         return tuple(door.formula(item, f"{path}[{k}]") for k, item in enumerate(items or (1, 1)))
 
-    def uses(self, owner: object, value: tuple[Formula, ...], path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: tuple[Formula, ...], path: str) -> Iterator[Use]:
         """Return where the radii stand."""
         return (Use(f"{path}[{k}]", radius, Scope.CONSTANT) for k, radius in enumerate(value))
 
@@ -153,7 +153,7 @@ class CurvePoint(VectorQuantity):
 
     role: ClassVar[str] = "vector"
 
-    def uses(self, owner: Any, value: Triple, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: Any, value: Triple, path: str) -> Iterator[Use]:
         """Return where the formulas of the curve stand."""
         for k, formula in enumerate(value):
             yield Use(f"{path}[{k}]", formula, Scope.PRESCRIBED, (owner.parameter,))

@@ -80,7 +80,7 @@ class Quantity(Field[Value, Formula]):
         """Return the formula."""
         return door.formula(value, path)
 
-    def uses(self, owner: object, value: Formula, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Formula, path: str) -> Iterator[Use]:
         """Return where the formula stands."""
         yield Use(path, value, self.scope)
 
@@ -116,7 +116,7 @@ class OptionalQuantity(Field[Value | None, Formula | None]):
         """Return the formula, or None for None."""
         return door.optional(value, path)
 
-    def uses(self, owner: object, value: Formula | None, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Formula | None, path: str) -> Iterator[Use]:
         """Return where the formula stands."""
         if value is not None:
             yield Use(path, value, self.scope)
@@ -137,7 +137,7 @@ class VectorQuantity(Field[Iterable[Value], Triple]):
         """Return three formulas."""
         return door.triple(value, path)
 
-    def uses(self, owner: object, value: Triple, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Triple, path: str) -> Iterator[Use]:
         """Return where the components stand."""
         return triple_uses(path, value, self.scope)
 
@@ -154,7 +154,7 @@ class Direction(Field[AxisLike, Axis]):
         """Return a letter or three formulas."""
         return axis_from(door, value, path)
 
-    def uses(self, owner: object, value: Axis | None, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Axis | None, path: str) -> Iterator[Use]:
         """Return where the components stand."""
         return (
             iter(()) if value is None or isinstance(value, str) else triple_uses(path, value, Scope.CONSTANT)
@@ -182,7 +182,7 @@ class OptionalDirection(Field[AxisLike | None, Axis | None]):
         """Return a letter or three formulas, or None for None."""
         return None if value is None else axis_from(door, value, path)
 
-    def uses(self, owner: object, value: Axis | None, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Axis | None, path: str) -> Iterator[Use]:
         """Return where the components stand."""
         return (
             iter(()) if value is None or isinstance(value, str) else triple_uses(path, value, Scope.CONSTANT)

@@ -28,7 +28,7 @@ class Turns(Field[Iterable[tuple[AxisLike, Value]], Rotation]):
         """Return pairs of an axis and an angle [rad]."""
         return tuple(_turn(door, turn, f"{path}[{k}]") for k, turn in enumerate(door.items(value, path)))
 
-    def uses(self, owner: object, value: Rotation, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Rotation, path: str) -> Iterator[Use]:
         """Return where the formulas stand."""
         for k, (axis, angle) in enumerate(value):
             if not isinstance(axis, str):
@@ -47,7 +47,7 @@ class RotationMatrix(Field[Sequence[Iterable[Value]] | None, Matrix | None]):
         """Return three rows of formulas."""
         return None if value is None else _matrix(door, value)
 
-    def uses(self, owner: object, value: Matrix | None, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Matrix | None, path: str) -> Iterator[Use]:
         """Return where the entries stand."""
         for k, row in enumerate(value or ()):
             yield from triple_uses(f"{path}[{k}]", row, Scope.CONSTANT)

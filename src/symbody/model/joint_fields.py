@@ -104,7 +104,7 @@ class _Drives(Field[Given, Table[Drive]]):
         """Return the drives by coordinate."""
         return _by_coordinate(owner, door, value, path, lambda item, place: drive_from(door, item, place))
 
-    def uses(self, owner: Joint, value: Table[Drive], path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: Joint, value: Table[Drive], path: str) -> Iterator[Use]:
         """Return where the formulas of the drives stand."""
         for coordinate, drive in value.items():
             yield from drive.uses(owner.path_of(path, coordinate))
@@ -142,7 +142,7 @@ class _Motions(Field[Given, Table[Formula]]):
         """Return the motions by coordinate."""
         return _by_coordinate(owner, door, value, path, door.angle)
 
-    def uses(self, owner: Joint, value: Table[Formula], path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: Joint, value: Table[Formula], path: str) -> Iterator[Use]:
         """Return where the motions stand."""
         for coordinate, motion in value.items():
             yield Use(owner.path_of(path, coordinate), motion, Scope.PRESCRIBED)
@@ -185,7 +185,7 @@ class Armature(Field[Value, Table[Formula]]):
         inertias = _by_coordinate(owner, door, value, path, door.formula)
         return Table({name: inertia for name, inertia in inertias.items() if inertia.constant() != 0})
 
-    def uses(self, owner: Joint, value: Table[Formula], path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: Joint, value: Table[Formula], path: str) -> Iterator[Use]:
         """Return where the inertia stands."""
         for coordinate, inertia in value.items():
             yield Use(owner.path_of(path, coordinate), inertia, Scope.CONSTANT)
@@ -230,7 +230,7 @@ class DryFriction(Field[Friction | None, Friction | None]):
         )
         return None
 
-    def uses(self, owner: Joint, value: Friction | None, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: Joint, value: Friction | None, path: str) -> Iterator[Use]:
         """Return where its formulas stand."""
         return iter(()) if value is None else value.uses(path)
 

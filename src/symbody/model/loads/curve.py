@@ -94,7 +94,7 @@ class SpringLaw(Field[LawValue, Law]):
         """Return the formula or curve."""
         return law_from(door, value, path)
 
-    def uses(self, owner: object, value: Law, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Law, path: str) -> Iterator[Use]:
         """Return where the formula stands; a curve has none."""
         if not isinstance(value, Curve):
             yield Use(path, value, Scope.LOAD, self.own)

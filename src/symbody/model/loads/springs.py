@@ -43,7 +43,7 @@ class SixOrMatrix(Field[Iterable[Value] | Iterable[Iterable[Value]], Coefficient
             _refuse_length(door, path, len(items))
         return tuple(_row(door, item, f"{path}[{k}]", door.formula) for k, item in enumerate(items))
 
-    def uses(self, owner: object, value: Coefficients, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Coefficients, path: str) -> Iterator[Use]:
         """Return where the coefficients stand."""
         for k, item in enumerate(value):
             if isinstance(item, Formula):
@@ -63,7 +63,7 @@ class Six(Field[Iterable[Value], Row]):
         """Return six formulas."""
         return _row(door, value, path, door.angle)
 
-    def uses(self, owner: object, value: Row, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Row, path: str) -> Iterator[Use]:
         """Return where the values stand."""
         return triple_uses(path, value, Scope.LOAD)
 

@@ -27,7 +27,7 @@ class ScaleFactors(Field[Value | Iterable[Value], Triple]):
         """Return three formulas."""
         return _scale(door, value, path)
 
-    def uses(self, owner: object, value: Triple, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Triple, path: str) -> Iterator[Use]:
         """Return where the factors stand."""
         return triple_uses(path, value, Scope.CONSTANT)
 
