@@ -32,7 +32,7 @@ from symbody.equations.kinematics.uses import is_read, joint_uses, names_read
 from symbody.equations.kinematics.variables import Use, Variables, form_variables
 from symbody.equations.loads.friction import form_friction
 from symbody.equations.loads.loads import form_loads
-from symbody.equations.recursive.formulating import form_recursion
+from symbody.equations.recursive.form_recursion import form_recursion
 from symbody.equations.recursive.recursion import Recursion
 from symbody.equations.solving.undetermined import identically_undetermined, share_notes
 from symbody.expr.deadline import begin

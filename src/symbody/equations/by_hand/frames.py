@@ -13,7 +13,6 @@ from symbody.equations.kinematics.motion import (
     enter_origin,
     enter_turning,
 )
-from symbody.vectors.matrix import apply_matrix
 from symbody.vectors.moving import spin_of_step
 from symbody.vectors.placed import PlacedFrame, PlacedPoint, PlacedStep, PlacedVector, Shift
 from symbody.vectors.rotation import Turn
@@ -81,5 +80,5 @@ def _enter(kinematics: Kinematics, name: str, near: str, step: PlacedStep) -> No
     else:
         own = spin_of_step(step)
         assert own is not None
-        enter_axes(kinematics, name, near, step.cosines, vector(near, apply_matrix(step.cosines, own)))
+        enter_axes(kinematics, name, near, step.cosines, vector(near, step.matrix(kinematics.graph) @ own))
     enter_origin(kinematics, Shifting(name, near, near, NULL))

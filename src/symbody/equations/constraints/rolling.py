@@ -17,7 +17,7 @@ from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.row import Row
 from symbody.expr.expression import sqrt
 from symbody.model.constraints import KnifeEdge, Rolling
-from symbody.vectors.matrix import transpose
+from symbody.vectors.matrix import matrix3
 from symbody.vectors.vector import Vector, components, cross, dot, vector
 
 
@@ -47,7 +47,7 @@ def enter_contact(names: Names, kinematics: Kinematics, wheel: Rolling) -> None:
     left = cross(tree, normal, forward)
     x, y, z = (components(tree, axis, start) for axis in (forward, left, normal))
     turning = dot(tree, left, kinematics.derivative(forward, start))
-    enter_axes(kinematics, wheel.name, start, transpose((x, y, z)), normal * turning)
+    enter_axes(kinematics, wheel.name, start, matrix3(x, y, z).transposed, normal * turning)
     arm = kinematics.arm(start, wheel.end.frame)
     enter_origin(kinematics, Shifting(wheel.name, start, start, arm + spoke))
 

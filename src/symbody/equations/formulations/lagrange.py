@@ -23,7 +23,6 @@ from symbody.expr.expression import Expr, number
 from symbody.expr.graph import TIME
 from symbody.expr.rewrite import substitute
 from symbody.vectors.dyadic import quadratic
-from symbody.vectors.matrix import inner
 from symbody.vectors.vector import vector
 
 
@@ -78,7 +77,7 @@ def form_energies(
         place = placement(kinematics, body.frame)
         x, y, z = moved(graph, place.r, tangents)
         w = vector(body.frame, spin(place.R, moved_matrix(graph, place.R, tangents)))
-        total = total + body.mass * inner((x, y, z), (x, y, z))
+        total = total + body.mass * (x * x + y * y + z * z)
         total = total + quadratic(kinematics.tree, w, body.tensor, w)
     for coordinate, rotor in rotors:
         (rate,) = moved(graph, [coordinate], tangents)

@@ -28,7 +28,7 @@ from symbody.expr.expression import Expr, number, saddle_entry
 from symbody.expr.graph import Kernel
 from symbody.graph.topology import Topology
 from symbody.vectors.dyadic import apply, gyroscopic
-from symbody.vectors.matrix import Triple, apply_matrix
+from symbody.vectors.matrix import Triple
 from symbody.vectors.vector import NULL, Vector, components, cross
 
 _AXES: Final = range(3)
@@ -175,7 +175,7 @@ class _System:
         found: list[_Column] = [{}, {}, {}]
         for j, u in enumerate(own):
             x, y, z = (Expr(graph, slopes[k][j]) for k in _AXES)
-            for k, entry in enumerate(apply_matrix(R, (x, y, z))):
+            for k, entry in enumerate(R @ (x, y, z)):
                 found[k][self.first + self.speeds.index(u)] = -entry
         return found
 

@@ -19,7 +19,8 @@ from symbody.expr.opcodes import SYMBOL
 from symbody.expr.rewrite import substitute, symbols_of
 from symbody.vectors.euler_parameters import EulerParameters
 from symbody.vectors.frame import FrameTree
-from symbody.vectors.rotation import DirectionCosines, Matrix, Rotation, Turn, rotation_of
+from symbody.vectors.matrix import Matrix
+from symbody.vectors.rotation import DirectionCosines, Rotation, Turn, rotation_of
 from symbody.vectors.vector import NULL, Vector, cross, drawn_near, lifted, vector
 
 

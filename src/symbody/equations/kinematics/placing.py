@@ -72,7 +72,7 @@ def _branch_turnings(topology: Topology, names: Names, branch: Branch) -> Iterat
     A joint walked against its direction has its rotation reversed.
     """
     joint = topology.joint(branch.edge.name)
-    near, far = _ends(joint, branch)
+    near, far = joint_ends(joint, branch)
     steps = joint_steps(names, joint)
     other = _far(joint)
     frames = {"start": near.frame, "end": other} if branch.forward else {"start": other, "end": near.frame}
@@ -81,14 +81,14 @@ def _branch_turnings(topology: Topology, names: Names, branch: Branch) -> Iterat
     if branch.forward:
         yield Turning(other, near.frame, steps, w)
     else:
-        yield Turning(other, near.frame, _reversed(steps), None if w is None else -w)
-    turns = _reversed(turns_of(names, _place(topology.model, far).turns(), far.frame))
+        yield Turning(other, near.frame, reverse_steps(steps), None if w is None else -w)
+    turns = reverse_steps(turns_of(names, frame_of(topology.model, far).turns(), far.frame))
     yield Turning(far.body, other, turns)
 
 
 def _branch_shiftings(topology: Topology, names: Names, branch: Branch) -> Iterator[Shifting]:
     joint = topology.joint(branch.edge.name)
-    near, far = _ends(joint, branch)
+    near, far = joint_ends(joint, branch)
     sign = 1 if branch.forward else -1
     shift = joint_shift(names, joint) * sign
     quasi = joint.translation_speeds
@@ -100,11 +100,12 @@ def _branch_shiftings(topology: Topology, names: Names, branch: Branch) -> Itera
         home = start if quasi.resolved_in == "start" else end
         slide = vector(home, quasi_vector(names, quasi)) * sign
         yield Shifting(other, near.frame, far.body, shift, (start, slide))
-    at = names.triple(_place(topology.model, far).at, far.frame)
+    at = names.triple(frame_of(topology.model, far).at, far.frame)
     yield Shifting(far.body, other, far.body, -vector(far.body, at))
 
 
-def _ends(joint: Joint, branch: Branch) -> tuple[Address, Address]:
+def joint_ends(joint: Joint, branch: Branch) -> tuple[Address, Address]:
+    """Return the near end of a joint, on the parent of its branch, and the far end."""
     return (joint.start, joint.end) if branch.forward else (joint.end, joint.start)
 
 
@@ -112,12 +113,14 @@ def _far(joint: Joint) -> str:
     return f"{joint.name}|far"
 
 
-def _place(model: Model, address: Address) -> Frame:
+def frame_of(model: Model, address: Address) -> Frame:
+    """Return a frame of a body or of ground; without a name, that of the body itself."""
     if not address.point:
         return Frame()
     frames = model.ground if address.body == "ground" else model.body(address.body).frames
     return frames[address.point]
 
 
-def _reversed(steps: Steps) -> Steps:
+def reverse_steps(steps: Steps) -> Steps:
+    """Return the rotation back."""
     return tuple(step.inverse for step in reversed(steps))

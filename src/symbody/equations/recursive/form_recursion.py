@@ -12,10 +12,11 @@ from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import Use
 from symbody.equations.loads.loads import Loads
 from symbody.equations.recursive.energies import kinetic_energy, potential_energy
-from symbody.equations.recursive.forming import form_tree, ground_mass, regrouped
 from symbody.equations.recursive.recursion import Recursion
+from symbody.equations.recursive.tree import base_tree, form_tree, ground_inertia
 from symbody.expr.expression import Expr, number
 from symbody.graph.topology import Topology
+from symbody.vectors.matrix import Vector3
 
 
 def form_recursion(
@@ -29,12 +30,12 @@ def form_recursion(
 ) -> tuple[Recursion, Expr, Loads]:
     """Return mass matrix and forcing, the kinetic energy, and the loads with the potential of gravity."""
     tree = form_tree(topology, names, kinematics.rates, uses, align=formulation.aligned)
-    gravity = names.triple(topology.model.gravity, "gravity")
-    on_ground = ground_mass(names, topology.model.bodies, tree)
+    gravity = Vector3(names.triple(topology.model.gravity, "gravity"))
+    on_ground = ground_inertia(names, topology.model.bodies, tree)
     light = tree
     if formulation.regrouped:
-        light, moved = regrouped(names.graph, tree)
-        on_ground = on_ground.plus(moved)
+        light, share = base_tree(names.graph, tree)
+        on_ground = on_ground + share
     rotors = tuple(armatures.values())
     recursion = Recursion(
         topology=topology,
