@@ -28,7 +28,7 @@ def of_example(name: str, formulation: Formulation | None = None) -> sb.Equation
 def test_a_formula_that_is_not_what_is_computed_is_raised(monkeypatch: pytest.MonkeyPatch) -> None:
     """Rewriting forgets the last term of each sum, as it could by a fault of the normal form."""
 
-    def forgetful(graph: Graph, nodes: list[int]) -> list[int]:
+    def forgetful(graph: Graph, nodes: list[int], quaternions: object) -> list[int]:
         return [graph.left[node] if graph.ops[node] in (ADD, SUB) else node for node in nodes]
 
     monkeypatch.setattr(textbook, "readable", forgetful)

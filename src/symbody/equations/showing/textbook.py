@@ -135,7 +135,7 @@ class Textbook:
         return self._roots.get(name, rewrite)
 
     def _rewrite(self, name: str, shape: tuple[int, ...], nodes: Sequence[int]) -> Roots:
-        formulas = readable(self.formed.graph, nodes)
+        formulas = readable(self.formed.graph, nodes, self.formed.variables.quaternions)
         check_rewriting(self.formed, name, nodes, formulas)
         return Roots(name, shape, tuple(formulas))
 
