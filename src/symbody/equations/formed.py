@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Protocol
 
 from symbody.equations.constraints.rolling import enter_contact
 from symbody.equations.dynamics.balance import NOTHING, Wrench, balanced
@@ -35,13 +34,6 @@ from symbody.model.constraints import Rolling
 from symbody.model.element import Address, address_of
 from symbody.model.lookup import places_of
 from symbody.single_flight import SingleFlight
-
-
-class FormedAgain(Protocol):
-    """Forms equations once more."""
-
-    def __call__(self, graph: Graph, *, spread: bool = False) -> Formed:
-        """Return the equations in a graph; `spread` as in `forming.form`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,9 +66,6 @@ class Formed:
         Rows that follow from `rows` and are not among them; they bear loads too, see `solving.self_stress`.
     angles : frozenset of str
         Coordinates placed by hand that whole turns change nothing of; those of joints are known by these.
-    formed_again : callable or None
-        ``formed_again(graph, spread=...)`` forms the same equations once more, for mechanisms placed by hand;
-        those that are drawn are formed again from their topology.
     """
 
     names: Names
@@ -100,7 +89,6 @@ class Formed:
     slack: tuple[Row, ...] = ()
     redundant: tuple[Row, ...] = ()
     angles: frozenset[str] = frozenset()
-    formed_again: FormedAgain | None = None
     # Made on first request; a pure function of the fields above, so it cannot go stale.
     _wrenches: SingleFlight[None, Mapping[str, Wrench]] = field(default_factory=SingleFlight, repr=False)
     _names: SingleFlight[None, Names] = field(default_factory=SingleFlight, repr=False)
@@ -180,13 +168,20 @@ class Formed:
 
     @property
     def wrenches(self) -> Mapping[str, Wrench]:
-        """The total wrench of every joint in terms of u' and the multipliers, of redundant rows too."""
-        return self._wrenches.get(None, self._form_wrenches)
+        """The total wrench of every joint in terms of u' and the multipliers, of redundant rows too.
 
-    def _form_wrenches(self) -> Mapping[str, Wrench]:
+        By Newton-Euler those that the saddle system gives; `balanced_wrenches` are formulas.
+        """
+        return self._wrenches.get(None, lambda: self._form_wrenches(self.free_bodies))
+
+    @property
+    def balanced_wrenches(self) -> Mapping[str, Wrench]:
+        """The total wrench of every joint as a formula in u' and the multipliers."""
+        return self.wrenches if self.free_bodies is None else self._form_wrenches(None)
+
+    def _form_wrenches(self, free: Solution | None) -> Mapping[str, Wrench]:
         rows = self.bearing_rows
         cut = [*row_wrenches(rows), *self._measured_drives(), *self._couplings(rows)]
-        free = self.free_bodies
         if isinstance(self.projection, Recursion):
             rates = zip(self.expressions(self.u), self.u, strict=True)
             udot = {u.index: symbol(self.graph, name.derivative) for u, name in rates}
@@ -203,10 +198,10 @@ class Formed:
     def free_bodies(self) -> Solution | None:
         """Accelerations, multipliers and wrenches with every reaction an unknown, by Newton-Euler.
 
-        None for other formulations, for equations to read, with friction, without joints, and where speeds
-        were eliminated: there the balance of bodies follows the accelerations.
+        None for other formulations, with friction, without joints, and where speeds were eliminated: there
+        the balance of bodies follows the accelerations.
         """
-        if not isinstance(self.formulation, NewtonEuler) or self.kinematics.spread or self.friction:
+        if not isinstance(self.formulation, NewtonEuler) or self.friction:
             return None
         if self.elimination is not None or not self.uses:
             return None

@@ -51,16 +51,12 @@ def form(
     graph: Graph,
     formulation: Formulation = VIRTUAL_WORK,
     *,
-    spread: bool = False,
     dependent: Sequence[str] = (),
 ) -> Formed:
     """Return the equations of a mechanism in a graph.
 
     Parameters
     ----------
-    spread : bool
-        Whether they are formed for reading: vectors stay sums of terms in their own frames, and every
-        body is projected by itself. The values are the same.
     dependent : sequence of str
         Speeds to be eliminated by the constraints on velocities.
 
@@ -70,7 +66,7 @@ def form(
         If a cut joint cannot do what is asked of it, a loop can never close, or the dependent speeds do not
         follow from the others.
     """
-    formulation, fallback = legal_formulation(topology, formulation, spread=spread, dependent=bool(dependent))
+    formulation, fallback = legal_formulation(topology, formulation, dependent=bool(dependent))
     uses = joint_uses(topology)
     names = mechanism_names(graph, topology, uses)
     own = [name for condition in topology.model.constraints for name in condition.coordinates]
@@ -84,7 +80,7 @@ def form(
         shiftings(topology, names),
         variables.rates,
         speeds,
-        spread=spread,
+        spread=False,
         waiting=isinstance(formulation, Recursive),
     )
     if differentiates(formulation):
@@ -101,7 +97,7 @@ def form(
         rows = differentiated_rows(kinematics, rows)
     formed = _formed(formulation, topology, names, uses, variables, kinematics, rows, notes)
     formed = replace(formed, redundant=tuple(found.redundant))
-    if found.redundant and not spread:
+    if found.redundant:
         told = identically_undetermined(formed) if len(uses) <= _MOST_LISTED else ()
         shares = share_notes(formed, told)
         notes, formed = notes + shares, replace(formed, notes=formed.notes + shares)

@@ -39,7 +39,7 @@ from symbody.vectors.placed import homogeneous
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ByHand:
-    """What equations of a mechanism by hand are formed from, again and again in any graph.
+    """What equations of a mechanism by hand are formed from.
 
     Attributes
     ----------
@@ -57,8 +57,8 @@ class ByHand:
     formulation: Formulation
     natural: bool = False
 
-    def formed(self, graph: Graph, *, spread: bool = False) -> Formed:
-        """Return the equations in a graph; `spread` as in `forming.form`.
+    def formed(self, graph: Graph) -> Formed:
+        """Return the equations in a graph.
 
         Raises
         ------
@@ -68,9 +68,7 @@ class ByHand:
         mechanism = Restated(graph, {}).mechanism(self.mechanism)
         variables = _variables(graph, self.coordinates)
         names = frame_names(mechanism)
-        empty = form_kinematics(
-            graph, (), (), variables.rates, tuple(variables.rates.values()), spread=spread
-        )
+        empty = form_kinematics(graph, (), (), variables.rates, tuple(variables.rates.values()), spread=False)
         kinematics = place_frames(empty, names)
         body_frames(kinematics, names, mechanism.bodies)
         if differentiates(self.formulation):
@@ -100,7 +98,6 @@ class ByHand:
             notes=notes,
             formulation=self.formulation,
             angles=_angles(self.mechanism, self.coordinates),
-            formed_again=self.formed,
         )
 
     def _projected(

@@ -26,11 +26,11 @@ def differentiates(formulation: Formulation) -> bool:
 
 
 def legal_formulation(
-    topology: Topology, formulation: Formulation, *, spread: bool, dependent: bool
+    topology: Topology, formulation: Formulation, *, dependent: bool
 ) -> tuple[Formulation, tuple[str, ...]]:
     """Return the formulation, virtual work where recursion cannot be done, and what is said of that."""
-    if not isinstance(formulation, Recursive) or spread:
-        return (VIRTUAL_WORK if isinstance(formulation, Recursive) else formulation), ()
+    if not isinstance(formulation, Recursive):
+        return formulation, ()
     if topology.turning == topology.sliding and not dependent:
         return formulation, ()
     why = "speeds are eliminated" if dependent else "the rotation tree is not the translation tree"
@@ -52,6 +52,6 @@ def projected(
         rotors = [(names.value(coordinate), rotor) for coordinate, rotor in armatures.items()]
         energies = form_energies(kinematics, bodies, loads.potential_energy, loads.without_potential, rotors)
         return project_energies(kinematics, energies)
-    if isinstance(formulation, NewtonEuler) or kinematics.spread:
+    if isinstance(formulation, NewtonEuler):
         return project_directly(kinematics, bodies, loads.loads, armatures)
     return project(topology, kinematics, uses, bodies, loads.loads, armatures)

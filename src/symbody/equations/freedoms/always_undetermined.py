@@ -26,7 +26,7 @@ def always_undetermined(formed: Formed) -> tuple[str, ...]:
     that share constraints which depend on each other for random values and, where the loops close with the
     values of the model, there too.
     """
-    if formed.formed_again is not None or not (formed.rows or formed.redundant):
+    if not formed.uses or not (formed.rows or formed.redundant):
         return ()
     formed = _by_joints(formed)
     certain = identically_undetermined(formed)
