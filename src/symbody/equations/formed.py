@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
-from symbody.equations.constraints.rolling import enter_contact
 from symbody.equations.dynamics.balance import NOTHING, Wrench, balanced
 from symbody.equations.dynamics.inertia import Inertia, Rotor
 from symbody.equations.dynamics.projection import Projection
@@ -335,7 +334,6 @@ class Formed:
         """
         link = self.topology.link(name)
         if isinstance(link, Rolling):
-            enter_contact(self.names, self.kinematics, link)
             return link.name
         body, _, point = name.partition(".")
         places = places_of(self.topology.model.bodies, self.topology.model.ground)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Final
 
 from symbody.equations.constraints.closings import alignments
+from symbody.equations.constraints.rolling import add_contact_frames
 from symbody.equations.constraints.rows import form_rows
 from symbody.equations.dynamics.inertia import Rotor, form_inertia
 from symbody.equations.dynamics.projection import Projection
@@ -80,8 +81,7 @@ def form(
         shiftings(topology, names),
         variables.rates,
         speeds,
-        spread=False,
-        waiting=isinstance(formulation, Recursive),
+        lazy=isinstance(formulation, Recursive),
     )
     if differentiates(formulation):
         kinematics = differentiated(kinematics)
@@ -101,7 +101,10 @@ def form(
         told = identically_undetermined(formed) if len(uses) <= _MOST_LISTED else ()
         shares = share_notes(formed, told)
         notes, formed = notes + shares, replace(formed, notes=formed.notes + shares)
-    return _without_dependent(formed, dependent, notes) if dependent else formed
+    if dependent:
+        formed = _without_dependent(formed, dependent, notes)
+    contacts = topology.contacts.values()
+    return replace(formed, kinematics=add_contact_frames(formed.names, formed.kinematics, contacts))
 
 
 def _without_dependent(formed: Formed, dependent: Sequence[str], notes: tuple[str, ...]) -> Formed:

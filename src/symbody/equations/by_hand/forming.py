@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from symbody.equations.by_hand.energies import kinetic_energy
-from symbody.equations.by_hand.frames import body_frames, frame_names, place_frames
+from symbody.equations.by_hand.frames import frame_names, frame_steps
 from symbody.equations.by_hand.loads import loads_by_hand
 from symbody.equations.by_hand.mechanism import HandPlaced
 from symbody.equations.by_hand.restated import Restated
@@ -68,9 +68,9 @@ class ByHand:
         mechanism = Restated(graph, {}).mechanism(self.mechanism)
         variables = _variables(graph, self.coordinates)
         names = frame_names(mechanism)
-        empty = form_kinematics(graph, (), (), variables.rates, tuple(variables.rates.values()), spread=False)
-        kinematics = place_frames(empty, names)
-        body_frames(kinematics, names, mechanism.bodies)
+        rotations, translations = frame_steps(graph, names, mechanism.bodies)
+        speeds = tuple(variables.rates.values())
+        kinematics = form_kinematics(graph, rotations, translations, variables.rates, speeds)
         if differentiates(self.formulation):
             kinematics = differentiated(kinematics)
         bodies = tuple(

@@ -66,8 +66,7 @@ def _carry(
         carried = rest.get(branch.child, NULL)
         if carried.is_zero:
             continue
-        if not kinematics.spread:
-            carried = drawn_near(kinematics.tree, carried, kinematics.tree.home(branch.parent))
+        carried = drawn_near(kinematics.tree, carried, kinematics.tree.home(branch.parent))
         rest[branch.parent] = rest.get(branch.parent, NULL) + carried
         name = branch.edge.name
         found[name] = found.get(name, NULL) + (carried if branch.forward else -carried)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from symbody.equations.kinematics.motion import Shifting, Turning
+from symbody.equations.kinematics.frame_steps import RotationStep, TranslationStep
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import Use, joint_steps, quasi_vector, turns_of
 from symbody.graph.spanning_tree import Branch
@@ -25,7 +25,7 @@ def predicted(joint: str) -> str:
     return f"{joint}|predicted"
 
 
-def turnings(topology: Topology, names: Names, uses: Sequence[Use]) -> Iterator[Turning]:
+def turnings(topology: Topology, names: Names, uses: Sequence[Use]) -> Iterator[RotationStep]:
     """Return how all frames are turned, outward from ground along the rotation tree."""
     model = topology.model
     yield from _fixed_turnings(names, "ground", model.ground.items())
@@ -36,10 +36,10 @@ def turnings(topology: Topology, names: Names, uses: Sequence[Use]) -> Iterator[
     for use in uses:
         if use.turns and use.joint.name not in topology.turning:
             steps = joint_steps(names, use.joint)
-            yield Turning(predicted(use.joint.name), use.joint.start.frame, steps)
+            yield RotationStep(predicted(use.joint.name), use.joint.start.frame, steps)
 
 
-def shiftings(topology: Topology, names: Names) -> Iterator[Shifting]:
+def shiftings(topology: Topology, names: Names) -> Iterator[TranslationStep]:
     """Return where all origins stand, outward from ground along the translation tree."""
     model = topology.model
     yield from _fixed_shiftings(names, "ground", model.ground.items())
@@ -55,18 +55,20 @@ def joint_shift(names: Names, joint: Joint) -> Vector:
     return vector(home, names.triple(joint.shift(), f"joint {joint.name}"))
 
 
-def _fixed_turnings(names: Names, body: str, frames: Iterable[tuple[str, Frame]]) -> Iterator[Turning]:
+def _fixed_turnings(names: Names, body: str, frames: Iterable[tuple[str, Frame]]) -> Iterator[RotationStep]:
     for name, frame in frames:
-        yield Turning(f"{body}.{name}", body, turns_of(names, frame.turns(), f"frame {body}.{name}"))
+        yield RotationStep(f"{body}.{name}", body, turns_of(names, frame.turns(), f"frame {body}.{name}"))
 
 
-def _fixed_shiftings(names: Names, body: str, frames: Iterable[tuple[str, Frame]]) -> Iterator[Shifting]:
+def _fixed_shiftings(
+    names: Names, body: str, frames: Iterable[tuple[str, Frame]]
+) -> Iterator[TranslationStep]:
     for name, frame in frames:
         at = names.triple(frame.at, f"frame {body}.{name}")
-        yield Shifting(f"{body}.{name}", body, body, vector(body, at))
+        yield TranslationStep(f"{body}.{name}", body, body, vector(body, at))
 
 
-def _branch_turnings(topology: Topology, names: Names, branch: Branch) -> Iterator[Turning]:
+def _branch_turnings(topology: Topology, names: Names, branch: Branch) -> Iterator[RotationStep]:
     """Return the steps from the near frame of a joint to its far frame and to the body there.
 
     A joint walked against its direction has its rotation reversed.
@@ -79,14 +81,14 @@ def _branch_turnings(topology: Topology, names: Names, branch: Branch) -> Iterat
     quasi = joint.rotation_speeds
     w = None if quasi is None else vector(frames[quasi.resolved_in], quasi_vector(names, quasi))
     if branch.forward:
-        yield Turning(other, near.frame, steps, w)
+        yield RotationStep(other, near.frame, steps, w)
     else:
-        yield Turning(other, near.frame, reverse_steps(steps), None if w is None else -w)
+        yield RotationStep(other, near.frame, reverse_steps(steps), None if w is None else -w)
     turns = reverse_steps(turns_of(names, frame_of(topology.model, far).turns(), far.frame))
-    yield Turning(far.body, other, turns)
+    yield RotationStep(far.body, other, turns)
 
 
-def _branch_shiftings(topology: Topology, names: Names, branch: Branch) -> Iterator[Shifting]:
+def _branch_shiftings(topology: Topology, names: Names, branch: Branch) -> Iterator[TranslationStep]:
     joint = topology.joint(branch.edge.name)
     near, far = joint_ends(joint, branch)
     sign = 1 if branch.forward else -1
@@ -95,13 +97,13 @@ def _branch_shiftings(topology: Topology, names: Names, branch: Branch) -> Itera
     other = _far(joint)
     start, end = joint.start.frame, joint.end.frame
     if quasi is None:
-        yield Shifting(other, near.frame, far.body, shift)
+        yield TranslationStep(other, near.frame, far.body, shift)
     else:
         home = start if quasi.resolved_in == "start" else end
         slide = vector(home, quasi_vector(names, quasi)) * sign
-        yield Shifting(other, near.frame, far.body, shift, (start, slide))
+        yield TranslationStep(other, near.frame, far.body, shift, (start, slide))
     at = names.triple(frame_of(topology.model, far).at, far.frame)
-    yield Shifting(far.body, other, far.body, -vector(far.body, at))
+    yield TranslationStep(far.body, other, far.body, -vector(far.body, at))
 
 
 def joint_ends(joint: Joint, branch: Branch) -> tuple[Address, Address]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from symbody.equations.kinematics.motion import Kinematics, Shifting, Turning, form_kinematics
+from symbody.equations.kinematics.frame_steps import RotationStep, TranslationStep
+from symbody.equations.kinematics.motion import Kinematics, form_kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import Use, quasi_vector
 from symbody.equations.recursive.link_axes import LinkAxes, choose_axes
@@ -190,11 +191,10 @@ def _joint_kinematics(
         v = (frames["start"], seen)
     return form_kinematics(
         names.graph,
-        [Turning(_FAR, _NEAR, steps, w)],
-        [Shifting(_FAR, _NEAR, _FAR, shift, v)],
+        [RotationStep(_FAR, _NEAR, steps, w)],
+        [TranslationStep(_FAR, _NEAR, _FAR, shift, v)],
         rates,
         [names.graph.symbol(speed) for speed in tree_joint.use.speeds],
-        spread=False,
     )
 
 
