@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.solving.projection import velocity_residual
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Final
 
 from symbody.arguments import checked_arguments
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.freedoms.always_undetermined import always_undetermined
 from symbody.equations.freedoms.mobility import Mobility, mobility
 from symbody.equations.known import Deferred

@@ -5,8 +5,9 @@ from __future__ import annotations
 from random import Random
 from typing import Final
 
-from symbody.equations.formed import Formed
-from symbody.equations.forming import form
+from symbody.equations.derivation import derive
+from symbody.equations.equations_of_motion import Formed
+from symbody.equations.formulations.virtual_work import VirtualWork
 from symbody.equations.freedoms.mobility import assembled_values
 from symbody.equations.solving.noise import random_point
 from symbody.equations.solving.undetermined import generic, identically_undetermined, in_order, undetermined
@@ -51,4 +52,4 @@ def _by_joints(formed: Formed) -> Formed:
     topology, own = choose_topology(formed.topology.model, "joints"), formed.topology
     if (topology.rotation, topology.translation) == (own.rotation, own.translation):
         return formed
-    return form(topology, Graph())
+    return derive(topology, Graph(), VirtualWork())

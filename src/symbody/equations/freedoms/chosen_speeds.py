@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from symbody.equations.elimination.dependent_speeds import nothing_to_eliminate
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.freedoms.mobility import assembled_values
 from symbody.errors import FormulationError, Problem
 

@@ -15,7 +15,7 @@ from functools import cached_property
 from random import Random
 from typing import Any, Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.showing.outputs import output_roots
 from symbody.equations.showing.units import output_units
 from symbody.equations.solving.idle import check_idle

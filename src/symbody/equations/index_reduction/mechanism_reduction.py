@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.index_reduction.separation import written
 from symbody.equations.solving.projection import velocity_residual
 from symbody.errors import FormulationError, Problem
@@ -58,7 +58,7 @@ def reduced_mechanism(formed: Formed) -> IndexReduction:
     multipliers = formed.expressions(formed.multipliers)
     jacobian = formed.jacobian
     columns = [[row[i] for row in jacobian] for i in range(len(udot))]
-    mass, forcing = formed.projection.mass_matrix, formed.projection.forcing
+    mass, forcing = formed.dynamics.mass_matrix, formed.dynamics.forcing
     balance = [
         _product(mass[i], udot, -forcing[i]) - _product(columns[i], multipliers, Expr(graph, 0))
         for i in range(len(udot))

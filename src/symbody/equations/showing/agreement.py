@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from random import Random
 from typing import Final, NamedTuple
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.solving.slopes import inverse_dynamics
 from symbody.equations.solving.solution import solve
 from symbody.errors import FormulationError, Problem
@@ -71,7 +71,7 @@ def check_dynamics(formed: Formed) -> None:
     if formed.friction:
         return
     given = formed.expressions([u.derivative for u in formed.u])
-    balance = zip(_products(formed, given), formed.projection.forcing, strict=True)
+    balance = zip(_products(formed, given), formed.dynamics.forcing, strict=True)
     sides = zip(inverse_dynamics(formed), balance, strict=True)
     pairs = [_Pair("inverse_dynamics", a.index, (b - force).index) for a, (b, force) in sides]
     _check(formed, pairs)
@@ -81,14 +81,14 @@ def check_dynamics(formed: Formed) -> None:
         udot, _ = solve(formed)
     except FormulationError:
         return  # no mass resists some speed, which has no acceleration
-    solved = zip(_products(formed, udot), formed.projection.forcing, strict=True)
+    solved = zip(_products(formed, udot), formed.dynamics.forcing, strict=True)
     _check(formed, [_Pair("udot", a.index, force.index) for a, force in solved])
 
 
 def _products(formed: Formed, udot: Sequence[Expr]) -> list[Expr]:
     """Return ``M u'``."""
     zero = Expr(formed.graph, 0)
-    rows = formed.projection.mass_matrix
+    rows = formed.dynamics.mass_matrix
     return [sum((a * b for a, b in zip(row, udot, strict=True)), zero) for row in rows]
 
 

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from itertools import chain
 from typing import Final, NamedTuple
 
-from symbody.equations.formed import Formed
-from symbody.equations.solving.slopes import acceleration_slopes, columns_of_slopes
+from symbody.equations.equations_of_motion import Formed
+from symbody.equations.recursive.udot_derivatives import columns_of_slopes
+from symbody.equations.solving.slopes import acceleration_slopes
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr

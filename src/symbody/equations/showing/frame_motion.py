@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.showing.output_words import output_words
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.showing.output_words import output_words
 from symbody.equations.solving.solution import resistance

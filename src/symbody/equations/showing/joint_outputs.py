@@ -7,7 +7,7 @@ from typing import Final
 
 from symbody.equations.dynamics.balance import NOTHING, Wrench
 from symbody.equations.dynamics.reactions import effort_along, reaction
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.kinematics.variables import Use
 from symbody.equations.loads.loads import effort_name
 from symbody.equations.showing.output_words import output_words
@@ -23,7 +23,7 @@ ENTRIES: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 def reaction_wrench(
     formed: Formed, joint: str, on: str = "", at: str = "", totals: Mapping[str, Wrench] | None = None
 ) -> Wrench:
-    """Return the reaction of a joint in terms of u' and the multipliers.
+    """Return the reaction of a joint as a formula in u' and the multipliers.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def reaction_wrench(
     at : str, optional
         The frame whose origin the moment is about; by default the end frame, or the point of contact.
     totals : mapping of joint to Wrench, optional
-        The total wrenches; by default those of the motion.
+        The total wrenches; by default the formulas of those of the motion.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def reaction_axes(formed: Formed, name: str) -> str:
 
 def reaction_output(formed: Formed, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
     """Return the output "reaction J", (6,), or one entry "reaction J Fx"; see `reaction_axes`."""
-    words = output_words(rest, formed.wrenches)
+    words = output_words(rest, formed.solved_wrenches)
     name, entry = words[0], words[1] if len(words) == 2 else ""
     if len(words) > 2 or (entry and entry not in ENTRIES):
         raise FormulationError(
@@ -82,6 +82,7 @@ def reaction_output(formed: Formed, rest: str) -> tuple[tuple[int, ...], list[Ex
 
 def reaction_entries(formed: Formed, name: str, totals: Mapping[str, Wrench] | None = None) -> list[Expr]:
     """Return the six components of a reaction in terms of u' and the multipliers."""
+    totals = formed.solved_wrenches if totals is None else totals
     wrench, axes = reaction_wrench(formed, name, totals=totals), reaction_axes(formed, name)
     tree = formed.kinematics.tree
     return [*components(tree, wrench.force, axes), *components(tree, wrench.moment, axes)]
@@ -147,7 +148,7 @@ def _prescribed(formed: Formed) -> Iterator[tuple[str, tuple[Use, str]]]:
 def _held(formed: Formed, use: Use, coordinate: str, totals: Mapping[str, Wrench] | None = None) -> Expr:
     """Return the effort that holds a prescribed coordinate: the joint's wrench along it, and its rotor."""
     joint, names, kinematics = use.joint, formed.names, formed.kinematics
-    total = (formed.wrenches if totals is None else totals)[joint.name]
+    total = (formed.solved_wrenches if totals is None else totals)[joint.name]
     effort = effort_along(names, kinematics, joint, coordinate, total)
     if coordinate in joint.armature:
         rotor = names.expression(joint.armature[coordinate], f"joint {joint.name}")

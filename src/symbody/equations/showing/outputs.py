@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.showing.derivative_outputs import asked_derivative, derivative_roots, differentiated
 from symbody.equations.showing.frame_motion import frame_output
 from symbody.equations.showing.friction_outputs import (
@@ -188,7 +188,7 @@ def _matrix(
 
 
 def _bias(formed: Formed) -> list[Expr]:
-    return [-force for force in formed.projection.forcing]
+    return [-force for force in formed.dynamics.forcing]
 
 
 # Of a tree without constraints those about them are empty, but they exist, with their shapes.
@@ -199,13 +199,13 @@ _MAKERS: Final[dict[str, Callable[[Formed], Roots]]] = {
     "A": _matrix("A", lambda formed: _slopes(formed, _states(formed)), lambda formed: _states(formed)),
     "B": _matrix("B", lambda formed: _slopes(formed, formed.inputs), lambda formed: formed.inputs),
     "lambda": _vector("lambda", lambda formed: solve(formed)[1]),
-    "mass_matrix": _matrix("mass_matrix", lambda formed: formed.projection.mass_matrix),
-    "forcing": _vector("forcing", lambda formed: formed.projection.forcing),
+    "mass_matrix": _matrix("mass_matrix", lambda formed: formed.dynamics.mass_matrix),
+    "forcing": _vector("forcing", lambda formed: formed.dynamics.forcing),
     "bias": _vector("bias", _bias),
     "inverse_dynamics": _vector("inverse_dynamics", inverse_dynamics),
     "kinetic_energy": _scalar("kinetic_energy", lambda formed: formed.kinetic_energy),
-    "potential_energy": _scalar("potential_energy", lambda formed: formed.loads.potential_energy),
-    "energy": _scalar("energy", lambda formed: formed.kinetic_energy + formed.loads.potential_energy),
+    "potential_energy": _scalar("potential_energy", lambda formed: formed.potential_energy),
+    "energy": _scalar("energy", lambda formed: formed.kinetic_energy + formed.potential_energy),
     "power": _scalar("power", lambda formed: solved(formed, [total_power(formed)])[0]),
     "constraints": _vector("constraints", lambda formed: [row.value for row in formed.holonomic]),
     "velocity_constraints": _vector("velocity_constraints", velocity_residual),

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.kinematics.row import Row
 from symbody.equations.showing.output_words import output_words
 from symbody.equations.solving.ropes import rope_row, ropes

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.loads.loads import effort_name
 from symbody.equations.showing.dimensions import expression_unit
 from symbody.equations.showing.friction_outputs import friction_names

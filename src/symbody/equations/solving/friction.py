@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.kinematics.joint_axes import free_directions, perpendiculars
 from symbody.equations.kinematics.variables import turns_of
 from symbody.equations.loads.friction import FrictionLaw, Resistance
@@ -64,7 +64,7 @@ class _Solver:
         ]  # fmt: skip
         efforts = [law.effort.index for law in self.laws]
         slopes, rest = linear_coefficients(
-            self.graph, [force.index for force in formed.projection.forcing], efforts
+            self.graph, [force.index for force in formed.dynamics.forcing], efforts
         )
         self.columns = [[Expr(self.graph, row[k]) for row in slopes] for k in range(len(efforts))]
         self.forcing = [Expr(self.graph, node) for node in rest]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.errors import FormulationError, Problem
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Kind

@@ -12,7 +12,7 @@ from dataclasses import replace
 from random import Random
 from typing import Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.kinematics.row import Row
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, number

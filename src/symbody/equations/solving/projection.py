@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.kinematics.row import Row
 from symbody.expr.expression import Expr, number, saddle_entry, sqrt
 from symbody.expr.graph import Kernel
@@ -56,7 +56,7 @@ def _least_move(formed: Formed, rows: Sequence[Row], gamma: Sequence[Expr]) -> l
     n, m = len(formed.u), len(rows)
     if m == 0:
         return [zero] * n
-    mass = [entry for row in formed.projection.mass_matrix for entry in row]
+    mass = [entry for row in formed.dynamics.mass_matrix for entry in row]
     slopes = [row.slopes.get(u, zero) for row in rows for u in formed.kinematics.speeds]
     operands = tuple(x.index for x in (*mass, *slopes, *[zero] * n, *gamma))
     kernel = formed.graph.kernel(Kernel(n, m))

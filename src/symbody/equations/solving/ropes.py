@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.kinematics.row import Row
 from symbody.expr.expression import number, symbol
 from symbody.expr.graph import Kind, Symbol

@@ -17,9 +17,10 @@ from functools import partial
 from typing import NamedTuple
 
 from symbody.equations.dynamics.balance import Wrench
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.kinematics.row import Row
 from symbody.equations.loads.loads import effort_name
+from symbody.equations.measured_wrenches import static_wrenches
 from symbody.equations.showing.joint_outputs import ENTRIES, prescribed_efforts, reaction_entries
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr, maximum, number, saddle_entry
@@ -118,7 +119,7 @@ class SelfStress:
         return self._values.get(None, partial(self._form_values, formed))
 
     def _form_values(self, formed: Formed) -> list[Expr]:
-        listed = dict(_components(formed, formed.wrenches))
+        listed = dict(_components(formed, formed.solved_wrenches))
         return [listed[component] for component in self.components]
 
     def shared(self, formed: Formed) -> dict[int, int]:
@@ -169,7 +170,7 @@ def _self_stress(formed: Formed) -> SelfStress:
     rows = (*formed.rows, *formed.redundant)
     if not rows:
         return SelfStress((), (), (), zero)
-    listed = list(_components(formed, formed.static_wrenches()))
+    listed = list(_components(formed, static_wrenches(formed, formed.bearing_rows)))
     changes = _changes(formed, [value.index for _, value in listed])
     loaded = [k for k, row in enumerate(changes) if not all(entry.is_zero for entry in row)]
     components = tuple(listed[k][0] for k in loaded)

@@ -6,10 +6,8 @@ from collections.abc import Sequence
 from functools import partial
 
 from symbody.equations.dynamics.inertia import Inertia
-from symbody.equations.dynamics.linear_solve import solve_positive_definite
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.loads.friction import Resistance
-from symbody.equations.recursive.recursion import Recursion
 from symbody.equations.solving.friction import solve_with_friction, unknown_symbols
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr, saddle_entry
@@ -30,13 +28,12 @@ def solve(formed: Formed) -> tuple[list[Expr], list[Expr]]:
 
 
 def _solution(formed: Formed) -> tuple[list[Expr], list[Expr]]:
-    linear = partial(_solve_linear, formed)
-    free = formed.free_bodies
-    if free is not None:
-        return free.udot, free.multipliers
     if formed.friction:
-        return solve_with_friction(formed, linear)
-    return linear(formed.projection.forcing, [row.gamma for row in formed.rows])
+        return solve_with_friction(formed, partial(_solve_linear, formed))
+    accelerations = formed.dynamics.accelerations(formed)
+    if accelerations is not None:
+        return accelerations
+    return _solve_linear(formed, formed.dynamics.forcing, [row.gamma for row in formed.rows])
 
 
 def resistance(formed: Formed) -> Resistance:
@@ -73,46 +70,30 @@ def _solve_linear(
 
 
 def _solve_tree(formed: Formed, forcing: Sequence[Expr]) -> list[Expr]:
-    if isinstance(formed.projection, Recursion):
-        found = formed.projection.solve(forcing)
-    else:
-        found = solve_positive_definite(formed.projection.mass_matrix, forcing, _outward(formed))
+    solution = formed.dynamics.solve(formed, forcing)
     if any(map(_is_light, formed.bodies)):
-        gone = vanishing(formed.graph, [pivot.index for pivot in found.pivots])
-        problems = [_massless(formed, k) for k, zero in enumerate(gone) if zero]
+        zeros = vanishing(formed.graph, [pivot.index for pivot in solution.pivots])
+        problems = [_massless(formed, k) for k, is_zero in enumerate(zeros) if is_zero]
         if problems:
             raise FormulationError(*problems)
-    return found.values
+    return solution.values
 
 
 def _solve_saddle(
     formed: Formed, forcing: Sequence[Expr], gamma: Sequence[Expr]
 ) -> tuple[list[Expr], list[Expr]]:
-    graph, projection, jacobian = formed.graph, formed.projection, formed.jacobian
+    graph, jacobian = formed.graph, formed.jacobian
     n, m = len(formed.u), len(formed.rows)
     operands = [
-        *(entry for row in projection.mass_matrix for entry in row),
+        *(entry for row in formed.dynamics.mass_matrix for entry in row),
         *(entry for row in jacobian for entry in row),
         *forcing,
         *gamma,
     ]
     nodes = tuple(operand.index for operand in operands)
     kernel = graph.kernel(Kernel(n, m))
-    found = [saddle_entry(graph, kernel, nodes, k) for k in range(n + m)]
-    return found[:n], found[n:]
-
-
-def _outward(formed: Formed) -> list[int]:
-    """Return the speeds in the order of the branches they belong to, from ground to the leaves."""
-    topology = formed.topology
-    branches = [*topology.translation.branches, *topology.rotation.branches]
-    depth: dict[str, int] = {}
-    for branch in branches:
-        depth.setdefault(branch.edge.name, len(depth))
-    owner = {speed.label: use.joint.name for use in formed.uses for speed in use.speeds}
-    if not owner:  # placed by hand: the order given
-        return list(range(len(formed.u)))
-    return sorted(range(len(formed.u)), key=lambda k: depth[owner[formed.u[k].label]])
+    solution = [saddle_entry(graph, kernel, nodes, k) for k in range(n + m)]
+    return solution[:n], solution[n:]
 
 
 def _is_light(body: Inertia) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from symbody.equations.dynamics.balance import NOTHING
 from symbody.equations.dynamics.reactions import drive_wrench
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.kinematics.row import Row
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.expr.expression import number

@@ -14,7 +14,7 @@ from itertools import groupby
 from random import Random
 from typing import Final, NamedTuple
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.solving.noise import input_places, random_point
 from symbody.equations.solving.self_stress import Block, Component, SelfStress, self_stress
 from symbody.expr.evaluate import evaluate_sequence

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.simulation.events.events import Event
 from symbody.simulation.methods.constraints import PROJECTED
 from symbody.simulation.task import Task

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.ropes import AT_LENGTH
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.solving.ropes import rope_rows, rope_words, ropes, slackened, with_words
 from symbody.expr.saddle import solve_saddle
 from symbody.simulation.events.events import Event

@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.solving.sticking import STICKS, in_modes, switching_joints
 from symbody.simulation.events.events import Event
 from symbody.simulation.modes.modes import Modes, Moment, Trial

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.state import State
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import Formed
 from symbody.equations.solving.ropes import ropes
 from symbody.equations.solving.sticking import switching_joints
 from symbody.errors import Problem, UsageError
