@@ -12,7 +12,7 @@ from symbody.equations.constraints.rows import form_rows
 from symbody.equations.dynamics.inertia import Rotor, form_inertia
 from symbody.equations.elimination.dependent_speeds import eliminated, elimination_notes
 from symbody.equations.elimination.elimination import Elimination
-from symbody.equations.equations_of_motion import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.formulations.recursive import Recursive
 from symbody.equations.formulations.virtual_work import VirtualWork
@@ -46,7 +46,7 @@ def derive(
     formulation: Formulation | None = None,
     *,
     dependent: Sequence[str] = (),
-) -> Formed:
+) -> EquationsOfMotion:
     """Return the equations of a mechanism in a graph.
 
     Parameters
@@ -179,11 +179,11 @@ def _equations(
     formulation: Formulation,
     notes: tuple[str, ...],
     elimination: Elimination | None = None,
-) -> Formed:
+) -> EquationsOfMotion:
     """Return the equations of motion of a system, without contact frames."""
     model, names = system.topology.model, system.names
     dynamics = formulation.derive(system) if elimination is None else elimination.dynamics(system)
-    return Formed(
+    return EquationsOfMotion(
         **{part.name: getattr(system, part.name) for part in fields(MultibodySystem)},
         inputs=tuple(Symbol(name, Kind.INPUT) for name in model.inputs),
         parameters=tuple(Symbol(name, Kind.PARAMETER) for name in model.parameters),
@@ -197,7 +197,9 @@ def _equations(
     )
 
 
-def _eliminate(formed: Formed, dependent: Sequence[str], notes: tuple[str, ...]) -> Formed:
+def _eliminate(
+    formed: EquationsOfMotion, dependent: Sequence[str], notes: tuple[str, ...]
+) -> EquationsOfMotion:
     """Return equations in independent speeds; loads are formed again in these."""
     begin("elimination of dependent speeds")
     elimination = eliminated(formed.readable_names, formed.u, formed.rows, formed.dynamics, dependent)
@@ -215,7 +217,7 @@ def _eliminate(formed: Formed, dependent: Sequence[str], notes: tuple[str, ...])
     return _with_contacts(reduced)
 
 
-def _with_contacts(formed: Formed) -> Formed:
+def _with_contacts(formed: EquationsOfMotion) -> EquationsOfMotion:
     """Return the equations with the frames of rolling contacts in their kinematics."""
     for wheel in formed.topology.contacts.values():
         if isinstance(wheel, Rolling):
@@ -223,7 +225,7 @@ def _with_contacts(formed: Formed) -> Formed:
     return formed
 
 
-def _share_notes(formed: Formed) -> tuple[str, ...]:
+def _share_notes(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return notes on reactions that redundant constraints leave undetermined."""
     if not formed.redundant:
         return ()

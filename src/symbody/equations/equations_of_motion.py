@@ -27,7 +27,7 @@ from symbody.single_flight import SingleFlight
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Formed(MultibodySystem):
+class EquationsOfMotion(MultibodySystem):
     """``M u' = F + J^T lambda``, ``J u' = gamma``, ``q' = N u + nu`` and the energies of a system.
 
     Attributes
@@ -125,7 +125,7 @@ class Formed(MultibodySystem):
         contacts = [pair for pair in rows if pair[0].element in self.topology.contacts]
         return total | summed(row_wrenches(contacts))
 
-    def with_rows(self, rows: tuple[Row, ...], redundant: tuple[Row, ...] | None = None) -> Formed:
+    def with_rows(self, rows: tuple[Row, ...], redundant: tuple[Row, ...] | None = None) -> EquationsOfMotion:
         """Return the same equations under other constraints."""
         return replace(
             self,
@@ -139,7 +139,7 @@ class Formed(MultibodySystem):
             _released=SingleFlight(),
         )
 
-    def with_independent(self, kept: Iterable[int]) -> Formed:
+    def with_independent(self, kept: Iterable[int]) -> EquationsOfMotion:
         """Return the equations without rows that follow from those kept; they still bear loads."""
         places = set(kept)
         rows = tuple(row for k, row in enumerate(self.rows) if k in places)

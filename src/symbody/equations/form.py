@@ -10,7 +10,7 @@ from typing import Final
 from symbody.arguments import checked_arguments
 from symbody.equations.derivation import default_formulation, derive
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.equations_of_motion import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.freedoms.chosen_speeds import chosen_speeds
 from symbody.equations.known import Deferred, identity, known_notes
@@ -80,7 +80,7 @@ def form_equations(
     equations = identity(*choices)
     notes = known_notes(equations)
     form = partial(in_time, time_limit, "forming the equations", _LESS, partial(_form, *choices))
-    given: Formed | Deferred
+    given: EquationsOfMotion | Deferred
     if notes is None:
         given = form()
         notes = given.notes
@@ -100,7 +100,7 @@ def _form(
     formulation: Formulation | None,
     tree: TreeChoice,
     dependent_speeds: Sequence[str] | None,
-) -> Formed:
+) -> EquationsOfMotion:
     """Return the equations with all notes: trees first, then dependent speeds, then the derivation."""
     begin("trees")
     topology = choose_topology(model, tree)

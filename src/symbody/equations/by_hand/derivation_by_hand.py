@@ -16,7 +16,7 @@ from symbody.equations.by_hand.mechanism import HandPlaced
 from symbody.equations.by_hand.restated import Restated
 from symbody.equations.by_hand.rows import rows_by_hand
 from symbody.equations.dynamics.inertia import Inertia
-from symbody.equations.equations_of_motion import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.formulations.formulation import Dynamics, Formulation
 from symbody.equations.formulations.lagrange import project_energies
 from symbody.equations.kinematics.motion import Kinematics, form_kinematics
@@ -40,7 +40,7 @@ def derive_by_hand(
     formulation: Formulation,
     *,
     natural: bool = False,
-) -> Formed:
+) -> EquationsOfMotion:
     """Return the equations of a mechanism by hand.
 
     Parameters
@@ -77,7 +77,7 @@ def derive_by_hand(
         armatures={},
         rows=rows,
     )
-    return Formed(
+    return EquationsOfMotion(
         **{part.name: getattr(system, part.name) for part in fields(MultibodySystem)},
         inputs=tuple(Symbol(name, Kind.INPUT) for name in model.inputs),
         parameters=tuple(Symbol(name, Kind.PARAMETER) for name in model.parameters),

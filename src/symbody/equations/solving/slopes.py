@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from symbody.equations.equations_of_motion import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.formulations.formulation import differentiate
 from symbody.equations.solving.solution import solve
 from symbody.errors import FormulationError, Problem
@@ -13,7 +13,7 @@ from symbody.expr.graph import Symbol
 
 
 def acceleration_slopes(
-    formed: Formed, by: Sequence[Symbol], *, side_by_side: bool = False
+    formed: EquationsOfMotion, by: Sequence[Symbol], *, side_by_side: bool = False
 ) -> list[list[Expr]]:
     """Return the derivatives of u' by symbols, one row a speed, all other symbols held fixed.
 
@@ -28,7 +28,7 @@ def acceleration_slopes(
     return formed.dynamics.acceleration_slopes(formed, udot, by, side_by_side=side_by_side)
 
 
-def inverse_dynamics(formed: Formed) -> list[Expr]:
+def inverse_dynamics(formed: EquationsOfMotion) -> list[Expr]:
     """Return ``M u' - F``, what is missing along each speed for accelerations given as the symbols u'.
 
     Raises

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from symbody.equations.dynamics.inertia import Inertia
-from symbody.equations.equations_of_motion import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.loads.friction import Resistance
 from symbody.equations.solving.friction import solve_with_friction, unknown_symbols
 from symbody.errors import FormulationError, Problem
@@ -16,7 +16,7 @@ from symbody.expr.graph import Kernel, Kind, Symbol
 from symbody.expr.rewrite import substitute
 
 
-def solve(formed: Formed) -> tuple[list[Expr], list[Expr]]:
+def solve(formed: EquationsOfMotion) -> tuple[list[Expr], list[Expr]]:
     """Return u' and the multipliers.
 
     Raises
@@ -27,7 +27,7 @@ def solve(formed: Formed) -> tuple[list[Expr], list[Expr]]:
     return formed.solved.get(None, partial(_solution, formed))
 
 
-def _solution(formed: Formed) -> tuple[list[Expr], list[Expr]]:
+def _solution(formed: EquationsOfMotion) -> tuple[list[Expr], list[Expr]]:
     if formed.friction:
         return solve_with_friction(formed, partial(_solve_linear, formed))
     accelerations = formed.dynamics.accelerations(formed)
@@ -36,7 +36,7 @@ def _solution(formed: Formed) -> tuple[list[Expr], list[Expr]]:
     return _solve_linear(formed, formed.dynamics.forcing, [row.gamma for row in formed.rows])
 
 
-def resistance(formed: Formed) -> Resistance:
+def resistance(formed: EquationsOfMotion) -> Resistance:
     """Return what friction is."""
     if not formed.friction:
         return Resistance([], [], [], [])
@@ -44,7 +44,7 @@ def resistance(formed: Formed) -> Resistance:
     return formed.resistances[0]
 
 
-def solved(formed: Formed, values: Sequence[Expr]) -> list[Expr]:
+def solved(formed: EquationsOfMotion, values: Sequence[Expr]) -> list[Expr]:
     """Return expressions with u', the multipliers and friction efforts replaced by the solution.
 
     The multipliers of redundant rows are 0; `with_shares` puts those of least norm in their place.
@@ -63,13 +63,13 @@ def solved(formed: Formed, values: Sequence[Expr]) -> list[Expr]:
 
 
 def _solve_linear(
-    formed: Formed, forcing: Sequence[Expr], gamma: Sequence[Expr]
+    formed: EquationsOfMotion, forcing: Sequence[Expr], gamma: Sequence[Expr]
 ) -> tuple[list[Expr], list[Expr]]:
     """Return u' and the multipliers for a forcing and the right-hand side of the constraints."""
     return _solve_saddle(formed, forcing, gamma) if formed.rows else (_solve_tree(formed, forcing), [])
 
 
-def _solve_tree(formed: Formed, forcing: Sequence[Expr]) -> list[Expr]:
+def _solve_tree(formed: EquationsOfMotion, forcing: Sequence[Expr]) -> list[Expr]:
     solution = formed.dynamics.solve(formed, forcing)
     if any(map(_is_light, formed.bodies)):
         zeros = vanishing(formed.graph, [pivot.index for pivot in solution.pivots])
@@ -80,7 +80,7 @@ def _solve_tree(formed: Formed, forcing: Sequence[Expr]) -> list[Expr]:
 
 
 def _solve_saddle(
-    formed: Formed, forcing: Sequence[Expr], gamma: Sequence[Expr]
+    formed: EquationsOfMotion, forcing: Sequence[Expr], gamma: Sequence[Expr]
 ) -> tuple[list[Expr], list[Expr]]:
     graph, jacobian = formed.graph, formed.jacobian
     n, m = len(formed.u), len(formed.rows)
@@ -101,7 +101,7 @@ def _is_light(body: Inertia) -> bool:
     return body.mass.is_zero or body.tensor.isotropic.is_zero
 
 
-def _massless(formed: Formed, k: int) -> Problem:
+def _massless(formed: EquationsOfMotion, k: int) -> Problem:
     name = formed.u[k].label
     return Problem(
         "equations.massless", f"speed {name}", f"no mass resists {name} while all outward of it is free",
