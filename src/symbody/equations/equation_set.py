@@ -8,7 +8,7 @@ from functools import partial
 from typing import Final
 
 from symbody.arguments import checked_arguments
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.freedoms.always_undetermined import always_undetermined
 from symbody.equations.freedoms.mobility import Mobility, mobility
 from symbody.equations.known import Deferred
@@ -42,7 +42,7 @@ class EquationSet(Displayed):
     ----------
     model : Model
         What the equations belong to.
-    formed : Formed
+    formed : EquationsOfMotion
         The equations in the expression graph. Those that were formed before, as `known` tells, are formed
         when this is read.
     notes : tuple of str
@@ -54,7 +54,7 @@ class EquationSet(Displayed):
     """
 
     model: Model
-    _given: Formed | Deferred
+    _given: EquationsOfMotion | Deferred
     notes: tuple[str, ...] = ()
     further: Mapping[str, Roots] = field(default_factory=dict, repr=False)
     # Roots and formulas already made; pure functions of `formed`, so they cannot go stale.
@@ -85,7 +85,7 @@ class EquationSet(Displayed):
         return f"EquationSet of {self.model.name!r}: {sizes}"
 
     @property
-    def formed(self) -> Formed:
+    def formed(self) -> EquationsOfMotion:
         """The equations in the expression graph."""
         return self._given.formed if isinstance(self._given, Deferred) else self._given
 

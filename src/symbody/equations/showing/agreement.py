@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from random import Random
 from typing import Final, NamedTuple
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.slopes import inverse_dynamics
 from symbody.equations.solving.solution import solve
 from symbody.errors import FormulationError, Problem
@@ -38,7 +38,9 @@ class _Pair(NamedTuple):
     shown: int
 
 
-def check_rewriting(formed: Formed, name: str, computed: Sequence[int], shown: Sequence[int]) -> None:
+def check_rewriting(
+    formed: EquationsOfMotion, name: str, computed: Sequence[int], shown: Sequence[int]
+) -> None:
     """Raise if formulas are not the functions that are computed.
 
     Parameters
@@ -57,7 +59,7 @@ def check_rewriting(formed: Formed, name: str, computed: Sequence[int], shown: S
     _check(formed, [_Pair(f"{name}[{k}]", a, b) for k, (a, b) in enumerate(entries)])
 
 
-def check_dynamics(formed: Formed) -> None:
+def check_dynamics(formed: EquationsOfMotion) -> None:
     """Raise if mass matrix and forcing do not belong to the accelerations and the inverse dynamics computed.
 
     With friction nothing is compared: the forcing contains unknown efforts then. With constraints the solver
@@ -71,7 +73,7 @@ def check_dynamics(formed: Formed) -> None:
     if formed.friction:
         return
     given = formed.expressions([u.derivative for u in formed.u])
-    balance = zip(_products(formed, given), formed.projection.forcing, strict=True)
+    balance = zip(_products(formed, given), formed.dynamics.forcing, strict=True)
     sides = zip(inverse_dynamics(formed), balance, strict=True)
     pairs = [_Pair("inverse_dynamics", a.index, (b - force).index) for a, (b, force) in sides]
     _check(formed, pairs)
@@ -81,18 +83,18 @@ def check_dynamics(formed: Formed) -> None:
         udot, _ = solve(formed)
     except FormulationError:
         return  # no mass resists some speed, which has no acceleration
-    solved = zip(_products(formed, udot), formed.projection.forcing, strict=True)
+    solved = zip(_products(formed, udot), formed.dynamics.forcing, strict=True)
     _check(formed, [_Pair("udot", a.index, force.index) for a, force in solved])
 
 
-def _products(formed: Formed, udot: Sequence[Expr]) -> list[Expr]:
+def _products(formed: EquationsOfMotion, udot: Sequence[Expr]) -> list[Expr]:
     """Return ``M u'``."""
     zero = Expr(formed.graph, 0)
-    rows = formed.projection.mass_matrix
+    rows = formed.dynamics.mass_matrix
     return [sum((a * b for a, b in zip(row, udot, strict=True)), zero) for row in rows]
 
 
-def _check(formed: Formed, pairs: Sequence[_Pair]) -> None:
+def _check(formed: EquationsOfMotion, pairs: Sequence[_Pair]) -> None:
     graph = formed.graph
     pairs = [pair for pair in pairs if pair.computed != pair.shown]
     nodes = graph.reachable([node for pair in pairs for node in (pair.computed, pair.shown)])
@@ -108,7 +110,7 @@ def _check(formed: Formed, pairs: Sequence[_Pair]) -> None:
         )  # fmt: skip
 
 
-def _numerically_different(formed: Formed, pairs: Sequence[_Pair]) -> Iterator[_Pair]:
+def _numerically_different(formed: EquationsOfMotion, pairs: Sequence[_Pair]) -> Iterator[_Pair]:
     """Return the pairs whose values differ by more than rounding at each of several random points."""
     graph, nodes = formed.graph, [node for pair in pairs for node in (pair.computed, pair.shown)]
     if not nodes or any(graph.ops[node] == CALL for node in graph.reachable(nodes)):
@@ -130,7 +132,7 @@ def _numerically_different(formed: Formed, pairs: Sequence[_Pair]) -> Iterator[_
             yield pair
 
 
-def _random_point(formed: Formed, symbols: Sequence[int], random: Random) -> list[float]:
+def _random_point(formed: EquationsOfMotion, symbols: Sequence[int], random: Random) -> list[float]:
     """Return a number for each symbol; quaternions have norm 1, without which rotations are none."""
     values = {node: random.uniform(0.3, 1.3) for node in symbols}
     for quaternion in formed.variables.quaternions:

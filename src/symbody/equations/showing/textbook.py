@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Final, NamedTuple
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.showing.agreement import check_dynamics, check_rewriting
 from symbody.equations.showing.frame_motion import frame_motion_entries
 from symbody.equations.showing.joint_outputs import reaction_axes, reaction_wrench
@@ -48,11 +48,11 @@ class Textbook:
 
     Attributes
     ----------
-    formed : Formed
+    formed : EquationsOfMotion
         The equations in the expression graph.
     """
 
-    formed: Formed
+    formed: EquationsOfMotion
     # Made on first request; pure functions of `formed`, so they cannot go stale.
     _roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
     _agreement: SingleFlight[None, None] = field(default_factory=SingleFlight, repr=False)
@@ -176,7 +176,7 @@ class Textbook:
 
     def reaction(self, joint: str, on: str, at: str, frame: str) -> Reaction:
         """Return a reaction as matrices; see `EquationSet.reaction`."""
-        wrench = reaction_wrench(self.formed, joint, on, at, self.formed.balanced_wrenches)
+        wrench = reaction_wrench(self.formed, joint, on, at)
         tree = self.formed.kinematics.tree
         axes = self.formed.frame(frame) if frame else reaction_axes(self.formed, joint)
         entries = [*components(tree, wrench.force, axes), *components(tree, wrench.moment, axes)]

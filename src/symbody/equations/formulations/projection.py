@@ -1,43 +1,75 @@
-"""Virtual work body by body: the form in which equations are read.
+"""Sums over bodies that formulations share: projection on partial velocities, generalized forces, energy.
 
-``sum over bodies of  dv_j . (m a - F) + dw_j . (I alpha + w x I w - T) = 0``  with each product taken
-between terms in their own frames. Its cost grows with the cube of a chain's length; what is computed with
-comes from `virtual_work`, and a test holds the two together.
+``sum over bodies of  dv_j . (m a - F) + dw_j . (I alpha + w x I w - T) = 0``  needs no tree, so it serves
+mechanisms placed by hand and free bodies; along a tree `virtual_work` needs fewer operations.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from symbody.equations.dynamics.inertia import Inertia, Rotor
 from symbody.equations.dynamics.load import Effort, Load, Moment, Pull
-from symbody.equations.dynamics.projection import Projection, add_rotor
+from symbody.equations.formulations.formulation import ProjectedDynamics
 from symbody.equations.kinematics.motion import Kinematics
+from symbody.equations.system import MultibodySystem
+from symbody.expr.deadline import begin
 from symbody.expr.expression import Expr, number
 from symbody.vectors.dyadic import apply, gyroscopic, quadratic
 from symbody.vectors.vector import cross, dot
 
 
-def project_directly(
-    kinematics: Kinematics,
-    bodies: Sequence[Inertia],
-    loads: Sequence[Load],
-    armatures: Mapping[str, Rotor],
-) -> Projection:
-    """Return the equations of motion in the speeds; see `virtual_work.project`."""
-    speeds = kinematics.speeds
-    zero = number(kinematics.graph, 0)
+def project_bodies(system: MultibodySystem) -> ProjectedDynamics:
+    """Return the equations of motion in the speeds, each body projected by itself."""
+    kinematics = system.kinematics
+    speeds, zero = kinematics.speeds, number(kinematics.graph, 0)
     mass = [[zero] * len(speeds) for _ in speeds]
     forcing = [zero] * len(speeds)
-    for body in bodies:
+    for body in system.bodies:
         _add_body(kinematics, body, mass, forcing)
     place = {u: j for j, u in enumerate(speeds)}
-    for load in loads:
-        for u, work in virtual_work(kinematics, load).items():
+    for load in system.loads.loads:
+        for u, work in generalized_force(kinematics, load).items():
             forcing[place[u]] = forcing[place[u]] + work
-    for rotor in armatures.values():
+    for rotor in system.armatures.values():
         add_rotor(kinematics, rotor, mass, forcing)
-    return Projection(tuple(map(tuple, mass)), tuple(forcing))
+    return projected_dynamics(system, mass, forcing)
+
+
+def projected_dynamics(
+    system: MultibodySystem, mass: list[list[Expr]], forcing: list[Expr]
+) -> ProjectedDynamics:
+    """Return dynamics of a mass matrix and a forcing, with the energies of the system."""
+    begin("energy")
+    return ProjectedDynamics(
+        tuple(map(tuple, mass)), tuple(forcing), kinetic_energy(system), system.loads.potential_energy
+    )
+
+
+def kinetic_energy(system: MultibodySystem) -> Expr:
+    """Return the kinetic energy of the bodies relative to ground, and of rotors along their rates [J]."""
+    kinematics = system.kinematics
+    tree = kinematics.tree
+    total = number(tree.graph, 0)
+    for body in system.bodies:
+        v = kinematics.velocities[body.frame].value
+        w = kinematics.angular_velocities[body.frame].value
+        total = total + body.mass * dot(tree, v, v) + quadratic(tree, w, body.tensor, w)
+    for rotor in system.armatures.values():
+        total = total + rotor.inertia * rotor.rate**2
+    return total / 2
+
+
+def add_rotor(kinematics: Kinematics, rotor: Rotor, mass: list[list[Expr]], forcing: list[Expr]) -> None:
+    """Add a rotor along a rate to the mass matrix and the forcing."""
+    slopes = kinematics.slopes(rotor.rate)
+    bias = kinematics.bias(rotor.rate)
+    for i, u in enumerate(kinematics.speeds):
+        if u in slopes:
+            forcing[i] = forcing[i] - rotor.inertia * bias * slopes[u]
+            for j, other in enumerate(kinematics.speeds):
+                if other in slopes:
+                    mass[i][j] = mass[i][j] + rotor.inertia * slopes[u] * slopes[other]
 
 
 def _add_body(kinematics: Kinematics, body: Inertia, mass: list[list[Expr]], forcing: list[Expr]) -> None:
@@ -59,7 +91,7 @@ def _add_body(kinematics: Kinematics, body: Inertia, mass: list[list[Expr]], for
             mass[j][i] = mass[i][j]
 
 
-def virtual_work(kinematics: Kinematics, load: Load) -> Mapping[int, Expr]:
+def generalized_force(kinematics: Kinematics, load: Load) -> Mapping[int, Expr]:
     """Return the generalized force of a load for each speed on which it works."""
     tree = kinematics.tree
     if isinstance(load, Effort):
