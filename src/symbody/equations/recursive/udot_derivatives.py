@@ -1,7 +1,12 @@
-"""Derivatives of accelerations of chains of joints: columns of one chain are solved for side by side.
+"""Derivatives of the accelerations of a tree without differentiating their solution.
 
-``du'/dx = -M^-1 dD/dx`` as in `slopes`, with dD/dx in closed form. A column of a joint has entries only in
-the rows of what carries it and what it carries, so that columns of one chain take the same operations.
+``M u' = F`` says that the inverse dynamics ``D(q, u, u', r) = M u' - F`` vanish, so ``du'/dx = -M^-1 dD/dx``
+with u' held fixed in D and the factors of M at hand. [Carpentier & Mansard, Analytical derivatives of rigid
+body dynamics algorithms, RSS 2018]
+
+For code, columns of one chain of joints are solved for side by side, with dD/dx in closed form: a column of a
+joint has entries only in the rows of joints inward and outward of it, so that columns of one chain take the
+same operations.
 """
 
 from __future__ import annotations
@@ -9,16 +14,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.dynamics.linear_solve import TreeFactors, factor, solve_factored
 from symbody.equations.recursive.chains import TOGETHER, Chains, chains
-from symbody.equations.recursive.closed_slopes import ClosedSlopes, closed_slopes
-from symbody.equations.recursive.composite import Factors, factors, solved
+from symbody.equations.recursive.inverse_dynamics_partials import (
+    InverseDynamicsPartials,
+    inverse_dynamics_partials,
+)
 from symbody.equations.recursive.recursion import Recursion
-from symbody.equations.recursive.turned import to_child
+from symbody.equations.system import MultibodySystem
 from symbody.expr.calculus import forward
 from symbody.expr.canonical import ONE, ZERO
 from symbody.expr.expression import Expr, number
-from symbody.expr.graph import Symbol
+from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.expr.program import mapped
 from symbody.expr.rewrite import substitute
 
@@ -29,27 +36,68 @@ FEWEST_SPEEDS: Final = 8
 Right = dict[int, Expr]
 
 
-def columns_side_by_side(
-    formed: Formed, recursion: Recursion, by: Sequence[Symbol], udot: Sequence[Expr]
+def acceleration_slopes(
+    system: MultibodySystem,
+    recursion: Recursion,
+    udot: Sequence[Expr],
+    by: Sequence[Symbol],
+    *,
+    side_by_side: bool,
+) -> list[list[Expr]]:
+    """Return the derivatives of u' by symbols, one row a speed, all other symbols held fixed.
+
+    Parameters
+    ----------
+    side_by_side : bool
+        Whether programs for several columns may be among the nodes: faster as code, but for nothing else.
+    """
+    if side_by_side:
+        rows = _columns_side_by_side(system, recursion, by, udot)
+        if rows is not None:
+            return rows
+    graph, nodes = system.graph, [system.graph.symbol(symbol) for symbol in by]
+    symbols = system.expressions([u.derivative for u in system.u])
+    roots = [x.index for x in recursion.inverse_dynamics(symbols)]
+    entries = [entry for column in columns_of_slopes(graph, roots, nodes) for entry in column]
+    values = {symbol.index: value.index for symbol, value in zip(symbols, udot, strict=True)}
+    slopes = [-Expr(graph, entry) for entry in substitute(graph, entries, values)]
+    n = len(roots)
+    columns = recursion.solve_columns([slopes[k : k + n] for k in range(0, len(slopes), n)])
+    return [list(row) for row in zip(*columns, strict=True)] if columns else [[] for _ in udot]
+
+
+def columns_of_slopes(graph: Graph, roots: Sequence[int], by: Sequence[int]) -> list[list[int]]:
+    """Return the derivatives of inverse dynamics by symbols, one column a symbol.
+
+    Forward, whatever the numbers of both: the rotation of one joint changes few links, while each root is
+    reached from all.
+    """
+    still = dict.fromkeys(by, ZERO)
+    return [forward(graph, roots, {**still, node: ONE}) for node in by]
+
+
+def _columns_side_by_side(
+    system: MultibodySystem, recursion: Recursion, by: Sequence[Symbol], udot: Sequence[Expr]
 ) -> list[list[Expr]] | None:
     """Return du'/dx, one row a speed, or None where that is not of this form or does not pay."""
-    graph, n = formed.graph, len(formed.u)
-    if n < FEWEST_SPEEDS or len(by) < n or not set(by) <= {*formed.q, *formed.u, *formed.inputs}:
+    graph, n = system.graph, len(system.u)
+    variables = {*system.q, *system.u}
+    if not all(symbol in variables or symbol.kind is Kind.INPUT for symbol in by):
         return None
-    if recursion.method_for_columns != "composite":
+    if n < FEWEST_SPEEDS or len(by) < n or recursion.method_for_columns != "composite":
         return None
-    rates = {q.index: formed.variables.rates[q.index] for q in formed.expressions(formed.q)}
+    rates = {q.index: system.variables.rates[q.index] for q in system.expressions(system.q)}
     tree = chains(graph, recursion.light, rates)
     if tree is None:
         return None
-    speeds = [u.index for u in formed.expressions(formed.u)]
-    known = dict(zip(speeds, udot, strict=True))
-    closed = closed_slopes(graph, tree, recursion.gravity, known)
+    speeds = [u.index for u in system.expressions(system.u)]
+    values = dict(zip(speeds, udot, strict=True))
+    closed = inverse_dynamics_partials(graph, tree, recursion.gravity, values)
     if set(closed.speeds) != set(speeds):
         return None  # some speed moves no link
-    found = _Columns(formed, recursion, tree, closed, udot).found([graph.symbol(symbol) for symbol in by])
+    columns = _Columns(system, recursion, tree, closed, udot).solve([graph.symbol(symbol) for symbol in by])
     place = {speed: row for row, speed in enumerate(closed.speeds)}
-    return [[column[place[speed]] for column in found] for speed in speeds]
+    return [[column[place[speed]] for column in columns] for speed in speeds]
 
 
 class _Columns:
@@ -57,15 +105,15 @@ class _Columns:
 
     def __init__(
         self,
-        formed: Formed,
+        system: MultibodySystem,
         recursion: Recursion,
         tree: Chains,
-        closed: ClosedSlopes,
+        closed: InverseDynamicsPartials,
         udot: Sequence[Expr],
     ) -> None:
-        self._graph, self._formed, self._recursion = formed.graph, formed, recursion
+        self._graph, self._system, self._recursion = system.graph, system, recursion
         self._tree, self._closed, self._udot = tree, closed, udot
-        self._zero = number(formed.graph, 0)
+        self._zero = number(system.graph, 0)
         self._count = len(closed.speeds)
         rows = [
             {j: closed.mass[i, j] for j in range(i + 1) if (i, j) in closed.mass} for i in range(self._count)
@@ -75,14 +123,14 @@ class _Columns:
             i, j = place[one], place[two]
             if j <= i:
                 rows[i][j] = rows[i].get(j, self._zero) + inertia
-        self._factors = factors(rows)
+        self._factors = factor(rows)
 
-    def found(self, by: Sequence[int]) -> list[list[Expr]]:
+    def solve(self, by: Sequence[int]) -> list[list[Expr]]:
         """Return the columns of du'/dx, rows in the order of the closed form."""
         right = self._right_hand_sides(by)
         found = {x: [self._zero] * self._count for x in by}
         for rows, members in self._groups(right):
-            solution = self._solved(rows, [right[x] for x in members])
+            solution = self._solve_group(rows, [right[x] for x in members])
             found |= {x: [row[k] for row in solution] for k, x in enumerate(members)}
         for x, fall in self._falls(by).items():
             found[x] = [entry + fall.get(row, self._zero) for row, entry in enumerate(found[x])]
@@ -99,19 +147,19 @@ class _Columns:
                 x = owner.get(column)
                 if x in right and not entry.is_zero:
                     right[x][row] = entry
-        for x, added in zip(by, self._beside_links(by), strict=True):
+        for x, added in zip(by, self._load_columns(by), strict=True):
             for row, entry in added.items():
                 right[x][row] = right[x].get(row, self._zero) + entry
         return right
 
-    def _beside_links(self, by: Sequence[int]) -> list[Right]:
+    def _load_columns(self, by: Sequence[int]) -> list[Right]:
         """Return what loads and rotors add to the columns."""
-        graph, formed = self._graph, self._formed
-        symbols = formed.expressions([u.derivative for u in formed.u])
+        graph, system = self._graph, self._system
+        symbols = system.expressions([u.derivative for u in system.u])
         roots = [x.index for x in self._recursion.beside_links(symbols)]
         known = {symbol.index: value.index for symbol, value in zip(symbols, self._udot, strict=True)}
         place = {speed: row for row, speed in enumerate(self._closed.speeds)}
-        rows = [place[u.index] for u in formed.expressions(formed.u)]
+        rows = [place[u.index] for u in system.expressions(system.u)]
         still = dict.fromkeys(by, ZERO)
         columns = (substitute(graph, forward(graph, roots, {**still, x: ONE}), known) for x in by)
         return [
@@ -157,19 +205,19 @@ class _Columns:
                 reached[inward] |= {place[k] for k in segments[home].links}
         return homes, {home: frozenset(rows) for home, rows in reached.items()}
 
-    def _solved(self, rows: Sequence[int], columns: Sequence[Right]) -> list[list[Expr]]:
+    def _solve_group(self, rows: Sequence[int], columns: Sequence[Right]) -> list[list[Expr]]:
         """Return the solutions, one row a speed, one column a right-hand side."""
-        lower, inverse, _ = self._factors
+        lower, inverse = self._factors.lower, self._factors.inverse
         pattern = [tuple(row) for row in lower]
         shared = [entry for row in lower for entry in row.values()] + [-x for x in inverse]
 
         def compute(given: list[Expr], own: list[Expr]) -> list[Expr]:
             left = iter(given)
-            known = Factors([{i: next(left) for i in row} for row in pattern], list(left), [])
+            factors = TreeFactors([{i: next(left) for i in row} for row in pattern], [], list(left))
             x = [number(own[0].graph, 0)] * len(pattern)
             for row, entry in zip(rows, own, strict=True):
                 x[row] = entry
-            return solved(known, x)
+            return solve_factored(factors, x)
 
         return mapped(
             self._graph,
@@ -183,12 +231,12 @@ class _Columns:
         if not self._tree.base:
             return {}
         free, graph = self._recursion.light.links[0], self._graph
-        gravity = [x.index for x in to_child(free.steps, self._recursion.gravity)]
+        gravity = [x.index for x in free.transform.to_child(self._recursion.gravity)]
         own = set(self._tree.coordinates.values())
         places = {
-            [x.number for x in column.slide].index(1): row
+            [x.number for x in column.twist.linear].index(1): row
             for row, column in enumerate(free.motion.columns)
-            if all(x.is_zero for x in column.turn)
+            if all(x.is_zero for x in column.twist.angular)
         }
         falls = {}
         for x in by:
