@@ -13,7 +13,7 @@ from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.methods import choice
 from symbody.simulation.methods.explicit import integrate
 from symbody.simulation.methods.state_jacobian import STATE_JACOBIAN, with_state_jacobian
-from symbody.simulation.task import Task
+from symbody.simulation.simulation_problem import SimulationProblem
 from tests.simulation.loops import damped_slider, example, held_pendulum, pushed_mass, turning_pendulum
 
 # Global errors of backward differentiation over some hundred steps: 1e-8 each, of one sign.
@@ -78,7 +78,7 @@ def test_the_jacobian_is_that_of_differences() -> None:
     eqs = example("slider_crank")
     inputs = {"F": "-20*s_dot"}
     wider = with_state_jacobian(eqs, inputs)
-    task = Task(wider, {}, input_laws(("F",), inputs, (0.0, 1.0)), Scales())
+    task = SimulationProblem(wider, {}, input_laws(("F",), inputs, (0.0, 1.0)), Scales())
     rates, slopes = task.compiled("xdot"), task.compiled(STATE_JACOBIAN)
     start = sb.assemble(eqs, inputs=inputs)
     x = np.array([*start.u.values(), *start.q.values()])

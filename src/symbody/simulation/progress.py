@@ -35,19 +35,19 @@ class ProgressBar(StagedProgress):
 
     def __init__(self, bar: Bar, name: str) -> None:
         self._bar, self._name = bar, name
-        self._task = bar.add_task(name, total=1.0)
+        self._problem = bar.add_task(name, total=1.0)
 
     def __call__(self, share: float) -> None:
         """Show the share that is done."""
-        self._bar.update(self._task, completed=share)
+        self._bar.update(self._problem, completed=share)
 
     def wait_for(self, stage: str) -> None:
         """Show the stage in place of the name."""
-        self._bar.update(self._task, description=stage or self._name)
+        self._bar.update(self._problem, description=stage or self._name)
 
 
 @contextmanager
-def told(progress: Progress | bool | None, name: str) -> Iterator[Progress | None]:
+def show_progress(progress: Progress | bool | None, name: str) -> Iterator[Progress | None]:
     """Yield whom to tell the share that is done, if anybody; True shows a bar under a name.
 
     Who can be told stages hears when the integration loop is compiled, which happens once on a computer.
@@ -69,7 +69,7 @@ def told(progress: Progress | bool | None, name: str) -> Iterator[Progress | Non
             yield progress
     else:
         columns = (
-            TextColumn("{task.description}", markup=False),
+            TextColumn("{problem.description}", markup=False),
             BarColumn(),
             TaskProgressColumn(),
             TimeElapsedColumn(),

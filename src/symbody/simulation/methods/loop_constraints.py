@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.manifold import ConstraintManifold, explore_branch
-from symbody.simulation.task import Task
+from symbody.simulation.simulation_problem import SimulationProblem
 
 Floats = NDArray[np.float64]
 
@@ -56,12 +56,12 @@ class MotionBranch:
 class LoopConstraints:
     """Constraints with values of parameters, at one state or many (leading axes of q and u)."""
 
-    def __init__(self, task: Task) -> None:
-        self.task, eqs = task, task.eqs
-        self.sizes, self.speed_sizes = task.scales.coordinates(eqs), task.scales.displacements(eqs)
+    def __init__(self, problem: SimulationProblem) -> None:
+        self.problem, eqs = problem, problem.eqs
+        self.sizes, self.speed_sizes = problem.scales.coordinates(eqs), problem.scales.displacements(eqs)
         self.places = slice(len(eqs.speed_names), len(eqs.state_names))  # of the coordinates in a state
         self.is_driven = any(not row.rest.is_zero for row in eqs.formed.rows)
-        self._scales = task.scales.constraints(eqs)
+        self._scales = problem.scales.constraints(eqs)
         names = eqs.coordinate_names
         self._quaternions = [[names.index(name) for name in four] for four in eqs.quaternions]
 
@@ -103,7 +103,7 @@ class LoopConstraints:
     def rates(self, t: float, x: Floats) -> Floats:
         """Return q' of a state, in sizes."""
         n_u = self.speed_sizes.size
-        found = self._called(self.task.compiled("qdot"), t, x[n_u:], x[:n_u])
+        found = self._called(self.problem.compiled("qdot"), t, x[n_u:], x[:n_u])
         return np.asarray(found / self.sizes, dtype=np.float64)
 
     def manifold(self, t: float) -> ConstraintManifold:
@@ -113,7 +113,7 @@ class LoopConstraints:
             found = self._values(("constraints", "position_jacobian"), t, q)
             return found[0], found[1]
 
-        scales = self._scales[: len(self.task.eqs.formed.holonomic)]
+        scales = self._scales[: len(self.problem.eqs.formed.holonomic)]
         return ConstraintManifold(evaluate, self.sizes, scales, self._quaternions)
 
     def closed(self, branch: MotionBranch, t: Floats, x: Floats) -> Floats:
@@ -140,12 +140,12 @@ class LoopConstraints:
 
     def _values(self, outputs: str | tuple[str, ...], t: float | Floats, q: Floats) -> Any:
         still = np.zeros((*q.shape[:-1], self.speed_sizes.size))
-        return self._called(self.task.compiled(outputs), t, q, still)
+        return self._called(self.problem.compiled(outputs), t, q, still)
 
     def _called(self, function: Any, t: float | Floats, q: Floats, u: Floats) -> Any:
         if q.ndim > 1:
-            return self.task.evaluated(function, np.asarray(t), q.T, u.T)
-        asked = self.task.laws.at(float(t), q, u) if self.task.laws.asked else np.zeros(0)
+            return self.problem.evaluated(function, np.asarray(t), q.T, u.T)
+        asked = self.problem.laws.at(float(t), q, u) if self.problem.laws.asked else np.zeros(0)
         return function(t, q, u, asked)
 
 

@@ -18,8 +18,8 @@ from scipy.linalg import qr
 
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError
+from symbody.simulation.methods.integration_problem import Called, IntegrationProblem
 from symbody.simulation.methods.loop_constraints import NEAR, LoopConstraints, motion_branch
-from symbody.simulation.methods.request import Called, Request
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.intp]
@@ -106,11 +106,11 @@ class PartitionStates:
         What follows from what.
     """
 
-    def __init__(self, request: Request) -> None:
-        self.loops = LoopConstraints(request.task)
-        self._request, self._eqs, self._n_u = request, request.eqs, request.n_u
+    def __init__(self, integration: IntegrationProblem) -> None:
+        self.loops = LoopConstraints(integration.problem)
+        self._integration, self._eqs, self._n_u = integration, integration.eqs, integration.n_u
         self._functions: dict[tuple[int, ...], Called] = {}
-        t, x = request.span[0], request.state
+        t, x = integration.span[0], integration.state
         self.branch = motion_branch(self.loops, t, x)
         self._reference, self._regular = self.branch.reference, (self.branch.t, self.branch.q)
         self._aside_choice: Choices | None = None
@@ -233,11 +233,11 @@ class PartitionStates:
         if key not in self._functions:
             formed = self._eqs.formed
             if len(key) == len(formed.rows):
-                self._functions[key] = self._request.compiled("xdot")
+                self._functions[key] = self._integration.compiled("xdot")
             else:
                 chosen = formed.with_independent(key)
                 eqs = EquationSet(self._eqs.model, chosen, self._eqs.notes)
-                self._functions[key] = self._request.compiled("xdot", eqs)
+                self._functions[key] = self._integration.compiled("xdot", eqs)
         return np.asarray(self._functions[key](t, x), dtype=np.float64)
 
     def _between(self, t: float, y: Floats, *, are_rates: bool = False) -> tuple[Floats, Floats] | None:

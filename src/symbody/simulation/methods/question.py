@@ -8,7 +8,7 @@ from typing import get_args
 from symbody.analysis.named_values import checked_mappings
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
-from symbody.simulation.methods.choice import Constraints, Integrator
+from symbody.simulation.methods.integration import Constraints, Integrator
 
 
 def checked_question(

@@ -17,7 +17,7 @@ from symbody.graph.trees import TreeChoice, Trees
 from symbody.model.model import Model
 from symbody.simulation.inputs.input_laws import Callback, InputLaws
 from symbody.simulation.results.provenance import Provenance
-from symbody.simulation.task import Evaluator, Task
+from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
@@ -95,7 +95,7 @@ class Recomputation:
         asked |= dict.fromkeys(source.missing_inputs, _unknown_value)
         laws = StoredLaws(source.inputs, asked, (), {})
         scales = mechanism_scales(eqs, source.given, near=self.near)
-        return Evaluator(Task(eqs, source.given, laws, scales), None)
+        return Evaluator(SimulationProblem(eqs, source.given, laws, scales), None)
 
 
 @dataclass(frozen=True, slots=True)

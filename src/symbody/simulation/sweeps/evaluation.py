@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from symbody.codegen.compile import form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.input_laws import InputLaws
-from symbody.simulation.modes.switching import switches
 from symbody.simulation.results.provenance import Provenance, provenance_of
 from symbody.simulation.sweeps.case_table import CaseTable
 from symbody.single_flight import SingleFlight

@@ -173,7 +173,7 @@ class _Assembler:
             if k in impossible:
                 continue
             own = scales.of_case(k)
-            task = Closure(
+            problem = Closure(
                 eqs,
                 table.values(k)[0],
                 self._inputs,
@@ -186,7 +186,7 @@ class _Assembler:
                 own,
             )
             try:
-                q, u = consistent_start(task, _row(fixed, k), _row(known, k))
+                q, u = consistent_start(problem, _row(fixed, k), _row(known, k))
                 states[k] = np.concatenate([u, q])
             except SymbodyError as error:
                 notes[k] = str(error)

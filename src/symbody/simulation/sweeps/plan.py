@@ -19,7 +19,6 @@ from symbody.errors import Problem, SimulationError, UsageError
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inputs.time_functions import time_functions
-from symbody.simulation.methods.choice import DEFAULT, Constraints, Integrator
 from symbody.simulation.methods.constraints import (
     PROJECTED,
     ROUNDED_PER_COORDINATE,
@@ -29,6 +28,7 @@ from symbody.simulation.methods.constraints import (
 )
 from symbody.simulation.methods.explicit import Explicit, checked_rtol, checked_single_atol, checked_times
 from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.methods.integration import DEFAULT, Constraints, Integrator
 from symbody.simulation.native.loop import EPSILON
 from symbody.simulation.native.places import COUNTS
 from symbody.simulation.native.run import memory_limit
@@ -160,7 +160,7 @@ def planned(
     CompileError, AssemblyError
         If parameters have no value, or names are unknown.
     """
-    held = wish.constraints.applied(eqs) if isinstance(wish.constraints, Baumgarte) else eqs
+    held = wish.constraints.stabilize(eqs) if isinstance(wish.constraints, Baumgarte) else eqs
     first = first_states(eqs, table, guess, laws.formulas, wish.span, wish.scales)
     values = table.fixed_parameters, table.parameter_names, laws.formulas
     function = CompiledFunction(*form_sequence(held, "xdot", *values))

@@ -10,12 +10,12 @@ import numpy as np
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import SymbodyError
+from symbody.simulation.hybrid.rate_jumps import may_jump
+from symbody.simulation.hybrid.switching import switches
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.modes.impulses import may_be_struck
-from symbody.simulation.modes.switching import switches
 from symbody.simulation.native import places
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.sweeps.job import NOT_STARTED, Records
@@ -38,7 +38,7 @@ def why_single(
             constraints, Projection | Baumgarte | None
         ),
         "joints stick and slip, or ropes slacken": switches(eqs.formed) or bool(ropes(eqs.formed)),
-        "prescribed rates may jump": may_be_struck(eqs),
+        "prescribed rates may jump": may_jump(eqs),
         "dependent speeds are watched": bool(
             eqs.formed.elimination is not None and eqs.formed.elimination.pivots
         ),

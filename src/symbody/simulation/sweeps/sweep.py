@@ -22,14 +22,15 @@ from symbody.errors import SymbodyError
 from symbody.simulation.events.events import Event, checked_events
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
 from symbody.simulation.methods.change_point import is_overconstrained
-from symbody.simulation.methods.choice import Constraints, Integrator
 from symbody.simulation.methods.explicit import checked_span
+from symbody.simulation.methods.integration import Constraints, Integrator
 from symbody.simulation.native import places
 from symbody.simulation.native.lanes.arithmetic import WIDTH
 from symbody.simulation.native.run import VERDICTS, Progress
-from symbody.simulation.progress import told
+from symbody.simulation.progress import show_progress
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulate import simulate
+from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
 from symbody.simulation.sweeps.case_table import CaseTable, Combine, Varied, case_table
 from symbody.simulation.sweeps.evaluation import Evaluation
@@ -49,7 +50,6 @@ from symbody.simulation.sweeps.workers import (
     crew,
     parts,
 )
-from symbody.simulation.task import Task
 
 # Lanes run empty at the end of a part: the more cases it has, the less that matters.
 _LEAST_IN_LANES: Final = 4 * WIDTH
@@ -112,7 +112,7 @@ def sweep(
     check = partial(check_memory, samples=wish.times.size, states=len(eqs.state_names))
     table = case_table(parameters or {}, initial or {}, combine, samples, seed, check)
     order = _Order(eqs, table, dict(guess or {}), laws, dict(inputs or {}), wish, checked_events(events, eqs))
-    with told(progress, "sweep") as listener:
+    with show_progress(progress, "sweep") as listener:
         return order.carried_out(who, store, listener)
 
 
@@ -222,7 +222,8 @@ class _Order:
         case, first = found
         values, span = self.table.values(case)[0], self.wish.span
         scales = mechanism_scales(self.eqs, values, self.wish.scales, first.q).over(*span)
-        return is_overconstrained(Task(self.eqs, values, self.laws, scales), first, span[0])
+        problem = SimulationProblem(self.eqs, values, self.laws, scales)
+        return is_overconstrained(problem, span[0], part.states[case])
 
     def _passes_change_point(self, part: Part) -> bool:
         """Return whether the motion of the first case that starts meets a change point."""

@@ -1,4 +1,4 @@
-"""`Request`: one motion that is wanted, as the integrators that take single steps read it."""
+"""`IntegrationProblem`: one smooth motion, as the integrators that take single steps read it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
+from symbody.simulation.events.event_watch import EventFunctions, EventWatch
+from symbody.simulation.events.events import Event
+from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import PROJECTED, Projection, projector_of
 from symbody.simulation.methods.explicit import (
@@ -27,7 +29,7 @@ from symbody.simulation.native.loop import project_row
 from symbody.simulation.native.places import COUNTS
 from symbody.simulation.native.run import Progress, RawRun
 from symbody.simulation.native.segments import Watch
-from symbody.simulation.task import Task
+from symbody.simulation.simulation_problem import SimulationProblem
 
 Floats = NDArray[np.float64]
 
@@ -35,24 +37,29 @@ NOTHING: Final = np.zeros(0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Request:
+class IntegrationProblem:
     """What moves, from which state, how far and how carefully.
 
     Attributes
     ----------
     x0 : (n_u + n_q + 1,) array
         Speeds, coordinates, and the work done before.
-    watch : Watch, optional
-        Looks for events.
+    times : array, optional
+        Samples to store; None stores every step.
     atol : float, optional
-        Absolute tolerance of every state; None follows the scales of the task.
+        Absolute tolerance of every state; None follows the scales of the problem.
+    events : tuple of Event
+        What is watched on the way.
     before : RawRun, optional
         A run that was broken off where this one starts.
-    breakpoints : Breakpoints
-        Where what depends on time alone changes.
+
+    Raises
+    ------
+    UsageError
+        If the span, times or tolerances make no sense.
     """
 
-    task: Task
+    problem: SimulationProblem
     x0: Floats
     span: tuple[float, float]
     times: ArrayLike | None = None
@@ -60,9 +67,8 @@ class Request:
     atol: float | None = None
     max_steps: int = 1_000_000
     progress: Progress | None = None
-    watch: Watch | None = None
+    events: tuple[Event, ...] = ()
     before: RawRun | None = None
-    breakpoints: Breakpoints = NO_BREAKPOINTS
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "span", checked_span(self.span))
@@ -73,12 +79,12 @@ class Request:
     @property
     def eqs(self) -> EquationSet:
         """The equations."""
-        return self.task.eqs
+        return self.problem.eqs
 
     @property
     def tolerances(self) -> Floats:
         """The absolute tolerance of each speed and coordinate (n_u + n_q,)."""
-        return self.task.scales.tolerances(self.eqs, self.state, self.atol)
+        return self.problem.scales.tolerances(self.eqs, self.state, self.atol)
 
     @property
     def n_u(self) -> int:
@@ -86,46 +92,73 @@ class Request:
         return len(self.eqs.speed_names)
 
     @property
-    def n_q(self) -> int:
-        """Number of coordinates."""
-        return len(self.eqs.coordinate_names)
-
-    @property
     def state(self) -> Floats:
         """The first state without the work."""
         return self.x0[:-1].copy()
 
+    @property
+    def breakpoints(self) -> Breakpoints:
+        """Where what depends on time alone changes."""
+        return self.problem.breakpoints(self.span, [str(event.expression) for event in self.events])
+
+    def part(
+        self, x: Floats, span: tuple[float, float], times: Floats | None, steps_before: int
+    ) -> IntegrationProblem:
+        """Return the problem of a part of this motion, from a state x = (u, q).
+
+        Parameters
+        ----------
+        times : array or None
+            The samples of this part.
+        steps_before : int
+            How many steps were tried before it.
+        """
+        (start, end), progress = self.span, self.progress
+        first, length = (span[0] - start) / (end - start or 1.0), (span[1] - span[0]) / (end - start or 1.0)
+
+        def scale(share: float) -> bool | None:
+            return None if progress is None else progress(first + share * length)
+
+        return replace(
+            self, x0=np.append(x, 0.0), span=span, times=times, max_steps=self.max_steps - steps_before,
+            progress=None if progress is None else scale,
+        )  # fmt: skip
+
     def compiled(self, outputs: str | Sequence[str], eqs: EquationSet | None = None) -> Called:
         """Return a function of time and state, by default of these equations."""
-        task = self.task if eqs is None else replace(self.task, eqs=eqs)
-        return Called(task.compiled(outputs), self.task.laws, self.n_u)
+        problem = self.problem if eqs is None else replace(self.problem, eqs=eqs)
+        return Called(problem.compiled(outputs), self.problem.laws, self.n_u)
 
     def step_ends(self, share: float = 1.0) -> StepEnds:
         """Return what bounds the steps, each by a share of the piece of time it is in."""
-        own = self.breakpoints
-        bounds = replace(own, longest=share * own.longest)
+        bounds = self.breakpoints
+        bounds = replace(bounds, longest=share * bounds.longest)
         goal = goal_of(self.span, self.rtol, np.zeros(1), np.inf, [bounds])
         return StepEnds(goal, np.zeros(COUNTS, dtype=np.int64))
 
-    def quaternions(self) -> list[list[int]]:
-        """Return the places of each quaternion in q."""
-        names = self.eqs.coordinate_names
-        return [[names.index(name) for name in four] for four in self.eqs.quaternions]
-
     def projection(self, method: Projection) -> Closing | None:
         """Return what brings states back onto the constraints; None if there are none."""
-        if not self.task.is_closed:
+        if not self.problem.is_closed:
             return None
-        function = self.task.compiled(PROJECTED)
-        projector = projector_of(function, self.eqs, self.task.scales, method, self.atol)
+        function = self.problem.compiled(PROJECTED)
+        projector = projector_of(function, self.eqs, self.problem.scales, method, self.atol)
         return Closing(function, projector, self.rtol, self.tolerances)
 
-    def course(self, closed: Callable[[Floats, Floats], Floats] | None = None) -> Course:
+    def event_watch(self, closing: Closing | None) -> EventWatch | None:
+        """Return what looks for events, if there are any; states after actions are closed."""
+        if not self.events:
+            return None
+        functions = EventFunctions(
+            self.problem, self.events, None if closing is None else closing.projector.scales
+        )
+        return EventWatch(self.events, functions, abs(self.span[1] - self.span[0]))
+
+    def course(self, watch: Watch | None, closed: Callable[[Floats, Floats], Floats] | None = None) -> Course:
         """Return the course to march; samples are brought onto the constraints by `closed`."""
-        n_u, function = self.n_u, self.task.compiled("power")
+        n_u, function = self.n_u, self.problem.compiled("power")
 
         def power(t: Floats, x: Floats) -> Floats:
-            values: Floats = self.task.evaluated(function, t, x[:, n_u:].T, x[:, :n_u].T)
+            values: Floats = self.problem.evaluated(function, t, x[:, n_u:].T, x[:, :n_u].T)
             return values
 
         def unchanged(t: Floats, x: Floats) -> Floats:
@@ -133,16 +166,9 @@ class Request:
 
         times = None if self.times is None else np.asarray(self.times)
         return Course(
-            self.x0,
-            *self.span,
-            times,
-            int(self.max_steps),
-            self.progress,
-            power,
-            closed or unchanged,
-            self.watch,
+            self.x0, *self.span, times, int(self.max_steps), self.progress, power, closed or unchanged, watch,
             self.before,
-        )
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
