@@ -10,7 +10,7 @@ import pytest
 import symbody as sb
 from symbody.analysis.scales import Scales
 from symbody.simulation.inputs.input_laws import input_laws
-from symbody.simulation.methods import choice
+from symbody.simulation.methods import integration
 from symbody.simulation.methods.explicit import integrate
 from symbody.simulation.methods.state_jacobian import STATE_JACOBIAN, with_state_jacobian
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -182,7 +182,7 @@ def test_ctrl_c_at_the_change_keeps_what_came_before(monkeypatch: pytest.MonkeyP
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(choice, "run_stiff", interrupted)
+    monkeypatch.setattr(integration, "run_stiff", interrupted)
     run = sb.simulate(damped_slider(), 5.0)
     assert run.status is sb.Status.INTERRUPTED and 0.0 < run.t[-1] < 1.0
     assert "known up to" in run.notes[-1] and np.abs(run["x"] - slider_at(run.t)).max() < 1e-8

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ from symbody.simulation.native.dense_output import DenseOutput
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
+
+# Outputs that are measured by the scales of a motion.
+VIOLATIONS: Final = ("constraint_violation", "velocity_violation")
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,9 +129,9 @@ class Evaluator:
         if name == "work" and self.work is not None:
             done: Floats = self.work(t)[0]
             return done
-        if name == "constraint_violation":
+        if name == VIOLATIONS[0]:
             return self._violation("constraints", t, q, u)
-        if name == "velocity_violation":
+        if name == VIOLATIONS[1]:
             sizes = self.problem.scales.displacements(self.problem.eqs)[:, np.newaxis]
             fastest = np.abs(u / sizes).max(axis=0, initial=0.0)
             violation = self._violation("velocity_constraints", t, q, u)

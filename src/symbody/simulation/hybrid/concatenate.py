@@ -62,7 +62,7 @@ class Piecewise:
                 shape = values.shape[:-1]
                 array = whole.setdefault(name, np.empty((*shape, t.size)))
                 if array.shape[:-1] != shape:
-                    raise _changing_shape(name)
+                    raise changing_shape(name)
                 array[..., inside] = values + self.work[k] if name == "work" else values
         return [whole.get(name, np.empty((0,))) for name in names]
 
@@ -131,7 +131,8 @@ def _dense(parts: Sequence[DenseOutput | None]) -> DenseOutput | None:
     return DenseOutput(np.concatenate(breaks), np.concatenate(pieces))
 
 
-def _changing_shape(name: str) -> UsageError:
+def changing_shape(name: str) -> UsageError:
+    """Return the error for an output whose number of values changes with the equations."""
     return UsageError(
         Problem("trajectory.changing_shape", repr(name), f"{name} does not keep its number of values",
                 "joints that stick and ropes that are taut are held by further constraints",
