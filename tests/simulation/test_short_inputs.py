@@ -138,7 +138,7 @@ def _sequence(law: str):  # type: ignore[no-untyped-def]
     laws = input_laws(["F"], {} if law == "F" else {"F": law}, (0.0, 10.0))
     formulas = {} if law == "F" else laws.formulas
     task = SimulationProblem(cart(), {}, type(laws)(formulas, {}, (), {}), Scales())
-    return task.compiled(("xdot", "power")).sequence
+    return task.compile_outputs(("xdot", "power")).sequence
 
 
 @pytest.mark.parametrize("kind", ["linear", "cubic"])

@@ -79,7 +79,7 @@ def test_the_jacobian_is_that_of_differences() -> None:
     inputs = {"F": "-20*s_dot"}
     wider = with_state_jacobian(eqs, inputs)
     task = SimulationProblem(wider, {}, input_laws(("F",), inputs, (0.0, 1.0)), Scales())
-    rates, slopes = task.compiled("xdot"), task.compiled(STATE_JACOBIAN)
+    rates, slopes = task.compile_outputs("xdot"), task.compile_outputs(STATE_JACOBIAN)
     start = sb.assemble(eqs, inputs=inputs)
     x = np.array([*start.u.values(), *start.q.values()])
     step = 1e-6

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from symbody.simulation.methods.breakdowns import judge_friction, judge_pivots, pivot_events
 from symbody.simulation.methods.change_point import integrate_on_branch
-from symbody.simulation.methods.integration import Integration, Plan
+from symbody.simulation.methods.integration import Integration, MotionPlan
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.results.singular_angles import singular_passages
 from symbody.simulation.results.stop_note import stop_note
@@ -15,7 +15,7 @@ from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
 from symbody.simulation.status import Status
 
 
-def execute(plan: Plan) -> Trajectory:
+def execute(plan: MotionPlan) -> Trajectory:
     """Return the motion of equations that stay the same."""
     integration = plan.integration
     problem = integration.problem
@@ -29,7 +29,7 @@ def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:
     """Return the run with its names."""
     eqs, raw = problem.eqs, run.raw
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
-    states, work = _split(raw.dense_output, n)
+    states, work = _split_work(raw.dense_output, n)
     passages = [] if states is None else list(singular_passages(eqs, states))
     stop = stop_note(problem, raw)
     if raw.status is Status.CHATTERING and run.watch is not None:
@@ -53,7 +53,7 @@ def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:
     )
 
 
-def _split(dense: DenseOutput | None, n: int) -> tuple[DenseOutput | None, DenseOutput | None]:
+def _split_work(dense: DenseOutput | None, n: int) -> tuple[DenseOutput | None, DenseOutput | None]:
     """Return the dense output of the first `n` states, and of the others."""
     if dense is None:
         return None, None

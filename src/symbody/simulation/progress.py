@@ -65,7 +65,7 @@ def show_progress(progress: Progress | bool | None, name: str) -> Iterator[Progr
     if progress is None or progress is False:
         yield None
     elif progress is not True:
-        with _watched(progress):
+        with _report_compilation(progress):
             yield progress
     else:
         columns = (
@@ -77,13 +77,13 @@ def show_progress(progress: Progress | bool | None, name: str) -> Iterator[Progr
         )
         with Bar(*columns, console=Console(stderr=True)) as bar:
             shown = ProgressBar(bar, name)
-            with _watched(shown):
+            with _report_compilation(shown):
                 yield shown
             shown(1.0)
 
 
 @contextmanager
-def _watched(progress: Progress) -> Iterator[None]:
+def _report_compilation(progress: Progress) -> Iterator[None]:
     if not isinstance(progress, StagedProgress):
         yield
         return

@@ -16,14 +16,14 @@ from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.undetermined import identically_undetermined, share_notes
-from symbody.simulation.events.events import Event, checked_events
+from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.hybrid.rate_jumps import run_with_jumps
 from symbody.simulation.hybrid.switching import run_switching, switches
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
 from symbody.simulation.methods.constraints import Baumgarte
-from symbody.simulation.methods.integration import Constraints, Integrator, Plan
+from symbody.simulation.methods.integration import Constraints, Integrator, MotionPlan
 from symbody.simulation.methods.integration_problem import IntegrationProblem
-from symbody.simulation.methods.question import checked_question
+from symbody.simulation.methods.question import check_arguments
 from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
 from symbody.simulation.results.provenance import provenance_of
@@ -79,9 +79,9 @@ def simulate(
         If names, values, times, tables or events make no sense, initial values do not fit, or a function
         given as input fails. Other failures on the way stand in `status`.
     """
-    checked_question(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
+    check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
-    watched, laws = checked_events(events, eqs), input_laws(eqs.input_names, inputs or {}, span)
+    watched, laws = check_events(events, eqs), input_laws(eqs.input_names, inputs or {}, span)
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
     problem = _pose(eqs, span, parameters or {}, laws, scales, constraints, first)
     notes = (
@@ -92,9 +92,9 @@ def simulate(
     x0 = np.array([*first.u.values(), *first.q.values(), 0.0])
     with show_progress(progress, "motion") as report:
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
-        plan = Plan(integration, integrator, constraints)
+        plan = MotionPlan(integration, integrator, constraints)
         run = run_switching(plan) if switches(eqs.formed) else run_with_jumps(plan)
-    further = _undetermined(eqs, first, run) if run.t.size else ()
+    further = _undetermined_notes(eqs, first, run) if run.t.size else ()
     source = provenance_of(eqs, problem.parameters, laws, switches=switches(eqs.formed))
     return replace(run, notes=(*notes, *run.notes, *further), provenance=source)
 
@@ -122,7 +122,7 @@ def _input_notes(eqs: EquationSet, inputs: Mapping[str, Law], laws: InputLaws) -
     return (*notes, *laws.notes)
 
 
-def _undetermined(eqs: EquationSet, first: State, run: Trajectory) -> tuple[str, ...]:
+def _undetermined_notes(eqs: EquationSet, first: State, run: Trajectory) -> tuple[str, ...]:
     """Return notes on reactions that do not follow from a motion with these values of parameters."""
     if not (first.has_dependent_constraints or eqs.formed.friction):
         return ()

@@ -46,17 +46,17 @@ class SimulationProblem:
         default_factory=dict, repr=False, compare=False
     )
 
-    def compiled(self, outputs: str | Sequence[str], *, quick: bool = False) -> CompiledFunction:
+    def compile_outputs(self, outputs: str | Sequence[str], *, quick: bool = False) -> CompiledFunction:
         """Return a function of t, q and u, and of the inputs that are asked for; `quick` for few calls."""
         is_one = isinstance(outputs, str)
         key = (self.eqs, (outputs,) if isinstance(outputs, str) else tuple(outputs), is_one, quick)
 
         def compiled() -> CompiledFunction:
-            return CompiledFunction(*self._formed(outputs), quick=quick)
+            return CompiledFunction(*self._form_outputs(outputs), quick=quick)
 
         return self._functions.get(key, compiled)
 
-    def _formed(self, outputs: str | Sequence[str]) -> tuple[Program, Signature]:
+    def _form_outputs(self, outputs: str | Sequence[str]) -> tuple[Program, Signature]:
         names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
         return self._sequences.get(
             (self.eqs, names),
@@ -68,23 +68,23 @@ class SimulationProblem:
         found = NO_BREAKPOINTS
         for outputs in (("xdot", "power"), tuple(watched)):
             key = self.eqs, outputs
-            if outputs and (key not in self._breakpoints or not _holds(self._breakpoints[key][0], span)):
-                functions = time_functions(self._formed(outputs)[0], self.laws.tables)
+            if outputs and (key not in self._breakpoints or not _contains(self._breakpoints[key][0], span)):
+                functions = time_functions(self._form_outputs(outputs)[0], self.laws.tables)
                 pieces = NO_BREAKPOINTS if functions is None else find_breakpoints(functions, span)[0]
                 self._breakpoints[key] = sorted(span), pieces
             if outputs:
-                found = found.united(self._breakpoints[key][1])
+                found = found.unite(self._breakpoints[key][1])
         return found
 
-    def evaluated(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
+    def evaluate(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
         """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""
-        return function(t, q.T, u.T, self.laws.values(t, q, u))
+        return function(t, q.T, u.T, self.laws.evaluate_all(t, q, u))
 
-    def interpreted(self, output: str, t: float, q: Iterable[float], u: Iterable[float]) -> float:
+    def interpret(self, output: str, t: float, q: Iterable[float], u: Iterable[float]) -> float:
         """Return a number at one state, without compiling for it."""
         sequence, _ = form_sequence(self.eqs, output, self.parameters, (), self.laws.formulas)
         q, u = list(q), list(u)
-        asked = self.laws.at(t, np.array(q), np.array(u)) if self.laws.asked else []
+        asked = self.laws.evaluate(t, np.array(q), np.array(u)) if self.laws.callbacks else []
         return float(evaluate_sequence(sequence, {"t": [t], "q": q, "u": u, "r": asked})[0][0])
 
     @property
@@ -93,7 +93,7 @@ class SimulationProblem:
         return bool(self.eqs.multiplier_names or self.eqs.quaternions)
 
 
-def _holds(known: Sequence[float], span: tuple[float, float]) -> bool:
+def _contains(known: Sequence[float], span: tuple[float, float]) -> bool:
     """Return whether a span lies in one that is known."""
     return known[0] <= min(span) and max(span) <= known[1]
 
@@ -116,7 +116,7 @@ class Evaluator:
         made: dict[str, Floats] = {}
         if plain:
             outputs = plain[0] if len(plain) == 1 else plain
-            values = self.problem.evaluated(self.problem.compiled(outputs, quick=True), t, q, u)
+            values = self.problem.evaluate(self.problem.compile_outputs(outputs, quick=True), t, q, u)
             made = dict(zip(plain, (values,) if len(plain) == 1 else values, strict=True))
         angles = self.problem.eqs.measured_angles
         return [
@@ -144,7 +144,7 @@ class Evaluator:
         problem = self.problem
         if not problem.eqs.multiplier_names:
             return np.zeros_like(t)
-        values = problem.evaluated(problem.compiled(name, quick=True), t, q, u)
+        values = problem.evaluate(problem.compile_outputs(name, quick=True), t, q, u)
         scales = problem.scales.constraints(problem.eqs)[: values.shape[-1]]
         largest: Floats = np.abs(values / scales).max(axis=-1, initial=0.0)
         return largest

@@ -10,8 +10,8 @@ from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.provenance import provenance_of
 from symbody.simulation.results.trajectory import Trajectory
-from symbody.simulation.status import Status
 from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
+from symbody.simulation.status import Status
 
 
 def run_of_state(state: State) -> Trajectory:

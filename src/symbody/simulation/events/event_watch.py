@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from symbody.codegen.function import CompiledFunction
 from symbody.errors import Problem, UsageError
-from symbody.simulation.events.crossings import TOUCHING, Crossing, crossings, missed_return, samples
+from symbody.simulation.events.crossings import TOUCHING, Crossing, crossings, find_missed_return, samples
 from symbody.simulation.events.events import Event, Occurrence
 from symbody.simulation.methods.constraints import PROJECTED
 from symbody.simulation.native.dense_output import DenseOutput
@@ -63,10 +63,12 @@ class EventFunctions:
         self._problem = problem
         self._events = tuple(events)
         self._tolerances = tolerances
-        self._values = problem.compiled([str(event.expression) for event in events])
+        self._values = problem.compile_outputs([str(event.expression) for event in events])
         self._check_shapes()
-        maps = {place: event.mapping for place, event in enumerate(events) if event.mapping}
-        self._maps = {k: problem.compiled([str(value) for value in new.values()]) for k, new in maps.items()}
+        maps = {place: event.new_values for place, event in enumerate(events) if event.new_values}
+        self._maps = {
+            k: problem.compile_outputs([str(value) for value in new.values()]) for k, new in maps.items()
+        }
         self._places = {k: [problem.eqs.state_names.index(name) for name in new] for k, new in maps.items()}
 
     def _check_shapes(self) -> None:
@@ -80,26 +82,26 @@ class EventFunctions:
             raise UsageError(*problems)
 
     @cached_property
-    def _closing(self) -> CompiledFunction:
-        return self._problem.compiled(PROJECTED)
+    def _projection(self) -> CompiledFunction:
+        return self._problem.compile_outputs(PROJECTED)
 
     @cached_property
     def _energy(self) -> CompiledFunction:
-        return self._problem.compiled("energy")
+        return self._problem.compile_outputs("energy")
 
     @property
-    def wrapping(self) -> list[bool]:
+    def may_wrap(self) -> list[bool]:
         """Whether each value reads an angle that jumps by a turn."""
         angles = self._problem.eqs.measured_angles
         return [any(name in str(event.expression) for name in angles) for event in self._events]
 
     def values(self, t: Floats, x: Floats) -> Floats:
         """Return the values (events, N) at times (N,) and states (n, N)."""
-        q, u = self._parted(x)
-        found = self._problem.evaluated(self._values, t, q, u)
+        q, u = self._split_state(x)
+        found = self._problem.evaluate(self._values, t, q, u)
         return np.array(found if len(self._events) > 1 else [found], dtype=np.float64)
 
-    def closed(self, t: float, x: Floats) -> Floats:
+    def project(self, t: float, x: Floats) -> Floats:
         """Return a state moved back onto the constraints.
 
         Raises
@@ -110,9 +112,9 @@ class EventFunctions:
         if self._tolerances is None:
             return x
         result = x.copy()
-        q, u = self._parted(result)  # views
+        q, u = self._split_state(result)  # views
         for _ in range(_MOST_ROUNDS):
-            found = self._at(self._closing, t, result)
+            found = self._call(self._projection, t, result)
             residual, move = found[0], found[1]
             if (np.abs(residual) <= self._tolerances).all():
                 break
@@ -120,24 +122,24 @@ class EventFunctions:
         u += found[3]
         return result
 
-    def after(self, place: int, t: float, x: Floats) -> Floats:
+    def apply_action(self, place: int, t: float, x: Floats) -> Floats:
         """Return the state after an event's action; energy that comes or goes counts as work."""
-        found = self._at(self._maps[place], t, x)
+        found = self._call(self._maps[place], t, x)
         result = x.copy()
         result[self._places[place]] = np.ravel(found)
-        result = self.closed(t, result)
-        result[-1] += self._at(self._energy, t, result) - self._at(self._energy, t, x)
+        result = self.project(t, result)
+        result[-1] += self._call(self._energy, t, result) - self._call(self._energy, t, x)
         return result
 
-    def named(self, x: Floats) -> dict[str, float]:
+    def name_states(self, x: Floats) -> dict[str, float]:
         """Return a state by name."""
         return dict(zip(self._problem.eqs.state_names, x.tolist(), strict=False))
 
-    def _at(self, function: CompiledFunction, t: float, x: Floats) -> Any:
-        q, u = self._parted(x)
-        return function(t, q, u, self._problem.laws.at(t, q, u))
+    def _call(self, function: CompiledFunction, t: float, x: Floats) -> Any:
+        q, u = self._split_state(x)
+        return function(t, q, u, self._problem.laws.evaluate(t, q, u))
 
-    def _parted(self, x: Floats) -> tuple[Floats, Floats]:
+    def _split_state(self, x: Floats) -> tuple[Floats, Floats]:
         n_u, n = len(self._problem.eqs.speed_names), len(self._problem.eqs.state_names)
         return x[n_u:n], x[:n_u]
 
@@ -162,7 +164,7 @@ class EventWatch:
         self.chattering = ""
         self._events = tuple(events)
         self._functions = functions
-        self._wrapping = functions.wrapping
+        self._wrapping = functions.may_wrap
         self._span = span
         self._recent = [
             deque[float](maxlen=_MOST_RECORDED if event.action == "record" else _MOST_ACTING)
@@ -223,12 +225,12 @@ class EventWatch:
         first = np.abs(g[:, t <= breaks[1]] if t[-1] >= t[0] else g[:, t >= breaks[1]]).max(axis=1)
         is_zero = np.abs(g[:, 0]) <= TOUCHING * first
         if (g[is_zero, 0] != 0.0).any():
-            is_zero &= np.abs(g[:, 0]) <= self._rounding(float(t[0]), dense(t[:1])[:, 0])
+            is_zero &= np.abs(g[:, 0]) <= self._rounding_errors(float(t[0]), dense(t[:1])[:, 0])
         is_zero[list(self._just_happened)] = True
         g[is_zero, 0] = 0.0
         self._t, self._g = t, g
         for place in np.flatnonzero(is_zero):
-            back = missed_return(watched, int(place), t, g[place])
+            back = find_missed_return(watched, int(place), t, g[place])
             if back is None:
                 continue
             if back[1]:
@@ -238,7 +240,7 @@ class EventWatch:
                 recent.extend([back[0].t] * (recent.maxlen or 0))
                 yield back[0]
 
-    def _rounding(self, t: float, x: Floats) -> Floats:
+    def _rounding_errors(self, t: float, x: Floats) -> Floats:
         """Return how much values change where time or one state does by a share of `TOUCHING`.
 
         A value that is the difference of larger ones is not known better; one of a small state alone is.
@@ -269,17 +271,17 @@ class EventWatch:
             x = dense(t)
             acting = [c for c in group if self._events[c.place].action != "record"]
             if acting:
-                x = self._functions.closed(t, x)
+                x = self._functions.project(t, x)
             after = x
             for crossing in group:
                 event = self._events[crossing.place]
-                self.occurrences.append(Occurrence(event.label, crossing.t, self._functions.named(x)))
+                self.occurrences.append(Occurrence(event.label, crossing.t, self._functions.name_states(x)))
                 if self._chatters(crossing):
                     return Cut(t, x, None, Status.CHATTERING)
                 if event.action == "stop":
                     return Cut(t, x, None)
-                if event.mapping:
-                    after = self._functions.after(crossing.place, t, after)
+                if event.new_values:
+                    after = self._functions.apply_action(crossing.place, t, after)
             if acting:
                 self._just_happened = [c.place for c in group]
                 return Cut(t, x, after)

@@ -80,12 +80,12 @@ class Event:
         return str(self.expression) if self.name is None else self.name
 
     @property
-    def mapping(self) -> Mapping[str, Value]:
+    def new_values(self) -> Mapping[str, Value]:
         """New values by name; empty if the event only records or stops."""
         return {} if isinstance(self.action, str) else self.action
 
 
-def checked_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[Event, ...]:
+def check_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[Event, ...]:
     """Return events as a tuple.
 
     Raises
@@ -109,7 +109,7 @@ def checked_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[E
     problems += [
         Problem("simulation.event_action", f"event {event.label!r}", f"{name!r} is not a state",
                 "an action gives new values to coordinates and speeds", nearest(name, eqs.state_names))
-        for event in found for name in event.mapping if name not in eqs.state_names
+        for event in found for name in event.new_values if name not in eqs.state_names
     ]  # fmt: skip
     if problems:
         raise UsageError(*problems)

@@ -98,7 +98,7 @@ class HybridMechanism:
         """The kind of each element, and its place there."""
         return ((kind, place) for kind in self.kinds for place in range(len(kind.names)))
 
-    def split(self, values: Sequence[Any]) -> list[tuple[Any, ...]]:
+    def split_by_kind(self, values: Sequence[Any]) -> list[tuple[Any, ...]]:
         """Return values of all elements kind by kind."""
         remaining = iter(values)
         return [tuple(next(remaining) for _ in kind.names) for kind in self.kinds]
@@ -108,7 +108,7 @@ class HybridMechanism:
         if modes not in self._problems:
             eqs = self.problem.eqs
             formed = eqs.formed
-            for kind, kind_modes in zip(self.kinds, self.split(modes), strict=True):
+            for kind, kind_modes in zip(self.kinds, self.split_by_kind(modes), strict=True):
                 formed = kind.apply_modes(formed, kind_modes)
             self._problems[modes] = replace(self.problem, eqs=EquationSet(eqs.model, formed, eqs.notes))
         return self._problems[modes]
@@ -201,7 +201,7 @@ def find_modes(mechanism: HybridMechanism, state: HybridState) -> Modes | None:
     modes = [some[0] for some in candidates]
     for _ in range(len(modes)):  # the one most overloaded first: that often frees or loads the others
         trial = ModeTrial(mechanism, tuple(modes), t, x, state)
-        parts = zip(mechanism.kinds, mechanism.split(modes), strict=True)
+        parts = zip(mechanism.kinds, mechanism.split_by_kind(modes), strict=True)
         excess = np.concatenate([kind.violation(some, trial.values(kind)) for kind, some in parts])
         excess[[len(some) == 1 for some in candidates]] = -np.inf
         k = int(np.argmax(excess))
@@ -236,5 +236,5 @@ def evaluate_outputs(
     """Return outputs at one time and state x = (u, q)."""
     n_u = len(problem.eqs.speed_names)
     q, u = x[n_u:], x[:n_u]
-    values = problem.compiled(names)(t, q, u, problem.laws.at(t, q, u))
+    values = problem.compile_outputs(names)(t, q, u, problem.laws.evaluate(t, q, u))
     return tuple(values) if len(names) > 1 else (values,)

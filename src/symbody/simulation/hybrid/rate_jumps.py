@@ -25,7 +25,7 @@ from symbody.expr.saddle import solve_saddle
 from symbody.simulation.execution import execute
 from symbody.simulation.hybrid.concatenate import concatenate
 from symbody.simulation.hybrid.modes import evaluate_outputs
-from symbody.simulation.methods.integration import Plan
+from symbody.simulation.methods.integration import MotionPlan
 from symbody.simulation.methods.integration_problem import IntegrationProblem
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -49,7 +49,7 @@ _WITH_CORNERS: Final = frozenset(
 def may_jump(eqs: EquationSet) -> bool:
     """Return whether prescribed rates may jump: conditions, or the like, in time alone stand in them."""
     graph, names = eqs.formed.graph, eqs.formed.names
-    nodes = [names.value(f"{name}{end}").index for name in _prescribed(eqs) for end in ("", "_dot")]
+    nodes = [names.value(f"{name}{end}").index for name in _prescribed_names(eqs) for end in ("", "_dot")]
     nodes += [expression.index for row in eqs.formed.rows for expression in (row.value, row.rest)]
     cornered = [node for node in graph.reachable(nodes) if graph.ops[node] in _WITH_CORNERS]
     moving = {Kind.COORDINATE, Kind.SPEED}
@@ -60,7 +60,7 @@ def may_jump(eqs: EquationSet) -> bool:
     return False
 
 
-def run_with_jumps(plan: Plan) -> Trajectory:
+def run_with_jumps(plan: MotionPlan) -> Trajectory:
     """Return a motion in parts, between the times at which prescribed rates jump.
 
     Raises
@@ -113,7 +113,7 @@ def jump_times(problem: SimulationProblem, x: Floats, span: tuple[float, float])
     eqs = problem.eqs
     if not may_jump(eqs) or span[0] == span[1]:
         return [], 0.0
-    names = _prescribed(eqs)
+    names = _prescribed_names(eqs)
     closed = ("constraints", "velocity_constraints") if eqs.multiplier_names else ()
     bounds = problem.breakpoints(span, (*names, *(f"{name}_dot" for name in names), *closed))
     inside = (bounds.times > min(span)) & (bounds.times < max(span)) & bounds.jumps
@@ -125,14 +125,16 @@ def jump_times(problem: SimulationProblem, x: Floats, span: tuple[float, float])
     rates, fastest = prescribed.changes((*(f"{name}_dot" for name in names), *closed[1:]))
     positions, largest = prescribed.changes((*names, *closed[:1]))
     turning = [eqs.units.get(name) == "rad" for name in names]
-    positions[: len(names)] = _without_turns(positions[: len(names)], np.array(turning, dtype=np.bool_))
+    positions[: len(names)] = remove_turns(positions[: len(names)], np.array(turning, dtype=np.bool_))
     width = 4.0 * margin * (fastest[: len(largest)] + np.abs(rates[: len(largest)]).max(axis=1, initial=0.0))
     rounded = _ROUNDED * _sizes(problem, names)
     torn = np.abs(positions) > (_SLIGHT * largest + width + rounded[: len(largest)])[:, np.newaxis]
     if torn.any():
         row, k = np.argwhere(torn)[0]
         raise UsageError(
-            _torn([*names, *(row.coordinate or row.name for row in eqs.formed.rows)][row], float(times[k]))
+            _torn_motion(
+                [*names, *(row.coordinate or row.name for row in eqs.formed.rows)][row], float(times[k])
+            )
         )
     least = (_SLIGHT * fastest + rounded / problem.scales.time)[:, np.newaxis]
     found: list[float] = times[(np.abs(rates) > least).any(axis=0)].tolist()
@@ -146,7 +148,7 @@ def _sizes(problem: SimulationProblem, names: tuple[str, ...]) -> Floats:
     return np.concatenate([own, scales.constraints(eqs)])
 
 
-def _prescribed(eqs: EquationSet) -> tuple[str, ...]:
+def _prescribed_names(eqs: EquationSet) -> tuple[str, ...]:
     """Return the names of the prescribed coordinates that are functions of time."""
     return tuple(name for use in eqs.formed.uses for name in use.prescribed)
 
@@ -166,12 +168,12 @@ class _PrescribedMotions:
         if not outputs:
             return np.zeros((0, self.times.size)), np.zeros(0)
         before, behind = (
-            self._at(outputs, self.times - self.margin),
-            self._at(outputs, self.times + self.margin),
+            self._values(outputs, self.times - self.margin),
+            self._values(outputs, self.times + self.margin),
         )
-        return behind - before, np.abs(self._at(outputs, self.samples)).max(axis=1)
+        return behind - before, np.abs(self._values(outputs, self.samples)).max(axis=1)
 
-    def _at(self, outputs: tuple[str, ...], t: Floats) -> Floats:
+    def _values(self, outputs: tuple[str, ...], t: Floats) -> Floats:
         columns = []
         for time in t.tolist():
             values = evaluate_outputs(self.problem, outputs, time, self.x)
@@ -179,14 +181,14 @@ class _PrescribedMotions:
         return np.array(columns).T
 
 
-def _without_turns(changes: Floats, is_angle: Flags) -> Floats:
+def remove_turns(changes: Floats, is_angle: Flags) -> Floats:
     """Return changes without the whole turns of angles."""
     turns = 2.0 * np.pi * np.round(changes / (2.0 * np.pi))
     found: Floats = np.where(is_angle[:, np.newaxis], changes - turns, changes)
     return found
 
 
-def _torn(name: str, t: float) -> Problem:
+def _torn_motion(name: str, t: float) -> Problem:
     return Problem(
         "simulation.torn_motion", f"motion {name}", f"the prescribed position jumps at t = {t:.9g} s",
         "nothing moves by a distance in no time",

@@ -28,7 +28,7 @@ from symbody.simulation.hybrid.modes import (
 from symbody.simulation.hybrid.rate_jumps import jump_times
 from symbody.simulation.hybrid.ropes import TAUT, rope_elements
 from symbody.simulation.hybrid.stick_slip import stick_slip_joints
-from symbody.simulation.methods.integration import Plan
+from symbody.simulation.methods.integration import MotionPlan
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
@@ -54,7 +54,7 @@ def hybrid_mechanism(problem: SimulationProblem) -> HybridMechanism:
     return HybridMechanism(problem, tuple(kind for kind in kinds if kind.names))
 
 
-def run_switching(plan: Plan) -> Trajectory:
+def run_switching(plan: MotionPlan) -> Trajectory:
     """Return the motion of a mechanism with joints that stick and slip, or with ropes.
 
     Raises
@@ -105,7 +105,7 @@ class _History:
     """
 
     mechanism: HybridMechanism
-    plan: Plan
+    plan: MotionPlan
     parts: list[Trajectory] = field(default_factory=list)
     part_modes: list[Modes] = field(default_factory=list)
     occurrences: list[Occurrence] = field(default_factory=list)
@@ -148,11 +148,13 @@ class _History:
             self.parts.append(part)
             return None
         times = self.plan.integration.times
-        self.parts.append(part if times is None or part.t[-1] in np.asarray(times) else _without_end(part))
+        self.parts.append(
+            part if times is None or part.t[-1] in np.asarray(times) else _drop_last_sample(part)
+        )
         self.changes.append(last.t)
-        return self._state_after(modes, labels.index(last.name), last, part)
+        return self._find_state_after(modes, labels.index(last.name), last, part)
 
-    def _state_after(self, modes: Modes, place: int, last: Occurrence, part: Trajectory) -> HybridState:
+    def _find_state_after(self, modes: Modes, place: int, last: Occurrence, part: Trajectory) -> HybridState:
         """Return the state in which one element ended its mode."""
         problem = self.mechanism.problem_in(modes)
         x = np.array([last.state[name] for name in problem.eqs.state_names])
@@ -168,7 +170,7 @@ class _History:
             if not self.parts:
                 self._add_state(state)
         elif self.parts and self.parts[-1].t.size and self.parts[-1].t[-1] == impact.t:
-            self.parts[-1] = _without_end(self.parts[-1])
+            self.parts[-1] = _drop_last_sample(self.parts[-1])
         self.jumps[len(self.parts)] = impact.change
         self.impacts.append(impact)
         for name in impact.impulses:
@@ -224,7 +226,9 @@ class _History:
         names = self.mechanism.problem.eqs.state_names
         return Occurrence(name, state.t, dict(zip(names, state.x.tolist(), strict=True)))
 
-    def _plan_part(self, problem: SimulationProblem, t: float, x: Floats, ends: Sequence[Event]) -> Plan:
+    def _plan_part(
+        self, problem: SimulationProblem, t: float, x: Floats, ends: Sequence[Event]
+    ) -> MotionPlan:
         """Return the plan of the motion from a state on, in modes that end at events."""
         whole = self.plan.integration
         steps = sum(part.statistics.accepted + (part.statistics.rejected or 0) for part in self.parts)
@@ -235,7 +239,7 @@ class _History:
         return replace(self.plan, integration=replace(part, events=(*whole.events, *ends)))
 
 
-def _without_end(part: Trajectory) -> Trajectory:
+def _drop_last_sample(part: Trajectory) -> Trajectory:
     """Return a motion without its last sample."""
     stored = {name: values[..., :-1] for name, values in part.stored.items()}
     return replace(part, t=part.t[:-1], q=part.q[:, :-1], u=part.u[:, :-1], stored=stored)
@@ -271,7 +275,7 @@ def _check(span: tuple[float, float], events: tuple[Event, ...]) -> None:
     problems = [
         Problem("simulation.stick_slip_event", f"event {event.label!r}", "it sets new values",
                 "joints that stick and slip, and ropes, would have to be looked at anew", cure)
-        for event in events if event.mapping
+        for event in events if event.new_values
     ]  # fmt: skip
     if span[1] < span[0]:
         problems.append(

@@ -31,7 +31,7 @@ _ROUNDED: Final = 1e-12
 _TOUCHING: Final = 1e-14
 
 
-def _within(least: float, most: float, function: Callable[[Floats], Floats]) -> Callable[[Bounds], Bounds]:
+def _monotonic(least: float, most: float, function: Callable[[Floats], Floats]) -> Callable[[Bounds], Bounds]:
     """Return what a function that rises or falls throughout makes of bounds, where it is defined."""
 
     def bounds(given: Bounds) -> Bounds:
@@ -59,16 +59,16 @@ def _reciprocal(given: Bounds) -> Bounds:
 
 _STEEP: Final[Mapping[int, Callable[[Bounds], Bounds]]] = MappingProxyType(
     {
-        op.EXP: _within(-np.inf, np.inf, np.exp), op.SINH: _within(-np.inf, np.inf, np.sinh),
-        op.TANH: _within(-np.inf, np.inf, np.tanh), op.ATAN: _within(-np.inf, np.inf, np.arctan),
-        op.LOG: _within(0.0, np.inf, np.log), op.SQRT: _within(0.0, np.inf, np.sqrt),
-        op.ASIN: _within(-1.0, 1.0, np.arcsin), op.ACOS: _within(-1.0, 1.0, np.arccos),
+        op.EXP: _monotonic(-np.inf, np.inf, np.exp), op.SINH: _monotonic(-np.inf, np.inf, np.sinh),
+        op.TANH: _monotonic(-np.inf, np.inf, np.tanh), op.ATAN: _monotonic(-np.inf, np.inf, np.arctan),
+        op.LOG: _monotonic(0.0, np.inf, np.log), op.SQRT: _monotonic(0.0, np.inf, np.sqrt),
+        op.ASIN: _monotonic(-1.0, 1.0, np.arcsin), op.ACOS: _monotonic(-1.0, 1.0, np.arccos),
         op.COSH: _cosh, op.TAN: _tangent,
     }
 )  # fmt: skip
 
 
-def hidden(functions: TimeFunctions, values: Floats, whole: Floats, ends: Bounds) -> Flags:
+def may_hide_features(functions: TimeFunctions, values: Floats, whole: Floats, ends: Bounds) -> Flags:
     """Return in which pieces (N,) something may lie between the samples.
 
     Parameters
@@ -82,7 +82,7 @@ def hidden(functions: TimeFunctions, values: Floats, whole: Floats, ends: Bounds
     """
     found = np.zeros(values.shape[1], dtype=np.bool_)
     for k in functions.steep:
-        found |= _steep_hidden(functions, int(k), values, whole[k], ends)
+        found |= _steep_may_hide(functions, int(k), values, whole[k], ends)
     first = len(functions.operations)
     counts = functions.counts(functions.open_switches)
     for row, d in enumerate(values[first:]):
@@ -121,7 +121,7 @@ def hull(samples: Floats) -> Bounds:
     return np.minimum(found[0], samples.min(axis=1)), np.maximum(found[1], samples.max(axis=1))
 
 
-def _steep_hidden(functions: TimeFunctions, k: int, values: Floats, whole: Floats, ends: Bounds) -> Flags:
+def _steep_may_hide(functions: TimeFunctions, k: int, values: Floats, whole: Floats, ends: Bounds) -> Flags:
     """Return in which pieces a value of `TimeFunctions.steep` may be something else between its samples."""
     code, operands, datum = functions.operations[k]
     if code == op.SYMBOL:

@@ -24,7 +24,7 @@ Places = NDArray[np.intp]
 Flags = NDArray[np.bool_]
 
 
-def _selected(condition: Floats, then: Floats, otherwise: Floats) -> Floats:
+def _select(condition: Floats, then: Floats, otherwise: Floats) -> Floats:
     found: Floats = np.where(condition != 0.0, then, otherwise)
     return found
 
@@ -40,7 +40,7 @@ FUNCTIONS: Final[Mapping[int, Callable[..., Floats]]] = MappingProxyType(
         op.ATAN2: lambda y, x: np.arctan2(y + 0.0, x),
         op.LT: lambda a, b: np.less(a, b) * 1.0, op.LE: lambda a, b: np.less_equal(a, b) * 1.0,
         op.EQ: lambda a, b: np.equal(a, b) * 1.0, op.AND: np.minimum, op.OR: np.maximum,
-        op.NOT: lambda a: 1.0 - a, op.SELECT: _selected,
+        op.NOT: lambda a: 1.0 - a, op.SELECT: _select,
         op.FMA: lambda a, b, c: a * b + c,
     }
 )  # fmt: skip
@@ -96,7 +96,9 @@ class TimeFunctions:
                 code, operands, datum = self.operations[k]
                 if code == op.SYMBOL:
                     group, place = self.names[datum]
-                    found[k] = t if group == "t" else p[place] if group == "p" else self.tables[place].at(t)
+                    found[k] = (
+                        t if group == "t" else p[place] if group == "p" else self.tables[place].interpolate(t)
+                    )
                 elif code in op.LEAVES:
                     found[k] = self.numbers[k]
                 else:

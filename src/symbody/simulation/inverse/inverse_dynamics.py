@@ -106,7 +106,7 @@ def _trajectory(
 ) -> Trajectory:
     """Return the motion with the inputs found, and what follows from both."""
     eqs, known = solver.eqs, solver.laws
-    laws = FoundLaws(known.formulas, known.asked, known.notes, known.tables, solver, {_key(samples): r})
+    laws = FoundLaws(known.formulas, known.callbacks, known.notes, known.tables, solver, {_key(samples): r})
     evaluate = Evaluator(SimulationProblem(eqs, solver.path.parameters, laws, solver.path.scales), None)
     power = evaluate("power", samples.t, samples.q, samples.u)
     count = samples.t.size

@@ -37,7 +37,7 @@ def pivot_events(problem: SimulationProblem, t: float, x: Floats) -> tuple[Event
         return ()
     n_u = len(problem.eqs.speed_names)
     state = np.array([t]), x[n_u:, np.newaxis], x[:n_u, np.newaxis]
-    pivots = problem.evaluated(problem.compiled([f"{names[0]}_pivot" for names in groups]), *state)
+    pivots = problem.evaluate(problem.compile_outputs([f"{names[0]}_pivot" for names in groups]), *state)
     events = []
     for names, value in zip(groups, np.ravel(pivots), strict=True):
         limit = min(_NEAR, _SHARE * abs(float(value)))
@@ -74,8 +74,8 @@ def judge_friction(problem: SimulationProblem, run: Integration) -> Integration:
     x = raw.x[:, -1] if raw.dense_output is None else raw.dense_output(raw.reached)
     t = np.array([raw.reached])
     state = t, x[n_u:n, np.newaxis], x[:n_u, np.newaxis]
-    margins = np.nan_to_num(problem.evaluated(problem.compiled("friction_margin"), *state)[0], nan=-1.0)
-    residuals = problem.evaluated(problem.compiled("friction_residual"), *state)[0]
+    margins = np.nan_to_num(problem.evaluate(problem.compile_outputs("friction_margin"), *state)[0], nan=-1.0)
+    residuals = problem.evaluate(problem.compile_outputs("friction_residual"), *state)[0]
     unsolved = np.nan_to_num(residuals, nan=1.0) > _UNSOLVED
     if margins.min() > _LEAST_MARGIN and not unsolved.any():
         return run

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from symbody.simulation.methods.constraints import Projection
 from symbody.simulation.methods.explicit import Explicit
-from symbody.simulation.methods.integration import Constraints, Integration, Plan, integrate_plan
+from symbody.simulation.methods.integration import Constraints, Integration, MotionPlan, integrate_plan
 from symbody.simulation.methods.loop_constraints import NEAR, LoopConstraints, motion_branch
 from symbody.simulation.methods.partition import Partition
 from symbody.simulation.native.dense_output import DenseOutput, shortened
@@ -74,7 +74,7 @@ _COLLAPSES: Final = (Status.STEP_COLLAPSE, Status.SINGULAR, Status.NOT_FINITE, S
 _JUDGED: Final = (Status.SUCCESS, Status.STOPPED, *_COLLAPSES)
 
 
-def integrate_on_branch(plan: Plan) -> Integration:
+def integrate_on_branch(plan: MotionPlan) -> Integration:
     """Return the run of a plan on its branch; without constraints given, `Projection` where that is safe."""
     constraints = plan.constraints or Projection()
     integration = plan.integration
@@ -228,7 +228,7 @@ class _Passages:
     def jump(self, at: float, happened: list[float]) -> float | None:
         """Return a time shortly before a change point if velocities are others after it, not by an event."""
         breaks = self.dense.breaks
-        before, after = self._beside(at, float(breaks[0])), self._beside(at, float(breaks[-1]))
+        before, after = self._time_beside(at, float(breaks[0])), self._time_beside(at, float(breaks[-1]))
         if before is None and after is not None:  # the motion starts there
             return float(breaks[0]) if self._differs(after, float(breaks[0]), happened) else None
         if before is None or after is None or not self._differs(before, after, happened):
@@ -246,7 +246,7 @@ class _Passages:
         apart = np.abs(np.array([10.0, -24.0, 15.0]) @ u[:3] - u[3]).max()
         return bool(apart > _SAME_BRANCH * np.abs(u).max())
 
-    def _beside(self, at: float, limit: float) -> float | None:
+    def _time_beside(self, at: float, limit: float) -> float | None:
         """Return the nearest time towards a limit at which constraints are independent again."""
         times = at + (limit - at) * np.exp2(-np.arange(_DOUBLINGS - 1.0, -1.0, -1.0))
         times[-1] = limit  # the sum may be rounded to beyond it, where there is no motion

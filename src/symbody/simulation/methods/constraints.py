@@ -115,7 +115,7 @@ class Baumgarte:
         return EquationSet(eqs.model, eqs.formed.with_rows(tuple(rows)), eqs.notes)
 
 
-def projector_of(
+def make_projector(
     function: CompiledFunction,
     eqs: EquationSet,
     known: Scales,
@@ -124,7 +124,7 @@ def projector_of(
 ) -> Projector:
     """Return what the compiled loop calls to project; `function` computes `PROJECTED`."""
     n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
-    tolerance = closed_share(method, atol)
+    tolerance = residual_share(method, atol)
     scales = known.constraints(eqs)[: len(eqs.formed.holonomic)]
     ones = np.ones(function.sequence.outputs[0].shape[0])
     ones[: scales.size] = scales
@@ -146,7 +146,7 @@ def projector_of(
     )
 
 
-def closed_share(method: Projection, atol: float | None) -> float:
+def residual_share(method: Projection, atol: float | None) -> float:
     """Return by which share of its scale a constraint may be open."""
     return min(method.tolerance, USUAL_SHARE if atol is None else atol)
 

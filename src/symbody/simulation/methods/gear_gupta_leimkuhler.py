@@ -22,13 +22,13 @@ from symbody.expr.graph import Kind, Symbol
 from symbody.expr.rewrite import substitute
 from symbody.expr.sequence import Roots
 from symbody.simulation.events.event_watch import EventWatch
-from symbody.simulation.methods.integration_problem import Called, IntegrationProblem
+from symbody.simulation.methods.integration_problem import IntegrationProblem, StateFunction
 from symbody.simulation.methods.loop_constraints import LoopConstraints, motion_branch
 from symbody.simulation.methods.partition_states import partition_columns
-from symbody.simulation.methods.state_jacobian import inputs_of, without_idle_rows
+from symbody.simulation.methods.state_jacobian import drop_idle_rows, input_symbols
 from symbody.simulation.methods.stepping import march
 from symbody.simulation.methods.stiff import SHARE_OF_PIECE, Stiff
-from symbody.simulation.methods.sundials import SundialsStepper, Watch, solver_class
+from symbody.simulation.methods.sundials import MonitoredFunction, SundialsStepper, solver_class
 from symbody.simulation.native.run import RawRun
 
 Floats = NDArray[np.float64]
@@ -57,11 +57,11 @@ def run_ggl(
     SimulationError, EnvironmentFault
         If the solver does not start, or is not installed.
     """
-    eqs = without_idle_rows(integration.eqs, integration.problem.parameters)
+    eqs = drop_idle_rows(integration.eqs, integration.problem.parameters)
     eqs, notes = _independent(integration, eqs)
-    system = _System(integration, _with_residual(eqs, integration))
+    system = _GGLSystem(integration, _with_residual(eqs, integration))
     n, size = integration.state.size, integration.state.size + system.m + system.m_positions
-    watch = Watch(system.residual)
+    watch = MonitoredFunction(system.residual)
 
     def residual(t: float, y: Floats, rate: Floats, out: Floats) -> None:
         out[:] = watch(t, np.concatenate([y, rate]))
@@ -127,12 +127,14 @@ def _with_residual(eqs: EquationSet, integration: IntegrationProblem) -> Equatio
     rates = substitute(graph, eqs.roots("qdot").nodes, moved)
     values += [
         -(Expr(graph, node) + pull)
-        for node, pull in zip(rates, _norming(eqs, _NORMING / integration.problem.scales.time), strict=True)
+        for node, pull in zip(
+            rates, _norm_pulls(eqs, _NORMING / integration.problem.scales.time), strict=True
+        )
     ]
     values += [*(row.value for row in formed.holonomic), *velocity_residual(formed)]
     nodes = with_laws(eqs, [value.index for value in values], integration.problem.laws.formulas)
     by = (*formed.u, *formed.q, *first.values(), *second.values())
-    asked = inputs_of(eqs, integration.problem.laws.asked)
+    asked = input_symbols(eqs, integration.problem.laws.callbacks)
     outputs = [
         Roots(_RESIDUAL, (len(nodes),), tuple(nodes)),
         partial_derivatives(eqs, _SLOPES, nodes, by),
@@ -141,7 +143,7 @@ def _with_residual(eqs: EquationSet, integration: IntegrationProblem) -> Equatio
     return with_outputs(eqs, outputs, {**udot, **first, **second})
 
 
-def _norming(eqs: EquationSet, rate: float) -> list[Expr]:
+def _norm_pulls(eqs: EquationSet, rate: float) -> list[Expr]:
     """Return what brings quaternions back to unit norm at a rate [1/s], by coordinate; 0 on the sphere."""
     formed = eqs.formed
     pulls = {q.index: q * 0 for q in formed.expressions(formed.q)}
@@ -152,33 +154,33 @@ def _norming(eqs: EquationSet, rate: float) -> list[Expr]:
     return list(pulls.values())
 
 
-class _System:
+class _GGLSystem:
     """The residual ``R(t, y, y')`` with y = (u, q, lambda, mu), and its derivatives, as numbers."""
 
     def __init__(self, integration: IntegrationProblem, eqs: EquationSet) -> None:
         self.m, self.m_positions = len(eqs.formed.rows), len(eqs.formed.holonomic)
         self._n_u, self._n = integration.n_u, integration.state.size
-        self._residual = integration.compiled(_RESIDUAL, eqs)
-        self._slopes = integration.compiled((_SLOPES, _MASS, _BY_ASKED), eqs)
+        self._residual = integration.compile_outputs(_RESIDUAL, eqs)
+        self._slopes = integration.compile_outputs((_SLOPES, _MASS, _BY_ASKED), eqs)
         self._laws = integration.problem.laws
         scales = integration.problem.scales
         weight = np.sqrt(scales.mass) * scales.length  # with it entries of M and J are of order 1
         self._sizes = np.concatenate([scales.displacements(eqs) / weight, weight / scales.constraints(eqs)])
-        self._start = integration.compiled((_MASS, "forcing", "jacobian", "gamma", "qdot"), eqs)
+        self._start = integration.compile_outputs((_MASS, "forcing", "jacobian", "gamma", "qdot"), eqs)
 
     def residual(self, t: float, both: Floats) -> Floats:
         """Return R at y followed by y'."""
         y, rate = np.split(both, 2)
-        value: Floats = self._called(self._residual, t, y, rate)
+        value: Floats = self._evaluate(self._residual, t, y, rate)
         value[self._n_u : self._n] += rate[self._n_u : self._n]
         return value
 
     def slopes(self, t: float, y: Floats, rate: Floats, share: float) -> Floats:
         """Return dR/dy + share dR/dy'."""
-        found = self._called(self._slopes, t, y, rate)
+        found = self._evaluate(self._slopes, t, y, rate)
         result: Floats = found[0].copy()
         n_u, n = self._n_u, self._n
-        if self._laws.asked:
+        if self._laws.callbacks:
             result[:, :n] += found[2] @ self._laws.slopes(t, y[:n], n_u)
         result[:n_u, :n_u] += share * found[1]
         result[range(n_u, n), range(n_u, n)] += share
@@ -194,5 +196,5 @@ class _System:
         still, pushes = np.zeros(self.m), np.zeros(self.m_positions)
         return np.concatenate([x, multipliers, pushes]), np.concatenate([udot, rates, still, pushes])
 
-    def _called(self, function: Called, t: float, y: Floats, rate: Floats) -> Any:
+    def _evaluate(self, function: StateFunction, t: float, y: Floats, rate: Floats) -> Any:
         return function(t, y[: self._n], np.concatenate([rate[: self._n_u], y[self._n :]]))

@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from symbody.analysis.scales import USUAL_SHARE
 from symbody.errors import Problem, UsageError
 from symbody.simulation.events.event_watch import EventWatch
-from symbody.simulation.inputs.input_laws import AskingFunction
+from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, integrate
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.gear_gupta_leimkuhler import GGL, run_ggl
-from symbody.simulation.methods.integration_problem import Closing, IntegrationProblem
+from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
 from symbody.simulation.methods.partition import Partition, run_partition
 from symbody.simulation.methods.stiff import Stiff, run_stiff
 from symbody.simulation.native.dense_output import DenseOutput
@@ -41,7 +41,7 @@ BEARABLE: Final = 20_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Plan:
+class MotionPlan:
     """A smooth motion and the method that is to compute it; None leaves the choice open."""
 
     integration: IntegrationProblem
@@ -57,7 +57,7 @@ class Integration(NamedTuple):
     watch: EventWatch | None
 
 
-def integrate_plan(plan: Plan) -> Integration:
+def integrate_plan(plan: MotionPlan) -> Integration:
     """Return the run of a plan; constraints are held by `Projection` if the plan leaves that open.
 
     Raises
@@ -73,12 +73,12 @@ def integrate_plan(plan: Plan) -> Integration:
     projection = constraints if isinstance(constraints, Projection) else Projection()
     closing = None if isinstance(constraints, Baumgarte) else integration.projection(projection)
     watch = integration.event_watch(closing)
-    raw, notes = _run(integration, integrator, constraints, closing, watch)
+    raw, notes = _run_method(integration, integrator, constraints, closing, watch)
     step = integrator.step if isinstance(integrator, FixedStep) else None
     return Integration(raw, (*notes, *integration.breakpoints.notes(step)), watch)
 
 
-def _fitting_constraints(plan: Plan) -> Constraints:
+def _fitting_constraints(plan: MotionPlan) -> Constraints:
     """Return how constraints are held: without any, all ways are `Projection`."""
     constraints = plan.constraints or Projection()
     fits: tuple[type, ...]
@@ -94,11 +94,11 @@ def _fitting_constraints(plan: Plan) -> Constraints:
     return constraints if plan.integration.eqs.multiplier_names else Projection()
 
 
-def _run(
+def _run_method(
     integration: IntegrationProblem,
     integrator: Integrator | None,
     constraints: Constraints,
-    closing: Closing | None,
+    closing: StateProjector | None,
     watch: EventWatch | None,
 ) -> tuple[RawRun, Notes]:
     """Return the run by a method that can hold the constraints, and what to note about it."""
@@ -122,7 +122,7 @@ def _run(
 def run_explicit(
     integration: IntegrationProblem,
     method: Explicit | FixedStep,
-    closing: Closing | None,
+    closing: StateProjector | None,
     watch: EventWatch | None,
     *,
     stop_when_stiff: bool = False,
@@ -136,8 +136,8 @@ def run_explicit(
     """
     problem, laws = integration.problem, integration.problem.laws
     # The work is one more state: the function writes its rate, the power, behind xdot.
-    function = problem.compiled(("xdot", "power"))
-    python_laws = AskingFunction(function, laws) if laws.asked else None
+    function = problem.compile_outputs(("xdot", "power"))
+    python_laws = CallbackFunction(function, laws) if laws.callbacks else None
     projector = NOTHING_TO_PROJECT if closing is None else closing.projector
     if isinstance(method, FixedStep):  # however far a step went, there is no shorter one
         projector = projector._replace(limit=math.inf)
@@ -150,7 +150,7 @@ def run_explicit(
         integration.x0,
         integration.span,
         method=method,
-        inputs=np.zeros(len(laws.asked)),
+        inputs=np.zeros(len(laws.callbacks)),
         constants=function.constants(),
         times=integration.times,
         rtol=integration.rtol,
@@ -180,7 +180,7 @@ def _work_tolerance(integration: IntegrationProblem) -> float:
     mechanism in fast motion would ask for steps without end.
     """
     problem, n_u, x = integration.problem, integration.n_u, integration.state
-    kinetic = problem.interpreted("kinetic_energy", integration.span[0], x[n_u:], x[:n_u])
+    kinetic = problem.interpret("kinetic_energy", integration.span[0], x[n_u:], x[:n_u])
     usual = USUAL_SHARE * problem.scales.energy if integration.atol is None else integration.atol
     return min(max(usual, integration.rtol * kinetic), sys.float_info.max)
 

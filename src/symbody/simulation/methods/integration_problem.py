@@ -15,13 +15,13 @@ from symbody.simulation.events.event_watch import EventFunctions, EventWatch
 from symbody.simulation.events.events import Event
 from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
-from symbody.simulation.methods.constraints import PROJECTED, Projection, projector_of
+from symbody.simulation.methods.constraints import PROJECTED, Projection, make_projector
 from symbody.simulation.methods.explicit import (
-    checked_rtol,
-    checked_single_atol,
-    checked_span,
-    checked_times,
-    goal_of,
+    check_rtol,
+    check_single_atol,
+    check_span,
+    check_times,
+    make_goal,
 )
 from symbody.simulation.methods.stepping import Course, StepEnds
 from symbody.simulation.native.interface import Projector
@@ -71,10 +71,10 @@ class IntegrationProblem:
     before: RawRun | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "span", checked_span(self.span))
-        object.__setattr__(self, "times", checked_times(self.times, *self.span))
-        object.__setattr__(self, "rtol", checked_rtol(self.rtol))
-        object.__setattr__(self, "atol", checked_single_atol(self.atol))
+        object.__setattr__(self, "span", check_span(self.span))
+        object.__setattr__(self, "times", check_times(self.times, *self.span))
+        object.__setattr__(self, "rtol", check_rtol(self.rtol))
+        object.__setattr__(self, "atol", check_single_atol(self.atol))
 
     @property
     def eqs(self) -> EquationSet:
@@ -124,27 +124,27 @@ class IntegrationProblem:
             progress=None if progress is None else scale,
         )  # fmt: skip
 
-    def compiled(self, outputs: str | Sequence[str], eqs: EquationSet | None = None) -> Called:
+    def compile_outputs(self, outputs: str | Sequence[str], eqs: EquationSet | None = None) -> StateFunction:
         """Return a function of time and state, by default of these equations."""
         problem = self.problem if eqs is None else replace(self.problem, eqs=eqs)
-        return Called(problem.compiled(outputs), self.problem.laws, self.n_u)
+        return StateFunction(problem.compile_outputs(outputs), self.problem.laws, self.n_u)
 
     def step_ends(self, share: float = 1.0) -> StepEnds:
         """Return what bounds the steps, each by a share of the piece of time it is in."""
         bounds = self.breakpoints
         bounds = replace(bounds, longest=share * bounds.longest)
-        goal = goal_of(self.span, self.rtol, np.zeros(1), np.inf, [bounds])
+        goal = make_goal(self.span, self.rtol, np.zeros(1), np.inf, [bounds])
         return StepEnds(goal, np.zeros(COUNTS, dtype=np.int64))
 
-    def projection(self, method: Projection) -> Closing | None:
+    def projection(self, method: Projection) -> StateProjector | None:
         """Return what brings states back onto the constraints; None if there are none."""
         if not self.problem.is_closed:
             return None
-        function = self.problem.compiled(PROJECTED)
-        projector = projector_of(function, self.eqs, self.problem.scales, method, self.atol)
-        return Closing(function, projector, self.rtol, self.tolerances)
+        function = self.problem.compile_outputs(PROJECTED)
+        projector = make_projector(function, self.eqs, self.problem.scales, method, self.atol)
+        return StateProjector(function, projector, self.rtol, self.tolerances)
 
-    def event_watch(self, closing: Closing | None) -> EventWatch | None:
+    def event_watch(self, closing: StateProjector | None) -> EventWatch | None:
         """Return what looks for events, if there are any; states after actions are closed."""
         if not self.events:
             return None
@@ -155,24 +155,24 @@ class IntegrationProblem:
 
     def course(self, watch: Watch | None, closed: Callable[[Floats, Floats], Floats] | None = None) -> Course:
         """Return the course to march; samples are brought onto the constraints by `closed`."""
-        n_u, function = self.n_u, self.problem.compiled("power")
+        n_u, function = self.n_u, self.problem.compile_outputs("power")
 
         def power(t: Floats, x: Floats) -> Floats:
-            values: Floats = self.problem.evaluated(function, t, x[:, n_u:].T, x[:, :n_u].T)
+            values: Floats = self.problem.evaluate(function, t, x[:, n_u:].T, x[:, :n_u].T)
             return values
 
-        def unchanged(t: Floats, x: Floats) -> Floats:
+        def keep(t: Floats, x: Floats) -> Floats:
             return x
 
         times = None if self.times is None else np.asarray(self.times)
         return Course(
-            self.x0, *self.span, times, int(self.max_steps), self.progress, power, closed or unchanged, watch,
+            self.x0, *self.span, times, int(self.max_steps), self.progress, power, closed or keep, watch,
             self.before,
         )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Called:
+class StateFunction:
     """A compiled function of time and of a state x = (u, q), with the inputs that are no formulas."""
 
     function: CompiledFunction
@@ -182,12 +182,12 @@ class Called:
     def __call__(self, t: float, x: Floats, more: Floats = NOTHING) -> Any:
         """Return the outputs; `more` are arguments behind the inputs."""
         u, q = x[: self.n_u], x[self.n_u :]
-        asked = self.laws.at(t, q, u) if self.laws.asked else NOTHING
+        asked = self.laws.evaluate(t, q, u) if self.laws.callbacks else NOTHING
         return self.function(t, q, u, np.concatenate([asked, more]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Closing:
+class StateProjector:
     """Brings states back onto the constraints; `function` keeps the compiled code alive."""
 
     function: CompiledFunction
@@ -195,13 +195,13 @@ class Closing:
     rtol: float
     atol: Floats
 
-    def one(self, t: float, x: Floats) -> tuple[Floats, float]:
+    def project_one(self, t: float, x: Floats) -> tuple[Floats, float]:
         """Return a closed state, and its distance from `x` over the tolerated error."""
         rows = x[np.newaxis].copy()
         moved = float(project_row(self.projector, self.rtol, self.atol, t, rows, 0))
         return rows[0], moved
 
-    def all(self, t: Floats, x: Floats) -> Floats:
+    def project_all(self, t: Floats, x: Floats) -> Floats:
         """Return closed states; those out of reach stay what they are."""
         rows = np.ascontiguousarray(x)
         for k, time in enumerate(t):

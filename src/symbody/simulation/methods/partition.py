@@ -23,7 +23,7 @@ from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.integration_problem import IntegrationProblem
 from symbody.simulation.methods.partition_states import PartitionStates
 from symbody.simulation.methods.stepping import NODES, SHARES, Failure, Step, march
-from symbody.simulation.methods.sundials import Watch
+from symbody.simulation.methods.sundials import MonitoredFunction
 from symbody.simulation.native.loop import EPSILON
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.status import Status
@@ -71,7 +71,7 @@ def run_partition(
     """Integrate a set of independent coordinates and speeds; return run and notes."""
     stepper = _PartitionStepper(integration, method, explicit)
     states = stepper.states
-    raw = march(stepper, integration.course(events, partial(states.loops.closed, states.branch)))
+    raw = march(stepper, integration.course(events, partial(states.loops.project, states.branch)))
     changes = stepper.changes
     more = (f"other independent coordinates were chosen {changes} times",) if changes else ()
     return raw, (NOTE, *more, *((_OPEN,) if stepper.is_open else ()))
@@ -90,7 +90,7 @@ class _PartitionStepper:
         self.states = PartitionStates(integration)
         self._x, (self._t, self._end) = integration.state, integration.span
         self._ends = integration.step_ends()
-        self._watch = Watch(self.states.rates)
+        self._watch = MonitoredFunction(self.states.rates)
         self.changes, self.rejected = 0, 0
         self.is_open = not self.states.is_on_branch(self._t, self._x)
         self._begin(None if explicit.first_step is None else float(explicit.first_step))

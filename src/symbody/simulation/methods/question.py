@@ -11,7 +11,7 @@ from symbody.errors import Problem, UsageError
 from symbody.simulation.methods.integration import Constraints, Integrator
 
 
-def checked_question(
+def check_arguments(
     eqs: object, t_end: object, integrator: object, constraints: object, **by_name: object
 ) -> None:
     """Refuse arguments of `simulate` of other kinds than it takes; those `by_name` are mappings.

@@ -16,7 +16,7 @@ STATE_JACOBIAN: Final = "state jacobian"
 ASKED_JACOBIAN: Final = "asked jacobian"
 
 
-def without_idle_rows(eqs: EquationSet, parameters: Mapping[str, Value]) -> EquationSet:
+def drop_idle_rows(eqs: EquationSet, parameters: Mapping[str, Value]) -> EquationSet:
     """Return the equations without constraints that are fulfilled whatever moves, for these parameters."""
     if not eqs.multiplier_names:
         return eqs
@@ -37,11 +37,11 @@ def with_state_jacobian(
     rates = with_laws(eqs, eqs.roots("xdot").nodes, laws)
     by = (*eqs.formed.u, *eqs.formed.q)
     derivatives = partial_derivatives(eqs, STATE_JACOBIAN, rates, by)
-    by_asked = partial_derivatives(eqs, ASKED_JACOBIAN, rates, inputs_of(eqs, asked))
+    by_asked = partial_derivatives(eqs, ASKED_JACOBIAN, rates, input_symbols(eqs, asked))
     return with_outputs(eqs, [Roots(STATE_RATES, (len(rates),), tuple(rates)), derivatives, by_asked])
 
 
-def inputs_of(eqs: EquationSet, names: Iterable[str]) -> list[Symbol]:
+def input_symbols(eqs: EquationSet, names: Iterable[str]) -> list[Symbol]:
     """Return the symbols of inputs."""
     known = {symbol.name: symbol for symbol in eqs.formed.inputs}
     return [known[name] for name in names]

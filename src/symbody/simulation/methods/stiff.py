@@ -12,17 +12,17 @@ from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.methods.constraints import Baumgarte, Projection
-from symbody.simulation.methods.integration_problem import Closing, IntegrationProblem
+from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
 from symbody.simulation.methods.solved_steps import SolvedSteps
 from symbody.simulation.methods.state_jacobian import (
     ASKED_JACOBIAN,
     STATE_JACOBIAN,
     STATE_RATES,
+    drop_idle_rows,
     with_state_jacobian,
-    without_idle_rows,
 )
 from symbody.simulation.methods.stepping import march
-from symbody.simulation.methods.sundials import SundialsStepper, Watch, solver_class
+from symbody.simulation.methods.sundials import MonitoredFunction, SundialsStepper, solver_class
 from symbody.simulation.native.run import RawRun
 
 Floats = NDArray[np.float64]
@@ -89,21 +89,23 @@ def run_stiff(
         If the solver does not start, or is not installed.
     """
     closing = integration.projection(constraints) if isinstance(constraints, Projection) else None
-    eqs = without_idle_rows(integration.eqs, integration.problem.parameters)
+    eqs = drop_idle_rows(integration.eqs, integration.problem.parameters)
     if closing is not None and eqs.multiplier_names:
         eqs = Baumgarte(zeta=1.0, omega=DRIFT / integration.problem.scales.time).stabilize(eqs)
     laws = integration.problem.laws
-    wider = with_state_jacobian(eqs, laws.formulas, laws.asked)
-    rates = integration.compiled(STATE_RATES, wider)
-    slopes = integration.compiled((STATE_JACOBIAN, ASKED_JACOBIAN), wider)
-    watch = Watch(rates)
+    wider = with_state_jacobian(eqs, laws.formulas, laws.callbacks)
+    rates = integration.compile_outputs(STATE_RATES, wider)
+    slopes = integration.compile_outputs((STATE_JACOBIAN, ASKED_JACOBIAN), wider)
+    watch = MonitoredFunction(rates)
 
     def right_hand_side(t: float, x: Floats, out: Floats) -> None:
         out[:] = watch(t, x)
 
     def jacobian(t: float, x: Floats) -> Floats:
         by_state, by_asked = slopes(t, x)
-        found: Floats = by_state + by_asked @ laws.slopes(t, x, integration.n_u) if laws.asked else by_state
+        found: Floats = (
+            by_state + by_asked @ laws.slopes(t, x, integration.n_u) if laws.callbacks else by_state
+        )
         return found
 
     def state_jacobian(t: float, x: Floats, rate: Floats, out: Floats) -> None:
@@ -118,13 +120,13 @@ def run_stiff(
         solver, solver.init_step, _Settling(closing, constraints), watch, integration.state, integration.span,
         integration.step_ends(SHARE_OF_PIECE), solved,
     )  # fmt: skip
-    return march(stepper, integration.course(events, None if closing is None else closing.all))
+    return march(stepper, integration.course(events, None if closing is None else closing.project_all))
 
 
 class _Settling:
     """Closes the end of a step, and asks for a new start where the drift is large."""
 
-    def __init__(self, closing: Closing | None, constraints: Projection | Baumgarte) -> None:
+    def __init__(self, closing: StateProjector | None, constraints: Projection | Baumgarte) -> None:
         self._closing = closing
         self._limit = PATIENCE * constraints.limit if isinstance(constraints, Projection) else np.inf
 
@@ -132,5 +134,5 @@ class _Settling:
         """Return the closed state, and whether the solver has to start from it."""
         if self._closing is None:
             return x, False
-        closed, moved = self._closing.one(t, x)
+        closed, moved = self._closing.project_one(t, x)
         return (closed, moved > self._limit) if np.isfinite(moved) else (x, False)

@@ -210,12 +210,12 @@ def drive(
         native.advance(*run, record, 0)  # compiles, or reads the cache, before the clock is read
         while code in (places.RUNNING, places.FULL):
             if code == places.FULL:
-                record = _grown(record, run.memory)
+                record = _grow(record, run.memory)
             code, budget = _slice(run, record, budget, watch, clock)
             if watch is not None:
-                record, code, status = _watched(run, record, watch, code)
+                record, code, status = _cut_at_event(run, record, watch, code)
             if status is None and code in (places.RUNNING, places.FULL):
-                status = None if _goes_on(run, start, progress) else Status.INTERRUPTED
+                status = None if _report_progress(run, start, progress) else Status.INTERRUPTED
             if status is not None:
                 break
     except KeyboardInterrupt:
@@ -223,7 +223,7 @@ def drive(
     except MemoryError:
         status = Status.OUT_OF_MEMORY
     if watch is not None and status in (Status.INTERRUPTED, Status.OUT_OF_MEMORY):
-        record = _without_the_unseen(run, record, watch)
+        record = _cut_unseen_part(run, record, watch)
     return _raw_run(run, record, VERDICTS[code] if status is None else status, clock[0])
 
 
@@ -239,7 +239,9 @@ def _slice(
     return code, _next_budget(budget, spent)
 
 
-def _watched(run: NativeRun, record: Record, watch: Watch, code: int) -> tuple[Record, int, Status | None]:
+def _cut_at_event(
+    run: NativeRun, record: Record, watch: Watch, code: int
+) -> tuple[Record, int, Status | None]:
     """Cut the run where something happened; return its record, the loop's code, and the verdict at an end."""
     counts, memory = run.memory.counts, run.memory
     is_over = code not in (places.RUNNING, places.FULL)
@@ -257,7 +259,7 @@ def _watched(run: NativeRun, record: Record, watch: Watch, code: int) -> tuple[R
     return record, go_on(begin, counts, record, cut), None
 
 
-def _without_the_unseen(run: NativeRun, record: Record, watch: Watch) -> Record:
+def _cut_unseen_part(run: NativeRun, record: Record, watch: Watch) -> Record:
     """End an interrupted run at the event that would have changed it, if one was computed."""
     cut = watch.look(record.breaks, record.pieces, int(run.memory.counts[places.STEPS]), True)
     if cut is None:
@@ -273,12 +275,12 @@ def _next_budget(budget: int, spent: float) -> int:
     return 4 * budget if spent < 0.25 * SLICE_SECONDS else budget
 
 
-def _goes_on(run: NativeRun, start: float, progress: Progress | None) -> bool:
+def _report_progress(run: NativeRun, start: float, progress: Progress | None) -> bool:
     share = (float(run.memory.real[places.TIME]) - start) / (run.goal.t_end - start)
     return progress is None or progress(share) is not False
 
 
-def _grown(record: Record, memory: Memory) -> Record:
+def _grow(record: Record, memory: Memory) -> Record:
     """Return a record with room for twice as many samples and steps.
 
     Raises
@@ -290,13 +292,13 @@ def _grown(record: Record, memory: Memory) -> Record:
     if 2 * (record.x.nbytes + record.pieces.nbytes) > memory_limit():
         raise MemoryError
     if record.every_step and samples == record.t.size:
-        record = record._replace(t=_doubled(record.t), x=_doubled(record.x))
+        record = record._replace(t=_double(record.t), x=_double(record.x))
     if record.keep_dense and steps == record.pieces.shape[0]:
-        record = record._replace(breaks=_doubled(record.breaks), pieces=_doubled(record.pieces))
+        record = record._replace(breaks=_double(record.breaks), pieces=_double(record.pieces))
     return record
 
 
-def _doubled(array: Floats) -> Floats:
+def _double(array: Floats) -> Floats:
     size = array.shape[0]
     larger = np.empty((2 * size, *array.shape[1:]))
     larger[:size] = array

@@ -75,7 +75,7 @@ def provenance_of(
     if not isinstance(eqs.model, Model):
         return None
     formed = eqs.formed
-    asked = tuple(laws.asked)
+    asked = tuple(laws.callbacks)
     known = {asked[place]: table for place, table in laws.tables.items()} | dict(tables or {})
     return Provenance(
         eqs.model,

@@ -102,9 +102,9 @@ class Recomputation:
 class StoredLaws(InputLaws):
     """Laws of inputs from a file; where nobody can say what an input was, it is not a number."""
 
-    def at(self, t: float, q: Floats, u: Floats) -> list[float]:
+    def evaluate(self, t: float, q: Floats, u: Floats) -> list[float]:
         """Return what is asked at one time."""
-        return [law(t, q, u) for law in self.asked.values()]
+        return [law(t, q, u) for law in self.callbacks.values()]
 
 
 def provenance_for(model: Model, coordinate_names: Names, speed_names: Names) -> Provenance:

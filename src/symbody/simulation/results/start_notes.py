@@ -27,7 +27,11 @@ _TWO: Final = 2  # coordinates of a rotation that cannot spin about every axis
 
 def start_notes(problem: SimulationProblem, first: State) -> tuple[str, ...]:
     """Return what should be known of a motion that starts from a state."""
-    return (*_idle_speeds(problem, first), *_moved_values(problem, first), *_open_loops(problem, first))
+    return (
+        *_idle_speeds(problem, first),
+        *_moved_initial_values(problem, first),
+        *_open_loops(problem, first),
+    )
 
 
 def nearly_redundant(problem: SimulationProblem, rows: Floats, values: Floats) -> str:
@@ -64,14 +68,14 @@ def _open_loops(problem: SimulationProblem, first: State) -> tuple[str, ...]:
     if not (eqs.formed.holonomic and eqs.speed_names and first.residual > _CLOSED * problem.scales.length):
         return ()
     t, q = first.t, np.array(list(first.q.values()))
-    function = problem.compiled(("constraints", "jacobian"), quick=True)
+    function = problem.compile_outputs(("constraints", "jacobian"), quick=True)
     values, rows = function(t, q, np.zeros(len(eqs.speed_names)))
     rows = rows / problem.scales.constraints(eqs)[:, np.newaxis] * problem.scales.displacements(eqs)
     said = nearly_redundant(problem, rows, values) if np.isfinite(rows).all() else ""
     return (said,) if said else ()
 
 
-def _moved_values(problem: SimulationProblem, first: State) -> tuple[str, ...]:
+def _moved_initial_values(problem: SimulationProblem, first: State) -> tuple[str, ...]:
     """Return which initial values of the model were left far behind to close the loops."""
     eqs = problem.eqs
     sizes = dict(zip(eqs.coordinate_names, problem.scales.coordinates(eqs).tolist(), strict=True))
@@ -94,7 +98,9 @@ def _idle_speeds(problem: SimulationProblem, first: State) -> tuple[str, ...]:
     if not eqs.speed_names or not _has_rods(problem):
         return ()
     t, q, u = first.t, np.array(list(first.q.values())), np.array(list(first.u.values()))
-    mass, rows = problem.compiled(("mass_matrix", "jacobian"), quick=True)(t, q, u, problem.laws.at(t, q, u))
+    mass, rows = problem.compile_outputs(("mass_matrix", "jacobian"), quick=True)(
+        t, q, u, problem.laws.evaluate(t, q, u)
+    )
     names = [eqs.speed_names[k] for k in massless_speeds(mass, rows)]
     if not names:
         return ()

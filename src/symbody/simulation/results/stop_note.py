@@ -31,11 +31,11 @@ def stop_note(problem: SimulationProblem, raw: RawRun) -> str:
     known = f"the motion is known up to t = {raw.reached:.9g} s"
     if raw.status in _COLLAPSES and problem.eqs.multiplier_names:
         position = _singular_position(problem, raw)
-        told = _open_constraints(problem, raw) if position is None else position.told
+        told = _open_constraints(problem, raw) if position is None else position.note
         if told:
             return f"{known}; {told}"
     if raw.status in (Status.SINGULAR, Status.NOT_FINITE):
-        told = _massless(problem, raw) or _without_direction(problem, raw)
+        told = _massless(problem, raw) or _springs_of_no_length(problem, raw)
         if told:
             return f"{known}; {told}"
     return raw.stop_note((*problem.eqs.state_names, "work"))
@@ -62,7 +62,7 @@ class _SingularPosition:
     is_locked: bool
 
     @property
-    def told(self) -> str:
+    def note(self) -> str:
         """The position in words."""
         joints = f"joint{'s' if len(self.joints) > 1 else ''} {', '.join(self.joints)}"
         speeds = ", ".join(self.speeds)
@@ -114,8 +114,8 @@ def _constraint_rows(problem: SimulationProblem, raw: RawRun) -> tuple[Floats, F
     eqs = problem.eqs
     t, x = _samples(problem, raw)
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
-    function = problem.compiled(("jacobian", "velocity_constraints"))
-    rows, drift = problem.evaluated(function, t, x[n_u:n], np.zeros((n_u, t.size)))
+    function = problem.compile_outputs(("jacobian", "velocity_constraints"))
+    rows, drift = problem.evaluate(function, t, x[n_u:n], np.zeros((n_u, t.size)))
     scales, speeds = problem.scales.constraints(eqs), problem.scales.displacements(eqs)
     return rows / scales[:, np.newaxis] * speeds, drift
 
@@ -128,7 +128,7 @@ def _open_constraints(problem: SimulationProblem, raw: RawRun) -> str:
         return ""
     t, x = _samples(problem, raw)
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
-    values = problem.evaluated(problem.compiled("constraints"), t[-1:], x[n_u:n, -1:], x[:n_u, -1:])[0]
+    values = problem.evaluate(problem.compile_outputs("constraints"), t[-1:], x[n_u:n, -1:], x[:n_u, -1:])[0]
     said = nearly_redundant(problem, rows[-1], values)
     return said and f"there {said}"
 
@@ -138,8 +138,8 @@ def _massless(problem: SimulationProblem, raw: RawRun) -> str:
     eqs = problem.eqs
     t, x = _samples(problem, raw)
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
-    function = problem.compiled(("mass_matrix", "jacobian"))
-    mass, rows = problem.evaluated(function, t[-1:], x[n_u:n, -1:], x[:n_u, -1:])
+    function = problem.compile_outputs(("mass_matrix", "jacobian"))
+    mass, rows = problem.evaluate(function, t[-1:], x[n_u:n, -1:], x[:n_u, -1:])
     places = massless_speeds(mass[0], rows[0])
     if not places:
         return ""
@@ -147,14 +147,18 @@ def _massless(problem: SimulationProblem, raw: RawRun) -> str:
     return f"there {fault.what}; {fault.fix}"
 
 
-def _without_direction(problem: SimulationProblem, raw: RawRun) -> str:
+def _springs_of_no_length(problem: SimulationProblem, raw: RawRun) -> str:
     """Return which springs have the length zero, and so no direction, at the last state."""
     eqs = problem.eqs
     t, x = _samples(problem, raw)
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
     springs = [spring.name for spring in eqs.model.elements if isinstance(spring, SpringDamper)]
     lengths = [
-        float(problem.evaluated(problem.compiled(f"length {name}"), t[-1:], x[n_u:n, -1:], x[:n_u, -1:])[0])
+        float(
+            problem.evaluate(problem.compile_outputs(f"length {name}"), t[-1:], x[n_u:n, -1:], x[:n_u, -1:])[
+                0
+            ]
+        )
         for name in springs
     ]
     short = [name for name, length in zip(springs, lengths, strict=True) if length == 0.0]

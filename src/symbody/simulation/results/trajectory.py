@@ -121,7 +121,7 @@ class Trajectory(Displayed):
         UsageError
             An unknown name.
         """
-        values = self._known(name)
+        values = self._stored_values(name)
         if values is not None:
             return values
         if self.evaluate is None:
@@ -138,7 +138,7 @@ class Trajectory(Displayed):
         UsageError
             An unknown name.
         """
-        values = {name: self._known(name) for name in names}
+        values = {name: self._stored_values(name) for name in names}
         missing = [name for name, array in values.items() if array is None]
         if len(missing) < 2 or not isinstance(self.evaluate, EvaluateTogether):
             return {name: self[name] for name in names}
@@ -147,7 +147,7 @@ class Trajectory(Displayed):
         shaped = {name: array if self.t.ndim else array[..., 0] for name, array in made.items()}
         return {name: shaped[name] if array is None else array for name, array in values.items()}
 
-    def _known(self, name: str) -> Floats | None:
+    def _stored_values(self, name: str) -> Floats | None:
         """Return what is stored under a name."""
         if name == "t":
             return self.t
@@ -187,9 +187,9 @@ class Trajectory(Displayed):
         """
         times = np.asarray(t, dtype=np.float64)
         if times.ndim > 1:
-            raise _at("times have more than one axis", "give one time, or a list of times")
+            raise _time_fault("times have more than one axis", "give one time, or a list of times")
         if self.dense_output is None:
-            raise _at(
+            raise _time_fault(
                 "the motion between the samples was not kept", "pass the times to simulate(..., times=)"
             )
         x = self.dense_output(times)
@@ -245,7 +245,7 @@ class Trajectory(Displayed):
         chosen = names or (*self.coordinate_names, *self.speed_names)
         found: dict[str, Floats] = {}
         for name in chosen:
-            found.update(_split(name, self._with_time(self[name])))
+            found.update(_split_columns(name, self._with_time(self[name])))
         return found
 
     @checked_arguments
@@ -373,7 +373,7 @@ def _no_model() -> UsageError:
     )  # fmt: skip
 
 
-def _at(what: str, fix: str) -> UsageError:
+def _time_fault(what: str, fix: str) -> UsageError:
     return UsageError(Problem("trajectory.at", "at", what, fix=fix))
 
 
@@ -384,7 +384,7 @@ def _read_only(array: Floats) -> Floats:
     return view
 
 
-def _split(name: str, values: Floats) -> Iterator[tuple[str, Floats]]:
+def _split_columns(name: str, values: Floats) -> Iterator[tuple[str, Floats]]:
     """Yield one column after the other of an output with time last."""
     shape = values.shape[:-1]
     letters = "xyz" if all(size == 3 for size in shape) else ""

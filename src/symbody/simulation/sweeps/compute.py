@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from symbody.codegen.function import CompiledFunction
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
 from symbody.simulation.inputs.time_functions import time_functions
-from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, goal_of
+from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
 from symbody.simulation.native.cases import Cases, Outcome, run_cases
 from symbody.simulation.native.interface import Memory, Projector, Record, RightHandSide
 from symbody.simulation.native.lanes.arithmetic import WIDTH
@@ -37,7 +37,7 @@ _LINE: Final = 64
 _TOGETHER: Final = 256
 
 
-def compute(job: LoopJob, chunk: Chunk, records: Records, stop: Integers, done: Integers) -> None:
+def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers, done: Integers) -> None:
     """Compute the cases of a chunk that have not ended, in one thread, without the interpreter's lock."""
     records.codes[~np.isfinite(chunk.states).all(axis=1)] = NOT_STARTED
     method = job.method
@@ -51,10 +51,10 @@ def compute(job: LoopJob, chunk: Chunk, records: Records, stop: Integers, done: 
         wide = single.rhs._replace(
             address=function.address,
             n_u=single.rhs.n_u * WIDTH,
-            parameters=_aligned(single.rhs.parameters.size * WIDTH),
-            constants=_aligned(single.rhs.constants.size * WIDTH),
-            work=_aligned(function.work_size),
-            clock=_aligned(WIDTH),
+            parameters=_aligned_zeros(single.rhs.parameters.size * WIDTH),
+            constants=_aligned_zeros(single.rhs.constants.size * WIDTH),
+            work=_aligned_zeros(function.work_size),
+            clock=_aligned_zeros(WIDTH),
         )
         run_cases_in_lanes(single, wide, _bundle(single.memory), job.span[0], first_step, cases, outcome)
     else:
@@ -80,19 +80,19 @@ def _cases(job: LoopJob, chunk: Chunk, breakpoints: Sequence[Breakpoints]) -> Ca
     nothing = np.zeros((chunk.count, 0))
     closing = job.closing
     return Cases(
-        _copied(chunk.states),
-        _copied(chunk.parameters),
+        _copy(chunk.states),
+        _copy(chunk.parameters),
         _constants(job.function, chunk.parameters),
-        nothing if closing is None else _copied(chunk.parameters),
+        nothing if closing is None else _copy(chunk.parameters),
         nothing if closing is None else _constants(closing, chunk.parameters),
-        _copied(chunk.scales),
-        _copied(chunk.sizes),
-        _copied(chunk.atol),
+        _copy(chunk.scales),
+        _copy(chunk.sizes),
+        _copy(chunk.atol),
         firsts if firsts.size == chunk.count else np.zeros(chunk.count, dtype=np.int64),
     )
 
 
-def _copied(array: Floats) -> Floats:
+def _copy(array: Floats) -> Floats:
     """Return an array that can be written to: those of a message cannot, and numba would compile anew."""
     return np.array(array, dtype=np.float64, order="C")
 
@@ -110,7 +110,7 @@ def _single(job: LoopJob, cases: Cases, breakpoints: Sequence[Breakpoints]) -> S
         np.zeros(1),
     )
     longest = math.inf if job.method.max_step is None else float(job.method.max_step)
-    goal = goal_of(job.span, job.rtol, np.ones(n), longest, breakpoints)
+    goal = make_goal(job.span, job.rtol, np.ones(n), longest, breakpoints)
     goal = goal._replace(max_trials=job.max_steps, stop_when_stiff=job.stop_when_stiff)
     memory = fresh_memory(tableau, np.zeros(n), job.span[0])
     scratch = np.zeros((0, n)), np.zeros(1), np.zeros((0, memory.F.shape[1], n))
@@ -121,17 +121,17 @@ def _single(job: LoopJob, cases: Cases, breakpoints: Sequence[Breakpoints]) -> S
 def _bundle(memory: Memory) -> Bundle:
     """Return what all lanes need, in which nothing is computed yet."""
     n = memory.K.shape[1] * WIDTH
-    trial, minus_zero = _aligned(TRIALS, WIDTH), _aligned(1, n)
+    trial, minus_zero = _aligned_zeros(TRIALS, WIDTH), _aligned_zeros(1, n)
     trial[ONE] = 1.0
     minus_zero[:] = -0.0
-    tolerances = _aligned(1, n)
+    tolerances = _aligned_zeros(1, n)
     tolerances[:] = 1.0
     return Bundle(
-        _aligned(memory.vectors.shape[0], n),
-        _aligned(memory.K.shape[0], n),
-        _aligned(memory.F.shape[1], n),
-        _aligned(1, n),
-        _aligned(1, n),
+        _aligned_zeros(memory.vectors.shape[0], n),
+        _aligned_zeros(memory.K.shape[0], n),
+        _aligned_zeros(memory.F.shape[1], n),
+        _aligned_zeros(1, n),
+        _aligned_zeros(1, n),
         minus_zero,
         tolerances,
         trial,
@@ -142,7 +142,7 @@ def _bundle(memory: Memory) -> Bundle:
     )
 
 
-def _aligned(*shape: int) -> Floats:
+def _aligned_zeros(*shape: int) -> Floats:
     """Return zeros that begin where registers are loaded by one access."""
     size = math.prod(shape)
     room = np.zeros(size + _LINE // 8)
@@ -154,7 +154,7 @@ def _constants(function: CompiledFunction, parameters: Floats) -> Floats:
     found = function.constants(parameters)
     if found.ndim == 1:  # nothing to compute beforehand
         return np.zeros((parameters.shape[0], 0))
-    return _copied(np.broadcast_to(found, (parameters.shape[0], found.shape[1])))
+    return _copy(np.broadcast_to(found, (parameters.shape[0], found.shape[1])))
 
 
 def _projector(job: LoopJob, cases: Cases) -> Projector:
@@ -203,11 +203,13 @@ def _compute_in_threads(job: LoopJob, chunk: Chunk, records: Records, threads: i
     signal = Signal.new()
     ends = list(blocks(chunk.count, -(-chunk.count // max(threads, 1))))
     if len(ends) == 1:
-        compute(job, chunk, records, signal.stop, signal.done)
+        compute_in_loop(job, chunk, records, signal.stop, signal.done)
         return
     with ThreadPoolExecutor(len(ends)) as pool:
         futures = [
-            pool.submit(compute, job, chunk.cut(*both), records.cut(*both), signal.stop, Signal.new().done)
+            pool.submit(
+                compute_in_loop, job, chunk.cut(*both), records.cut(*both), signal.stop, Signal.new().done
+            )
             for both in ends
         ]
         for future in futures:

@@ -49,7 +49,7 @@ class Evaluation:
     )
     _mechanisms: SingleFlight[str, HybridMechanism] = field(default_factory=SingleFlight, repr=False)
 
-    def of(self, name: str, t: Floats, x: Floats) -> Floats:
+    def evaluate(self, name: str, t: Floats, x: Floats) -> Floats:
         """Return an output with cases first and time last; x is (cases, n, N)."""
         known: Flags = np.asarray(np.isfinite(x).all(axis=1))
         if name == "work" and {*np.nonzero(known)[0].tolist()} <= {*self.details}:
@@ -66,7 +66,7 @@ class Evaluation:
             return np.unwrap(whole, axis=1)
         return np.moveaxis(whole, 1, -1)
 
-    def of_case(self, case: int, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
+    def evaluate_case(self, case: int, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
         """Return outputs of one case with time last; q is (n_q, N), u is (n_u, N)."""
         plain = tuple(name for name in names if name not in VIOLATIONS)
         cases = np.full(t.size, case)
@@ -74,7 +74,7 @@ class Evaluation:
             computed = {name: self._values(name, cases, t, q.T, u.T) for name in plain}
         else:
             function = self._function((), plain)
-            arrays = function(t, q.T, u.T, self.laws.values(t, q, u), self.table.parameters[case])
+            arrays = function(t, q.T, u.T, self.laws.evaluate_all(t, q, u), self.table.parameters[case])
             computed = {name: _repeat_constant(array, t) for name, array in zip(plain, arrays, strict=True)}
         angles = self.eqs.measured_angles
         shown = {
@@ -97,7 +97,7 @@ class Evaluation:
         whole: Floats | None = None
         for modes, inside in self._samples_by_modes(cases, t):
             given = t[inside], q[inside], u[inside]
-            inputs = self.laws.values(given[0], given[1].T, given[2].T)
+            inputs = self.laws.evaluate_all(given[0], given[1].T, given[2].T)
             values = self._function(modes, name)(*given, inputs, self.table.parameters[cases[inside]])
             values = _repeat_constant(values, given[0])
             if whole is None:
@@ -187,4 +187,4 @@ class CaseEvaluator:
 
     def together(self, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
         """Return outputs with time last, by one compiled function."""
-        return self.evaluation.of_case(self.case, names, t, q, u)
+        return self.evaluation.evaluate_case(self.case, names, t, q, u)

@@ -19,7 +19,7 @@ from symbody.simulation.methods.constraints import (
     ROUNDED_PER_COORDINATE,
     Baumgarte,
     Projection,
-    closed_share,
+    residual_share,
 )
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
@@ -28,7 +28,7 @@ from symbody.simulation.native.loop import EPSILON
 from symbody.simulation.sweeps.case_table import CaseTable
 from symbody.simulation.sweeps.first_states import first_states
 from symbody.simulation.sweeps.records import Chunk, LoopJob
-from symbody.simulation.sweeps.sweep_job import SweepOptions
+from symbody.simulation.sweeps.sweep_job import MotionOptions
 
 Floats = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ CASES_THAT_PAY: Final = 256
 
 
 def prepare_loop(
-    eqs: EquationSet, table: CaseTable, guess: Mapping[str, Value], laws: InputLaws, options: SweepOptions
+    eqs: EquationSet, table: CaseTable, guess: Mapping[str, Value], laws: InputLaws, options: MotionOptions
 ) -> tuple[LoopJob, Chunk, dict[int, str]]:
     """Return code and numbers for the loop over many cases, and why some cannot start.
 
@@ -56,7 +56,7 @@ def prepare_loop(
     rounding, limit = 0.0, np.inf
     if (eqs.multiplier_names or eqs.quaternions) and not isinstance(constraints, Baumgarte):
         projection = constraints if isinstance(constraints, Projection) else Projection()
-        tolerance = closed_share(projection, options.atol)
+        tolerance = residual_share(projection, options.atol)
         closing = CompiledFunction(*form_sequence(eqs, PROJECTED, *values))
         own_scales = first.scales.constraints()
         scales = np.ones(

@@ -107,7 +107,7 @@ class Sweep(Displayed):
             return row
         if name in self.cases:
             return self.cases[name]
-        return self.evaluation.of(name, self.t, self.x)
+        return self.evaluation.evaluate(name, self.t, self.x)
 
     @checked_arguments
     def trajectory(self, case: int) -> Trajectory:

@@ -46,7 +46,7 @@ class Store:
         about = {"format": _FORMAT, "digest": digest}
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
-            found = self._about()
+            found = self._read_about()
             if found is None:
                 _write(self._folder / _ABOUT, json.dumps(about).encode())
         except OSError as error:
@@ -58,7 +58,7 @@ class Store:
                         "give another folder, or delete this one")
             )  # fmt: skip
 
-    def finished(self, whole: Records) -> Iterable[Records]:
+    def read_finished(self, whole: Records) -> Iterable[Records]:
         """Yield what was kept of all cases; what cannot be read, or does not fit, is computed anew."""
         for path in sorted(self._folder.glob("cases_*.npz")):
             name = _NAME.fullmatch(path.name)
@@ -95,7 +95,7 @@ class Store:
         except OSError as error:
             raise self._unwritable(error) from error
 
-    def _about(self) -> object:
+    def _read_about(self) -> object:
         path = self._folder / _ABOUT
         if not path.exists():
             return None

@@ -17,10 +17,10 @@ from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import SymbodyError
-from symbody.simulation.events.events import Event, checked_events
+from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.inputs.input_laws import Law, input_laws
 from symbody.simulation.methods.change_point import is_overconstrained
-from symbody.simulation.methods.explicit import checked_span
+from symbody.simulation.methods.explicit import check_span
 from symbody.simulation.methods.integration import Constraints, Integrator
 from symbody.simulation.native import places
 from symbody.simulation.native.lanes.arithmetic import WIDTH
@@ -35,7 +35,7 @@ from symbody.simulation.sweeps.loop_job import cases_apart, prepare_loop
 from symbody.simulation.sweeps.records import NOT_ENDED, CaseDetails, Chunk, LoopJob, Records
 from symbody.simulation.sweeps.result import Sweep, sweep_result
 from symbody.simulation.sweeps.store import Store, digest
-from symbody.simulation.sweeps.sweep_job import SweepJob, SweepOptions, check_memory
+from symbody.simulation.sweeps.sweep_job import MotionOptions, SweepJob, check_memory
 from symbody.simulation.sweeps.workers import (
     PATIENCE,
     Listener,
@@ -101,19 +101,21 @@ def sweep(
         More samples than the memory holds; no worker that begins or can compute, or a store that cannot be
         used.
     """
-    span = checked_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
+    span = check_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
     laws = input_laws(eqs.input_names, inputs or {}, span)
-    options = SweepOptions.check(span, times, integrator, constraints, (rtol, atol), max_steps, lanes, scales)
+    options = MotionOptions.check(
+        span, times, integrator, constraints, (rtol, atol), max_steps, lanes, scales
+    )
     workers = check_workers(executor, threads, part, patience)
     check = partial(check_memory, samples=options.times.size, states=len(eqs.state_names))
     table = case_table(parameters or {}, initial or {}, combine, samples, seed, check)
-    watched = checked_events(events, eqs)
+    watched = check_events(events, eqs)
     job = SweepJob(eqs, table, dict(guess or {}), dict(inputs or {}), laws, options, watched)
     with show_progress(progress, "sweep") as report:
-        return _run(job, workers, store, report)
+        return _run_sweep(job, workers, store, report)
 
 
-def _run(
+def _run_sweep(
     job: SweepJob, workers: Workers, store: str | os.PathLike[str] | None, progress: Progress | None
 ) -> Sweep:
     """Return all motions: by the loop over many cases if it can compute them, else by `simulate`."""
@@ -146,7 +148,7 @@ def _run_by_simulate(
 ) -> Sweep:
     """Return motions of which each is computed by `simulate`."""
     kept = None if store is None else Store(store, job.digest())
-    for finished in () if kept is None else kept.finished(records):
+    for finished in () if kept is None else kept.read_finished(records):
         records.put(finished)
     cases = np.flatnonzero(records.codes == NOT_ENDED).tolist()
     listener = Listener(progress, _ignore if kept is None else kept.keep)
@@ -160,7 +162,7 @@ def _compute_by_simulate(
 ) -> str:
     """Compute cases by `simulate`, by the workers of an executor if there are any; return where."""
     if workers.executor is not None and cases and _is_portable(job):
-        chunks = cut_chunks(Chunk.without_numbers(records.count), _runs(cases), workers.part)
+        chunks = cut_chunks(Chunk.numbered(records.count), _runs(cases), workers.part)
         _note_lost(records, compute_there(job, chunks, records, workers, listener))
         return "by the workers"
     try:
@@ -195,7 +197,7 @@ def _compute_in_loop(
 ) -> bool:
     """Compute all cases that are not kept already; return whether it was interrupted."""
     kept = None if store is None else Store(store, digest(loop, chunk))
-    for finished in () if kept is None else kept.finished(records):
+    for finished in () if kept is None else kept.read_finished(records):
         records.put(finished)
     missing = _runs(np.flatnonzero(records.codes == NOT_ENDED).tolist())
     chunks = cut_chunks(chunk, missing, workers.part, _LEAST_IN_LANES if loop.lanes else 1)

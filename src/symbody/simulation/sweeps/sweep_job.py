@@ -18,7 +18,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.simulation.events.events import Event
 from symbody.simulation.inputs.input_laws import InputLaws, Law
-from symbody.simulation.methods.explicit import checked_rtol, checked_single_atol, checked_times
+from symbody.simulation.methods.explicit import check_rtol, check_single_atol, check_times
 from symbody.simulation.methods.integration import Constraints, Integrator
 from symbody.simulation.native.places import COUNTS
 from symbody.simulation.native.run import memory_limit
@@ -33,7 +33,7 @@ USUAL_SAMPLES: Final = 101
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SweepOptions:
+class MotionOptions:
     """How the motions are computed.
 
     Attributes
@@ -65,7 +65,7 @@ class SweepOptions:
         max_steps: int,
         lanes: bool | None,
         scales: Mapping[str, float] | None,
-    ) -> SweepOptions:
+    ) -> MotionOptions:
         """Return checked options, with usual times where none are given.
 
         Raises
@@ -74,15 +74,15 @@ class SweepOptions:
             If times, tolerances or lanes make no sense.
         """
         usual = np.linspace(*span, USUAL_SAMPLES) if span[0] != span[1] else np.array(span[:1])
-        samples = checked_times(usual if times is None else times, *span)
+        samples = check_times(usual if times is None else times, *span)
         rtol, atol = tolerances
         return cls(
             span,
             usual if samples is None else samples,
             integrator,
             constraints,
-            checked_rtol(rtol),
-            checked_single_atol(atol),
+            check_rtol(rtol),
+            check_single_atol(atol),
             int(max_steps),
             _check_lanes(lanes),
             checked_scales(scales),
@@ -117,7 +117,7 @@ class SweepJob:
     guess: Mapping[str, Value]
     inputs: Mapping[str, Law]
     laws: InputLaws
-    options: SweepOptions
+    options: MotionOptions
     events: tuple[Event, ...]
 
     def simulate_case(self, case: int) -> Trajectory:
@@ -161,7 +161,7 @@ class SweepJob:
         fixed = (table.fixed_initial, self.guess, self.events, options.max_steps)
         about.update(repr((table.parameter_names, table.initial_names, *choices, *fixed)).encode())
         about.update(repr(sorted(self.laws.formulas.items())).encode())
-        about.update(repr(sorted(self.laws.asked)).encode())
+        about.update(repr(sorted(self.laws.callbacks)).encode())
         return about.hexdigest()
 
 

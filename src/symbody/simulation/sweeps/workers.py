@@ -24,7 +24,7 @@ import numpy as np
 
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.native.run import Progress
-from symbody.simulation.sweeps.compute import compute, compute_chunk
+from symbody.simulation.sweeps.compute import compute_chunk, compute_in_loop
 from symbody.simulation.sweeps.records import (
     NOT_ENDED,
     WORKER_LOST,
@@ -156,7 +156,7 @@ def compute_here(
         try:
             for chunk, done in zip(chunks, ended, strict=True):
                 own = records.cut(chunk.first, chunk.first + chunk.count)
-                waiting[pool.submit(compute, job, chunk, own, signal.stop, done)] = own
+                waiting[pool.submit(compute_in_loop, job, chunk, own, signal.stop, done)] = own
             while waiting:
                 for task in wait(waiting, _TICK, FIRST_COMPLETED).done:
                     own = waiting.pop(task)
