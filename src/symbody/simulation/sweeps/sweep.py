@@ -220,9 +220,9 @@ def _note_lost(records: Records, outcome: SweepOutcome) -> None:
 
 def _runs(cases: Sequence[int]) -> list[tuple[int, int]]:
     """Return the ends of all runs of consecutive cases."""
-    breaks = [k for k, case in enumerate(cases) if k == 0 or case != cases[k - 1] + 1]
-    stops = [*breaks[1:], len(cases)]
-    return [(cases[first], cases[stop - 1] + 1) for first, stop in zip(breaks, stops, strict=True)]
+    numbers = np.array(cases, dtype=np.int64)
+    groups = np.split(numbers, np.flatnonzero(np.diff(numbers) != 1) + 1)
+    return [(int(group[0]), int(group[-1]) + 1) for group in groups if group.size]
 
 
 def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
