@@ -35,15 +35,15 @@ class ProgressBar(StagedProgress):
 
     def __init__(self, bar: Bar, name: str) -> None:
         self._bar, self._name = bar, name
-        self._problem = bar.add_task(name, total=1.0)
+        self._task = bar.add_task(name, total=1.0)
 
     def __call__(self, share: float) -> None:
         """Show the share that is done."""
-        self._bar.update(self._problem, completed=share)
+        self._bar.update(self._task, completed=share)
 
     def wait_for(self, stage: str) -> None:
         """Show the stage in place of the name."""
-        self._bar.update(self._problem, description=stage or self._name)
+        self._bar.update(self._task, description=stage or self._name)
 
 
 @contextmanager
@@ -69,7 +69,7 @@ def show_progress(progress: Progress | bool | None, name: str) -> Iterator[Progr
             yield progress
     else:
         columns = (
-            TextColumn("{problem.description}", markup=False),
+            TextColumn("{task.description}", markup=False),
             BarColumn(),
             TaskProgressColumn(),
             TimeElapsedColumn(),

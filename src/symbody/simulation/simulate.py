@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from numbers import Real
+from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from symbody.analysis.assembly import assemble
+from symbody.analysis.named_values import checked_mappings
 from symbody.analysis.redundancy import undetermined_at
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
@@ -16,6 +19,7 @@ from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.undetermined import identically_undetermined, share_notes
+from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.hybrid.rate_jumps import run_with_jumps
 from symbody.simulation.hybrid.switching import run_switching, switches
@@ -23,7 +27,6 @@ from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator, MotionPlan
 from symbody.simulation.methods.integration_problem import IntegrationProblem
-from symbody.simulation.methods.question import check_arguments
 from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
 from symbody.simulation.results.provenance import provenance_of
@@ -79,23 +82,27 @@ def simulate(
         If names, values, times, tables or events make no sense, initial values do not fit, or a function
         given as input fails. Other failures on the way stand in `status`.
     """
-    check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
+    _check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     watched, laws = check_events(events, eqs), input_laws(eqs.input_names, inputs or {}, span)
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
     problem = _pose(eqs, span, parameters or {}, laws, scales, constraints, first)
-    notes = (
-        *_input_notes(eqs, inputs or {}, laws),
-        *problem.scales.notes(eqs, atol),
-        *start_notes(problem, first),
-    )
+    notes = (*_input_notes(eqs, inputs or {}, laws), *problem.scales.notes(eqs, atol))
+    notes += start_notes(problem, first)
     x0 = np.array([*first.u.values(), *first.q.values(), 0.0])
     with show_progress(progress, "motion") as report:
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
         plan = MotionPlan(integration, integrator, constraints)
         run = run_switching(plan) if switches(eqs.formed) else run_with_jumps(plan)
+    return _annotate(run, eqs, problem, first, notes)
+
+
+def _annotate(
+    run: Trajectory, eqs: EquationSet, problem: SimulationProblem, first: State, notes: tuple[str, ...]
+) -> Trajectory:
+    """Return a run with notes on its start and its reactions, and with what it was computed from."""
     further = _undetermined_notes(eqs, first, run) if run.t.size else ()
-    source = provenance_of(eqs, problem.parameters, laws, switches=switches(eqs.formed))
+    source = provenance_of(eqs, problem.parameters, problem.laws, switches=switches(eqs.formed))
     return replace(run, notes=(*notes, *run.notes, *further), provenance=source)
 
 
@@ -132,3 +139,36 @@ def _undetermined_notes(eqs: EquationSet, first: State, run: Trajectory) -> tupl
     places = sorted({0, len(run.t) // 2, len(run.t) - 1})
     names = undetermined_at(eqs, first.parameters, [(float(run.t[k]), run.q[:, k]) for k in places])
     return share_notes(eqs.formed, [name for name in names if name not in always], " in this motion")
+
+
+def _check_arguments(
+    eqs: object, t_end: object, integrator: object, constraints: object, **by_name: object
+) -> None:
+    """Refuse arguments of `simulate` of other kinds than it takes; those `by_name` are mappings.
+
+    Raises
+    ------
+    UsageError
+        With every such argument.
+    """
+    problems = []
+    if not isinstance(eqs, EquationSet):
+        what = f"{type(eqs).__name__} is no set of equations"
+        problems.append(Problem("simulation.not_equations", "eqs", what, "", "write form_equations(model)"))
+    ends = t_end if isinstance(t_end, tuple) and len(t_end) == 2 else (t_end,)
+    if not all(isinstance(end, Real) for end in ends):
+        what = f"{t_end!r} is no time"
+        problems.append(
+            Problem("simulation.not_a_time", "t_end", what, "", "give seconds: 10.0, or (2.0, 10.0)")
+        )
+    for name, given, kinds in [
+        ("integrator", integrator, get_args(Integrator)),
+        ("constraints", constraints, get_args(Constraints)),
+    ]:
+        if given is not None and not isinstance(given, kinds):
+            known = ", ".join(f"{kind.__name__}(..)" for kind in kinds)
+            what = f"{given!r} means nothing"
+            problems.append(Problem("simulation.not_a_method", name, what, "", f"write one of {known}"))
+    if problems:
+        raise UsageError(*problems)
+    checked_mappings(**by_name)

@@ -65,7 +65,7 @@ class SimulationProblem:
 
     def breakpoints(self, span: tuple[float, float], watched: Sequence[str] = ()) -> Breakpoints:
         """Return where what depends on time alone changes, in the equations and in expressions `watched`."""
-        found = NO_BREAKPOINTS
+        pieces_of_all = NO_BREAKPOINTS
         for outputs in (("xdot", "power"), tuple(watched)):
             key = self.eqs, outputs
             if outputs and (key not in self._breakpoints or not _contains(self._breakpoints[key][0], span)):
@@ -73,12 +73,12 @@ class SimulationProblem:
                 pieces = NO_BREAKPOINTS if functions is None else find_breakpoints(functions, span)[0]
                 self._breakpoints[key] = sorted(span), pieces
             if outputs:
-                found = found.unite(self._breakpoints[key][1])
-        return found
+                pieces_of_all = pieces_of_all.unite(self._breakpoints[key][1])
+        return pieces_of_all
 
     def evaluate(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
         """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""
-        return function(t, q.T, u.T, self.laws.evaluate_all(t, q, u))
+        return function(t, q.T, u.T, self.laws.values(t, q, u))
 
     def interpret(self, output: str, t: float, q: Iterable[float], u: Iterable[float]) -> float:
         """Return a number at one state, without compiling for it."""

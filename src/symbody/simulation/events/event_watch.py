@@ -191,18 +191,18 @@ class EventWatch:
         if steps == self._first:
             return None
         dense = DenseOutput(breaks[self._first : steps + 1], pieces[self._first : steps])
-        found = self._later
+        zeros = self._later
         if steps > self._sampled:
-            found = [*found, *self._sample(dense, breaks[self._sampled : steps + 1])]
+            zeros = [*zeros, *self._sample(dense, breaks[self._sampled : steps + 1])]
             self._sampled = steps
         direction = 1.0 if dense.breaks[-1] >= dense.breaks[0] else -1.0
         horizon = dense.breaks[-1] if is_over else dense.breaks[-2]
         last = int(np.searchsorted(direction * self._t, direction * horizon))
-        found += crossings(lambda t: self._values(dense, t), self._t, self._g, last, self._largest)
+        zeros += crossings(lambda t: self._values(dense, t), self._t, self._g, last, self._largest)
         self._largest = np.maximum(self._largest, np.abs(self._g[:, : last + 1]).max(axis=1))
         self._t, self._g = self._t[last:], self._g[:, last:]
-        self._later = [crossing for crossing in found if direction * (crossing.t - horizon) > 0.0]
-        due = [crossing for crossing in found if direction * (crossing.t - horizon) <= 0.0]
+        self._later = [crossing for crossing in zeros if direction * (crossing.t - horizon) > 0.0]
+        due = [crossing for crossing in zeros if direction * (crossing.t - horizon) <= 0.0]
         cut = self._happen(dense, [c for c in due if self._counts(dense, c)], direction)
         if cut is not None and cut.after is not None:
             self._start(steps_before(breaks, steps, cut.t), self._just_happened)

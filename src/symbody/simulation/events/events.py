@@ -93,14 +93,14 @@ def check_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[Eve
     UsageError
         If one of them is none, two share a name, or an action sets what is not a state.
     """
-    found = (events,) if isinstance(events, Event) else tuple(events)
+    checked = (events,) if isinstance(events, Event) else tuple(events)
     problems = [
         Problem("simulation.event", "events", f"{event!r} is no event", fix="write sb.Event(expression, ...)")
-        for event in found if not isinstance(event, Event)
+        for event in checked if not isinstance(event, Event)
     ]  # fmt: skip
     if problems:
         raise UsageError(*problems)
-    labels = [event.label for event in found]
+    labels = [event.label for event in checked]
     problems = [
         Problem("simulation.event_name", f"event {label!r}", "another event has this name", "",
                 "give each event a name of its own: sb.Event(..., name=...)")
@@ -109,11 +109,11 @@ def check_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[Eve
     problems += [
         Problem("simulation.event_action", f"event {event.label!r}", f"{name!r} is not a state",
                 "an action gives new values to coordinates and speeds", nearest(name, eqs.state_names))
-        for event in found for name in event.new_values if name not in eqs.state_names
+        for event in checked for name in event.new_values if name not in eqs.state_names
     ]  # fmt: skip
     if problems:
         raise UsageError(*problems)
-    return found
+    return checked
 
 
 def _wrong(event: Event, what: str, fix: str) -> UsageError:

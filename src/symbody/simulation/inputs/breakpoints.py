@@ -219,7 +219,7 @@ class _PieceSearch:
         ends = np.tile([self._start, self._end], (self._cases, 1))
         flat = self._functions.values(ends.ravel(), np.repeat(self._p, 2, axis=1))
         values = flat.reshape(-1, self._cases, 2)
-        found = [(np.zeros(0), np.zeros(0, dtype=np.intp))]
+        changes = [(np.zeros(0), np.zeros(0, dtype=np.intp))]
         for place, d in enumerate(self._functions.differences(values, self._known)):
             k = self._known[place : place + 1]
             levels = _levels(d) if self._functions.counts(k)[0] else [np.zeros(self._cases)]
@@ -229,11 +229,13 @@ class _PieceSearch:
                 share = -first[is_passed] / (last - first)[is_passed]
                 exact = self._functions.exact_zeros(int(k[0]), values[:, is_passed, 0])
                 times = self._start + share * (self._end - self._start) if exact is None else exact
-                found.append((times, everything[is_passed]))
+                changes.append((times, everything[is_passed]))
         for table in self._functions.tables.values():
             times = np.tile(table.jumps, self._cases)
-            found.append((times, np.repeat(everything, table.jumps.size)))
-        return np.concatenate([times for times, _ in found]), np.concatenate([cases for _, cases in found])
+            changes.append((times, np.repeat(everything, table.jumps.size)))
+        return np.concatenate([times for times, _ in changes]), np.concatenate(
+            [cases for _, cases in changes]
+        )
 
     def _locate_switches(self, t: Floats, symbols: Floats, case: Places) -> tuple[Floats, Places, Floats]:
         """Return where open switches change between samples, by bisection: times, cases, and widths."""
@@ -253,16 +255,16 @@ class _PieceSearch:
 
     def _widths(self, t: Floats, case: Places, switch: Places) -> Floats:
         """Return how far beside its time a switch has changed whatever its operands are rounded by."""
-        functions, own = self._functions, np.arange(t.size)
+        functions, columns = self._functions, np.arange(t.size)
         counts, n = functions.counts(self._open)[switch], len(functions.operations)
         operands = [np.array([functions.operations[k].operands[i] for k in self._open]) for i in (0, -1)]
         width = np.full(t.size, self.margin)
         for _ in range(_WIDENINGS if t.size else 0):
             beside = np.stack([t - width, t + width], axis=1)
             values = self._values(beside, case, functions.before_open)
-            d = values[n:][switch, own]
+            d = values[n:][switch, columns]
             d = np.where(counts[:, np.newaxis], d - np.round(d.mean(axis=1, keepdims=True)), d)
-            size = np.maximum(*(np.abs(values[places[switch], own]).max(axis=1) for places in operands))
+            size = np.maximum(*(np.abs(values[places[switch], columns]).max(axis=1) for places in operands))
             is_clear = np.abs(d).min(axis=1) > _ROUNDINGS * EPSILON * size
             if is_clear.all():
                 break

@@ -52,7 +52,7 @@ class InputLaws:
     notes: tuple[str, ...]
     tables: Mapping[int, Table]
 
-    def evaluate_all(self, t: Floats, q: Floats, u: Floats) -> Floats:
+    def values(self, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return what is asked at times (N,) with q (n_q, N) and u (n_u, N): (N, n).
 
         Raises

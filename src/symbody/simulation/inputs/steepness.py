@@ -80,21 +80,21 @@ def may_hide_features(functions: TimeFunctions, values: Floats, whole: Floats, e
     ends : two (N,) arrays
         Where the pieces begin and end [s].
     """
-    found = np.zeros(values.shape[1], dtype=np.bool_)
+    hides = np.zeros(values.shape[1], dtype=np.bool_)
     for k in functions.steep:
-        found |= _steep_may_hide(functions, int(k), values, whole[k], ends)
+        hides |= _steep_may_hide(functions, int(k), values, whole[k], ends)
     first = len(functions.operations)
     counts = functions.counts(functions.open_switches)
     for row, d in enumerate(values[first:]):
         low, high = hull(d)
         slight = _TOUCHING * np.maximum(whole[first + row], np.abs(d).max(axis=1))
         if counts[row]:
-            found |= (low < np.floor(d.min(axis=1)) - slight) | (
+            hides |= (low < np.floor(d.min(axis=1)) - slight) | (
                 high > np.floor(d.max(axis=1)) + 1.0 + slight
             )
         else:
-            found |= ((d.min(axis=1) >= 0.0) & (low < -slight)) | ((d.max(axis=1) <= 0.0) & (high > slight))
-    return found
+            hides |= ((d.min(axis=1) >= 0.0) & (low < -slight)) | ((d.max(axis=1) <= 0.0) & (high > slight))
+    return hides
 
 
 def _exceeds(bounds: Bounds, samples: Floats, whole: Floats) -> Flags:
@@ -110,15 +110,15 @@ def hull(samples: Floats) -> Bounds:
     """Return bounds (N,) of smooth functions from their samples (N, nodes)."""
     fine = samples @ FINE.T
     rows = np.arange(len(fine))
-    found = []
+    bounds = []
     for sign in (-1.0, 1.0):
         top = np.argmax(sign * fine, axis=1)
         beside = [
             np.abs(fine[rows, np.clip(top + step, 0, _COUNT - 1)] - fine[rows, top]) for step in (-1, 1)
         ]
         inside = (top > 0) & (top < _COUNT - 1)
-        found.append(fine[rows, top] + sign * np.where(inside, np.maximum(*beside), 0.0))
-    return np.minimum(found[0], samples.min(axis=1)), np.maximum(found[1], samples.max(axis=1))
+        bounds.append(fine[rows, top] + sign * np.where(inside, np.maximum(*beside), 0.0))
+    return np.minimum(bounds[0], samples.min(axis=1)), np.maximum(bounds[1], samples.max(axis=1))
 
 
 def _steep_may_hide(functions: TimeFunctions, k: int, values: Floats, whole: Floats, ends: Bounds) -> Flags:

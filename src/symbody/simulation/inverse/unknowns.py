@@ -66,7 +66,7 @@ class Unknowns:
     def arguments(self, samples: Samples, r: Floats) -> Floats:
         """Return the inputs of compiled functions (N, n), from unknowns (n, N)."""
         t, q, u, _ = samples
-        others = self.laws.evaluate_all(t, q, u)
+        others = self.laws.values(t, q, u)
         found = np.zeros((t.size, len(self.left)))
         for k, name in enumerate(self.left):
             if name in self.names:

@@ -118,14 +118,14 @@ class Baumgarte:
 def make_projector(
     function: CompiledFunction,
     eqs: EquationSet,
-    known: Scales,
+    sizes: Scales,
     method: Projection,
     atol: float | None,
 ) -> Projector:
     """Return what the compiled loop calls to project; `function` computes `PROJECTED`."""
     n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
     tolerance = residual_share(method, atol)
-    scales = known.constraints(eqs)[: len(eqs.formed.holonomic)]
+    scales = sizes.constraints(eqs)[: len(eqs.formed.holonomic)]
     ones = np.ones(function.sequence.outputs[0].shape[0])
     ones[: scales.size] = scales
     empty = np.zeros(0)
@@ -140,7 +140,7 @@ def make_projector(
         n_q,
         tolerance * ones,
         method.limit,
-        known.coordinates(eqs),
+        sizes.coordinates(eqs),
         ROUNDED_PER_COORDINATE * n_q * EPSILON / tolerance,
         np.zeros((1, function.sequence.output_size)),
     )

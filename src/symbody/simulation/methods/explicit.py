@@ -244,18 +244,18 @@ def check_times(times: ArrayLike | None, start: float, end: float) -> Floats | N
     """Return the times to store as a new array, or None for every step."""
     if times is None:
         return None
-    wanted = np.array(times, dtype=np.float64)
-    if wanted.ndim != 1 or not np.isfinite(wanted).all():
+    samples = np.array(times, dtype=np.float64)
+    if samples.ndim != 1 or not np.isfinite(samples).all():
         raise _usage(
             "times", "times is not a list of finite numbers", "give for instance np.linspace(0, 10, 501)"
         )
     direction = 1.0 if end >= start else -1.0
-    if not (direction * np.diff(wanted) > 0.0).all():
+    if not (direction * np.diff(samples) > 0.0).all():
         word = "rise" if direction > 0.0 else "fall"
         raise _usage(
             "times", f"times do not {word} throughout", f"sort them so that they {word}, each only once"
         )
-    if wanted.size and (direction * (wanted[[0, -1]] - [start, end]) * [1, -1] < 0.0).any():
-        what = f"times from {wanted[0]:g} to {wanted[-1]:g} leave the motion's span {start:g} to {end:g}"
+    if samples.size and (direction * (samples[[0, -1]] - [start, end]) * [1, -1] < 0.0).any():
+        what = f"times from {samples[0]:g} to {samples[-1]:g} leave the motion's span {start:g} to {end:g}"
         raise _usage("times", what, "choose times inside the span, or a longer span")
-    return wanted
+    return samples

@@ -181,15 +181,15 @@ class _PartitionStepper:
     def _longest(self) -> float:
         return np.inf if self._explicit.max_step is None else float(self._explicit.max_step)
 
-    def _first_step(self, begin: float, rates: Floats, rest: float) -> float:
+    def _first_step(self, begin: float, rates: Floats, length: float) -> float:
         """Guess a step as `native.loop` does: SciPy's own guess is made for times of about a second."""
         weights = self._integration.tolerances + self._integration.rtol * np.abs(self._x)
-        size, slope = _mean(self._x / weights), _mean(rates / weights) * rest
+        size, slope = _mean(self._x / weights), _mean(rates / weights) * length
         share = min(_TIMID if size < _SMALL or slope < _SMALL else 0.01 * size / slope, 1.0)
-        h = share * rest * (1.0 if self._end >= begin else -1.0)
+        h = share * length * (1.0 if self._end >= begin else -1.0)
         changed = self._watch(begin + h, self._x + h * rates)
-        steepest = max(slope, _mean((changed - rates) / weights) * rest / share)
+        steepest = max(slope, _mean((changed - rates) / weights) * length / share)
         if not np.isfinite(steepest):
-            return share * rest
+            return share * length
         longer = max(_TIMID, 1e-3 * share) if steepest <= _LEVEL else (0.01 / steepest) ** (1.0 / 8.0)
-        return float(min(100.0 * share, longer, 1.0) * rest)
+        return float(min(100.0 * share, longer, 1.0) * length)

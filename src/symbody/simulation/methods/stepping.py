@@ -164,7 +164,7 @@ def march(stepper: Stepper, course: Course) -> RawRun:
 
 def _march(stepper: Stepper, course: Course, log: _Log) -> Failure:
     """Take steps, with a look at them after every so many; return how it ended."""
-    told, seen, failure = time.perf_counter(), log.steps, None
+    reported, seen, failure = time.perf_counter(), log.steps, None
     while True:
         if log.t == course.end:
             failure = Failure(Status.SUCCESS)
@@ -184,8 +184,8 @@ def _march(stepper: Stepper, course: Course, log: _Log) -> Failure:
                 continue
         if failure is not None:
             return failure
-        if course.progress is not None and time.perf_counter() - told > SLICE_SECONDS:
-            told = time.perf_counter()
+        if course.progress is not None and time.perf_counter() - reported > SLICE_SECONDS:
+            reported = time.perf_counter()
             if course.progress((log.t - course.start) / (course.end - course.start)) is False:
                 return Failure(Status.INTERRUPTED)
 

@@ -166,15 +166,15 @@ class SundialsStepper:
         begin, stop, end = self._ends(self._t)
         self._is_fresh |= begin != self._t
         was_fresh = self._is_fresh
-        found = self._try_step()
-        if isinstance(found, Step) and not was_fresh:
-            found = self._check_step(found)
-        if isinstance(found, Failure):
-            return found
-        nodes = found.nodes
-        nodes[-1], self._is_fresh = self._settled(found.t, nodes[-1])
-        is_there = abs(found.t - stop) <= 0.5 * abs(end - stop)  # but for the solver's rounding
-        self._x, self._t = nodes[-1], end if is_there else found.t
+        step = self._try_step()
+        if isinstance(step, Step) and not was_fresh:
+            step = self._check_step(step)
+        if isinstance(step, Failure):
+            return step
+        nodes = step.nodes
+        nodes[-1], self._is_fresh = self._settled(step.t, nodes[-1])
+        is_there = abs(step.t - stop) <= 0.5 * abs(end - stop)  # but for the solver's rounding
+        self._x, self._t = nodes[-1], end if is_there else step.t
         self._watch.accept()
         return Step(self._t, nodes)
 

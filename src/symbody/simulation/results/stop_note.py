@@ -28,16 +28,16 @@ _DEMANDED: Final = 1e-2
 
 def stop_note(problem: SimulationProblem, raw: RawRun) -> str:
     """Return where and on whose account a run ended early, empty if it did not."""
-    known = f"the motion is known up to t = {raw.reached:.9g} s"
+    reached = f"the motion is known up to t = {raw.reached:.9g} s"
     if raw.status in _COLLAPSES and problem.eqs.multiplier_names:
         position = _singular_position(problem, raw)
         told = _open_constraints(problem, raw) if position is None else position.note
         if told:
-            return f"{known}; {told}"
+            return f"{reached}; {told}"
     if raw.status in (Status.SINGULAR, Status.NOT_FINITE):
         told = _massless(problem, raw) or _springs_of_no_length(problem, raw)
         if told:
-            return f"{known}; {told}"
+            return f"{reached}; {told}"
     return raw.stop_note((*problem.eqs.state_names, "work"))
 
 

@@ -51,16 +51,16 @@ class Evaluation:
 
     def evaluate(self, name: str, t: Floats, x: Floats) -> Floats:
         """Return an output with cases first and time last; x is (cases, n, N)."""
-        known: Flags = np.asarray(np.isfinite(x).all(axis=1))
-        if name == "work" and {*np.nonzero(known)[0].tolist()} <= {*self.details}:
-            return self._work(known)
+        is_known: Flags = np.asarray(np.isfinite(x).all(axis=1))
+        if name == "work" and {*np.nonzero(is_known)[0].tolist()} <= {*self.details}:
+            return self._work(is_known)
         if name in VIOLATIONS:
             return self._violations(name, t, x)
         n_u = len(self.eqs.speed_names)
-        case, sample = np.nonzero(known)
+        case, sample = np.nonzero(is_known)
         rows = x[case, :, sample]
         values = self._values(name, case, t[sample], rows[:, n_u:], rows[:, :n_u])
-        whole: Floats = np.full((*known.shape, *values.shape[1:]), np.nan)
+        whole: Floats = np.full((*is_known.shape, *values.shape[1:]), np.nan)
         whole[case, sample] = values
         if name in self.eqs.measured_angles:
             return np.unwrap(whole, axis=1)
@@ -74,7 +74,7 @@ class Evaluation:
             computed = {name: self._values(name, cases, t, q.T, u.T) for name in plain}
         else:
             function = self._function((), plain)
-            arrays = function(t, q.T, u.T, self.laws.evaluate_all(t, q, u), self.table.parameters[case])
+            arrays = function(t, q.T, u.T, self.laws.values(t, q, u), self.table.parameters[case])
             computed = {name: _repeat_constant(array, t) for name, array in zip(plain, arrays, strict=True)}
         angles = self.eqs.measured_angles
         shown = {
@@ -97,7 +97,7 @@ class Evaluation:
         whole: Floats | None = None
         for modes, inside in self._samples_by_modes(cases, t):
             given = t[inside], q[inside], u[inside]
-            inputs = self.laws.evaluate_all(given[0], given[1].T, given[2].T)
+            inputs = self.laws.values(given[0], given[1].T, given[2].T)
             values = self._function(modes, name)(*given, inputs, self.table.parameters[cases[inside]])
             values = _repeat_constant(values, given[0])
             if whole is None:

@@ -123,15 +123,15 @@ class Sweep(Displayed):
             what = f"there is no case {case}"
             raise UsageError(Problem("sweep.case", "trajectory", what, fix=f"cases are 0 to {count - 1}"))
         case %= count
-        known = int(self.counts[case, _SAMPLES])
+        samples = int(self.counts[case, _SAMPLES])
         n_u = len(self.speed_names)
         accepted, rejected, evaluations = self.counts[case, :3].tolist()
         values = ", ".join(f"{name} = {column[case]:g}" for name, column in self.cases.items())
         note, details = self.case_notes.get(case, ""), self.evaluation.details.get(case)
         return Trajectory(
-            self.t[:known],
-            self.x[case, n_u:, :known],
-            self.x[case, :n_u, :known],
+            self.t[:samples],
+            self.x[case, n_u:, :samples],
+            self.x[case, :n_u, :samples],
             self.coordinate_names,
             self.speed_names,
             self.status[case],

@@ -65,15 +65,15 @@ class Store:
             try:
                 with open(path, "rb") as file:
                     arrays = read_arrays(file)
-                found = Records(
+                records = Records(
                     int(name[1]) if name else -1,
                     arrays["x"], arrays["codes"], arrays["counts"], arrays["reached"],
                     _read_details(str(arrays["details"])),
                 )  # fmt: skip
             except Exception:  # a damaged file breaks zipfile in every way there is
                 continue
-            if whole.has_room_for(found):
-                yield found
+            if whole.has_room_for(records):
+                yield records
 
     def keep(self, records: Records) -> None:
         """Keep a chunk that is complete.

@@ -103,9 +103,8 @@ def sweep(
     """
     span = check_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
     laws = input_laws(eqs.input_names, inputs or {}, span)
-    options = MotionOptions.check(
-        span, times, integrator, constraints, (rtol, atol), max_steps, lanes, scales
-    )
+    tolerances = rtol, atol
+    options = MotionOptions.check(span, times, integrator, constraints, tolerances, max_steps, lanes, scales)
     workers = check_workers(executor, threads, part, patience)
     check = partial(check_memory, samples=options.times.size, states=len(eqs.state_names))
     table = case_table(parameters or {}, initial or {}, combine, samples, seed, check)
