@@ -153,11 +153,11 @@ def _check_arguments(
     """
     problems = []
     if not isinstance(eqs, EquationSet):
-        what = f"{type(eqs).__name__} is no set of equations"
+        what = f"{type(eqs).__name__} is not a set of equations"
         problems.append(Problem("simulation.not_equations", "eqs", what, "", "write form_equations(model)"))
     ends = t_end if isinstance(t_end, tuple) and len(t_end) == 2 else (t_end,)
     if not all(isinstance(end, Real) for end in ends):
-        what = f"{t_end!r} is no time"
+        what = f"{t_end!r} is not a time"
         problems.append(
             Problem("simulation.not_a_time", "t_end", what, "", "give seconds: 10.0, or (2.0, 10.0)")
         )

@@ -47,7 +47,7 @@ class SimulationProblem:
     )
 
     def compile_outputs(self, outputs: str | Sequence[str], *, quick: bool = False) -> CompiledFunction:
-        """Return a function of t, q and u, and of the inputs that are asked for; `quick` for few calls."""
+        """Return a function of t, q and u, and of the inputs that are callbacks; `quick` for few calls."""
         is_one = isinstance(outputs, str)
         key = (self.eqs, (outputs,) if isinstance(outputs, str) else tuple(outputs), is_one, quick)
 
@@ -84,8 +84,8 @@ class SimulationProblem:
         """Return a number at one state, without compiling for it."""
         sequence, _ = form_sequence(self.eqs, output, self.parameters, (), self.laws.formulas)
         q, u = list(q), list(u)
-        asked = self.laws.evaluate(t, np.array(q), np.array(u)) if self.laws.callbacks else []
-        return float(evaluate_sequence(sequence, {"t": [t], "q": q, "u": u, "r": asked})[0][0])
+        inputs = self.laws.evaluate(t, np.array(q), np.array(u)) if self.laws.callbacks else []
+        return float(evaluate_sequence(sequence, {"t": [t], "q": q, "u": u, "r": inputs})[0][0])
 
     @property
     def is_closed(self) -> bool:
@@ -100,7 +100,7 @@ def _contains(known: Sequence[float], span: tuple[float, float]) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Evaluator:
-    """Computes outputs that are not stored, each compiled when it is first asked for."""
+    """Computes outputs that are not stored, each compiled when it is first read."""
 
     problem: SimulationProblem
     work: DenseOutput | None

@@ -86,7 +86,7 @@ def crossings(watched: Watched, t: Floats, g: Floats, last: int, largest: Floats
     t, g : (N,), (n, N) arrays
         Samples; a value that is exactly zero at the first has not happened here.
     last : int
-        Sample up to which to look; those beyond tell what is an extremum.
+        Sample up to which to look; those beyond decide what is an extremum.
     largest : (n,) array
         Largest values so far.
     """
@@ -152,8 +152,8 @@ def _extremum(watched: Watched, place: int, first: float, last: float, sign: flo
 def find_missed_return(watched: Watched, place: int, t: Floats, g: Floats) -> tuple[Crossing, bool] | None:
     """Return the zero between the first two samples of a value that starts at zero, if there is one.
 
-    The slope at the start tells: a value that leaves zero upwards and is below it at the next sample has come
-    back in between. The second entry says whether the return stands above rounding.
+    The slope at the start decides: a value that leaves zero upwards and is below it at the next sample has
+    come back in between. The second entry: whether the return stands above rounding.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""`EventWatch`: finds the events of a run slice by slice, and says where it has to be cut."""
+"""`EventWatch`: finds the events of a run slice by slice, and where it has to be cut."""
 
 from __future__ import annotations
 

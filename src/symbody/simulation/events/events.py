@@ -39,7 +39,7 @@ class Event:
 
     A value that is zero at the start, or after an action, has to leave zero before the event can happen. A
     value that touches zero from one side counts if `direction` is 0. Angles of cut joints are measured
-    within half a turn; their jump from one end to the other is no event.
+    within half a turn; their jump from one end to the other does not count.
 
     Attributes
     ----------
@@ -95,7 +95,8 @@ def check_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[Eve
     """
     checked = (events,) if isinstance(events, Event) else tuple(events)
     problems = [
-        Problem("simulation.event", "events", f"{event!r} is no event", fix="write sb.Event(expression, ...)")
+        Problem("simulation.event", "events", f"{event!r} is not an event",
+                fix="write sb.Event(expression, ...)")
         for event in checked if not isinstance(event, Event)
     ]  # fmt: skip
     if problems:

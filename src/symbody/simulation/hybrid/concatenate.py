@@ -136,5 +136,5 @@ def changing_shape(name: str) -> UsageError:
     return UsageError(
         Problem("trajectory.changing_shape", repr(name), f"{name} does not keep its number of values",
                 "joints that stick and ropes that are taut are held by further constraints",
-                "ask for single values, or a reaction")
+                "read single values, or a reaction")
     )  # fmt: skip

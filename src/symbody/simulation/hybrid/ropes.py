@@ -108,7 +108,7 @@ class RopeElements:
             pulls = bool(values[_TENSION] >= -_LITTLE / _ROUNDING * self._limit(trial, place))
             if not (pulls and is_parting):
                 return pulls
-            # What comes back before its ends have come closer than can be told has not left.
+            # A rope that is taut again before its ends have measurably approached stays taut.
             back = -trial.with_mode(element, SLACK).values(self)[_ACCELERATION, place]
             return bool(rate**2 <= 2.0 * back * AT_LENGTH * motion[_LENGTH, place])
         return not is_open or is_parting or bool(values[_ACCELERATION] >= -_LITTLE * values[_SIZE])

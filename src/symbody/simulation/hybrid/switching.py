@@ -280,7 +280,7 @@ def _check(span: tuple[float, float], events: tuple[Event, ...]) -> None:
     if span[1] < span[0]:
         problems.append(
             Problem("simulation.stick_slip_backwards", "t_end", "the motion runs backwards",
-                    "what sticks, or is taut, does not tell since when", cure)
+                    "how long a joint sticks, or a rope is taut, depends on what came before", cure)
         )  # fmt: skip
     if problems:
         raise UsageError(*problems)

@@ -207,7 +207,7 @@ class _PieceSearch:
         return values.reshape(len(values), *t.shape)
 
     def _symbols(self, differences: Floats) -> Floats:
-        """Return what tells which formula each open switch uses."""
+        """Return a number for the formula that each open switch uses."""
         counts = self._functions.counts(self._open)
         shape = (-1,) + (1,) * (differences.ndim - 1)
         found: Floats = np.where(counts.reshape(shape), np.floor(differences), np.sign(differences))

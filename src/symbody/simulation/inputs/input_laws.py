@@ -1,4 +1,4 @@
-"""Laws of inputs: formulas and short tables become part of the equations, the rest is asked at run time."""
+"""Laws of inputs: formulas and short tables become part of the equations, others are called at run time."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ class InputLaws:
     ----------
     formulas : mapping of name to formula
         Part of the equations.
-    asked : mapping of name to callable
-        Asked for every evaluation, with t, q, u.
+    callbacks : mapping of name to callable
+        Called at every evaluation, with t, q, u.
     notes : tuple of str
         What is slow, and why.
     tables : mapping of place to Table
-        Those among `asked` that are tables.
+        Those among `callbacks` that are tables.
     """
 
     formulas: Mapping[str, Value]
@@ -53,7 +53,7 @@ class InputLaws:
     tables: Mapping[int, Table]
 
     def values(self, t: Floats, q: Floats, u: Floats) -> Floats:
-        """Return what is asked at times (N,) with q (n_q, N) and u (n_u, N): (N, n).
+        """Return the values of callbacks at times (N,) with q (n_q, N) and u (n_u, N): (N, n).
 
         Raises
         ------
@@ -67,7 +67,7 @@ class InputLaws:
         )
 
     def evaluate(self, t: float, q: Floats, u: Floats) -> list[float]:
-        """Return what is asked at one time.
+        """Return the values of callbacks at one time.
 
         Raises
         ------
@@ -77,7 +77,7 @@ class InputLaws:
         return [_call_law(name, law, t, q, u) for name, law in self.callbacks.items()]
 
     def slopes(self, t: float, x: Floats, n_u: int) -> Floats:
-        """Return the derivatives of what is asked by x = (u, q), (n, x.size), as differences.
+        """Return the derivatives of callbacks by x = (u, q), (n, x.size), as differences.
 
         Raises
         ------
@@ -95,7 +95,7 @@ class InputLaws:
 
 
 def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float, float]) -> InputLaws:
-    """Return the laws of inputs; those without one are 0, and names that are no inputs stay for `compile`.
+    """Return the laws of inputs; those without one are 0, and unknown names are left to `compile`.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float
         If a table cannot be read or does not reach over the span.
     """
     formulas: dict[str, Value] = dict.fromkeys(names, 0)
-    asked: dict[str, Callback] = {}
+    callbacks: dict[str, Callback] = {}
     long: dict[str, Table] = {}
     notes = []
     for name, law in given.items():
@@ -113,32 +113,32 @@ def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float
             if table.is_short:
                 formulas[name] = table.formula()
             else:
-                asked[name], long[name] = table.reader(), table
+                callbacks[name], long[name] = table.reader(), table
                 notes.append(f"input {name} is a table of {np.size(table.t)} points, read by Python: slow")
         elif isinstance(table, str | int | float | Formula) or not callable(table):
             formulas[name] = table
         else:
-            asked[name] = table
+            callbacks[name] = table
             notes.append(
-                f"input {name} is a Python function, asked at every evaluation: slow; implicit methods take "
+                f"input {name} is a Python function, called at every evaluation: slow; implicit methods take "
                 "its slopes from differences; where it is short, as a pulse after a rest, a step may pass "
                 "over it: give the integrator a max_step="
             )
-    kept = {name: value for name, value in formulas.items() if name not in asked}
-    in_order = {name: asked[name] for name in (*names, *asked) if name in asked}
+    kept = {name: value for name, value in formulas.items() if name not in callbacks}
+    in_order = {name: callbacks[name] for name in (*names, *callbacks) if name in callbacks}
     tables = {place: long[name] for place, name in enumerate(in_order) if name in long}
     return InputLaws(kept, in_order, tuple(notes), tables)
 
 
 class CallbackFunction:
-    """A function with the signature of generated code that asks for inputs before it calls another.
+    """A function with the signature of generated code that calls laws of inputs, then another function.
 
     What a law raises is kept in `error`, and every later call fails at once, which ends the loop.
 
     Parameters
     ----------
     function : CompiledFunction
-        Whose inputs r are what `laws` asks for.
+        Its inputs r are the callbacks of `laws`.
     laws : InputLaws
         The laws.
     """

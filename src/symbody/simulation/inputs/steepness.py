@@ -98,7 +98,7 @@ def may_hide_features(functions: TimeFunctions, values: Floats, whole: Floats, e
 
 
 def _exceeds(bounds: Bounds, samples: Floats, whole: Floats) -> Flags:
-    """Return where bounds lie beyond samples; bounds that are no numbers do."""
+    """Return where bounds lie beyond samples; bounds that are not numbers do."""
     least, most = samples.min(axis=1), samples.max(axis=1)
     allowed = (
         _LOCALLY * (most - least) + _GLOBALLY * whole + _ROUNDED * np.maximum(np.abs(least), np.abs(most))

@@ -138,7 +138,7 @@ def change_point(problem: SimulationProblem, raw: RawRun) -> float | None:
 
 @dataclass(frozen=True, slots=True)
 class _BranchEnd:
-    """Where a motion ceases to be the one that was asked for; None if its run ended there by itself."""
+    """Where a motion leaves the branch of its start; None if its run ended there by itself."""
 
     t: float | None
     note: str

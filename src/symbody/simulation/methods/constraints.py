@@ -160,7 +160,7 @@ def _check_one_pair(named: tuple[str, ...]) -> None:
     raise UsageError(
         Problem("simulation.baumgarte", "Baumgarte",
                 f"{' and '.join(named)} are given together" if mixed else f"{own[0]} is given alone",
-                "alpha is zeta omega and beta is omega: one pair says all",
+                "alpha is zeta omega and beta is omega: one pair determines the other",
                 "give zeta and omega, or alpha and beta")
     )  # fmt: skip
 

@@ -41,7 +41,7 @@ NOTHING_TO_PROJECT: Final = Projector(
     np.zeros((1, 0)),
 )
 
-# rtol below this asks for more than rounding allows.
+# An rtol below this is finer than rounding allows.
 SMALLEST_RTOL: Final = 10.0 * EPSILON
 
 

@@ -39,7 +39,7 @@ FREE: Final = 1e10
 # How fast a quaternion returns to unit norm, in the time of the mechanism.
 _NORMING: Final = 3.0
 _RESIDUAL, _SLOPES, _MASS = "ggl residual", "ggl slopes", "mass_matrix"
-_BY_ASKED: Final = "ggl slopes by what is asked"
+_BY_CALLBACKS: Final = "ggl slopes by callbacks"
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,11 +134,11 @@ def _with_residual(eqs: EquationSet, integration: IntegrationProblem) -> Equatio
     values += [*(row.value for row in formed.holonomic), *velocity_residual(formed)]
     nodes = with_laws(eqs, [value.index for value in values], integration.problem.laws.formulas)
     by = (*formed.u, *formed.q, *first.values(), *second.values())
-    asked = input_symbols(eqs, integration.problem.laws.callbacks)
+    callbacks = input_symbols(eqs, integration.problem.laws.callbacks)
     outputs = [
         Roots(_RESIDUAL, (len(nodes),), tuple(nodes)),
         partial_derivatives(eqs, _SLOPES, nodes, by),
-        partial_derivatives(eqs, _BY_ASKED, nodes, asked),
+        partial_derivatives(eqs, _BY_CALLBACKS, nodes, callbacks),
     ]
     return with_outputs(eqs, outputs, {**udot, **first, **second})
 
@@ -161,7 +161,7 @@ class _GGLSystem:
         self.m, self.m_positions = len(eqs.formed.rows), len(eqs.formed.holonomic)
         self._n_u, self._n = integration.n_u, integration.state.size
         self._residual = integration.compile_outputs(_RESIDUAL, eqs)
-        self._slopes = integration.compile_outputs((_SLOPES, _MASS, _BY_ASKED), eqs)
+        self._slopes = integration.compile_outputs((_SLOPES, _MASS, _BY_CALLBACKS), eqs)
         self._laws = integration.problem.laws
         scales = integration.problem.scales
         weight = np.sqrt(scales.mass) * scales.length  # with it entries of M and J are of order 1

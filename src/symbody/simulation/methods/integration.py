@@ -63,7 +63,7 @@ def integrate_plan(plan: MotionPlan) -> Integration:
     Raises
     ------
     UsageError
-        If the integrator cannot hold the constraints in the way asked for.
+        If the integrator cannot hold the constraints as the plan requires.
     SimulationError
         If the law of an input fails.
     """
@@ -139,7 +139,7 @@ def run_explicit(
     function = problem.compile_outputs(("xdot", "power"))
     python_laws = CallbackFunction(function, laws) if laws.callbacks else None
     projector = NOTHING_TO_PROJECT if closing is None else closing.projector
-    if isinstance(method, FixedStep):  # however far a step went, there is no shorter one
+    if isinstance(method, FixedStep):  # its steps never become shorter, however far one went
         projector = projector._replace(limit=math.inf)
     run = partial(
         integrate,
@@ -176,8 +176,8 @@ def run_explicit(
 def _work_tolerance(integration: IntegrationProblem) -> float:
     """Return how large a local error of the work may be.
 
-    Work starts at zero, but energies are known to `rtol` at best: to ask for `atol` alone of work done on a
-    mechanism in fast motion would ask for steps without end.
+    Work starts at zero, but energies are known to `rtol` at best: `atol` alone for work done on a mechanism
+    in fast motion would need steps without end.
     """
     problem, n_u, x = integration.problem, integration.n_u, integration.state
     kinetic = problem.interpret("kinetic_energy", integration.span[0], x[n_u:], x[:n_u])

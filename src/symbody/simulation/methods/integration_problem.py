@@ -173,7 +173,7 @@ class IntegrationProblem:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StateFunction:
-    """A compiled function of time and of a state x = (u, q), with the inputs that are no formulas."""
+    """A compiled function of time and of a state x = (u, q), with the inputs that are callbacks."""
 
     function: CompiledFunction
     laws: InputLaws
@@ -182,8 +182,8 @@ class StateFunction:
     def __call__(self, t: float, x: Floats, more: Floats = NOTHING) -> Any:
         """Return the outputs; `more` are arguments behind the inputs."""
         u, q = x[: self.n_u], x[self.n_u :]
-        asked = self.laws.evaluate(t, q, u) if self.laws.callbacks else NOTHING
-        return self.function(t, q, u, np.concatenate([asked, more]))
+        inputs = self.laws.evaluate(t, q, u) if self.laws.callbacks else NOTHING
+        return self.function(t, q, u, np.concatenate([inputs, more]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,7 +1,7 @@
 """`LoopConstraints`: the constraints of a motion as numbers, and the branch of configurations it follows.
 
 Lengths are measured by the mechanism's size, so that coordinates, speeds and constraints are numbers of order
-one. Where constraints are dependent, their number says little: in linkages that only just fit, rows of J
+one. Where constraints are dependent, their number means little: in linkages that only just fit, rows of J
 follow from others on the configurations that close all loops, and nowhere else; at change points they do so
 for an instant. What stays the same along a motion is the rank of J at its regular configurations.
 """
@@ -145,8 +145,8 @@ class LoopConstraints:
     def _call(self, function: Any, t: float | Floats, q: Floats, u: Floats) -> Any:
         if q.ndim > 1:
             return self.problem.evaluate(function, np.asarray(t), q.T, u.T)
-        asked = self.problem.laws.evaluate(float(t), q, u) if self.problem.laws.callbacks else np.zeros(0)
-        return function(t, q, u, asked)
+        inputs = self.problem.laws.evaluate(float(t), q, u) if self.problem.laws.callbacks else np.zeros(0)
+        return function(t, q, u, inputs)
 
 
 def motion_branch(loops: LoopConstraints, t: float, x: Floats) -> MotionBranch:

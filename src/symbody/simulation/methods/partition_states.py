@@ -182,7 +182,7 @@ class PartitionStates:
         return self._state_rates(t, self._solve(t, y, (self.positions, self.speeds)), self.speeds)
 
     def is_on_branch(self, t: float, x: Floats) -> bool:
-        """Return whether a state near a change point moves along one branch, and which one can be told."""
+        """Return whether a state near a change point moves along one branch that can be recognized."""
         if not self.is_near_change_point(t, x[self._n_u :]):
             return True
         speed = float(np.abs(self.loops.rates(t, x)).max(initial=0.0))

@@ -13,7 +13,7 @@ from symbody.expr.sequence import Roots
 
 STATE_RATES: Final = "state rates"
 STATE_JACOBIAN: Final = "state jacobian"
-ASKED_JACOBIAN: Final = "asked jacobian"
+CALLBACK_JACOBIAN: Final = "callbacks jacobian"
 
 
 def drop_idle_rows(eqs: EquationSet, parameters: Mapping[str, Value]) -> EquationSet:
@@ -28,17 +28,17 @@ def drop_idle_rows(eqs: EquationSet, parameters: Mapping[str, Value]) -> Equatio
 
 
 def with_state_jacobian(
-    eqs: EquationSet, laws: Mapping[str, Value], asked: Iterable[str] = ()
+    eqs: EquationSet, laws: Mapping[str, Value], callbacks: Iterable[str] = ()
 ) -> EquationSet:
     """Return the equations with the outputs `STATE_RATES`, x' in the order (u, q), and `STATE_JACOBIAN`.
 
-    With them is `ASKED_JACOBIAN`, the derivatives of the same by the inputs in `asked`.
+    With them is `CALLBACK_JACOBIAN`, the derivatives of the same by the inputs in `callbacks`.
     """
     rates = with_laws(eqs, eqs.roots("xdot").nodes, laws)
     by = (*eqs.formed.u, *eqs.formed.q)
     derivatives = partial_derivatives(eqs, STATE_JACOBIAN, rates, by)
-    by_asked = partial_derivatives(eqs, ASKED_JACOBIAN, rates, input_symbols(eqs, asked))
-    return with_outputs(eqs, [Roots(STATE_RATES, (len(rates),), tuple(rates)), derivatives, by_asked])
+    by_callbacks = partial_derivatives(eqs, CALLBACK_JACOBIAN, rates, input_symbols(eqs, callbacks))
+    return with_outputs(eqs, [Roots(STATE_RATES, (len(rates),), tuple(rates)), derivatives, by_callbacks])
 
 
 def input_symbols(eqs: EquationSet, names: Iterable[str]) -> list[Symbol]:

@@ -86,7 +86,7 @@ class StepEnds:
     counts: Integers
 
     def __call__(self, t: float) -> tuple[float, float, float]:
-        """Return from where to where the longest step at a time leads, and at which time it is said to end.
+        """Return from where to where the longest step at a time leads, and at which time it counts as ended.
 
         A step begins behind a jump that lies at its time, and ends before one.
         """

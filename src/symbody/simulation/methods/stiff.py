@@ -15,7 +15,7 @@ from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
 from symbody.simulation.methods.solved_steps import SolvedSteps
 from symbody.simulation.methods.state_jacobian import (
-    ASKED_JACOBIAN,
+    CALLBACK_JACOBIAN,
     STATE_JACOBIAN,
     STATE_RATES,
     drop_idle_rows,
@@ -95,16 +95,16 @@ def run_stiff(
     laws = integration.problem.laws
     wider = with_state_jacobian(eqs, laws.formulas, laws.callbacks)
     rates = integration.compile_outputs(STATE_RATES, wider)
-    slopes = integration.compile_outputs((STATE_JACOBIAN, ASKED_JACOBIAN), wider)
+    slopes = integration.compile_outputs((STATE_JACOBIAN, CALLBACK_JACOBIAN), wider)
     watch = MonitoredFunction(rates)
 
     def right_hand_side(t: float, x: Floats, out: Floats) -> None:
         out[:] = watch(t, x)
 
     def jacobian(t: float, x: Floats) -> Floats:
-        by_state, by_asked = slopes(t, x)
+        by_state, by_callbacks = slopes(t, x)
         found: Floats = (
-            by_state + by_asked @ laws.slopes(t, x, integration.n_u) if laws.callbacks else by_state
+            by_state + by_callbacks @ laws.slopes(t, x, integration.n_u) if laws.callbacks else by_state
         )
         return found
 
@@ -124,7 +124,7 @@ def run_stiff(
 
 
 class _Settling:
-    """Closes the end of a step, and asks for a new start where the drift is large."""
+    """Closes the end of a step, and requires a new start where the drift is large."""
 
     def __init__(self, closing: StateProjector | None, constraints: Projection | Baumgarte) -> None:
         self._closing = closing

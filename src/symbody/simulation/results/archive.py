@@ -61,7 +61,7 @@ def read_archive(path: Path) -> tuple[dict[str, Floats], About]:
     """
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
-            raise _unreadable(path, "it is no ordinary file")
+            raise _unreadable(path, "it is not an ordinary file")
         file = open(path, "rb")  # closed below
     except (OSError, ValueError) as error:
         raise _unreadable(path, getattr(error, "strerror", None) or str(error)) from error
@@ -79,7 +79,7 @@ def read_archive(path: Path) -> tuple[dict[str, Floats], About]:
 
 
 def check_motion(arrays: Mapping[str, Floats], about: About) -> None:
-    """Compare what a file says of a motion with the arrays in it.
+    """Compare the description of a motion in a file with the arrays in it.
 
     Raises
     ------

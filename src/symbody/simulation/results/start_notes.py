@@ -71,8 +71,8 @@ def _open_loops(problem: SimulationProblem, first: State) -> tuple[str, ...]:
     function = problem.compile_outputs(("constraints", "jacobian"), quick=True)
     values, rows = function(t, q, np.zeros(len(eqs.speed_names)))
     rows = rows / problem.scales.constraints(eqs)[:, np.newaxis] * problem.scales.displacements(eqs)
-    said = nearly_redundant(problem, rows, values) if np.isfinite(rows).all() else ""
-    return (said,) if said else ()
+    note = nearly_redundant(problem, rows, values) if np.isfinite(rows).all() else ""
+    return (note,) if note else ()
 
 
 def _moved_initial_values(problem: SimulationProblem, first: State) -> tuple[str, ...]:

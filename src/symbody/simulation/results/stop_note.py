@@ -31,13 +31,13 @@ def stop_note(problem: SimulationProblem, raw: RawRun) -> str:
     reached = f"the motion is known up to t = {raw.reached:.9g} s"
     if raw.status in _COLLAPSES and problem.eqs.multiplier_names:
         position = _singular_position(problem, raw)
-        told = _open_constraints(problem, raw) if position is None else position.note
-        if told:
-            return f"{reached}; {told}"
+        cause = _open_constraints(problem, raw) if position is None else position.note
+        if cause:
+            return f"{reached}; {cause}"
     if raw.status in (Status.SINGULAR, Status.NOT_FINITE):
-        told = _massless(problem, raw) or _springs_of_no_length(problem, raw)
-        if told:
-            return f"{reached}; {told}"
+        cause = _massless(problem, raw) or _springs_of_no_length(problem, raw)
+        if cause:
+            return f"{reached}; {cause}"
     return raw.stop_note((*problem.eqs.state_names, "work"))
 
 
@@ -129,8 +129,8 @@ def _open_constraints(problem: SimulationProblem, raw: RawRun) -> str:
     t, x = _samples(problem, raw)
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
     values = problem.evaluate(problem.compile_outputs("constraints"), t[-1:], x[n_u:n, -1:], x[:n_u, -1:])[0]
-    said = nearly_redundant(problem, rows[-1], values)
-    return said and f"there {said}"
+    note = nearly_redundant(problem, rows[-1], values)
+    return note and f"there {note}"
 
 
 def _massless(problem: SimulationProblem, raw: RawRun) -> str:

@@ -45,7 +45,7 @@ class Trajectory(Displayed):
     coordinate_names, speed_names : tuple of str
         The names of their rows.
     status : Status
-        How the motion ended; ``status.value`` says what to try.
+        How the motion ended; ``status.value`` names what to try.
     statistics : Statistics
         What it cost.
     evaluate : callable, optional
@@ -94,7 +94,7 @@ class Trajectory(Displayed):
 
     @property
     def success(self) -> bool:
-        """Whether the motion was computed as far as was asked."""
+        """Whether the motion reached its end, or an event that stops it."""
         return self.status.success
 
     @property

@@ -121,7 +121,7 @@ def case_table(
     Parameters
     ----------
     check : callable, optional
-        Is told how many cases there will be, and names that vary, before any memory is taken for them.
+        Called with the numbers of cases and of names that vary, before any memory is taken for them.
 
     Raises
     ------
@@ -189,7 +189,7 @@ def _check_columns(
         column = _column(value)
         if column is None:
             problems.append(
-                Problem("sweep.values", f"{kind}, {name}", f"{value!r} is no list of numbers",
+                Problem("sweep.values", f"{kind}, {name}", f"{value!r} is not a list of numbers",
                         "each case takes one finite number", "give numbers such as np.linspace(1, 2, 11)")
             )  # fmt: skip
         else:

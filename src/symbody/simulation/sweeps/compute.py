@@ -223,5 +223,5 @@ _JOBS: Final[SingleFlight[bytes, LoopJob | SweepJob]] = SingleFlight(4)
 def _unpack(payload: bytes) -> LoopJob | SweepJob:
     job = pickle.loads(payload)
     if not isinstance(job, LoopJob | SweepJob):
-        raise TypeError(f"{type(job).__name__} is no job")
+        raise TypeError(f"{type(job).__name__} is not a job")
     return job

@@ -57,7 +57,7 @@ def first_states(
     Parameters
     ----------
     given : mapping of "length", "time" to float
-        Scales that are told.
+        Scales that were given.
 
     Raises
     ------

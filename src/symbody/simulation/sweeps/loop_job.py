@@ -99,7 +99,7 @@ def _breakpoints(
 
 
 def cases_apart(eqs: EquationSet, table: CaseTable) -> list[int]:
-    """Return the cases whose values fulfil constraints that others do not; `simulate` knows these.
+    """Return the cases whose values fulfil constraints that others do not; `simulate` treats these.
 
     A constraint that is zero but for rounding at some values of the parameters would be taken for one.
     """

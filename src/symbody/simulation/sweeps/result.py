@@ -83,7 +83,7 @@ class Sweep(Displayed):
 
     @property
     def succeeded(self) -> NDArray[np.bool_]:
-        """Which motions were computed as far as was asked (cases,)."""
+        """Which motions reached their end, or an event that stops them (cases,)."""
         return np.array([status.success for status in self.status], dtype=np.bool_)
 
     @property

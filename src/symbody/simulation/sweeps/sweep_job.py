@@ -1,4 +1,4 @@
-"""`SweepJob`: a sweep that was asked for, and how one of its cases is simulated."""
+"""`SweepJob`: a sweep to compute, and how one of its cases is simulated."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ class MotionOptions:
 
 
 def _check_lanes(lanes: bool | None) -> bool | None:
-    """Return whether lanes were asked for.
+    """Return whether lanes are wanted.
 
     Raises
     ------
@@ -182,7 +182,7 @@ def check_memory(cases: int, varied: int, samples: int, states: int) -> None:
     fitting = (limit // (8 * cases) - rest) // states if states else 0
     largest = limit // (8 * (states + rest))
     fix = (
-        f"ask for at most {fitting} times, such as times=[t_end] for final values"
+        f"give at most {fitting} times, such as times=[t_end] for final values"
         if fitting >= 1
         else f"give at most {largest:,} cases at once with times=[t_end]: fewer values, fewer samples=, or "
         "the sweep in parts, each saved before the next"

@@ -104,23 +104,23 @@ def check_workers(
     Raises
     ------
     UsageError
-        If there are no such threads, the executor is none, or patience no time.
+        If threads, part, executor or patience have values without meaning.
     """
     problems = []
     for name, value in (("threads", threads), ("part", part)):
         if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
             problems.append(
-                Problem(f"sweep.{name}", name, f"{name} = {value!r} is no such number", "",
+                Problem(f"sweep.{name}", name, f"{name} = {value!r} is not a positive whole number", "",
                         "give a whole number from 1 on, or leave it out")
             )  # fmt: skip
     if executor is not None and not isinstance(executor, Executor):
         problems.append(
-            Problem("sweep.executor", "executor", f"{type(executor).__name__} is no Executor", "",
+            Problem("sweep.executor", "executor", f"{type(executor).__name__} is not an Executor", "",
                     "give a concurrent.futures.Executor, such as Client(...).get_executor() of Dask")
         )  # fmt: skip
     if isinstance(patience, bool) or not isinstance(patience, int | float) or not patience > 0.0:
         problems.append(
-            Problem("sweep.patience", "patience", f"patience = {patience!r} is no length of time", "",
+            Problem("sweep.patience", "patience", f"patience = {patience!r} is not a length of time", "",
                     "give seconds, or math.inf to wait for workers without end")
         )  # fmt: skip
     if problems:
