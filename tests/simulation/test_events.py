@@ -235,7 +235,7 @@ def test_what_is_refused() -> None:
         sb.simulate(ball(), 1.0, events=sb.Event("y", 0, {"m": "1"}))
     with pytest.raises(UsageError, match="name of its own"):
         sb.simulate(ball(), 1.0, events=[sb.Event("y"), sb.Event("y", 1)])
-    with pytest.raises(UsageError, match="no event"):
+    with pytest.raises(UsageError, match="not an event"):
         sb.simulate(ball(), 1.0, events=["y"])
 
 

@@ -19,10 +19,13 @@ def execute(plan: MotionPlan) -> Trajectory:
     """Return the motion of equations that stay the same."""
     integration = plan.integration
     problem = integration.problem
-    pivots = pivot_events(problem, integration.span[0], integration.state)
+    has_pivots = problem.eqs.formed.elimination is not None
+    pivots = pivot_events(problem, integration.span[0], integration.state) if has_pivots else ()
     integration = replace(integration, events=(*integration.events, *pivots))
     run = integrate_on_branch(replace(plan, integration=integration))
-    return _trajectory(problem, judge_pivots(judge_friction(problem, run), pivots))
+    if pivots or not run.raw.status.success:
+        run = judge_pivots(judge_friction(problem, run), pivots)
+    return _trajectory(problem, run)
 
 
 def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:
@@ -31,7 +34,7 @@ def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
     states, work = _split_work(raw.dense_output, n)
     passages = [] if states is None else list(singular_passages(eqs, states))
-    stop = stop_note(problem, raw)
+    stop = "" if raw.status.success else stop_note(problem, raw)
     if raw.status is Status.CHATTERING and run.watch is not None:
         stop += f"; there event {run.watch.chattering!r} happens again and again"
     occurrences = () if run.watch is None else run.watch.occurrences

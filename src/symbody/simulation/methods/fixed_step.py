@@ -19,8 +19,9 @@ class FixedStep:
     """Steps of one length: for real time, for comparisons, for laws that jump on a raster.
 
     No error is estimated: tolerances do not matter, and nothing shows whether the step was short enough.
-    Closed     loops are closed after every step, however far they moved. The last step is shorter where the length does
-    not divide the span; between steps the motion is the cubic through states and rates of both ends.
+    Closed loops are closed after every step, however far they moved. The last step is shorter where the
+    length does not divide the span; between steps the motion is the cubic through states and rates of both
+    ends.
 
     Attributes
     ----------
