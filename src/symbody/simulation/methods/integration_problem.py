@@ -25,8 +25,8 @@ from symbody.simulation.methods.explicit import (
 )
 from symbody.simulation.methods.stepping import Course, StepEnds
 from symbody.simulation.native.interface import Projector
+from symbody.simulation.native.layout import COUNTS
 from symbody.simulation.native.loop import project_row
-from symbody.simulation.native.places import COUNTS
 from symbody.simulation.native.run import Progress, RawRun
 from symbody.simulation.native.segments import Watch
 from symbody.simulation.simulation_problem import SimulationProblem

@@ -19,8 +19,8 @@ from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
 from symbody.simulation.native.cases import Cases, Outcome, run_cases
 from symbody.simulation.native.interface import Memory, Projector, Record, RightHandSide
 from symbody.simulation.native.lanes.arithmetic import WIDTH
-from symbody.simulation.native.lanes.cases import Single, run_cases_in_lanes
-from symbody.simulation.native.lanes.steps import ONE, TRIALS, Bundle
+from symbody.simulation.native.lanes.lane_cases import Single, run_cases_in_lanes
+from symbody.simulation.native.lanes.lane_steps import ONE, TRIALS, Bundle
 from symbody.simulation.native.run import fresh_memory, method_arrays
 from symbody.simulation.sweeps.case_by_case import compute_case
 from symbody.simulation.sweeps.records import NOT_STARTED, Chunk, LoopJob, Records, Signal, blocks

@@ -22,7 +22,7 @@ from symbody.simulation.inputs.input_laws import Law, input_laws
 from symbody.simulation.methods.change_point import is_overconstrained
 from symbody.simulation.methods.explicit import check_span
 from symbody.simulation.methods.integration import Constraints, Integrator
-from symbody.simulation.native import places
+from symbody.simulation.native import layout
 from symbody.simulation.native.lanes.arithmetic import WIDTH
 from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
@@ -248,9 +248,9 @@ def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
 
 def _worth_another_try(job: SweepJob, records: Records) -> list[int]:
     """Return cases that `simulate` integrates by another method than the loop over many cases."""
-    codes = [places.STIFF]
+    codes = [layout.STIFF]
     if job.eqs.multiplier_names and job.options.constraints is None:
-        codes += [places.COLLAPSED, places.SINGULAR, places.NOT_FINITE]
+        codes += [layout.COLLAPSED, layout.SINGULAR, layout.NOT_FINITE]
     return np.flatnonzero(np.isin(records.codes, codes)).tolist()
 
 
