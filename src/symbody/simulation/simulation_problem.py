@@ -51,10 +51,10 @@ class SimulationProblem:
         is_one = isinstance(outputs, str)
         key = (self.eqs, (outputs,) if isinstance(outputs, str) else tuple(outputs), is_one, quick)
 
-        def compiled() -> CompiledFunction:
+        def compile_function() -> CompiledFunction:
             return CompiledFunction(*self._form_outputs(outputs), quick=quick)
 
-        return self._functions.get(key, compiled)
+        return self._functions.get(key, compile_function)
 
     def _form_outputs(self, outputs: str | Sequence[str]) -> tuple[Program, Signature]:
         names = (outputs,) if isinstance(outputs, str) else tuple(outputs)

@@ -215,10 +215,10 @@ class EventWatch:
     def _sample(self, dense: DenseOutput, breaks: Floats) -> Iterator[Crossing]:
         """Add the samples of new steps; yield what the start of a stretch hides."""
 
-        def watched(t: Floats) -> Floats:
+        def values(t: Floats) -> Floats:
             return self._values(dense, t)
 
-        t, g = samples(watched, breaks)
+        t, g = samples(values, breaks)
         if self._t.size:
             self._t, self._g = np.append(self._t, t[1:]), np.hstack([self._g, g[:, 1:]])
             return
@@ -230,7 +230,7 @@ class EventWatch:
         g[is_zero, 0] = 0.0
         self._t, self._g = t, g
         for place in np.flatnonzero(is_zero):
-            back = find_missed_return(watched, int(place), t, g[place])
+            back = find_missed_return(values, int(place), t, g[place])
             if back is None:
                 continue
             if back[1]:

@@ -18,11 +18,10 @@ from symbody.notebook import Displayed
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
-from symbody.simulation.results.archive import Path, not_ours, unwritable, write_archive
+from symbody.simulation.results.archive import Path, motion_fields, not_ours, unwritable, write_archive
 from symbody.simulation.results.evaluate import Evaluate, EvaluateTogether
 from symbody.simulation.results.model_record import record_of
 from symbody.simulation.results.provenance import Provenance
-from symbody.simulation.results.reading import motion_fields
 from symbody.simulation.results.recomputation import Recomputation, provenance_for
 from symbody.simulation.status import Status
 

@@ -95,7 +95,7 @@ class Chunk:
     atol: Floats
 
     @classmethod
-    def numbered(cls, count: int) -> Chunk:
+    def blank(cls, count: int) -> Chunk:
         """Return cases that are found by their numbers alone."""
         return cls(0, *[np.zeros((count, 0))] * 5)
 

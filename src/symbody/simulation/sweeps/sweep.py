@@ -161,7 +161,7 @@ def _compute_by_simulate(
 ) -> str:
     """Compute cases by `simulate`, by the workers of an executor if there are any; return where."""
     if workers.executor is not None and cases and _is_portable(job):
-        chunks = cut_chunks(Chunk.numbered(records.count), _runs(cases), workers.part)
+        chunks = cut_chunks(Chunk.blank(records.count), _runs(cases), workers.part)
         _note_lost(records, compute_there(job, chunks, records, workers, listener))
         return "by the workers"
     try:
