@@ -26,8 +26,8 @@ from symbody.simulation.native.interface import (
     uncounted,
 )
 from symbody.simulation.native.lanes.arithmetic import WIDTH
-from symbody.simulation.native.lanes.projection import project_new_states
-from symbody.simulation.native.lanes.steps import (
+from symbody.simulation.native.lanes.lane_projection import project_new_states
+from symbody.simulation.native.lanes.lane_steps import (
     CALLS,
     ERROR_NORM,
     FIRST,
@@ -40,17 +40,7 @@ from symbody.simulation.native.lanes.steps import (
     form_dense_outputs,
     take_marked,
 )
-from symbody.simulation.native.loop import (
-    accept,
-    advance,
-    begin,
-    failure,
-    interpolate,
-    is_stiff,
-    pass_jump,
-    reject,
-)
-from symbody.simulation.native.places import (
+from symbody.simulation.native.layout import (
     ACCEPTED,
     EVALUATIONS,
     FINISHED,
@@ -66,11 +56,21 @@ from symbody.simulation.native.places import (
     TIME,
     TOO_MANY,
 )
+from symbody.simulation.native.loop import (
+    accept,
+    advance,
+    begin,
+    failure,
+    interpolate,
+    is_stiff,
+    pass_jump,
+    reject,
+)
 from symbody.simulation.native.projection import project
 from symbody.simulation.native.step_bounds import behind_jump, next_trial
 
 # A test says what it has to be.
-SOURCES: Final = "1146d1df0c9106ed"
+SOURCES: Final = "20f1fa5b6cf87198"
 
 
 class Single(NamedTuple):

@@ -1,6 +1,6 @@
 """One Runge-Kutta step in every lane: what `native.stages` does for one motion, operation by operation.
 
-The cache of the compiled loop does not see a change of this file: renew `cases.SOURCES` after one.
+The cache of the compiled loop does not see a change of this file: renew `lane_cases.SOURCES` after one.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from symbody.simulation.native.lanes.arithmetic import (
     take,
     times,
 )
-from symbody.simulation.native.places import (
+from symbody.simulation.native.layout import (
     ERROR_1,
     ERROR_2,
     NOTHING,

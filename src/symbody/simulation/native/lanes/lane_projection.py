@@ -1,6 +1,6 @@
 """Projection of the states at the ends of steps in lanes: lane by lane, their derivatives all at once.
 
-The cache of the compiled loop does not see a change of this file: renew `cases.SOURCES` after one.
+The cache of the compiled loop does not see a change of this file: renew `lane_cases.SOURCES` after one.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from symbody.simulation.native.interface import (
     inlined,
 )
 from symbody.simulation.native.lanes.arithmetic import WIDTH, chosen, plus, put, spread, take, times
-from symbody.simulation.native.lanes.steps import (
+from symbody.simulation.native.lanes.lane_steps import (
     CALLS,
     ERROR_NORM,
     FIRST,
@@ -29,8 +29,8 @@ from symbody.simulation.native.lanes.steps import (
     T,
     take_marked,
 )
+from symbody.simulation.native.layout import STATE_NEW, STATE_OLD, TIME
 from symbody.simulation.native.loop import project_new_state
-from symbody.simulation.native.places import STATE_NEW, STATE_OLD, TIME
 
 
 @inlined

@@ -1,18 +1,23 @@
-"""`EventWatch`: finds the events of a run slice by slice, and says where it has to be cut."""
+"""`EventWatch`: finds the events of a run slice by slice, and where it has to be cut."""
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Sequence
-from typing import Final, Protocol
+from functools import cached_property
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.simulation.events.crossings import TOUCHING, Crossing, crossings, missed_return, samples
+from symbody.codegen.function import CompiledFunction
+from symbody.errors import Problem, UsageError
+from symbody.simulation.events.crossings import TOUCHING, Crossing, crossings, find_missed_return, samples
 from symbody.simulation.events.events import Event, Occurrence
+from symbody.simulation.methods.constraints import PROJECTED
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.segments import Cut, steps_before
+from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
@@ -28,26 +33,115 @@ _SIMULTANEOUS: Final = 1e-12
 # A value that changes by such a share of its largest within such a share of the run has jumped.
 _BESIDE: Final = 1e-10
 _TORN: Final = 0.25
+# Newton's method closes a state after an action in a few rounds.
+_MOST_ROUNDS: Final = 8
 
 
-class Watched(Protocol):
-    """What is watched, and what follows from it."""
+class EventFunctions:
+    """Values and actions of events, compiled.
+
+    Parameters
+    ----------
+    problem : SimulationProblem
+        What moves.
+    events : sequence of Event
+        At least one.
+    tolerances : (n_h,) array or None
+        How far each constraint may stay open after an action; None where nothing is projected.
+
+    Raises
+    ------
+    FormulationError
+        If an expression has no meaning.
+    UsageError
+        If it is not a number but a vector or matrix.
+    """
+
+    def __init__(
+        self, problem: SimulationProblem, events: Sequence[Event], tolerances: Floats | None
+    ) -> None:
+        self._problem = problem
+        self._events = tuple(events)
+        self._tolerances = tolerances
+        self._values = problem.compile_outputs([str(event.expression) for event in events])
+        self._check_shapes()
+        maps = {place: event.new_values for place, event in enumerate(events) if event.new_values}
+        self._maps = {
+            k: problem.compile_outputs([str(value) for value in new.values()]) for k, new in maps.items()
+        }
+        self._places = {k: [problem.eqs.state_names.index(name) for name in new] for k, new in maps.items()}
+
+    def _check_shapes(self) -> None:
+        outputs = zip(self._events, self._values.sequence.outputs, strict=True)
+        problems = [
+            Problem("simulation.event_shape", f"event {event.label!r}", f"its value has shape {output.shape}",
+                    "an event watches one number", "name one component, such as 'reaction J Fx'")
+            for event, output in outputs if output.shape
+        ]  # fmt: skip
+        if problems:
+            raise UsageError(*problems)
+
+    @cached_property
+    def _projection(self) -> CompiledFunction:
+        return self._problem.compile_outputs(PROJECTED)
+
+    @cached_property
+    def _energy(self) -> CompiledFunction:
+        return self._problem.compile_outputs("energy")
+
+    @property
+    def may_wrap(self) -> list[bool]:
+        """Whether each value reads an angle that jumps by a turn."""
+        angles = self._problem.eqs.measured_angles
+        return [any(name in str(event.expression) for name in angles) for event in self._events]
 
     def values(self, t: Floats, x: Floats) -> Floats:
         """Return the values (events, N) at times (N,) and states (n, N)."""
-        ...
+        q, u = self._split_state(x)
+        found = self._problem.evaluate(self._values, t, q, u)
+        return np.array(found if len(self._events) > 1 else [found], dtype=np.float64)
 
-    def closed(self, t: float, x: Floats) -> Floats:
-        """Return a state moved back onto the constraints."""
-        ...
+    def project(self, t: float, x: Floats) -> Floats:
+        """Return a state moved back onto the constraints.
 
-    def after(self, place: int, t: float, x: Floats) -> Floats:
-        """Return the state after an event's action."""
-        ...
+        Raises
+        ------
+        SimulationError
+            If its mass matrix is singular.
+        """
+        if self._tolerances is None:
+            return x
+        result = x.copy()
+        q, u = self._split_state(result)  # views
+        for _ in range(_MOST_ROUNDS):
+            found = self._call(self._projection, t, result)
+            residual, move = found[0], found[1]
+            if (np.abs(residual) <= self._tolerances).all():
+                break
+            q += move
+        u += found[3]
+        return result
 
-    def named(self, x: Floats) -> dict[str, float]:
+    def apply_action(self, place: int, t: float, x: Floats) -> Floats:
+        """Return the state after an event's action; energy that comes or goes counts as work."""
+        found = self._call(self._maps[place], t, x)
+        result = x.copy()
+        result[self._places[place]] = np.ravel(found)
+        result = self.project(t, result)
+        result[-1] += self._call(self._energy, t, result) - self._call(self._energy, t, x)
+        return result
+
+    def name_states(self, x: Floats) -> dict[str, float]:
         """Return a state by name."""
-        ...
+        return dict(zip(self._problem.eqs.state_names, x.tolist(), strict=False))
+
+    def _call(self, function: CompiledFunction, t: float, x: Floats) -> Any:
+        q, u = self._split_state(x)
+        return function(t, q, u, self._problem.laws.evaluate(t, q, u))
+
+    def _split_state(self, x: Floats) -> tuple[Floats, Floats]:
+        n_u, n = len(self._problem.eqs.speed_names), len(self._problem.eqs.state_names)
+        return x[n_u:n], x[:n_u]
 
 
 class EventWatch:
@@ -59,22 +153,18 @@ class EventWatch:
     ----------
     events : sequence of Event
         In the order in which simultaneous ones happen.
-    watched : Watched
+    functions : EventFunctions
         Their values and actions.
-    wrapping : sequence of bool
-        Whether the value of each may jump without passing zero, as an angle does.
     span : float
         Length of the run [s].
     """
 
-    def __init__(
-        self, events: Sequence[Event], watched: Watched, wrapping: Sequence[bool], span: float
-    ) -> None:
+    def __init__(self, events: Sequence[Event], functions: EventFunctions, span: float) -> None:
         self.occurrences: list[Occurrence] = []
         self.chattering = ""
         self._events = tuple(events)
-        self._watched = watched
-        self._wrapping = tuple(wrapping)
+        self._functions = functions
+        self._wrapping = functions.may_wrap
         self._span = span
         self._recent = [
             deque[float](maxlen=_MOST_RECORDED if event.action == "record" else _MOST_ACTING)
@@ -101,18 +191,18 @@ class EventWatch:
         if steps == self._first:
             return None
         dense = DenseOutput(breaks[self._first : steps + 1], pieces[self._first : steps])
-        found = self._later
+        zeros = self._later
         if steps > self._sampled:
-            found = [*found, *self._sample(dense, breaks[self._sampled : steps + 1])]
+            zeros = [*zeros, *self._sample(dense, breaks[self._sampled : steps + 1])]
             self._sampled = steps
         direction = 1.0 if dense.breaks[-1] >= dense.breaks[0] else -1.0
         horizon = dense.breaks[-1] if is_over else dense.breaks[-2]
         last = int(np.searchsorted(direction * self._t, direction * horizon))
-        found += crossings(lambda t: self._values(dense, t), self._t, self._g, last, self._largest)
+        zeros += crossings(lambda t: self._values(dense, t), self._t, self._g, last, self._largest)
         self._largest = np.maximum(self._largest, np.abs(self._g[:, : last + 1]).max(axis=1))
         self._t, self._g = self._t[last:], self._g[:, last:]
-        self._later = [crossing for crossing in found if direction * (crossing.t - horizon) > 0.0]
-        due = [crossing for crossing in found if direction * (crossing.t - horizon) <= 0.0]
+        self._later = [crossing for crossing in zeros if direction * (crossing.t - horizon) > 0.0]
+        due = [crossing for crossing in zeros if direction * (crossing.t - horizon) <= 0.0]
         cut = self._happen(dense, [c for c in due if self._counts(dense, c)], direction)
         if cut is not None and cut.after is not None:
             self._start(steps_before(breaks, steps, cut.t), self._just_happened)
@@ -120,27 +210,27 @@ class EventWatch:
 
     def _values(self, dense: DenseOutput, t: Floats) -> Floats:
         inside = np.clip(t, *sorted((dense.breaks[0], dense.breaks[-1])))  # nodes may stray by rounding
-        return self._watched.values(inside, dense(inside))
+        return self._functions.values(inside, dense(inside))
 
     def _sample(self, dense: DenseOutput, breaks: Floats) -> Iterator[Crossing]:
         """Add the samples of new steps; yield what the start of a stretch hides."""
 
-        def watched(t: Floats) -> Floats:
+        def values(t: Floats) -> Floats:
             return self._values(dense, t)
 
-        t, g = samples(watched, breaks)
+        t, g = samples(values, breaks)
         if self._t.size:
             self._t, self._g = np.append(self._t, t[1:]), np.hstack([self._g, g[:, 1:]])
             return
         first = np.abs(g[:, t <= breaks[1]] if t[-1] >= t[0] else g[:, t >= breaks[1]]).max(axis=1)
         is_zero = np.abs(g[:, 0]) <= TOUCHING * first
         if (g[is_zero, 0] != 0.0).any():
-            is_zero &= np.abs(g[:, 0]) <= self._rounding(float(t[0]), dense(t[:1])[:, 0])
+            is_zero &= np.abs(g[:, 0]) <= self._rounding_errors(float(t[0]), dense(t[:1])[:, 0])
         is_zero[list(self._just_happened)] = True
         g[is_zero, 0] = 0.0
         self._t, self._g = t, g
         for place in np.flatnonzero(is_zero):
-            back = missed_return(watched, int(place), t, g[place])
+            back = find_missed_return(values, int(place), t, g[place])
             if back is None:
                 continue
             if back[1]:
@@ -150,7 +240,7 @@ class EventWatch:
                 recent.extend([back[0].t] * (recent.maxlen or 0))
                 yield back[0]
 
-    def _rounding(self, t: float, x: Floats) -> Floats:
+    def _rounding_errors(self, t: float, x: Floats) -> Floats:
         """Return how much values change where time or one state does by a share of `TOUCHING`.
 
         A value that is the difference of larger ones is not known better; one of a small state alone is.
@@ -160,8 +250,8 @@ class EventWatch:
         states[np.repeat(np.arange(x.size), 2), np.arange(2, shares.size)] *= 1.0 + shares[2:]
         times = np.full(shares.size, t)
         times[:2] *= 1.0 - TOUCHING, 1.0 + TOUCHING
-        here = self._watched.values(np.array([t]), x[:, np.newaxis])
-        changed: Floats = np.abs(self._watched.values(times, states) - here).max(axis=1)
+        here = self._functions.values(np.array([t]), x[:, np.newaxis])
+        changed: Floats = np.abs(self._functions.values(times, states) - here).max(axis=1)
         return changed
 
     def _counts(self, dense: DenseOutput, crossing: Crossing) -> bool:
@@ -181,17 +271,17 @@ class EventWatch:
             x = dense(t)
             acting = [c for c in group if self._events[c.place].action != "record"]
             if acting:
-                x = self._watched.closed(t, x)
+                x = self._functions.project(t, x)
             after = x
             for crossing in group:
                 event = self._events[crossing.place]
-                self.occurrences.append(Occurrence(event.label, crossing.t, self._watched.named(x)))
+                self.occurrences.append(Occurrence(event.label, crossing.t, self._functions.name_states(x)))
                 if self._chatters(crossing):
                     return Cut(t, x, None, Status.CHATTERING)
                 if event.action == "stop":
                     return Cut(t, x, None)
-                if event.mapping:
-                    after = self._watched.after(crossing.place, t, after)
+                if event.new_values:
+                    after = self._functions.apply_action(crossing.place, t, after)
             if acting:
                 self._just_happened = [c.place for c in group]
                 return Cut(t, x, after)

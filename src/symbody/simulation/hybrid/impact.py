@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from symbody.equations.solving.ropes import rope_rows
 from symbody.expr.saddle import solve_saddle
-from symbody.simulation.modes.modes import Moment, outputs_at
-from symbody.simulation.modes.ropes import RATE, TAUT, Ropes
+from symbody.simulation.hybrid.modes import HybridState, evaluate_outputs
+from symbody.simulation.hybrid.ropes import RATE, TAUT, RopeElements
 
 Floats = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ _MOST_TRIED: Final = 4096
 
 
 @dataclass(frozen=True, slots=True)
-class Shock:
+class RopeImpact:
     """What a shock did.
 
     Attributes
@@ -51,30 +51,30 @@ class Shock:
     change: float
 
     @property
-    def told(self) -> str:
+    def note(self) -> str:
         """The shock in words."""
         each = " and ".join(f"{name} by {impulse:.6g} N s" for name, impulse in self.impulses.items())
         return f"at t = {self.t:.9g} s ropes go taut with a shock: {each}; {self.lost:.6g} J are lost"
 
 
-def shock(ropes: Ropes, moment: Moment) -> Shock | None:
+def rope_impact(ropes: RopeElements, state: HybridState) -> RopeImpact | None:
     """Return what happens where ends of ropes at their length move apart; None where none do.
 
     Returns
     -------
-    Shock or None
+    RopeImpact or None
         Its impulses are empty if no speeds were found.
     """
-    t, x = moment.t, moment.x
-    seen = ropes.seen_at(t, x)
-    tight = ropes.tight(moment.before, seen)
-    were = np.array([moment.before.get(name) == TAUT for name in ropes.names], dtype=np.bool_)
-    if not (tight & ~were & (seen[RATE] < -moment.small * moment.length)).any():
+    t, x = state.t, state.x
+    motion = ropes.motion_values(t, x)
+    tight = ropes.tight(state.before, motion)
+    were = np.array([state.before.get(name) == TAUT for name in ropes.names], dtype=np.bool_)
+    if not (tight & ~were & (motion[RATE] < -state.small * state.length)).any():
         return None
-    task = ropes.task
+    problem = ropes.problem
     names = ("mass_matrix", "jacobian", "velocity_constraints", "energy")
-    mass, rows, rates, energy = outputs_at(task, names, t, x)
-    places = rope_rows(task.eqs.formed, ropes.names)
+    mass, rows, rates, energy = evaluate_outputs(problem, names, t, x)
+    places = rope_rows(problem.eqs.formed, ropes.names)
     always = [k for k in range(len(rates)) if k not in places]
     for some in _subsets([place for place, is_tight in zip(places, tight, strict=True) if is_tight]):
         chosen = [*always, *some]
@@ -89,12 +89,12 @@ def shock(ropes: Ropes, moment: Moment) -> Shock | None:
         if solution.ok and _is_inelastic(pulls, after[left], rates):
             moved = x.copy()
             moved[: du.size] += du
-            told = _SLIGHT * float(pulls.max())
+            least = _SLIGHT * float(pulls.max())
             pairs = zip(some, pulls, strict=True)
-            impulses = {ropes.names[places.index(k)]: float(pull) for k, pull in pairs if pull > told}
-            change = float(outputs_at(task, ("energy",), t, moved)[0] - energy)
-            return Shock(t, moved, impulses, float(du @ mass @ du) / 2.0, change)
-    return Shock(t, x, {}, 0.0, 0.0)
+            impulses = {ropes.names[places.index(k)]: float(pull) for k, pull in pairs if pull > least}
+            change = float(evaluate_outputs(problem, ("energy",), t, moved)[0] - energy)
+            return RopeImpact(t, moved, impulses, float(du @ mass @ du) / 2.0, change)
+    return RopeImpact(t, x, {}, 0.0, 0.0)
 
 
 def _subsets(places: Sequence[int]) -> Iterator[tuple[int, ...]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,11 +30,14 @@ class Piecewise:
         What computes in each.
     work : (parts,) array
         Done before each [J].
+    modes : tuple of modes
+        Of each part, empty where the equations stay the same; see `hybrid.modes`.
     """
 
     starts: Floats
     parts: tuple[Evaluate, ...]
     work: Floats
+    modes: tuple[tuple[int, ...], ...] = ()
 
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the output with time last; of two samples at a change the first belongs to the part before.
@@ -60,7 +62,7 @@ class Piecewise:
                 shape = values.shape[:-1]
                 array = whole.setdefault(name, np.empty((*shape, t.size)))
                 if array.shape[:-1] != shape:
-                    raise _changing(name)
+                    raise changing_shape(name)
                 array[..., inside] = values + self.work[k] if name == "work" else values
         return [whole.get(name, np.empty((0,))) for name in names]
 
@@ -71,10 +73,11 @@ def _outputs(part: Evaluate, names: Sequence[str], t: Floats, q: Floats, u: Floa
     return [part(name, t, q, u) for name in names]
 
 
-def joined(
+def concatenate(
     parts: Sequence[Trajectory],
     events: Sequence[Occurrence],
-    jumps: Mapping[int, float] = MappingProxyType({}),
+    jumps: Mapping[int, float],
+    modes: Sequence[tuple[int, ...]] = (),
 ) -> Trajectory:
     """Return parts of one motion, each starting where the one before ends, with the verdict of the last.
 
@@ -82,6 +85,8 @@ def joined(
     ----------
     jumps : mapping of place to float
         By how much the energy jumps before a part [J]: that counts as work.
+    modes : sequence of modes
+        Of each part.
     """
     last = parts[-1]
     done = [jumps.get(0, 0.0)]
@@ -97,7 +102,7 @@ def joined(
         q=np.concatenate([part.q for part in parts], axis=1),
         u=np.concatenate([part.u for part in parts], axis=1),
         statistics=_total([part.statistics for part in parts]),
-        evaluate=Piecewise(starts, tuple(evaluate), np.array(done)),
+        evaluate=Piecewise(starts, tuple(evaluate), np.array(done), tuple(modes)),
         dense_output=_dense([part.dense_output for part in parts]),
         stored={"work": np.concatenate(works)},
         notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
@@ -126,9 +131,10 @@ def _dense(parts: Sequence[DenseOutput | None]) -> DenseOutput | None:
     return DenseOutput(np.concatenate(breaks), np.concatenate(pieces))
 
 
-def _changing(name: str) -> UsageError:
+def changing_shape(name: str) -> UsageError:
+    """Return the error for an output whose number of values changes with the equations."""
     return UsageError(
         Problem("trajectory.changing_shape", repr(name), f"{name} does not keep its number of values",
                 "joints that stick and ropes that are taut are held by further constraints",
-                "ask for single values, or a reaction")
+                "read single values, or a reaction")
     )  # fmt: skip

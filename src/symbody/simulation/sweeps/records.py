@@ -1,4 +1,4 @@
-"""What a worker is sent, what it computes, and what it sends back: nothing but code and numbers.
+"""What a worker receives, what it computes, and what it returns: code and numbers, or a sweep to simulate.
 
 A case comes out the same whatever else is computed beside it, so results do not depend on how cases are cut
 into parts, nor on who computes them.
@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.function import CompiledFunction
+from symbody.simulation.events.events import Occurrence
 from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.native import places
+from symbody.simulation.native import layout
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -30,8 +31,8 @@ WORKER_LOST: Final = -3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Job:
-    """One sweep as a worker sees it.
+class LoopJob:
+    """A sweep for the compiled loop over many cases.
 
     Attributes
     ----------
@@ -69,8 +70,8 @@ class Job:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Part:
-    """Some cases that are not yet computed; one row each.
+class Chunk:
+    """Some cases to compute; one row each.
 
     Attributes
     ----------
@@ -93,15 +94,20 @@ class Part:
     sizes: Floats
     atol: Floats
 
+    @classmethod
+    def blank(cls, count: int) -> Chunk:
+        """Return cases that are found by their numbers alone."""
+        return cls(0, *[np.zeros((count, 0))] * 5)
+
     @property
     def count(self) -> int:
         """How many cases."""
         return len(self.states)
 
-    def cut(self, start: int, stop: int) -> Part:
+    def cut(self, start: int, stop: int) -> Chunk:
         """Return some of the cases."""
         rows = slice(start, stop)
-        return Part(
+        return Chunk(
             self.first + start,
             self.states[rows],
             self.parameters[rows],
@@ -109,6 +115,29 @@ class Part:
             self.sizes[rows],
             self.atol[rows],
         )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CaseDetails:
+    """What `simulate` returns of a case besides its samples.
+
+    Attributes
+    ----------
+    notes : str
+        What there is to say of it.
+    events : tuple of Occurrence
+        What happened.
+    work : (N,) array, optional
+        The work done until each sample [J].
+    starts, modes : tuples
+        When the equations changed [s], and the modes from then on; see `hybrid.modes`.
+    """
+
+    notes: str
+    events: tuple[Occurrence, ...] = ()
+    work: Floats | None = None
+    starts: tuple[float, ...] = ()
+    modes: tuple[tuple[int, ...], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,10 +150,12 @@ class Records:
         The samples, not a number where a motion did not reach.
     codes : (cases,) array of int
         How each ended.
-    counts : (cases, `places.COUNTS`) array of int
+    counts : (cases, `layout.COUNTS`) array of int
         What each cost, and what is to blame.
     reached : (cases,) array
         Time up to which each is known [s].
+    details : dict of case to CaseDetails
+        Of cases computed by `simulate`.
     """
 
     first: int
@@ -132,6 +163,7 @@ class Records:
     codes: Integers
     counts: Integers
     reached: Floats
+    details: dict[int, CaseDetails] = field(default_factory=dict)
 
     @classmethod
     def empty(cls, first: int, count: int, samples: int, states: int) -> Records:
@@ -140,7 +172,7 @@ class Records:
             first,
             np.full((count, samples, states), np.nan),
             np.full(count, NOT_ENDED, dtype=np.int64),
-            np.zeros((count, places.COUNTS), dtype=np.int64),
+            np.zeros((count, layout.COUNTS), dtype=np.int64),
             np.full(count, np.nan),
         )
 
@@ -153,7 +185,12 @@ class Records:
         """Return some of the cases, the same memory."""
         rows = slice(start, stop)
         return Records(
-            self.first + start, self.x[rows], self.codes[rows], self.counts[rows], self.reached[rows]
+            self.first + start,
+            self.x[rows],
+            self.codes[rows],
+            self.counts[rows],
+            self.reached[rows],
+            self.details,
         )
 
     def has_room_for(self, other: Records) -> bool:
@@ -174,11 +211,12 @@ class Records:
         rows = slice(other.first - self.first, other.first - self.first + other.count)
         self.x[rows], self.codes[rows] = other.x, other.codes
         self.counts[rows], self.reached[rows] = other.counts, other.reached
+        self.details.update(other.details)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Signal:
-    """What the one who waits and the compiled loop tell each other.
+    """Numbers that the compiled loop shares with the thread that waits for it.
 
     Attributes
     ----------
@@ -193,7 +231,7 @@ class Signal:
 
     @classmethod
     def new(cls) -> Signal:
-        """Return a signal that says nothing."""
+        """Return a signal for a loop that has not begun."""
         return cls(np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
 
 
