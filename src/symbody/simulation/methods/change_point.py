@@ -268,8 +268,8 @@ class _Passages:
         """Return the last time before the change point at which a motion ends; None if it came to none."""
         start, end = self.dense.breaks[[0, -1]].tolist()
         for at in self.times():
-            if self._beside(at, end) is None:
-                return self._beside(at, start)
+            if self._time_beside(at, end) is None:
+                return self._time_beside(at, start)
         return None
 
     def _differs(self, near: float, far: float, happened: list[float]) -> bool:
