@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.state import State
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.ropes import ropes
 from symbody.equations.solving.sticking import switching_joints
 from symbody.errors import Problem, UsageError
@@ -40,7 +40,7 @@ _MOST_TOLD: Final = 20  # shocks
 _UNDETERMINED: Final = "no way of sticking and slipping fits the friction of the joints at rest"
 
 
-def switches(formed: Formed) -> bool:
+def switches(formed: EquationsOfMotion) -> bool:
     """Return whether equations change at events: joints stick and slip, ropes are taut or slack."""
     return bool(switching_joints(formed) or ropes(formed))
 
