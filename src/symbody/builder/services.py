@@ -24,6 +24,7 @@ class Services:
         self._reserve = Reserve()
         self.jobs = Jobs(self._reserve, settings.limits)
         self._interactive = NewestOnly(self._reserve)
+        self._pictures = NewestOnly(self._reserve)  # which do not wait for a check that is under way
 
     def warm(self) -> None:
         """Begin to load what the first check needs."""
@@ -33,6 +34,12 @@ class Services:
         """Return what is wrong with a model, what it is, and its picture."""
         payload = {"data": request.data, "folder": self.documents.folder_of(request.document)}
         answer: Answer = self._interactive.run("check", payload, request.page, self.settings.limits.check)
+        return answer
+
+    def redraw(self, request: CheckRequest) -> Answer:
+        """Return the picture of a model whose parameters changed, sooner than its check has it."""
+        payload = {"data": request.data, "folder": self.documents.folder_of(request.document)}
+        answer: Answer = self._pictures.run("redraw", payload, request.page, self.settings.limits.check)
         return answer
 
     def pose(self, request: PoseRequest) -> Answer:
