@@ -2,8 +2,10 @@
 
 import type {
   CheckAnswer, DocumentAnswer, Draft, Example, FolderAnswer, JobKind, JobState, JsonObject, Json, Model, PoseAnswer,
-  Problem, RecentFile, SchemaAnswer,
+  Problem, RecentFile, RedrawAnswer, SchemaAnswer,
 } from "./types"; // prettier-ignore
+
+import { count } from "./shell/counts";
 
 /** A refusal of the server, or the server out of reach. */
 export class ServerError extends Error {
@@ -35,6 +37,7 @@ function token(): string {
 
 async function call(name: string, body: object, signal?: AbortSignal): Promise<unknown> {
   let response: Response;
+  count(name);
   try {
     response = await fetch(`/api/${name}`, {
       method: "POST",
@@ -68,6 +71,7 @@ export const api = {
   changed: async (document: string, fingerprint: string) =>
     (await call("changed", { document, fingerprint }) as { changed: boolean }).changed,
   check: (document: string, data: Model, signal: AbortSignal) => call("check", { data, document, page }, signal) as Promise<CheckAnswer>,
+  redraw: (document: string, data: Model, signal: AbortSignal) => call("redraw", { data, document, page }, signal) as Promise<RedrawAnswer>,
   pose: (document: string, data: Model, fixed: Record<string, number>, guess: Readonly<Record<string, number>>) =>
     call("pose", { data, document, page, fixed, guess }) as Promise<PoseAnswer>,
   formula: async (text: string, pointer: string) =>

@@ -1,13 +1,17 @@
 /** Asks the server for problems, picture and formulas after each change of the model. */
 
 import { api, problemsOf, ServerError } from "./api";
-import { useStore } from "./store";
+import { useStore, type State } from "./store";
 import type { Model } from "./types";
 
 const WAIT = 60; // [ms] after the last change
+const REST = 400; // [ms] after the last change of parameters, whose picture comes before
 
 let pending: ReturnType<typeof setTimeout> | null = null;
 let underWay: AbortController | null = null;
+let drawing: AbortController | null = null;
+/** The newest model whose parameters changed while another one was drawn. */
+let waiting: Model | null = null;
 
 async function check(data: Model): Promise<void> {
   underWay?.abort();
@@ -15,6 +19,7 @@ async function check(data: Model): Promise<void> {
   underWay = own;
   try {
     const answer = await api.check(useStore.getState().document?.id ?? "", data, own.signal);
+    if (own.signal.aborted) return;
     useStore.setState({ check: answer, checked: data, offline: false });
   } catch (error) {
     if (!own.signal.aborted) takeFailure(data, error);
@@ -33,6 +38,40 @@ function takeFailure(data: Model, error: unknown): void {
   useStore.setState({ checked: data, check: { ...kept, summary: null, values: {}, problems: problemsOf(error) } });
 }
 
+/** Show the picture of a model whose parameters alone differ from one that was checked: one at a time, the newest next. */
+async function redraw(data: Model): Promise<void> {
+  if (drawing !== null) {
+    waiting = data;
+    return;
+  }
+  drawing = new AbortController();
+  try {
+    const { picture, values } = await api.redraw(useStore.getState().document?.id ?? "", data, drawing.signal);
+    const { check: before, checked } = useStore.getState();
+    // a check that came meanwhile knows more
+    if (picture !== null && before !== null && checked !== data) useStore.setState({ check: { ...before, picture, values } });
+  } catch {
+    // the check says what is wrong
+  } finally {
+    drawing = null;
+  }
+  const next = waiting;
+  waiting = null;
+  if (next !== null) void redraw(next);
+}
+
+/** Have the server prepare for changes of parameters, which are about to come. */
+export function expectChanges(): void {
+  const { data, check: now } = useStore.getState();
+  if (now?.summary != null) void redraw(data);
+}
+
+function isOfParameters(state: State, before: State): boolean {
+  if (state.document !== before.document || before.check?.picture == null) return false;
+  const names = new Set([...Object.keys(state.data), ...Object.keys(before.data)]);
+  return [...names].every((name) => name === "parameters" || state.data[name] === before.data[name]);
+}
+
 /** Check the model now and after each change; return what ends it. */
 export function followChanges(): () => void {
   return useStore.subscribe((state, before) => {
@@ -40,6 +79,10 @@ export function followChanges(): () => void {
     if (state.data === before.data && state.document === before.document) return;
     if (state.data === state.checked) return;
     if (pending !== null) clearTimeout(pending);
-    pending = setTimeout(() => { void check(state.data); }, state.document === before.document ? WAIT : 0);
+    underWay?.abort();
+    const soon = isOfParameters(state, before);
+    if (soon) void redraw(state.data);
+    const wait = state.document !== before.document ? 0 : soon ? REST : WAIT;
+    pending = setTimeout(() => { void check(state.data); }, wait);
   });
 }

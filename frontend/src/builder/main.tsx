@@ -8,6 +8,7 @@ import { followChanges } from "./checking";
 import { takeKey } from "./commands/all";
 import { keepDrafts, openModel, watchFile } from "./commands/files";
 import { loadSchema } from "./commands/insert";
+import { counts } from "./shell/counts";
 import { rememberedTheme } from "./shell/theme";
 import { historyLength, isDirty, useStore } from "./store";
 import "./style/page.css";
@@ -17,7 +18,7 @@ import "./style/panels.css";
 declare global {
   interface Window {
     /** What tests look at. */
-    symbodyBuilder?: { state: typeof useStore.getState; steps: typeof historyLength };
+    symbodyBuilder?: { state: typeof useStore.getState; steps: typeof historyLength; counts: typeof counts };
   }
 }
 
@@ -25,7 +26,7 @@ function start(): void {
   const root = document.getElementById("root");
   if (root === null) return;
   useStore.setState({ theme: rememberedTheme() });
-  window.symbodyBuilder = { state: useStore.getState, steps: historyLength };
+  window.symbodyBuilder = { state: useStore.getState, steps: historyLength, counts };
   followChanges();
   keepDrafts();
   watchFile();
