@@ -59,6 +59,7 @@ def run_worker(pipe: Connection) -> None:
     threading.Thread(target=_end_with_parent, daemon=True).start()
     _limit_memory()
     import_module("symbody.builder.tasks.check")  # the slow part, while nobody waits yet
+    pipe.send(("ready",))
     while True:
         try:
             name, payload = pipe.recv()
