@@ -66,10 +66,19 @@ export function expectChanges(): void {
   if (now?.summary != null) void redraw(data);
 }
 
+/** Return whether models differ in no section, or in this one alone. */
+function differIn(section: string, one: Model, other: Model): boolean {
+  const names = new Set([...Object.keys(one), ...Object.keys(other)]);
+  return [...names].every((name) => name === section || one[name] === other[name]);
+}
+
+function isRearranged(data: Model, before: Model): boolean {
+  return differIn("layout", data, before);
+}
+
 function isOfParameters(state: State, before: State): boolean {
   if (state.document !== before.document || before.check?.picture == null) return false;
-  const names = new Set([...Object.keys(state.data), ...Object.keys(before.data)]);
-  return [...names].every((name) => name === "parameters" || state.data[name] === before.data[name]);
+  return differIn("parameters", state.data, before.data);
 }
 
 /** Check the model now and after each change; return what ends it. */
@@ -78,6 +87,10 @@ export function followChanges(): () => void {
     if (state.document === null) return;
     if (state.data === before.data && state.document === before.document) return;
     if (state.data === state.checked) return;
+    if (before.checked === before.data && state.document === before.document && isRearranged(state.data, before.data)) {
+      useStore.setState({ checked: state.data }); // where the nodes are says nothing of the mechanism
+      return;
+    }
     if (pending !== null) clearTimeout(pending);
     underWay?.abort();
     const soon = isOfParameters(state, before);
