@@ -47,8 +47,10 @@ class BuilderPage:
         return int(self.page.evaluate("symbodyBuilder.steps()"))
 
     def counts(self) -> dict[str, int]:
-        """Return how often nodes, edges and pictures were drawn, and each request was sent, since the page loaded."""
-        return {name: int(count) for name, count in self.page.evaluate("({...symbodyBuilder.counts})").items()}
+        """Return how often nodes, edges and pictures were drawn, and requests sent, since the page loaded."""
+        return {
+            name: int(count) for name, count in self.page.evaluate("({...symbodyBuilder.counts})").items()
+        }
 
     def wait(self, expression: str, seconds: float = 60.0) -> None:
         """Wait until an expression in the state ``s`` is true."""

@@ -47,7 +47,9 @@ def spent(builder: BuilderPage, before: dict[str, int]) -> dict[str, int]:
     }
 
 
-def test_a_key_in_a_parameter_asks_once_for_the_picture_and_redraws_nothing_else(builder: BuilderPage) -> None:
+def test_a_key_in_a_parameter_asks_once_for_the_picture_and_redraws_nothing_else(
+    builder: BuilderPage,
+) -> None:
     page = builder.page
     assert builder.state("check.summary.bodies") == BODIES
     page.get_by_test_id("parameters").get_by_label("L", exact=True).click()

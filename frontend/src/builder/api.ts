@@ -31,6 +31,14 @@ export function problemsOf(error: unknown): readonly Problem[] {
 /** Of the requests of one page the server answers the newest. */
 const page = Math.random().toString(36).slice(2);
 
+let turn = 0;
+
+/** Requests may overtake each other on their way; the server takes that with the highest turn for the newest. */
+function nextTurn(): number {
+  turn += 1;
+  return turn;
+}
+
 function token(): string {
   return document.querySelector<HTMLMetaElement>('meta[name="symbody-token"]')?.content ?? "";
 }
@@ -70,8 +78,8 @@ export const api = {
   draft: (document: string, data: Model) => call("draft", { document, data }) as Promise<JsonObject>,
   changed: async (document: string, fingerprint: string) =>
     (await call("changed", { document, fingerprint }) as { changed: boolean }).changed,
-  check: (document: string, data: Model, signal: AbortSignal) => call("check", { data, document, page }, signal) as Promise<CheckAnswer>,
-  redraw: (document: string, data: Model, signal: AbortSignal) => call("redraw", { data, document, page }, signal) as Promise<RedrawAnswer>,
+  check: (document: string, data: Model, signal: AbortSignal) => call("check", { data, document, page, turn: nextTurn() }, signal) as Promise<CheckAnswer>,
+  redraw: (document: string, data: Model, signal: AbortSignal) => call("redraw", { data, document, page, turn: nextTurn() }, signal) as Promise<RedrawAnswer>,
   pose: (document: string, data: Model, fixed: Record<string, number>, guess: Readonly<Record<string, number>>) =>
     call("pose", { data, document, page, fixed, guess }) as Promise<PoseAnswer>,
   formula: async (text: string, pointer: string) =>
