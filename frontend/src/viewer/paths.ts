@@ -133,13 +133,21 @@ export function motionExtent(scene: Scene, source: StateSource): Extent {
   }
   const ground = local[0]!.flatMap((each) => each.toArray());
   const extent = diagonal(moving);
-  const points = moving.length === 0 || diagonal(ground) < MOST_GROUND * extent ? [...ground, ...moving] : moving;
+  const whole = moving.length === 0 || diagonal(ground) < MOST_GROUND * extent;
+  const points = [...(whole ? ground : heldPoints(scene)), ...moving];
   const box = new Box3().setFromArray(points.length === 0 ? [0, 0, 0] : points);
   if (diagonal(points) < 0.05 * scene.size) {
     box.expandByScalar(0.5 * scene.size);
     points.push(...boxCorners(box).flatMap((each) => each.toArray()));
   }
   return { points: new Float32Array(points), box, roams: false };
+}
+
+/** Return the points (N, 3) of the ground that hold the mechanism: of a ground that is too large they are seen. */
+function heldPoints(scene: Scene): number[] {
+  const joints = scene.joints.filter(({ type }) => !LOOSE.includes(type));
+  const anchors = [...joints, ...scene.connectors].flatMap(({ start, end }) => [start, end]);
+  return anchors.filter(({ body }) => body === 0).flatMap(({ at }) => [...at]);
 }
 
 /** Return whether a joint, such as a guide that shows the way, holds the mechanism on the ground. */

@@ -3,7 +3,7 @@
 import { useEffect, useRef, type ReactElement } from "react";
 import { Player } from "../../player/player";
 import { DEFAULTS } from "../../player/settings";
-import { decodeMotion, decodeScene, LiveSource, sourceOf, type Scene, type SceneElement } from "../../viewer";
+import { castOf, decodeMotion, decodeScene, LiveSource, sourceOf, type Scene, type SceneElement } from "../../viewer";
 import { entriesOf, entryNamed, GROUND, type EntryId } from "../model/entries";
 import { select, useStore } from "../store";
 import { count } from "../shell/counts";
@@ -45,7 +45,7 @@ function makePlayer(root: HTMLElement, scene: unknown, motion: unknown, moves: b
     onTime: (time) => { pictureNow.curves?.showTime(time); },
   });
   const size = sizeText(decoded);
-  if (before?.player.viewer != null && player.viewer !== null && before.size === size) {
+  if (before?.player.viewer != null && player.viewer !== null && before.size === size && castOf(before.player.data.scene) === castOf(decoded)) {
     const { camera, controls } = before.player.viewer.rig;
     player.viewer.rig.camera.position.copy(camera.position);
     player.viewer.rig.camera.quaternion.copy(camera.quaternion);
