@@ -17,7 +17,7 @@ from symbody.expr.language.grammar import read_program
 from symbody.expr.language.program import Instruction
 from symbody.expr.language.tokens import normalize
 
-# Digits are bounded so that a text that is no angle costs one pass.
+# Digits are bounded so that a text that is not an angle costs one pass.
 _DEGREES: Final = re.compile(r"([ \t]*[-+]?[ \t]*[0-9.]{1,400}(?:[eE][-+]?[0-9]{1,3})?)[ \t]*deg[ \t]*")
 
 

@@ -1,4 +1,4 @@
-"""What an operation demands of its operands, as far as the text alone can tell.
+"""Checks of an operation's operands that need the text alone.
 
 Conditions and numbers must not be mixed, whole exponents stay small, and arithmetic on plain
 numbers must have a finite real result.
@@ -36,7 +36,7 @@ class Value(NamedTuple):
 
 
 def applied(source: Source, name: str, column: int, operands: list[Value]) -> tuple[Value, Problem | None]:
-    """Return what is known of the operation `name`, written at `column`, and what is wrong with it."""
+    """Return the value of the operation `name`, written at `column`, if known, and its problem."""
     start = min(column, operands[0].column)
     is_condition = name in COMPARISONS or name in CONNECTIVES
     faults = tuple(fault for operand in operands for fault in operand.faults)
