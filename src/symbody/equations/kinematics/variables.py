@@ -12,7 +12,7 @@ from symbody.model.joint import Joint, QuasiSpeeds
 from symbody.model.turn import Turn as JointTurn
 from symbody.vectors.euler_angles import angle_rates
 from symbody.vectors.euler_parameters import EulerParameters, euler_parameter_rates
-from symbody.vectors.rotation import Turn, rotation_matrix, rotation_of
+from symbody.vectors.rotation import AxisRotation, rotation_matrix, rotation_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +136,7 @@ def form_variables(names: Names, uses: Sequence[Use], own: Sequence[str] = ()) -
     return Variables(tuple(q), tuple(u), rates, tuple(quaternions), singular)
 
 
-def joint_steps(names: Names, joint: Joint) -> tuple[Turn | EulerParameters, ...]:
+def joint_steps(names: Names, joint: Joint) -> tuple[AxisRotation | EulerParameters, ...]:
     """Return the rotation of a joint from its start frame to its end frame, in its coordinates."""
     if joint.quaternion is None:
         return turns_of(names, joint.turns(), f"joint {joint.name}")
@@ -144,9 +144,11 @@ def joint_steps(names: Names, joint: Joint) -> tuple[Turn | EulerParameters, ...
     return (EulerParameters(e0, e1, e2, e3),)
 
 
-def turns_of(names: Names, turns: Sequence[JointTurn], where: str) -> tuple[Turn, ...]:
+def turns_of(names: Names, turns: Sequence[JointTurn], where: str) -> tuple[AxisRotation, ...]:
     """Return simple rotations of the model on the graph."""
-    return tuple(Turn(names.triple(turn.axis, where), names.expression(turn.angle, where)) for turn in turns)
+    return tuple(
+        AxisRotation(names.triple(turn.axis, where), names.expression(turn.angle, where)) for turn in turns
+    )
 
 
 def quasi_vector(names: Names, quasi: QuasiSpeeds) -> tuple[Expr, Expr, Expr]:
@@ -177,7 +179,7 @@ def _rates_of(
         assert isinstance(parameters, EulerParameters)
         found = euler_parameter_rates(parameters, speeds, quasi.resolved_in)
         return _paired(names, joint.quaternion, found), None
-    turns = tuple(step for step in steps if isinstance(step, Turn))
+    turns = tuple(step for step in steps if isinstance(step, AxisRotation))
     angles, determinant = angle_rates(graph, turns, speeds, quasi.resolved_in)
     return {turn.angle.index: rate.index for turn, rate in zip(turns, angles, strict=True)}, determinant
 

@@ -18,7 +18,7 @@ from symbody.model.loads.forces import SpringDamper
 from symbody.model.loads.springs import Bushing, Spring, TorsionSpring
 from symbody.model.turn import unit_axis
 from symbody.vectors.matrix import Triple, Vector3
-from symbody.vectors.rotation import Rotation, Turn, rotation_of
+from symbody.vectors.rotation import AxisRotation, Rotation, rotation_of
 from symbody.vectors.vector import dot, vector
 
 
@@ -140,7 +140,7 @@ def _angle_about(kinematics: Kinematics, way: Rotation, axis: Triple) -> Expr | 
     if not way.turns:
         return number(kinematics.graph, 0)
     step = way.turns[0]
-    if len(way.turns) > 1 or not isinstance(step, Turn):
+    if len(way.turns) > 1 or not isinstance(step, AxisRotation):
         return None
     if step.axis == axis:
         return step.angle
