@@ -93,7 +93,7 @@ def rotation_of(turns: Iterable[ElementaryRotation]) -> Rotation:
     for step in turns:
         if step.is_identity:
             continue
-        together = merged(steps[-1], step) if steps else None
+        together = merge_steps(steps[-1], step) if steps else None
         if together is None:
             steps.append(step)
         else:
@@ -101,13 +101,13 @@ def rotation_of(turns: Iterable[ElementaryRotation]) -> Rotation:
     return Rotation(tuple(steps))
 
 
-def merged(first: ElementaryRotation, second: ElementaryRotation) -> tuple[ElementaryRotation, ...] | None:
+def merge_steps(first: ElementaryRotation, second: ElementaryRotation) -> tuple[ElementaryRotation, ...] | None:
     """Return what two successive steps amount to, no step or one; None if they do not merge.
 
     Turns about parallel axes add up. Other steps merge only with their inverses.
     """
     if isinstance(first, AxisRotation) and isinstance(second, AxisRotation):
-        return _merged_turns(first, second)
+        return _merge_axis_rotations(first, second)
     if isinstance(first, EulerParameters) and isinstance(second, EulerParameters):
         return () if second.undoes(first) else None
     return () if second == first.inverse else None
@@ -148,7 +148,7 @@ def spin(R: Matrix, rate: Matrix) -> Vector3[Expr]:
     return Vector3((z.dot(dy), x.dot(dz), y.dot(dx)))
 
 
-def _merged_turns(first: AxisRotation, second: AxisRotation) -> tuple[AxisRotation, ...] | None:
+def _merge_axis_rotations(first: AxisRotation, second: AxisRotation) -> tuple[AxisRotation, ...] | None:
     if first.axis == second.axis:
         angle = angle_sum(first.angle, second.angle)
     elif first.axis == -Vector3(second.axis):

@@ -13,7 +13,7 @@ from typing import Any
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph
 from symbody.vectors.matrix import Matrix3, identity
-from symbody.vectors.rotation import ElementaryRotation, Rotation, merged
+from symbody.vectors.rotation import ElementaryRotation, Rotation, merge_steps
 
 Word = tuple[int, ...]
 
@@ -104,7 +104,7 @@ class StepProducts:
             return ()
         pair = (first, second)
         if pair not in self._merged:
-            steps = merged(self._steps[first], self._steps[second])
+            steps = merge_steps(self._steps[first], self._steps[second])
             self._merged[pair] = None if steps is None else tuple(self._code(step) for step in steps)
         return self._merged[pair]
 
