@@ -101,7 +101,9 @@ def rotation_of(turns: Iterable[ElementaryRotation]) -> Rotation:
     return Rotation(tuple(steps))
 
 
-def merge_steps(first: ElementaryRotation, second: ElementaryRotation) -> tuple[ElementaryRotation, ...] | None:
+def merge_steps(
+    first: ElementaryRotation, second: ElementaryRotation
+) -> tuple[ElementaryRotation, ...] | None:
     """Return what two successive steps amount to, no step or one; None if they do not merge.
 
     Turns about parallel axes add up. Other steps merge only with their inverses.

@@ -1,7 +1,7 @@
 """Vectors as sums of terms, each with components in its own frame.
 
 A term is moved to another frame only when a product needs it, and then by the relative rotation
-along the tree. That is what keeps products of sines and cosines from ever being formed.
+along the tree. So products of sines and cosines are never formed.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Kinematics as a value: placement and motion of every frame relative to ground, from two trees of steps.
 
 Names: ``w`` angular velocity, ``v`` velocity; ``partials`` are the coefficients of the speeds (Kane &
-Levinson 1985, section 2.14), ``rest`` what does not depend on them, ``bias`` the acceleration with u' = 0.
+Levinson 1985, section 2.14), ``rest`` the part without speeds, ``bias`` the acceleration with u' = 0.
 """
 
 from __future__ import annotations

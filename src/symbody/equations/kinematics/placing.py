@@ -1,4 +1,4 @@
-"""Where every frame stands: the steps of kinematics that a model and its trees give."""
+"""Steps from frame to frame, from a model and its trees."""
 
 from __future__ import annotations
 
