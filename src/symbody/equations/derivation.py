@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Final
 
 from symbody.equations.constraints.closings import alignments
@@ -30,7 +30,7 @@ from symbody.equations.loads.loads import form_loads
 from symbody.equations.solving.undetermined import identically_undetermined, share_notes
 from symbody.equations.system import MultibodySystem
 from symbody.expr.deadline import begin
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph
 from symbody.expr.printing.text import to_text
 from symbody.graph.topology import Topology
 from symbody.model.constraints import Distance, Rolling
@@ -181,17 +181,12 @@ def _equations(
     elimination: Elimination | None = None,
 ) -> EquationsOfMotion:
     """Return the equations of motion of a system, without contact frames."""
-    model, names = system.topology.model, system.names
-    dynamics = formulation.derive(system) if elimination is None else elimination.dynamics(system)
-    return EquationsOfMotion(
-        **{part.name: getattr(system, part.name) for part in fields(MultibodySystem)},
-        inputs=tuple(Symbol(name, Kind.INPUT) for name in model.inputs),
-        parameters=tuple(Symbol(name, Kind.PARAMETER) for name in model.parameters),
-        formulation=formulation,
-        dynamics=dynamics,
-        alignments=tuple(
-            cosine for use in system.uses for cosine in alignments(names, system.kinematics, use)
-        ),
+    names, kinematics = system.names, system.kinematics
+    return EquationsOfMotion.of_system(
+        system,
+        formulation,
+        formulation.derive(system) if elimination is None else elimination.dynamics(system),
+        alignments=tuple(cosine for use in system.uses for cosine in alignments(names, kinematics, use)),
         notes=notes + system.loads.notes + _notes(system),
         elimination=elimination,
     )
