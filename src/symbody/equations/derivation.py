@@ -59,8 +59,8 @@ def derive(
     Raises
     ------
     FormulationError
-        If a cut joint cannot do what is asked of it, a loop can never close, or the dependent speeds do not
-        follow from the others.
+        If the law of a cut joint needs the joint in a tree, a loop can never close, or the others do not
+        determine the dependent speeds.
     """
     formulation, notes = _possible_formulation(topology, formulation, eliminates=bool(dependent))
     uses = joint_uses(topology)

@@ -42,13 +42,13 @@ class EquationsOfMotion(MultibodySystem):
     alignments : tuple of Expr
         Cosines that are 1, not -1, where the cut joints are closed as they should be.
     notes : tuple of str
-        What was dropped, and where the equations do not hold.
+        Rows that were dropped, and where the equations do not hold.
     elimination : Elimination or None
-        What made some speeds functions of the others; their rows are not among `rows`.
+        The elimination of dependent speeds; its rows are not among `rows`.
     slack : tuple of Row
         Rows of ropes that are slack; they are not among `rows`.
     angles : frozenset of str
-        Coordinates placed by hand that whole turns change nothing of; those of joints follow from the joints.
+        Coordinates placed by hand that are angles; those of joints follow from the joints.
     """
 
     inputs: tuple[Symbol, ...]
@@ -163,7 +163,7 @@ class EquationsOfMotion(MultibodySystem):
         return self.with_rows(rows, (*self.redundant, *others))
 
     def own_rest(self, row: Row) -> Expr:
-        """Return the rest of a row as it is in all speeds: what it demands of them."""
+        """Return the rest of a row in all speeds, the eliminated ones too."""
         return row.rest if self.elimination is None else self.elimination.given[row.name][1]
 
     @property
