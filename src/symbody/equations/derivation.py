@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Final
 
 from symbody.equations.constraints.closings import alignments
-from symbody.equations.constraints.rolling import enter_contact
+from symbody.equations.constraints.rolling import add_contact_frames
 from symbody.equations.constraints.rows import form_rows
 from symbody.equations.dynamics.inertia import Rotor, form_inertia
 from symbody.equations.elimination.dependent_speeds import eliminated, elimination_notes
@@ -33,7 +33,7 @@ from symbody.expr.deadline import begin
 from symbody.expr.graph import Graph
 from symbody.expr.printing.text import to_text
 from symbody.graph.topology import Topology
-from symbody.model.constraints import Distance, Rolling
+from symbody.model.constraints import Distance
 from symbody.model.model import Model
 
 # Outputs that redundant constraints leave undetermined stand in the notes of mechanisms of so many joints.
@@ -125,8 +125,7 @@ def _kinematics(
         shiftings(topology, names),
         variables.rates,
         [graph.symbol(u) for u in variables.u],
-        spread=False,
-        waiting=formulation.has_lazy_velocities,
+        lazy=formulation.has_lazy_velocities,
     )
     if formulation.differentiates_placements:
         kinematics = differentiated(kinematics)
@@ -214,10 +213,8 @@ def _eliminate(
 
 def _with_contacts(formed: EquationsOfMotion) -> EquationsOfMotion:
     """Return the equations with the frames of rolling contacts in their kinematics."""
-    for wheel in formed.topology.contacts.values():
-        if isinstance(wheel, Rolling):
-            enter_contact(formed.names, formed.kinematics, wheel)
-    return formed
+    contacts = formed.topology.contacts.values()
+    return replace(formed, kinematics=add_contact_frames(formed.names, formed.kinematics, contacts))
 
 
 def _share_notes(formed: EquationsOfMotion) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from symbody.equations.by_hand.energies import kinetic_energy
-from symbody.equations.by_hand.frames import Chain, body_frames, frame_names, place_frames
+from symbody.equations.by_hand.frames import Chain, frame_names, frame_steps
 from symbody.equations.by_hand.loads import loads_by_hand
 from symbody.equations.by_hand.mechanism import HandPlaced
 from symbody.equations.by_hand.restated import Restated
@@ -92,8 +92,8 @@ def _kinematics(
     """Return the kinematics of all frames, and the names of the frames."""
     names = frame_names(mechanism)
     speeds = tuple(variables.rates.values())
-    kinematics = place_frames(form_kinematics(graph, (), (), variables.rates, speeds, spread=False), names)
-    body_frames(kinematics, names, mechanism.bodies)
+    rotations, translations = frame_steps(graph, names, mechanism.bodies)
+    kinematics = form_kinematics(graph, rotations, translations, variables.rates, speeds)
     return (differentiated(kinematics) if formulation.differentiates_placements else kinematics), names
 
 

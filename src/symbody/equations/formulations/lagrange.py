@@ -24,7 +24,6 @@ from symbody.expr.expression import Expr, number
 from symbody.expr.graph import TIME
 from symbody.expr.rewrite import substitute
 from symbody.vectors.dyadic import quadratic
-from symbody.vectors.matrix import inner
 from symbody.vectors.vector import vector
 
 
@@ -82,7 +81,7 @@ def _kinetic_energy(system: MultibodySystem) -> Expr:
         place = placement(kinematics, body.frame)
         x, y, z = moved(graph, place.r, tangents)
         w = vector(body.frame, spin(place.R, moved_matrix(graph, place.R, tangents)))
-        total = total + body.mass * inner((x, y, z), (x, y, z))
+        total = total + body.mass * (x * x + y * y + z * z)
         total = total + quadratic(kinematics.tree, w, body.tensor, w)
     for coordinate, rotor in system.armatures.items():
         (rate,) = moved(graph, [system.names.value(coordinate)], tangents)

@@ -31,7 +31,7 @@ from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr, number, saddle_entry
 from symbody.expr.graph import Kernel
 from symbody.vectors.dyadic import apply, gyroscopic
-from symbody.vectors.matrix import Triple, apply_matrix
+from symbody.vectors.matrix import Triple
 from symbody.vectors.vector import NULL, components, cross
 
 _AXES: Final = range(3)
@@ -200,7 +200,7 @@ class _FreeBodies:
         rows: list[_Column] = [{}, {}, {}]
         for j, u in enumerate(speeds):
             x, y, z = (Expr(graph, slopes[k][j]) for k in _AXES)
-            for k, entry in enumerate(apply_matrix(R, (x, y, z))):
+            for k, entry in enumerate(R @ (x, y, z)):
                 rows[k][self.first + self.speeds.index(u)] = -entry
         return rows
 

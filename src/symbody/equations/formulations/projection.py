@@ -100,7 +100,7 @@ def generalized_force(kinematics: Kinematics, load: Load) -> Mapping[int, Expr]:
         partials = kinematics.angular_velocities[load.frame].partials
         return {u: dot(tree, partial, load.torque) for u, partial in partials.items()}
     if isinstance(load, Pull):
-        closing = kinematics.velocities[load.end].combined(kinematics.velocities[load.start], -1)
+        closing = kinematics.velocities[load.end] - kinematics.velocities[load.start]
         return {u: load.factor * dot(tree, load.arm, partial) for u, partial in closing.partials.items()}
     v = kinematics.velocities[load.frame]
     work = {u: dot(tree, partial, load.force) for u, partial in v.partials.items()}

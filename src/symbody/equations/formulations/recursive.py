@@ -12,15 +12,16 @@ from symbody.equations.dynamics.linear_solve import Solution
 from symbody.equations.dynamics.reactions import summed
 from symbody.equations.formulations.formulation import Dynamics, Formulation
 from symbody.equations.recursive.energies import kinetic_energy, potential_energy
-from symbody.equations.recursive.forming import form_tree, ground_mass, regrouped
 from symbody.equations.recursive.reactions import joint_wrenches
 from symbody.equations.recursive.recursion import Recursion
+from symbody.equations.recursive.tree import base_tree, form_tree, ground_inertia
 from symbody.equations.recursive.udot_derivatives import acceleration_slopes
 from symbody.equations.system import MultibodySystem
 from symbody.expr.deadline import begin
 from symbody.expr.expression import Expr, number, symbol
 from symbody.expr.graph import Symbol
 from symbody.graph.topology import Topology
+from symbody.vectors.matrix import Vector3
 
 
 @checked_fields
@@ -61,12 +62,12 @@ class Recursive(Formulation):
         """Return mass matrix, forcing and accelerations by recursion, each formed on request."""
         names, kinematics, topology = system.names, system.kinematics, system.topology
         tree = form_tree(topology, names, kinematics.rates, system.uses, align=self.aligned)
-        gravity = names.triple(topology.model.gravity, "gravity")
-        on_ground = ground_mass(names, topology.model.bodies, tree)
+        gravity = Vector3(names.triple(topology.model.gravity, "gravity"))
+        on_ground = ground_inertia(names, topology.model.bodies, tree)
         light = tree
         if self.regrouped:
-            light, to_ground = regrouped(names.graph, tree)
-            on_ground = on_ground.plus(to_ground)
+            light, to_ground = base_tree(names.graph, tree)
+            on_ground = on_ground + to_ground
         rotors = tuple(system.armatures.values())
         recursion = Recursion(
             topology=topology,

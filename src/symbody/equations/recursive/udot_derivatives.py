@@ -14,11 +14,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Final
 
+from symbody.equations.dynamics.linear_solve import TreeFactors, factor, solve_factored
 from symbody.equations.recursive.chains import TOGETHER, Chains, chains
-from symbody.equations.recursive.closed_slopes import ClosedSlopes, closed_slopes
-from symbody.equations.recursive.composite import Factors, factors, solved
+from symbody.equations.recursive.inverse_dynamics_partials import (
+    InverseDynamicsPartials,
+    inverse_dynamics_partials,
+)
 from symbody.equations.recursive.recursion import Recursion
-from symbody.equations.recursive.turned import to_child
 from symbody.equations.system import MultibodySystem
 from symbody.expr.calculus import forward
 from symbody.expr.canonical import ONE, ZERO
@@ -90,7 +92,7 @@ def _columns_side_by_side(
         return None
     speeds = [u.index for u in system.expressions(system.u)]
     values = dict(zip(speeds, udot, strict=True))
-    closed = closed_slopes(graph, tree, recursion.gravity, values)
+    closed = inverse_dynamics_partials(graph, tree, recursion.gravity, values)
     if set(closed.speeds) != set(speeds):
         return None  # some speed moves no link
     columns = _Columns(system, recursion, tree, closed, udot).solve([graph.symbol(symbol) for symbol in by])
@@ -106,7 +108,7 @@ class _Columns:
         system: MultibodySystem,
         recursion: Recursion,
         tree: Chains,
-        closed: ClosedSlopes,
+        closed: InverseDynamicsPartials,
         udot: Sequence[Expr],
     ) -> None:
         self._graph, self._system, self._recursion = system.graph, system, recursion
@@ -121,7 +123,7 @@ class _Columns:
             i, j = place[one], place[two]
             if j <= i:
                 rows[i][j] = rows[i].get(j, self._zero) + inertia
-        self._factors = factors(rows)
+        self._factors = factor(rows)
 
     def solve(self, by: Sequence[int]) -> list[list[Expr]]:
         """Return the columns of du'/dx, rows in the order of the closed form."""
@@ -205,17 +207,17 @@ class _Columns:
 
     def _solve_group(self, rows: Sequence[int], columns: Sequence[Right]) -> list[list[Expr]]:
         """Return the solutions, one row a speed, one column a right-hand side."""
-        lower, inverse, _ = self._factors
+        lower, inverse = self._factors.lower, self._factors.inverse
         pattern = [tuple(row) for row in lower]
         shared = [entry for row in lower for entry in row.values()] + [-x for x in inverse]
 
         def compute(given: list[Expr], own: list[Expr]) -> list[Expr]:
             left = iter(given)
-            known = Factors([{i: next(left) for i in row} for row in pattern], list(left), [])
+            factors = TreeFactors([{i: next(left) for i in row} for row in pattern], [], list(left))
             x = [number(own[0].graph, 0)] * len(pattern)
             for row, entry in zip(rows, own, strict=True):
                 x[row] = entry
-            return solved(known, x)
+            return solve_factored(factors, x)
 
         return mapped(
             self._graph,
@@ -229,12 +231,12 @@ class _Columns:
         if not self._tree.base:
             return {}
         free, graph = self._recursion.light.links[0], self._graph
-        gravity = [x.index for x in to_child(free.steps, self._recursion.gravity)]
+        gravity = [x.index for x in free.transform.to_child(self._recursion.gravity)]
         own = set(self._tree.coordinates.values())
         places = {
-            [x.number for x in column.slide].index(1): row
+            [x.number for x in column.twist.linear].index(1): row
             for row, column in enumerate(free.motion.columns)
-            if all(x.is_zero for x in column.turn)
+            if all(x.is_zero for x in column.twist.angular)
         }
         falls = {}
         for x in by:
