@@ -78,10 +78,11 @@ def derive(
     system = replace(system, redundant=tuple(constraints.redundant))
     begin("mass matrix and forcing")
     formed = _equations(system, formulation, notes)
-    shares = _share_notes(formed)
+    complete = _with_contacts(formed)
+    shares = _share_notes(complete)
     if dependent:
         return _eliminate(formed, dependent, notes + shares)
-    return _with_contacts(replace(formed, notes=formed.notes + shares))
+    return replace(complete, notes=complete.notes + shares)
 
 
 def default_formulation(topology: Topology, *, eliminates: bool) -> Formulation:
