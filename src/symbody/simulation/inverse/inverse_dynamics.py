@@ -32,8 +32,8 @@ from symbody.simulation.inverse.unknowns import Unknowns
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.provenance import provenance_of
 from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
 from symbody.simulation.status import Status
-from symbody.simulation.task import Evaluator, Task
 
 Floats = NDArray[np.float64]
 
@@ -106,8 +106,8 @@ def _trajectory(
 ) -> Trajectory:
     """Return the motion with the inputs found, and what follows from both."""
     eqs, known = solver.eqs, solver.laws
-    laws = FoundLaws(known.formulas, known.asked, known.notes, known.tables, solver, {_key(samples): r})
-    evaluate = Evaluator(Task(eqs, solver.path.parameters, laws, solver.path.scales), None)
+    laws = FoundLaws(known.formulas, known.callbacks, known.notes, known.tables, solver, {_key(samples): r})
+    evaluate = Evaluator(SimulationProblem(eqs, solver.path.parameters, laws, solver.path.scales), None)
     power = evaluate("power", samples.t, samples.q, samples.u)
     count = samples.t.size
     tables = {name: Table(samples.t, row) for name, row in zip(solver.names, r, strict=True) if count > 1}

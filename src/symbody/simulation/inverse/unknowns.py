@@ -72,7 +72,7 @@ class Unknowns:
             if name in self.names:
                 found[:, k] = r[self.names.index(name)]
             else:
-                found[:, k] = others[:, list(self.laws.asked).index(name)]
+                found[:, k] = others[:, list(self.laws.callbacks).index(name)]
         return found
 
     def solved(self, samples: Samples) -> Found:

@@ -15,7 +15,7 @@ from symbody.arguments import checked_arguments
 from symbody.errors import Problem, UsageError
 from symbody.model.model import Model
 from symbody.simulation.native.run import Progress
-from symbody.simulation.progress import told
+from symbody.simulation.progress import show_progress
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.visual.film.animated_images import FASTEST
 from symbody.visual.film.facets import Floats
@@ -82,7 +82,7 @@ def save_animation(
     if is_still:
         write_still(scene, motion, target, look, track)
         return
-    with told(progress, "film") as report:
+    with show_progress(progress, "film") as report:
         write_film(scene, motion, target, look, rate, track, report)
 
 
@@ -173,7 +173,7 @@ def _pixels(size: tuple[int, int]) -> tuple[int, int]:
 def _check(run: Trajectory, fps: float, speed: float, ghosts: float) -> None:
     if not isinstance(run, Trajectory):
         raise UsageError(
-            Problem("film.not_a_motion", "run", f"{run!r} is no motion",
+            Problem("film.not_a_motion", "run", f"{run!r} is not a motion",
                     fix="give what simulate returns; of a sweep, one case: sweep.trajectory(3)")
         )  # fmt: skip
     if run.t.size == 0:
