@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.constraint_values import ConstraintValues, Unconstrained
 from symbody.analysis.scales import Scales, mechanism_scales
 from symbody.analysis.state import State
 from symbody.codegen.compile import Value, form_sequence
@@ -342,8 +343,11 @@ def closure(
     known = mechanism_scales(eqs, parameters) if scales is None else scales
     angles = frozenset(name for name, unit in eqs.units.items() if unit == "rad")
     given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
-    names = ("constraints", "position_jacobian", "jacobian", "velocity_constraints", "alignment")
-    function = CompiledFunction(*form_sequence(eqs, names, parameters, (), given), quick=True)
+    function: Callable[..., Any] = Unconstrained(len(eqs.coordinate_names), len(eqs.speed_names))
+    if eqs.multiplier_names:
+        function = CompiledFunction(
+            *form_sequence(eqs, ConstraintValues._fields, parameters, (), given), quick=True
+        )
     return Closure(
         eqs,
         parameters,

@@ -118,6 +118,8 @@ def named_values(
     AssemblyError
         Naming each unknown name, with the nearest ones.
     """
+    if not formulas:
+        return {}
     refuse_unknown(eqs, [name for name in formulas if name in strict])
     known = positions_and_rates(eqs)
     joints = (*eqs.model.joints, *eqs.model.free_joints)

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from symbody.equations.elimination.dependent_speeds import nothing_to_eliminate
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.freedoms.mobility import assembled_values
 from symbody.errors import FormulationError, Problem
 
@@ -23,7 +23,7 @@ _INDEPENDENT: Final = 1e-6
 _LEAST_MASS: Final = 1e-12  # of the largest: what is lighter counts as this, so that it is taken first
 
 
-def chosen_speeds(formed: Formed) -> tuple[str, ...]:
+def chosen_speeds(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return the names of speeds to eliminate, one for each constraint on velocities.
 
     Raises
@@ -48,7 +48,9 @@ def chosen_speeds(formed: Formed) -> tuple[str, ...]:
     return tuple(formed.u[k].label for k in sorted(best))
 
 
-def _scaled(formed: Formed, places: Sequence[int], slopes: Sequence[float], mass: Sequence[float]) -> Rows:
+def _scaled(
+    formed: EquationsOfMotion, places: Sequence[int], slopes: Sequence[float], mass: Sequence[float]
+) -> Rows:
     """Return the rows in speeds of equal kinetic energy, each of unit length."""
     n = len(formed.u)
     weights = [mass[k * n + k] for k in range(n)]
@@ -95,7 +97,7 @@ def _share(rows: Rows, columns: Sequence[int]) -> float:
     return size
 
 
-def _dependent(formed: Formed, places: Sequence[int], rows: Rows) -> Problem:
+def _dependent(formed: EquationsOfMotion, places: Sequence[int], rows: Rows) -> Problem:
     """Say which row depends on those before it."""
     kept: Rows = []
     name = formed.rows[places[-1]].name

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.errors import FormulationError, Problem
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Kind
@@ -17,7 +17,7 @@ from symbody.expr.sequence import Input, Roots, build_sequence
 _NOISE: Final = 1e-9
 
 
-def check_idle(formed: Formed, parameters: Mapping[str, float]) -> None:
+def check_idle(formed: EquationsOfMotion, parameters: Mapping[str, float]) -> None:
     """Refuse values of parameters that a constraint on parameters alone excludes.
 
     Parameters

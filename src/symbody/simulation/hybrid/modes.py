@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.simulation.events.events import Event
 from symbody.simulation.methods.constraints import PROJECTED
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -49,7 +49,7 @@ class SwitchingElements(Protocol):
         """A mode in which its equations can be formed wherever it is."""
         ...
 
-    def apply_modes(self, formed: Formed, modes: Modes) -> Formed:
+    def apply_modes(self, formed: EquationsOfMotion, modes: Modes) -> EquationsOfMotion:
         """Return equations with all elements in some modes."""
         ...
 

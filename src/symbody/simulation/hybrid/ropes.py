@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.ropes import AT_LENGTH
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.ropes import rope_rows, rope_words, ropes, slackened, with_words
 from symbody.expr.saddle import solve_saddle
 from symbody.simulation.events.events import Event
@@ -64,7 +64,7 @@ class RopeElements:
         """Second rate of the slackness, tension, and what cancels in that rate."""
         return tuple(f"{word} {name}" for word in _OUTPUTS for name in self.names)
 
-    def apply_modes(self, formed: Formed, modes: Modes) -> Formed:
+    def apply_modes(self, formed: EquationsOfMotion, modes: Modes) -> EquationsOfMotion:
         """Return equations without the ropes that are slack."""
         slack = [name for name, mode in zip(self.names, modes, strict=True) if mode == SLACK]
         return with_words(slackened(formed, slack), rope_words(self.problem.eqs.formed))

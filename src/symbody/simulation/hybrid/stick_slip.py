@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.sticking import STICKS, in_modes, switching_joints
 from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.modes import HybridState, Modes, ModeTrial
@@ -48,7 +48,7 @@ class StickSlipJoints:
         names = [f"{word} {joint}" for word in ("friction_reserve", "friction") for joint in self.names]
         return (*names, *(f"{name}_ddot" for name in self.coordinates))
 
-    def apply_modes(self, formed: Formed, modes: Modes) -> Formed:
+    def apply_modes(self, formed: EquationsOfMotion, modes: Modes) -> EquationsOfMotion:
         """Return equations with the joints sticking, or slipping in the direction of their sign."""
         return in_modes(formed, dict(zip(self.names, modes, strict=True)))
 
@@ -109,7 +109,7 @@ class StickSlipJoints:
         return _WORDS[mode]
 
 
-def stick_slip_joints(formed: Formed) -> StickSlipJoints:
+def stick_slip_joints(formed: EquationsOfMotion) -> StickSlipJoints:
     """Return the joints of a mechanism that stick and slip."""
     names = switching_joints(formed)
     laws = {law.joint.name: law for law in formed.friction}

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.ropes import ropes
 from symbody.equations.solving.sticking import switching_joints
 from symbody.errors import Problem, UsageError
@@ -43,7 +43,7 @@ _MOST_NOTES: Final = 20  # of impacts
 _UNDETERMINED: Final = "no way of sticking and slipping fits the friction of the joints at rest"
 
 
-def switches(formed: Formed) -> bool:
+def switches(formed: EquationsOfMotion) -> bool:
     """Return whether equations change at events: joints stick and slip, ropes are taut or slack."""
     return bool(switching_joints(formed) or ropes(formed))
 

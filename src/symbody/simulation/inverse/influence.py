@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from symbody.equations.dynamics.projection import Projection
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.formulations.formulation import ProjectedDynamics
 from symbody.errors import Problem, UsageError
 from symbody.expr.calculus import derivative
 from symbody.expr.expression import Expr
@@ -22,7 +22,7 @@ def influence(eqs: EquationSet, unknowns: Sequence[str]) -> tuple[EquationSet, .
         If an unknown enters otherwise than in first degree, naming it and where.
     """
     formed, graph = eqs.formed, eqs.formed.graph
-    forcing = [force.index for force in formed.projection.forcing]
+    forcing = [force.index for force in formed.dynamics.forcing]
     asked = {formed.names.value(name).index: name for name in unknowns}
     columns = [derivative(graph, forcing, node) for node in asked]
     problems = []
@@ -39,10 +39,11 @@ def influence(eqs: EquationSet, unknowns: Sequence[str]) -> tuple[EquationSet, .
             )  # fmt: skip
     if problems:
         raise UsageError(*problems)
-    mass = formed.projection.mass_matrix
+    mass = formed.dynamics.mass_matrix
     found = []
     for column in columns:
         shares = tuple(Expr(graph, node) for node in column)
-        plain = replace(formed, projection=Projection(mass, shares), friction=())
+        dynamics = ProjectedDynamics(mass, shares, formed.kinetic_energy, formed.potential_energy)
+        plain = replace(formed, dynamics=dynamics, friction=())
         found.append(EquationSet(eqs.model, plain.with_rows(formed.rows), eqs.notes))
     return tuple(found)

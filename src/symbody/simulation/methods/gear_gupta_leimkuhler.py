@@ -111,10 +111,10 @@ def _with_residual(eqs: EquationSet, integration: IntegrationProblem) -> Equatio
     accelerations, pulls, pushes = (formed.expressions(tuple(g.values())) for g in (udot, first, second))
     rows = formed.jacobian
     values = []
-    for i, force in enumerate(solved(formed, formed.projection.forcing)):
+    for i, force in enumerate(solved(formed, formed.dynamics.forcing)):
         total = -force
         for j, acceleration in enumerate(accelerations):
-            total = total + formed.projection.mass_matrix[i][j] * acceleration
+            total = total + formed.dynamics.mass_matrix[i][j] * acceleration
         for k, pull in enumerate(pulls):
             total = total - rows[k][i] * pull
         values.append(total)
