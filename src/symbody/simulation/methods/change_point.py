@@ -20,7 +20,7 @@ from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.integration import Constraints, Integration, MotionPlan, integrate_plan
 from symbody.simulation.methods.loop_constraints import NEAR, LoopConstraints, motion_branch
 from symbody.simulation.methods.partition import Partition
-from symbody.simulation.native.dense_output import DenseOutput, shortened
+from symbody.simulation.native.dense_output import DenseOutput, shorten
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.native.segments import steps_before
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -171,10 +171,10 @@ def _end_of_branch(problem: SimulationProblem, t: float, x: Floats, run: Integra
         return None
     if is_overconstrained(problem, t, x):
         return _BranchEnd(None, _LOCKED)
-    return _break_off(problem, t, x, raw, passages)
+    return _end_beside_change_point(problem, t, x, raw, passages)
 
 
-def _break_off(
+def _end_beside_change_point(
     problem: SimulationProblem, t: float, x: Floats, raw: RawRun, passages: _Passages | None
 ) -> _BranchEnd | None:
     """Return where a motion breaks off beside a change point, if it does: there steps become ever smaller.
@@ -210,7 +210,7 @@ def _end_run(run: Integration, end: _BranchEnd, constraints: Constraints) -> Int
     steps = steps_before(dense.breaks, dense.pieces.shape[0], end.t)
     breaks, pieces = dense.breaks[: steps + 1].copy(), dense.pieces[:steps].copy()
     share = (end.t - breaks[-2]) / (breaks[-1] - breaks[-2])
-    breaks[-1], pieces[-1] = end.t, shortened(pieces[-1], float(share))
+    breaks[-1], pieces[-1] = end.t, shorten(pieces[-1], float(share))
     direction = 1.0 if dense.breaks[-1] >= dense.breaks[0] else -1.0
     kept = direction * (raw.t - end.t) <= 0.0
     cut = replace(
