@@ -4,8 +4,10 @@ import { api, problemsOf, ServerError } from "./api";
 import { useStore, type State } from "./store";
 import type { Model } from "./types";
 
+const ABSENT: readonly number[] = [0, 401];
 const WAIT = 60; // [ms] after the last change
 const REST = 400; // [ms] after the last change of parameters, whose picture comes before
+const SEEK_WAIT = 1500; // [ms]
 
 let pending: ReturnType<typeof setTimeout> | null = null;
 let underWay: AbortController | null = null;
@@ -20,19 +22,15 @@ async function check(data: Model): Promise<void> {
   try {
     const answer = await api.check(useStore.getState().document?.id ?? "", data, own.signal);
     if (own.signal.aborted) return;
-    useStore.setState({ check: answer, checked: data, offline: false });
+    useStore.setState({ check: answer, checked: data });
   } catch (error) {
     if (!own.signal.aborted) takeFailure(data, error);
   }
 }
 
-/** Keep the picture of before; without a server look for it again. */
+/** Keep the picture of before; without a server the check waits for it. */
 function takeFailure(data: Model, error: unknown): void {
-  if (error instanceof ServerError && error.status === 0) {
-    useStore.setState({ offline: true });
-    pending = setTimeout(() => { void check(useStore.getState().data); }, 2000);
-    return;
-  }
+  if (error instanceof ServerError && ABSENT.includes(error.status)) return;
   const { check: before } = useStore.getState();
   const kept = { picture: before?.picture ?? null, formulas: before?.formulas ?? {} };
   useStore.setState({ checked: data, check: { ...kept, summary: null, values: {}, problems: problemsOf(error) } });
@@ -81,21 +79,38 @@ function isOfParameters(state: State, before: State): boolean {
   return differIn("parameters", state.data, before.data);
 }
 
+/** Whether there is something to check: another model, another document, or the server again. */
+function isNews(state: State, before: State): boolean {
+  const reached = state.server === "here" && before.server !== "here";
+  return state.document !== null && state.data !== state.checked && (state.data !== before.data || state.document !== before.document || reached);
+}
+
+/** Return how long a check waits [ms]: until the keys rest where a picture comes before. */
+function waitOf(state: State, before: State): number {
+  if (state.document !== before.document) return 0;
+  return isOfParameters(state, before) ? REST : WAIT;
+}
+
 /** Check the model now and after each change; return what ends it. */
 export function followChanges(): () => void {
   return useStore.subscribe((state, before) => {
-    if (state.document === null) return;
-    if (state.data === before.data && state.document === before.document) return;
-    if (state.data === state.checked) return;
+    if (!isNews(state, before)) return;
     if (before.checked === before.data && state.document === before.document && isRearranged(state.data, before.data)) {
       useStore.setState({ checked: state.data }); // where the nodes are says nothing of the mechanism
       return;
     }
     if (pending !== null) clearTimeout(pending);
     underWay?.abort();
-    const soon = isOfParameters(state, before);
-    if (soon) void redraw(state.data);
-    const wait = state.document !== before.document ? 0 : soon ? REST : WAIT;
+    const wait = waitOf(state, before);
+    if (wait === REST) void redraw(state.data);
     pending = setTimeout(() => { void check(state.data); }, wait);
   });
+}
+
+/** Look for a server that does not answer, until it is reached again; return what ends it. */
+export function seekServer(): () => void {
+  const timer = setInterval(() => {
+    if (useStore.getState().server !== "here") void api.recent().catch(() => undefined);
+  }, SEEK_WAIT);
+  return () => { clearInterval(timer); };
 }

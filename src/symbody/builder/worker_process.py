@@ -26,6 +26,7 @@ _TASKS: Final = MappingProxyType(
         "check": "symbody.builder.tasks.check:check_model",
         "redraw": "symbody.builder.tasks.redraw:redraw_model",
         "pose": "symbody.builder.tasks.pose:find_pose",
+        "drag": "symbody.builder.tasks.drag:drag_body",
         "equations": "symbody.builder.tasks.equations:equation_tabs",
         "simulate": "symbody.builder.tasks.simulation:simulate_model",
         "outputs": "symbody.builder.tasks.simulation:more_curves",

@@ -71,7 +71,7 @@ class Worker:
             return self._run(task, payload, on_stage, is_over)
 
     def load(self) -> None:
-        """Wait until the process has loaded what tasks need: longer than they take, on a busy computer.
+        """Wait until the process has loaded what tasks need; on a busy computer that takes longest.
 
         Raises
         ------

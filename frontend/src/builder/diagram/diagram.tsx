@@ -11,7 +11,9 @@ import { GRID } from "../model/layout";
 import { Icon } from "../shell/icons";
 import { select, useStore } from "../store";
 import { BodyNode } from "./body_node";
+import type { CouplingLink } from "../model/couplings";
 import { ConnectionLine } from "./connection_line";
+import { CouplingLines } from "./coupling_lines";
 import { flowEdges, flowNodes, severities } from "./elements";
 import { fitDiagram, keepFlow, zoomDiagram, type BodyFlowNode, type JointFlowEdge } from "./flow";
 import * as gestures from "./gestures";
@@ -33,7 +35,7 @@ const paneMenu = (event: MouseEvent | ReactMouseEvent): void => { gestures.menu(
 const movedAll = (_: unknown, all: BodyFlowNode[]): void => { gestures.movedAll(all); };
 
 /** Return the nodes that are drawn: those of the model, where the pointer has them now. */
-function useNodes(): [BodyFlowNode[], JointFlowEdge[], (changes: NodeChange<BodyFlowNode>[]) => void] {
+function useNodes(): [BodyFlowNode[], JointFlowEdge[], (changes: NodeChange<BodyFlowNode>[]) => void, readonly CouplingLink[]] {
   const data = useStoreWithEqualityFn(useStore, (state) => state.data, isSameDrawing);
   const problems = useStoreWithEqualityFn(useStore, (state) => state.check?.problems ?? NO_PROBLEMS, isEqual);
   const summary = useStoreWithEqualityFn(useStore, (state) => state.check?.summary ?? null, isEqual);
@@ -58,11 +60,12 @@ function useNodes(): [BodyFlowNode[], JointFlowEdge[], (changes: NodeChange<Body
     const others = changes.filter((each) => each.type === "position" || each.type === "dimensions");
     if (others.length > 0) setNodes((before) => applyNodeChanges(others, before));
   }, []);
-  return [nodes, edges, change];
+  return [nodes, edges, change, graph.links];
 }
 
 export function Diagram(): ReactElement {
-  const [nodes, edges, change] = useNodes();
+  const [nodes, edges, change, links] = useNodes();
+  const selection = useStore((state) => state.selection);
   const free = useAlt();
   const document = useStore((state) => state.document?.id);
   const guides = useGuides(nodes, gestures.moved);
@@ -87,6 +90,7 @@ export function Diagram(): ReactElement {
         nodeDragThreshold={2}
       >
         <Background variant={BackgroundVariant.Dots} gap={2 * GRID} size={1.2} />
+        <CouplingLines links={links} nodes={nodes} edges={edges} selection={selection} />
         <Guides lines={guides.lines} />
         <Panel position="bottom-left"><ZoomButtons /></Panel>
       </ReactFlow>
