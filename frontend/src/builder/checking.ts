@@ -6,8 +6,8 @@ import type { Model } from "./types";
 
 const ABSENT: readonly number[] = [0, 401];
 const WAIT = 60; // [ms] after the last change
-const SEEK_WAIT = 1500; // [ms]
 const REST = 400; // [ms] after the last change of parameters, whose picture comes before
+const SEEK_WAIT = 1500; // [ms]
 
 let pending: ReturnType<typeof setTimeout> | null = null;
 let underWay: AbortController | null = null;
@@ -79,31 +79,32 @@ function isOfParameters(state: State, before: State): boolean {
   return differIn("parameters", state.data, before.data);
 }
 
-function isUnchanged(state: State, before: State): boolean {
-  const isReached = state.server === "here" && before.server !== "here";
-  return state.data === before.data && state.document === before.document && !isReached;
+/** Whether there is something to check: another model, another document, or the server again. */
+function isNews(state: State, before: State): boolean {
+  const reached = state.server === "here" && before.server !== "here";
+  return state.document !== null && state.data !== state.checked && (state.data !== before.data || state.document !== before.document || reached);
+}
+
+/** Return how long a check waits [ms]: until the keys rest where a picture comes before. */
+function waitOf(state: State, before: State): number {
+  if (state.document !== before.document) return 0;
+  return isOfParameters(state, before) ? REST : WAIT;
 }
 
 /** Check the model now and after each change; return what ends it. */
 export function followChanges(): () => void {
   return useStore.subscribe((state, before) => {
-    if (state.document === null || isUnchanged(state, before) || state.data === state.checked) return;
+    if (!isNews(state, before)) return;
     if (before.checked === before.data && state.document === before.document && isRearranged(state.data, before.data)) {
       useStore.setState({ checked: state.data }); // where the nodes are says nothing of the mechanism
-    } else {
-      scheduleCheck(state, before);
+      return;
     }
+    if (pending !== null) clearTimeout(pending);
+    underWay?.abort();
+    const wait = waitOf(state, before);
+    if (wait === REST) void redraw(state.data);
+    pending = setTimeout(() => { void check(state.data); }, wait);
   });
-}
-
-/** Check a model after a while, which begins anew with each change; pictures of new parameters come at once. */
-function scheduleCheck(state: State, before: State): void {
-  if (pending !== null) clearTimeout(pending);
-  underWay?.abort();
-  const soon = isOfParameters(state, before);
-  if (soon) void redraw(state.data);
-  const wait = state.document !== before.document ? 0 : soon ? REST : WAIT;
-  pending = setTimeout(() => { void check(state.data); }, wait);
 }
 
 /** Look for a server that does not answer, until it is reached again; return what ends it. */

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assemble, consistent_positions, consistent_start
+from symbody.analysis.assembly import assemble, consistent_positions
 from symbody.analysis.closure import Closure, closure
 from symbody.analysis.named_values import named_values
 from symbody.analysis.scales import mechanism_scales
@@ -66,9 +66,8 @@ class PositionSolver:
         """
         guess = dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
         if self.task is None:
-            return np.array(list(assemble(self.eqs, None, guess).q.values()))
-        closed, _ = consistent_start(self.task, {}, guess)
-        return closed
+            return np.array(list(assemble(self.eqs, None, guess, self.parameters).q.values()))
+        return consistent_positions(self.task, {}, guess)
 
 
 def position_solver(

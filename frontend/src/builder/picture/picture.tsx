@@ -47,9 +47,9 @@ function makePlayer(root: HTMLElement, scene: unknown, motion: unknown, moves: b
   });
   const size = sizeText(decoded);
   const mechanism = mechanismText();
-  if (before?.player.viewer != null && player.viewer !== null) {
-    const isSame = before.size === size && castOf(before.player.data.scene) === castOf(decoded);
-    if (isSame || before.mechanism === mechanism) player.viewer.rig.take(before.player.viewer.rig);
+  const same = before !== null && castOf(before.player.data.scene) === castOf(decoded);
+  if (same && before.player.viewer !== null && player.viewer !== null && (before.size === size || before.mechanism === mechanism)) {
+    player.viewer.rig.take(before.player.viewer.rig);
   }
   return { player, source, size, mechanism, scene: JSON.stringify(scene), base };
 }
@@ -154,7 +154,7 @@ function resized(before: Shown | null, scene: unknown, motion: unknown, text: st
   const base = sourceOf(decoded, decodeMotion(motion, decoded.bodies.length));
   const source = new LiveSource(base, decoded.bodies.length);
   if (!before.player.replaceScene(decoded, source)) return null;
-  return { ...before, source, base, size: sizeText(decoded), scene: text };
+  return { ...before, source, base, size: sizeText(decoded), mechanism: mechanismText(), scene: text };
 }
 
 function anew(root: HTMLElement, scene: unknown, motion: unknown, moves: boolean, before: Shown | null): Shown {
