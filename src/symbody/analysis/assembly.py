@@ -7,7 +7,7 @@ with fixed values never moved; then velocities, then accelerations and multiplie
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
 from typing import Final
@@ -37,18 +37,13 @@ from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError, Problem
+from symbody.manifold import Configuration, least_step
+from symbody.manifold.tolerances import ASSEMBLED
 
 Floats = NDArray[np.float64]
 
 NO_RANGES: Final[Ranges] = MappingProxyType({})
-CLOSED: Final = 1e-9  # of the size of the mechanism: closer than any loop is built
-_FAR: Final = 1e-6  # the rounding of a coordinate so many sizes away is a fifth of what counts as closed
 _STARTS: Final = 24
-_STEPS: Final = 80
-# A step is halved until it gains a share of what it promises; one so short that this never happens ends where
-# gaps are least, or where all conditions hold to rounding.
-_HALVINGS: Final = 12
-_DECREASE: Final = 1e-3  # Nocedal & Wright 2006, equation 3.4
 # The nearest of all ends from which the least gaps are looked for, and gaps too small to tell.
 _LEAST_OPEN: Final = 3
 _TOLD: Final = 1e-6
@@ -209,18 +204,9 @@ def assembled_configuration(
     return None if found is None else found.q
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Attempt:
-    """Where Newton's method ended."""
-
-    q: Floats
-    residual: float
-    is_closed: bool
-
-
 def _closed(
     task: Closure, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
-) -> _Attempt | None:
+) -> Configuration | None:
     """Return the assembly nearest to the start, trying starts farther and farther away; or None."""
     starts = _starts(task, start, fixed, ranges)
     for guess in starts:
@@ -236,7 +222,7 @@ def _closed(
     return None
 
 
-def _ranged(task: Closure, attempt: _Attempt, ranges: Ranges) -> _Attempt:
+def _ranged(task: Closure, attempt: Configuration, ranges: Ranges) -> Configuration:
     """Return where Newton's method ended, with angles in their ranges; not closed outside of these."""
     if not attempt.is_closed or not ranges:
         return attempt
@@ -259,37 +245,14 @@ def _starts(
     return [*starts, *starts_in_ranges(task, start, ranges, fixed, _STARTS)]
 
 
-def _newton(task: Closure, q: Floats, fixed: Mapping[str, float]) -> _Attempt:
+def _newton(task: Closure, q: Floats, fixed: Mapping[str, float]) -> Configuration:
     """Return where steps of least length lead."""
-    free = task.free(fixed)
-    values, slopes = task.residuals(q, fixed)
-    norm = float(np.linalg.norm(values))
-    for _ in range(_STEPS):
-        if not (np.isfinite(norm) and np.isfinite(slopes).all()) or norm < 1e-15 * task.size:
-            break
-        columns = slopes[:, free] * task.sizes[free]
-        step = np.linalg.lstsq(columns, -values, rcond=1e-10)[0] * task.sizes[free]
-        share = min(1.0, 1.0 / max(float(np.abs(step / task.sizes[free]).max(initial=0.0)), 1e-300))
-        for _ in range(_HALVINGS):
-            tried = q.copy()
-            tried[free] += share * step
-            new_values, new_slopes = task.residuals(tried, fixed)
-            new_norm = float(np.linalg.norm(new_values))
-            if new_norm < (1.0 - _DECREASE * share) * norm:
-                break
-            share /= 2.0
-        else:
-            break
-        q, values, slopes, norm = tried, new_values, new_slopes, new_norm
-    residual = float(np.abs(values).max(initial=0.0))
-    # Residuals are known to the rounding of the largest coordinate, which may exceed the mechanism by far.
-    closed = CLOSED * max(1.0, _FAR * float(np.abs(q / task.sizes).max(initial=0.0)))
-    return _Attempt(q, residual, residual <= closed * task.size and task.is_aligned(q))
+    return task.manifold(fixed).project(q, least_step)
 
 
 def _others(
     task: Closure, start: Floats, fixed: Mapping[str, float], q: Floats, ranges: Ranges
-) -> list[_Attempt]:
+) -> list[Configuration]:
     """Return further assemblies, nearest to the start first."""
     if task.is_tree:
         return []
@@ -336,11 +299,11 @@ def _why_open(
     return _open_joints(task, attempts, fixed)
 
 
-def _open_joints(task: Closure, attempts: Sequence[_Attempt], fixed: Mapping[str, float]) -> Problem:
+def _open_joints(task: Closure, attempts: Sequence[Configuration], fixed: Mapping[str, float]) -> Problem:
     """Say by how much joints stay open, from where Newton's method came nearest to closing them."""
     best = attempts[0]
     told = f"{_STARTS} starts about the guess were tried"
-    if not task.is_aligned(best.q) and best.residual <= CLOSED * task.size:
+    if not task.is_aligned(best.q) and best.residual <= ASSEMBLED:
         joint = next(iter(task.gaps(best.q)), "")
         what = f"joint {joint} closes only with its axes opposite to each other"
     else:

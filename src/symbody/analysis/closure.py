@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
@@ -16,11 +17,13 @@ from symbody.codegen.function import CompiledFunction
 from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, SimulationError
-from symbody.manifold import ALIGNED, ConstraintManifold, rank
+from symbody.manifold import ConstraintManifold, rank
+from symbody.manifold.tolerances import ALIGNED, ASSEMBLED
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 
+NOTHING_FIXED: Final[Mapping[str, float]] = MappingProxyType({})
 # Rounding of solve_saddle on badly scaled mechanisms is far below; a broken row is of order one.
 _CONSISTENT: Final = 1e-3
 _SINGULAR: Final = Problem(
@@ -50,8 +53,6 @@ class Closure:
         Names of angles.
     mechanism : Scales
         Length, time and mass of the mechanism, from which the sizes above follow.
-    size : float
-        1, the residual of a mechanism that is as far open as it is large.
     """
 
     eqs: EquationSet
@@ -64,7 +65,6 @@ class Closure:
     constraints: Callable[..., Any]
     angles: frozenset[str] = frozenset()
     mechanism: Scales = Scales()
-    size: float = 1.0
     # Functions already compiled; they follow from the fields above.
     _functions: SingleFlight[str | tuple[str, ...], CompiledFunction] = field(
         default_factory=SingleFlight, repr=False
@@ -76,16 +76,26 @@ class Closure:
         """Whether there is nothing to close."""
         return not self.eqs.multiplier_names
 
-    @property
-    def manifold(self) -> ConstraintManifold:
-        """The constraints on positions."""
+    def manifold(self, fixed: Mapping[str, float] = NOTHING_FIXED) -> ConstraintManifold:
+        """Return the constraints on positions, with coordinates that keep values.
+
+        Those in q stay as they are in every configuration; those of cut joints are further conditions.
+        """
         still = np.zeros(len(self.eqs.speed_names))
+        measured = {name: x for name, x in fixed.items() if name not in self.eqs.coordinate_names}
 
         def evaluate(q: Floats) -> tuple[Floats, Floats]:
-            found = self.constraints(self.t, q, still)
-            return found.constraints, found.position_jacobian
+            point = self.constraints(self.t, q, still)
+            values, rows = [point.constraints], [point.position_jacobian]
+            for name, value in measured.items():
+                present, row = self._measured(name, q)
+                values.append(np.array([self._difference(name, present, value)]))
+                rows.append(row[np.newaxis, :])
+            return np.concatenate(values), np.vstack(rows)
 
-        return ConstraintManifold(evaluate, self.sizes, self.scales, self.quaternions(), self.is_aligned)
+        scales = np.append(self.scales, [self._measured_size(name) for name in measured])
+        places, free = self.quaternions(), self.free(fixed)
+        return ConstraintManifold(evaluate, self.sizes, scales, places, self.is_aligned, free, ASSEMBLED)
 
     def function(self, outputs: str | Sequence[str]) -> CompiledFunction:
         """Return a compiled function of t, q and u."""
@@ -122,26 +132,6 @@ class Closure:
     def free(self, fixed: Mapping[str, float]) -> NDArray[np.bool_]:
         """Return which coordinates may move."""
         return np.array([name not in fixed for name in self.eqs.coordinate_names], dtype=np.bool_)
-
-    def residuals(self, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, Floats]:
-        """Return all conditions on positions, scaled, and their derivatives by q."""
-        found = self.constraints(self.t, q, np.zeros(len(self.eqs.speed_names)))
-        values = [found.constraints / self.scales]
-        slopes = [found.position_jacobian / self.scales[:, np.newaxis]]
-        for places in self.quaternions():
-            row = np.zeros((1, q.size))
-            row[0, places] = q[places]
-            values.append(np.array([(q[places] @ q[places] - 1.0) / 2.0]))
-            slopes.append(row)
-        for name, value in fixed.items():
-            if name not in self.eqs.coordinate_names:
-                measured, row = self._measured(name, q)
-                apart, size = measured - value, self._measured_size(name)
-                if self._is_angle(name):
-                    apart = float(np.arctan2(np.sin(apart), np.cos(apart)))
-                values.append(np.array([apart / size]))
-                slopes.append(row[np.newaxis, :] / size)
-        return np.concatenate(values), np.vstack(slopes)
 
     def velocity_rows(self, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, Floats]:
         """Return A and b of all conditions ``A u = b`` on velocities."""
@@ -208,7 +198,7 @@ class Closure:
 
     def is_isolated(self, q: Floats, fixed: Mapping[str, float]) -> bool:
         """Return whether the conditions leave no free motion at a configuration."""
-        columns = (self.residuals(q, fixed)[1] * self.sizes)[:, self.free(fixed)]
+        columns = self.manifold(fixed).jacobian(q)
         return bool(np.linalg.matrix_rank(columns, tol=1e-8) == columns.shape[1])
 
     def gaps(self, q: Floats) -> dict[str, tuple[float, float]]:
@@ -310,6 +300,10 @@ class Closure:
     def _is_angle(self, name: str) -> bool:
         return name in self.angles
 
+    def _difference(self, name: str, a: float, b: float) -> float:
+        """Return the difference of two values of a coordinate, of an angle within half a turn."""
+        return float(np.arctan2(np.sin(a - b), np.cos(a - b))) if self._is_angle(name) else a - b
+
     def _measured_size(self, name: str) -> float:
         """Return what counts as a large change of a coordinate of a cut joint."""
         return self.mechanism.length if self.eqs.units.get(name) == "m" else 1.0
@@ -324,9 +318,9 @@ class Closure:
         for k in range(q.size):
             step = np.zeros(q.size)
             step[k] = _STEP * self.sizes[k]
-            rise = float(f(self.t, q + step, still)) - float(f(self.t, q - step, still))
-            if self._is_angle(name):
-                rise = float(np.arctan2(np.sin(rise), np.cos(rise)))
+            rise = self._difference(
+                name, float(f(self.t, q + step, still)), float(f(self.t, q - step, still))
+            )
             row[k] = rise / (2.0 * step[k])
         return float(f(self.t, q, still)), row
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +40,7 @@ class _Spheres:
     """
 
     def __init__(self, task: Closure, q: Floats, fixed: Mapping[str, float]) -> None:
-        self._task, self._q, self._fixed = task, q, fixed
+        self._manifold, self._q = replace(task.manifold(fixed), free=None), q
         self.free = task.free(fixed)
         self._fours = []
         for places in task.quaternions():
@@ -61,12 +62,12 @@ class _Spheres:
         """Return the conditions."""
         q, before = self.on(x)
         lengths = [(before[places] @ before[places] - radius**2) / 2.0 for places, radius in self._fours]
-        return np.concatenate([self._task.residuals(q, self._fixed)[0], lengths])
+        return np.concatenate([self._manifold.constraints(q).values, lengths])
 
     def slopes(self, x: Floats) -> Floats:
         """Return their derivatives by the free coordinates."""
         q, before = self.on(x)
-        rows = self._task.residuals(q, self._fixed)[1]
+        rows = self._manifold.jacobian(q) / self._manifold.sizes
         lengths = np.zeros((len(self._fours), q.size))
         for k, (places, radius) in enumerate(self._fours):
             norm = float(np.linalg.norm(before[places]))

@@ -96,7 +96,7 @@ def redundancy(
     def velocity_rows(q: Floats) -> Floats:
         return np.asarray(task.velocity_rows(q, {})[0] / scales * task.speed_sizes)
 
-    branch = explore_branch(task.manifold, q)
+    branch = explore_branch(task.manifold(), q)
     count = count_freedoms(eqs.formed, branch, velocity_rows)
     rows = eqs.formed.rows
     order = sorted(range(len(rows)), key=lambda k: (rows[k].force.is_zero, k))

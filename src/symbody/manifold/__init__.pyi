@@ -2,7 +2,13 @@ from .branch import Branch as Branch
 from .branch import explore_branch as explore_branch
 from .manifold import Configuration as Configuration
 from .manifold import ConstraintManifold as ConstraintManifold
+from .manifold import LinearConstraints as LinearConstraints
 from .manifold import constraint_manifold as constraint_manifold
+from .newton import correct as correct
+from .newton import damped_step as damped_step
+from .newton import descend as descend
+from .newton import least_step as least_step
+from .newton import square_step as square_step
 from .ranks import independent_columns as independent_columns
 from .ranks import independent_rows as independent_rows
 from .ranks import rank as rank

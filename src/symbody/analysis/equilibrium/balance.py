@@ -45,7 +45,7 @@ class Rest:
         Where; the inputs are those unknown.
     left : (n_u,) array
         Unbalanced forces as work on unit displacements, in units of the largest term.
-    rows, values : arrays
+    values, slopes : arrays
         All equations that are to vanish, and their derivatives by q in units of sizes.
     terms : (n_u,) array
         What the forces are small against.
@@ -59,8 +59,8 @@ class Rest:
     inputs: Floats
     multipliers: Floats
     left: Floats
-    rows: Floats
     values: Floats
+    slopes: Floats
     terms: Floats
     shares: Floats
     bearing: int | None
@@ -140,11 +140,11 @@ class Balance:
         found = self._called(q, inputs, multipliers)
         left = found[0] * scale
         slopes = found[1] * scale[:, np.newaxis]
-        open_values, open_rows = self.task.residuals(q, {})
-        rows = np.vstack([loads.outside(slopes), open_rows]) * self.task.sizes
+        _, open_values, open_rows = self.task.manifold().constraints(q)
+        rows = np.vstack([loads.outside(slopes) * self.task.sizes, open_rows])
+        values = np.concatenate([left, open_values])
         terms = np.abs(shares) @ np.abs(fit) + np.abs(slopes) @ self.task.sizes
-        return Rest(q, inputs, multipliers, left, rows, np.concatenate([left, open_values]), terms,
-                    loads.shares, bearing)  # fmt: skip
+        return Rest(q, inputs, multipliers, left, values, rows, terms, loads.shares, bearing)
 
     def _called(self, q: Floats, inputs: Floats, multipliers: Floats) -> Any:
         """Return forces, their derivatives by q and by unknown inputs, and J."""

@@ -16,25 +16,16 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import CLOSED
 from symbody.analysis.closure import Closure
 from symbody.analysis.equilibrium.balance import LOADED, Balance, Rest
 from symbody.errors import AssemblyError, Problem, SimulationError
-from symbody.manifold import explore_branch
-from symbody.manifold.tolerances import RANK
+from symbody.manifold import descend, explore_branch, least_step
+from symbody.manifold.tolerances import ASSEMBLED, RANK
 
 Floats = NDArray[np.float64]
 
 STARTS: Final = 24
-_STEPS: Final = 60
-# How often a step is halved: what does not help by then ends in a valley without equilibrium; where all
-# equations hold to rounding, steps only polish.
-_HALVINGS: Final = 12
-_POLISHED: Final = 1e-12
-_POLISHINGS: Final = 2
-_DECREASE: Final = 1e-3  # of what a full step promises (Nocedal & Wright 2006, equation 3.4)
 _MOVING: Final = 1e-9
-_SMALL: Final = 1e-10  # of the largest singular value: directions in which nothing changes
 _FLAT: Final = 1e-8  # of the largest singular value, at an equilibrium
 # Constraints open by e have the Jacobian of a place sqrt(2 e / K) beside; K, their curvature, is of order 1.
 _BESIDE: Final = 10.0
@@ -108,22 +99,13 @@ class Search:
         free, sizes, balance = self.free, self.task.sizes, self.balance
         largest = balance.largest(self.start)
         rest = balance.rest(q, np.zeros(balance.unknowns), largest, bearing)
-        for _ in range(_STEPS):
-            if not (np.isfinite(rest.merit) and np.isfinite(rest.rows).all()) or rest.merit == 0.0:
-                break
-            step = np.linalg.lstsq(rest.rows[:, free], -rest.values, rcond=_SMALL)[0]
-            share = min(1.0, 1.0 / max(float(np.abs(step).max(initial=0.0)), 1e-300))
-            for _ in range(_HALVINGS if rest.merit > _POLISHED else _POLISHINGS):
-                moved = rest.q.copy()
-                moved[free] += share * step * sizes[free]
-                tried = balance.rest(self.task.normalized(moved), rest.inputs, largest, bearing)
-                if tried.merit < (1.0 - _DECREASE * share) * rest.merit:
-                    break
-                share /= 2.0
-            else:
-                break
-            rest = tried
-        return rest
+
+        def move(rest: Rest, step: Floats) -> Rest:
+            q = rest.q.copy()
+            q[free] += step * sizes[free]
+            return balance.rest(self.task.normalized(q), rest.inputs, largest, bearing)
+
+        return descend(rest, move, lambda values, slopes: least_step(values, slopes[:, free]))
 
     def attempts(self, q: Floats) -> list[Rest]:
         """Return where a start leads: an equilibrium, or what is left of the forces where least is left.
@@ -159,8 +141,8 @@ class Search:
 
     def _beside(self, q: Floats) -> list[Floats]:
         """Return regular configurations of the mechanism beside one."""
-        end = self.task.manifold.project(q)
-        points = explore_branch(self.task.manifold, end.q).points if end.is_closed else ()
+        end = self.task.manifold().project(q)
+        points = explore_branch(self.task.manifold(), end.q).points if end.is_closed else ()
         return [point.copy() for point in points]
 
     def _count_at(self, q: Floats) -> int:
@@ -183,7 +165,7 @@ class Search:
         """Return whether other directions are open at an equilibrium than on the branches through it."""
         if self.task.is_tree:
             return False
-        branch = explore_branch(self.task.manifold, rest.q)
+        branch = explore_branch(self.task.manifold(), rest.q)
         return branch.instantaneous != branch.dimension or len(branch.dimensions) > 1
 
     def is_regular(self, rest: Rest) -> bool:
@@ -214,7 +196,7 @@ class Search:
 
     def flat_directions(self, rest: Rest) -> Floats:
         """Return the directions of free coordinates, in sizes, in which no force changes, as columns."""
-        rows = rest.rows[:, self.free]
+        rows = rest.slopes[:, self.free]
         if not rows.shape[1]:
             return rows[:0]
         singular, right = np.linalg.svd(rows)[1:]
@@ -222,7 +204,7 @@ class Search:
         return np.asarray(right[count:].T)
 
     def _is_closed(self, rest: Rest) -> bool:
-        return rest.open <= CLOSED * self.task.size and self.task.is_aligned(rest.q)
+        return rest.open <= ASSEMBLED and self.task.is_aligned(rest.q)
 
     def undetermined(self, rest: Rest) -> Floats:
         """Return the changes of multipliers that change no force, as columns (n_c, k)."""

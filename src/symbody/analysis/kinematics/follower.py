@@ -20,16 +20,14 @@ from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.language.formula import Formula
+from symbody.manifold import ConstraintManifold
+from symbody.manifold.tolerances import TRACED
 from symbody.model.door import plain
 
 Floats = NDArray[np.float64]
 # From the parameter of a path to a coordinate, its first and its second derivative.
 Law = Callable[[float], tuple[float, float, float]]
 
-# Tighter than in assembly: beyond a limit positions that are almost closed go on for a while.
-_CLOSED: Final = 1e-12
-_EXACT: Final = 1e-14
-_ITERATIONS: Final = 15
 _LARGEST_MOVE: Final = 0.3  # of a coordinate in one step [rad, or sizes of the mechanism]
 _CORRECTION: Final = 0.25  # of the move; more means that the tangent leads elsewhere
 _SMALL: Final = 0.02  # corrections below are always believed
@@ -118,53 +116,26 @@ class Follower:
         values = self.formulas(t, q, u)[:-2]
         return found | {name: float(x) for name, x in zip(self.driven, values, strict=False)}
 
-    def residuals(self, s: float, q: Floats) -> tuple[Floats, Floats]:
-        """Return all conditions on positions, scaled, and their derivatives by q."""
-        found = self.positions(self.clock(s), q, np.zeros(self.speed_sizes.size))
-        values = np.array(found.constraints)
+    def manifold(self, s: float) -> ConstraintManifold:
+        """Return the conditions on positions at the parameter of the path."""
+        t, targets, still = self.clock(s), self.targets(s)[0], np.zeros(self.speed_sizes.size)
         places = slice(self.n_h - len(self.driven), self.n_h)
-        values[places] -= self.targets(s)[0]
         jumping = list(self.wrapped)
-        values[jumping] = np.arctan2(np.sin(values[jumping]), np.cos(values[jumping]))
-        scales = self.scales[: self.n_h]
-        parts = [values / scales]
-        slopes = [found.position_jacobian / scales[:, np.newaxis]]
+
+        def evaluate(q: Floats) -> tuple[Floats, Floats]:
+            point = self.positions(t, q, still)
+            values = np.array(point.constraints)
+            values[places] -= targets
+            values[jumping] = np.arctan2(np.sin(values[jumping]), np.cos(values[jumping]))
+            return values, point.position_jacobian
+
         names = self.eqs.coordinate_names
-        for four in self.eqs.quaternions:
-            spots = [names.index(name) for name in four]
-            row = np.zeros((1, q.size))
-            row[0, spots] = q[spots]
-            parts.append(np.array([(q[spots] @ q[spots] - 1.0) / 2.0]))
-            slopes.append(row)
-        return np.concatenate(parts), np.vstack(slopes)
+        quaternions = [[names.index(name) for name in four] for four in self.eqs.quaternions]
+        return ConstraintManifold(evaluate, self.sizes, self.scales[: self.n_h], quaternions, closed=TRACED)
 
     def closed(self, s: float, q: Floats, plane: tuple[Floats, float] | None = None) -> Floats | None:
-        """Return positions near a guess that fulfil all conditions, or None.
-
-        Parameters
-        ----------
-        plane : (n_q,) array and number, optional
-            One more condition, ``normal @ q / sizes = number``.
-        """
-        q = q.copy()
-        last = np.inf
-        closed = _CLOSED * max(1.0, float(np.abs(q / self.sizes).max(initial=0.0)))
-        for _ in range(_ITERATIONS):
-            values, slopes = self.residuals(s, q)
-            if plane is not None:
-                values = np.append(values, plane[0] @ (q / self.sizes) - plane[1])
-                slopes = np.vstack([slopes, plane[0] / self.sizes])
-            if not (np.isfinite(values).all() and np.isfinite(slopes).all()):
-                return None
-            worst = float(np.abs(values).max(initial=0.0))
-            if worst <= _EXACT or (worst <= closed and worst > last / 4.0):
-                return q
-            last = min(last, worst)
-            step = np.linalg.lstsq(slopes * self.sizes, -values, rcond=1e-12)[0]
-            if float(np.abs(step).max(initial=0.0)) > 1.0:
-                return None
-            q += step * self.sizes
-        return q if last <= closed else None
+        """Return positions near a guess that fulfil all conditions, or None; `plane` adds one of them."""
+        return self.manifold(s).correct(q, plane)
 
     def rows(self, s: float, q: Floats, u: Floats) -> tuple[Floats, Floats, Floats]:
         """Return J, the speeds ``J u`` and accelerations ``J u'`` that all rows ask for."""

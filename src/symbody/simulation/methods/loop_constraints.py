@@ -67,15 +67,8 @@ class LoopConstraints:
 
     def positions(self, t: float | Floats, q: Floats) -> tuple[Floats, Floats]:
         """Return the conditions (.., m) on positions and their derivatives (.., m, n_q) by ``q / sizes``."""
-        found = self._values(("constraints", "position_jacobian"), t, q)
-        scales = self._scales[: found[0].shape[-1]]
-        values, slopes = [found[0] / scales], [found[1] / scales[:, np.newaxis] * self.sizes]
-        for four in self._quaternions:
-            row = np.zeros((*q.shape[:-1], 1, q.shape[-1]))
-            row[..., 0, four] = q[..., four]
-            values.append(((q[..., four] ** 2).sum(axis=-1, keepdims=True) - 1.0) / 2.0)
-            slopes.append(row)
-        return np.concatenate(values, axis=-1), np.concatenate(slopes, axis=-2)
+        _, values, slopes = self.manifold(t).constraints(q)
+        return values, slopes
 
     def speeds(self, t: float | Floats, q: Floats) -> tuple[Floats, Floats]:
         """Return J (.., m, n_u) by ``u / speed_sizes`` and b (.., m) of ``J u + b = 0``."""
@@ -106,8 +99,8 @@ class LoopConstraints:
         found = self._called(self.task.compiled("qdot"), t, x[n_u:], x[:n_u])
         return np.asarray(found / self.sizes, dtype=np.float64)
 
-    def manifold(self, t: float) -> ConstraintManifold:
-        """Return the configurations that fulfil the constraints at a time."""
+    def manifold(self, t: float | Floats) -> ConstraintManifold:
+        """Return the configurations that fulfil the constraints at a time, or at the time of each."""
 
         def evaluate(q: Floats) -> tuple[Floats, Floats]:
             found = self._values(("constraints", "position_jacobian"), t, q)
