@@ -18,7 +18,7 @@ from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, SimulationError
 from symbody.manifold import ConstraintManifold, rank
-from symbody.manifold.tolerances import ALIGNED, ASSEMBLED
+from symbody.manifold.tolerances import ALIGNED, ASSEMBLED, SHARP_RANK
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
@@ -199,7 +199,7 @@ class Closure:
     def is_isolated(self, q: Floats, fixed: Mapping[str, float]) -> bool:
         """Return whether the conditions leave no free motion at a configuration."""
         columns = self.manifold(fixed).jacobian(q)
-        return bool(np.linalg.matrix_rank(columns, tol=1e-8) == columns.shape[1])
+        return bool(rank(columns, SHARP_RANK) == columns.shape[1])
 
     def gaps(self, q: Floats) -> dict[str, tuple[float, float]]:
         """Return the distance [m] and angle [rad] by which each joint is open, the farthest open first."""

@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 from symbody.analysis.closure import Closure
 from symbody.analysis.dependent_speeds import check_pivots
 from symbody.errors import AssemblyError, Problem
+from symbody.manifold import least_solution, row_space
+from symbody.manifold.tolerances import RANK
 
 Floats = NDArray[np.float64]
 
 # Of the terms of a row, and of the fastest rate that is given or of the mechanism's own: what closeness of
 # positions explains.
 _CONSISTENT = 1e-9
-_INDEPENDENT = 1e-6  # smaller singular values mean that a speed is given already, up to closeness
 
 
 def consistent_speeds(
@@ -35,19 +36,19 @@ def consistent_speeds(
     """
     check_pivots(task, q)
     rows, right = _conditions(task, q, fixed)
-    if not _fulfils(task, _solved(rows, right), rows, right):
+    if not _fulfils(task, least_solution(rows, right), rows, right):
         raise AssemblyError(_conflict(task, q, fixed))
-    basis = _basis(rows)
+    basis = row_space(rows)
     for name in dict.fromkeys([*task.parted(guess)[1], *task.all_speeds]):
         own, value = task.speed_row(q, name, guess.get(name, 0.0))
         row, wanted = _measured(task, own[np.newaxis, :], np.array([value]))
         left = _outside(basis, row[0])
         distance = float(np.linalg.norm(left))
-        if distance > _INDEPENDENT:
+        if distance > RANK:
             rows = np.vstack([rows, row])
             right = np.concatenate([right, wanted])
             basis = np.vstack([basis, _outside(basis, left / distance)])
-    return _solved(rows, right) * task.speed_sizes
+    return least_solution(rows, right) * task.speed_sizes
 
 
 def _conditions(task: Closure, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, Floats]:
@@ -63,24 +64,10 @@ def _measured(task: Closure, rows: Floats, right: Floats) -> tuple[Floats, Float
     return sized / lengths[:, np.newaxis], right / lengths
 
 
-def _solved(rows: Floats, right: Floats) -> Floats:
-    """Return the least solution, with one correction: rows hold to rounding of their own terms."""
-    if rows.shape[0] == 0:
-        return np.zeros(rows.shape[1])
-    found = np.linalg.lstsq(rows, right, rcond=1e-10)[0]
-    return np.asarray(found + np.linalg.lstsq(rows, right - rows @ found, rcond=1e-10)[0])
-
-
 def _fulfils(task: Closure, found: Floats, rows: Floats, right: Floats) -> bool:
     """Return whether all rows hold."""
     sizes = 1.0 / task.mechanism.time + np.abs(right).max(initial=0.0) + np.abs(rows) @ np.abs(found)
     return bool((np.abs(rows @ found - right) <= _CONSISTENT * sizes).all())
-
-
-def _basis(rows: Floats) -> Floats:
-    """Return orthonormal rows that span the rows given."""
-    sizes, right = np.linalg.svd(rows, full_matrices=False)[1:]
-    return np.asarray(right[sizes > _INDEPENDENT * sizes.max(initial=1e-300)])
 
 
 def _outside(basis: Floats, row: Floats) -> Floats:
@@ -93,7 +80,7 @@ def _conflict(task: Closure, q: Floats, fixed: Mapping[str, float]) -> Problem:
     for name in fixed:
         rest = {key: value for key, value in conflict.items() if key != name}
         rows, right = _conditions(task, q, rest)
-        if not _fulfils(task, _solved(rows, right), rows, right):
+        if not _fulfils(task, least_solution(rows, right), rows, right):
             conflict = rest
     listed = ", ".join(f"{name} = {value:g}" for name, value in conflict.items()) or "the motions in time"
     return Problem(

@@ -9,7 +9,14 @@ from .newton import damped_step as damped_step
 from .newton import descend as descend
 from .newton import least_step as least_step
 from .newton import square_step as square_step
+from .pivots import column_volume as column_volume
+from .pivots import pivot_order as pivot_order
+from .ranks import count_significant as count_significant
 from .ranks import independent_columns as independent_columns
 from .ranks import independent_rows as independent_rows
+from .ranks import least_solution as least_solution
+from .ranks import null_space as null_space
 from .ranks import rank as rank
+from .ranks import row_space as row_space
+from .ranks import unit_rows as unit_rows
 from .tolerances import ALIGNED as ALIGNED

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.manifold.newton import Step, correct, damped_step, descend
-from symbody.manifold.ranks import null_space
+from symbody.manifold.ranks import null_space, unit_rows
 from symbody.manifold.tolerances import CLOSED, FAR
 
 Floats = NDArray[np.float64]
@@ -108,7 +108,7 @@ class ConstraintManifold:
 
     def tangent(self, q: Floats) -> Floats:
         """Return an orthonormal basis (f, d) of the directions that the constraints admit to first order."""
-        return null_space(self.jacobian(q))
+        return null_space(unit_rows(self.jacobian(q)))
 
     def tolerance(self, q: Floats) -> float:
         """Return the largest residual of constraints that hold at coordinates as large as these."""

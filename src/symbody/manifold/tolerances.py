@@ -19,6 +19,8 @@ NEGLIGIBLE: Final = 1e-10
 # Singular values of unit rows below this share of the largest count as 0: between the rounding that closing
 # leaves and what a configuration a twentieth of a radian beside a singular one has, to third order.
 RANK: Final = 1e-6
+# The same where loops are closed to rounding, and nearness to singular positions is to be seen.
+SHARP_RANK: Final = 1e-8
 # Rows of a Jacobian shorter than this share of the longest, or of 1, are zeros up to rounding.
 VANISHING: Final = 1e-10
 # Cosines of axes that coincide in a closed joint are 1; its equations, products of axes, hold for -1, some

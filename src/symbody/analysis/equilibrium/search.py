@@ -19,14 +19,13 @@ from numpy.typing import NDArray
 from symbody.analysis.closure import Closure
 from symbody.analysis.equilibrium.balance import LOADED, Balance, Rest
 from symbody.errors import AssemblyError, Problem, SimulationError
-from symbody.manifold import descend, explore_branch, least_step
-from symbody.manifold.tolerances import ASSEMBLED, RANK
+from symbody.manifold import descend, explore_branch, least_step, null_space
+from symbody.manifold.tolerances import ASSEMBLED, RANK, SHARP_RANK
 
 Floats = NDArray[np.float64]
 
 STARTS: Final = 24
 _MOVING: Final = 1e-9
-_FLAT: Final = 1e-8  # of the largest singular value, at an equilibrium
 # Constraints open by e have the Jacobian of a place sqrt(2 e / K) beside; K, their curvature, is of order 1.
 _BESIDE: Final = 10.0
 _RESOLVED: Final = 1e-15  # rounding of the constraints
@@ -196,12 +195,7 @@ class Search:
 
     def flat_directions(self, rest: Rest) -> Floats:
         """Return the directions of free coordinates, in sizes, in which no force changes, as columns."""
-        rows = rest.slopes[:, self.free]
-        if not rows.shape[1]:
-            return rows[:0]
-        singular, right = np.linalg.svd(rows)[1:]
-        count = int((singular > _FLAT * singular.max(initial=1e-300)).sum())
-        return np.asarray(right[count:].T)
+        return null_space(rest.slopes[:, self.free], SHARP_RANK)
 
     def _is_closed(self, rest: Rest) -> bool:
         return rest.open <= ASSEMBLED and self.task.is_aligned(rest.q)
@@ -209,8 +203,5 @@ class Search:
     def undetermined(self, rest: Rest) -> Floats:
         """Return the changes of multipliers that change no force, as columns (n_c, k)."""
         rows = self.task.velocity_rows(rest.q, {})[0] * self.balance.sizes
-        if not rows.size:
-            return np.zeros((len(rows), 0))
-        left, singular, _ = np.linalg.svd(rows / self.balance.scales[:, np.newaxis])
-        count = int((singular > _FLAT * singular.max(initial=1e-300)).sum())
-        return np.asarray(left[:, count:] / self.balance.scales[:, np.newaxis])
+        scales = self.balance.scales[:, np.newaxis]
+        return np.asarray(null_space((rows / scales).T, SHARP_RANK) / scales)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.kinematics.follower import Follower
+from symbody.manifold import count_significant
 
 Floats = NDArray[np.float64]
 
@@ -80,10 +81,9 @@ class Curve:
         mechanism = self.mechanism
         still = np.zeros(mechanism.speed_sizes.size)
         jacobian = mechanism.rows(0.0, q, still)[0]
-        rows = jacobian / mechanism.scales[:, np.newaxis] * mechanism.speed_sizes
-        sizes, right = np.linalg.svd(rows)[1:]
-        least = sizes.size if not sizes.size else int((sizes > _SINGULAR * sizes[0]).sum())
-        basis = right[min(least, len(q) - 1, right.shape[0] - 1) :].T * mechanism.speed_sizes[:, np.newaxis]
+        singular, right = np.linalg.svd(mechanism.scaled_rows(jacobian))[1:]
+        count = min(count_significant(singular, _SINGULAR), len(q) - 1, right.shape[0] - 1)
+        basis = right[count:].T * mechanism.speed_sizes[:, np.newaxis]
         rest = mechanism.qdot(0.0, q, still)
         moves = [(mechanism.qdot(0.0, q, u) - rest) / mechanism.sizes for u in basis.T]
         orthonormal: Floats = np.linalg.qr(np.array(moves).T)[0]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,8 @@ from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.language.formula import Formula
-from symbody.manifold import ConstraintManifold
-from symbody.manifold.tolerances import TRACED
+from symbody.manifold import ConstraintManifold, least_solution, null_space
+from symbody.manifold.tolerances import SHARP_RANK, TRACED
 from symbody.model.door import plain
 
 Floats = NDArray[np.float64]
@@ -32,14 +32,6 @@ _LARGEST_MOVE: Final = 0.3  # of a coordinate in one step [rad, or sizes of the 
 _CORRECTION: Final = 0.25  # of the move; more means that the tangent leads elsewhere
 _SMALL: Final = 0.02  # corrections below are always believed
 _SHORTEST: Final = 1e-11  # share of a path below which a step leads nowhere
-_RANK: Final = 1e-8  # of the largest singular value; assembly is good to 1e-9
-
-
-class Freedom(NamedTuple):
-    """What the constraints and the driven coordinates leave: unit speeds (n_u, f) over `speed_sizes`."""
-
-    rank: int
-    basis: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,24 +140,20 @@ class Follower:
         acceleration[places] += self.targets(s)[2]
         return jacobian, rate, acceleration
 
+    def scaled_rows(self, jacobian: Floats) -> Floats:
+        """Return rows of J, all or the mechanism's own, in their scales and by speeds in theirs."""
+        scales = self.scales if len(jacobian) == len(self.scales) else self.scales[self.own_rows]
+        return np.asarray(jacobian / scales[:, np.newaxis] * self.speed_sizes)
+
     def solve(self, jacobian: Floats, right: Floats) -> tuple[Floats, float]:
         """Return the least solution of ``J x = right`` and its largest scaled residual."""
-        rows = jacobian / self.scales[:, np.newaxis] * self.speed_sizes
-        x = np.linalg.lstsq(rows, right / self.scales, rcond=_RANK)[0]
-        # One round of iterative refinement, since times and turns may be of any size.
-        x += np.linalg.lstsq(rows, right / self.scales - rows @ x, rcond=_RANK)[0]
-        error = float(np.abs(rows @ x - right / self.scales).max(initial=0.0))
-        return x * self.speed_sizes, error
+        rows, scaled = self.scaled_rows(jacobian), right / self.scales
+        x = least_solution(rows, scaled, SHARP_RANK)
+        return x * self.speed_sizes, float(np.abs(rows @ x - scaled).max(initial=0.0))
 
-    def freedom(self, jacobian: Floats) -> Freedom:
-        """Return the rank of rows of J, and the speeds they leave."""
-        scales = self.scales if len(jacobian) == len(self.scales) else self.scales[self.own_rows]
-        rows = jacobian / scales[:, np.newaxis] * self.speed_sizes
-        if not rows.size:
-            return Freedom(0, np.eye(self.speed_sizes.size))
-        sizes, right = np.linalg.svd(rows)[1:]
-        rank = int((sizes > _RANK * sizes.max(initial=1e-300)).sum())
-        return Freedom(rank, right[rank:].T)
+    def freedoms(self, jacobian: Floats) -> Floats:
+        """Return unit speeds (n_u, f), in sizes, that rows of J leave."""
+        return null_space(self.scaled_rows(jacobian), SHARP_RANK)
 
     def speeds(self, s: float, q: Floats) -> Floats:
         """Return the speeds that the driven coordinates ask for."""
@@ -195,8 +183,7 @@ class Follower:
     def stuck(self, s: float, q: Floats) -> str:
         """Return the joint that moves fastest where a path ends."""
         jacobian = self.rows(s, q, np.zeros(self.speed_sizes.size))[0]
-        rows = jacobian / self.scales[:, np.newaxis] * self.speed_sizes
-        direction = np.linalg.svd(rows)[2][-1]
+        direction = np.linalg.svd(self.scaled_rows(jacobian))[2][-1]
         return joint_of(self.eqs, self.eqs.speed_names[int(np.abs(direction).argmax())])
 
     def _stepped(self, s: float, q: Floats, to: float) -> Floats | None:

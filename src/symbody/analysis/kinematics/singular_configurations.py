@@ -209,7 +209,7 @@ class _Search:
         """Return scaled independent rows of J, and of these the columns of dependent speeds."""
         mechanism, eqs = self.mechanism, self.ratios.eqs
         jacobian = mechanism.rows(0.0, q, np.zeros(mechanism.speed_sizes.size))[0]
-        rows = jacobian / mechanism.scales[:, np.newaxis] * mechanism.speed_sizes
+        rows = mechanism.scaled_rows(jacobian)
         names = [row.name for row in mechanism.eqs.formed.rows]
         kept = rows[[names.index(name) for name in self.ratios.rows]]
         return kept, kept[:, [eqs.speed_names.index(name) for name in self.ratios.dependent]]

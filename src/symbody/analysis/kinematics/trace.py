@@ -197,7 +197,7 @@ def check_driven(driven: Follower, s: float, q: Floats, notes: tuple[str, ...] =
         Telling how many.
     """
     jacobian = driven.rows(s, q, np.zeros(driven.speed_sizes.size))[0]
-    left = driven.freedom(jacobian).basis.shape[1]
+    left = driven.freedoms(jacobian).shape[1]
     if left:
         names = ", ".join(driven.driven) or "nothing"
         raise UsageError(

@@ -13,7 +13,6 @@ from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr
 
 from symbody.analysis.assembly import assemble, assemble_taut
 from symbody.analysis.closure import Closure, closure
@@ -30,6 +29,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, SimulationError, UsageError, nearest
 from symbody.expr.sympy_bridge import SympyExpr, SympyMatrix
+from symbody.manifold import least_solution, pivot_order
 
 Floats = NDArray[np.float64]
 
@@ -248,7 +248,7 @@ class VelocityRatios:
         mechanism = self._mechanism
         self._check_ropes(q)
         jacobian = mechanism.rows(t, q, np.zeros(mechanism.speed_sizes.size))[0]
-        basis = mechanism.freedom(jacobian).basis
+        basis = mechanism.freedoms(jacobian)
         own, others = self._places(self.independent), self._places(self.dependent)
         if basis.shape[1] != len(own):
             raise SimulationError(
@@ -287,10 +287,9 @@ class VelocityRatios:
         found = np.zeros(mechanism.speed_sizes.size)
         found[own] = wanted
         others = self._places(self.dependent)
-        scales = mechanism.scales[:, np.newaxis]
-        columns = jacobian[:, others] / scales * mechanism.speed_sizes[others]
+        columns = mechanism.scaled_rows(jacobian)[:, others]
         rest = (right - jacobian[:, own] @ wanted) / mechanism.scales
-        found[others] = np.linalg.lstsq(columns, rest, rcond=1e-10)[0] * mechanism.speed_sizes[others]
+        found[others] = least_solution(columns, rest) * mechanism.speed_sizes[others]
         return found
 
     def _label(self, name: str) -> str:
@@ -351,8 +350,7 @@ def _best(mechanism: Follower, eqs: EquationSet, t: float, q: Floats, count: int
     if not jacobian.size:
         return eqs.speed_names
     weights = [_DRIVEN if _has_input(eqs, name) else 1.0 for name in eqs.speed_names]
-    columns = jacobian / mechanism.scales[:, np.newaxis] * mechanism.speed_sizes * np.array(weights)
-    order = qr(columns, pivoting=True, mode="r")[-1]
+    order, _ = pivot_order(mechanism.scaled_rows(jacobian) * np.array(weights))
     places = sorted(int(k) for k in order[len(eqs.speed_names) - count :])
     return tuple(eqs.speed_names[k] for k in places)
 

@@ -14,15 +14,15 @@ from symbody.analysis.linear.variations import (
     Rotations,
     choose,
     followed,
-    rank,
     rotations,
     solved,
-    unit_rows,
 )
 from symbody.analysis.scales import Scales
 from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, nearest
+from symbody.manifold import rank
+from symbody.manifold.tolerances import SHARP_RANK
 
 Floats = NDArray[np.float64]
 
@@ -175,7 +175,7 @@ def _chosen(
     """Return a choice of independent unknowns, as named or by pivots."""
     if asked is None:
         return choose(rows, names, kept, liked)
-    count = len(names) - rank(unit_rows(rows))
+    count = len(names) - rank(rows, SHARP_RANK)
     if len(asked) != count:
         raise AssemblyError(
             Problem("linearize.independent", "independent",

@@ -16,6 +16,8 @@ from symbody.analysis.linear.slopes import SlopeFunction, Slopes
 from symbody.analysis.linear.variations import moved, rotations, solved
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.rewrite import symbols_of
+from symbody.manifold import LinearConstraints, correct
+from symbody.manifold.tolerances import ASSEMBLED
 
 Floats = NDArray[np.float64]
 
@@ -24,8 +26,6 @@ ROUNDING: Final = 100.0 * float(np.finfo(float).eps)  # of the terms of a row
 PLACES: Final = 60
 _PACE: Final = 0.37
 _STILL: Final = 1e-9  # of the natural rate of the mechanism
-_NEWTON: Final = 12
-_CLOSED: Final = 1e-9  # the last step of closing, of the size of the mechanism
 
 
 def symbol_node(function: SlopeFunction, name: str) -> int:
@@ -135,23 +135,30 @@ class Orbit:
         """Return the nearby state on the constraints with the same independent coordinates and speeds."""
         eqs, chosen = self.function.eqs, self.selection
         dependent = list(chosen.coordinates.dependent)
-        for _ in range(_NEWTON):
-            found = self.function.at(q, u)
-            turned = rotations(eqs, q, found.rates[len(u) :])
-            step = np.zeros(len(chosen.q_sizes))
-            if dependent:
-                rows = found.position_jacobian @ turned.out * chosen.q_sizes
-                step[dependent] = -solved(rows, chosen.coordinates, found.constraints[:, np.newaxis])[:, 0]
-            q, open_by = moved(eqs, q, step * chosen.q_sizes), float(np.abs(step).max(initial=0.0))
-            if not open_by > ROUNDING:
-                break
-        if open_by > _CLOSED:
+
+        def evaluate(q: Floats) -> LinearConstraints:
+            slopes = self.function.at(q, u)
+            turned = rotations(eqs, q, slopes.rates[len(u) :])
+            rows = slopes.position_jacobian @ turned.out * chosen.q_sizes
+            lengths = np.linalg.norm(rows, axis=1)
+            lengths[lengths == 0.0] = 1.0
+            columns = rows[:, dependent] / lengths[:, np.newaxis]
+            return LinearConstraints(q, slopes.constraints / lengths, columns)
+
+        def move(point: LinearConstraints, step: Floats) -> LinearConstraints:
+            by = np.zeros(len(chosen.q_sizes))
+            by[dependent] = step * chosen.q_sizes[dependent]
+            return evaluate(moved(eqs, point.q, by))
+
+        end = correct(evaluate(q), move, ASSEMBLED)
+        if end is None:
             return None
+        q = end.q
+        rows = self.function.at(q, u).jacobian * chosen.u_sizes
         u = u.copy()
         own = list(chosen.speeds.dependent)
         for _ in range(2 if own else 0):
             missing = self.function.at(q, u).velocity_constraints
-            rows = found.jacobian * chosen.u_sizes
             u[own] -= solved(rows, chosen.speeds, missing[:, np.newaxis])[:, 0] * chosen.u_sizes[own]
         return q, u
 

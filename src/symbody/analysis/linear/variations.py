@@ -25,15 +25,15 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, qr
+from scipy.linalg import block_diag
 
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
+from symbody.manifold import pivot_order, rank, unit_rows
+from symbody.manifold.tolerances import NEGLIGIBLE, SHARP_RANK
 
 Floats = NDArray[np.float64]
 
-# Of rows of length 1: assembly closes to 1e-9 at worst, and is 1e-12 as a rule.
-DEPENDENT: Final = 1e-8
 # A choice of independent coordinates this near to a singular one loses four digits.
 _POOR: Final = 1e-4
 
@@ -146,17 +146,6 @@ class Choice:
         return self.pivot < _POOR
 
 
-def rank(rows: Floats) -> int:
-    """Return the number of independent rows, each of length 1."""
-    return int((np.linalg.svd(rows, compute_uv=False) > DEPENDENT).sum()) if rows.size else 0
-
-
-def unit_rows(rows: Floats) -> Floats:
-    """Return rows of length 1; those that are 0 stay so."""
-    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
-    return np.asarray(rows / np.where(lengths > 0.0, lengths, 1.0))
-
-
 def choose(rows: Floats, names: Sequence[str], kept: Collection[str], asked: Collection[str]) -> Choice:
     """Return independent unknowns of ``rows x = 0``.
 
@@ -175,14 +164,14 @@ def choose(rows: Floats, names: Sequence[str], kept: Collection[str], asked: Col
         If the unknowns kept are not independent, naming them, or those that they leave are too few.
     """
     rows = unit_rows(rows)
-    wanted = rank(rows)
+    wanted = rank(rows, SHARP_RANK)
     others = [k for k, name in enumerate(names) if name not in kept]
     first = [k for k in others if names[k] not in asked]
     dependent = _pivots(rows[:, first], first, _POOR)
     if len(dependent) < wanted:
         left = rows - _projected(rows, rows[:, list(dependent)])
         rest = [k for k in others if k not in dependent]
-        dependent += _pivots(left[:, rest], rest, DEPENDENT)[: wanted - len(dependent)]
+        dependent += _pivots(left[:, rest], rest, SHARP_RANK)[: wanted - len(dependent)]
     if len(dependent) < wanted:
         raise AssemblyError(_not_independent(kept, len(names) - wanted))
     dependent = sorted(dependent)
@@ -193,10 +182,7 @@ def choose(rows: Floats, names: Sequence[str], kept: Collection[str], asked: Col
 
 def _pivots(columns: Floats, places: Sequence[int], least: float) -> list[int]:
     """Return the places of columns that are independent, the largest pivots first."""
-    if not columns.size:
-        return []
-    triangle, order = qr(columns, mode="r", pivoting=True)
-    pivots = np.abs(np.diagonal(triangle))
+    order, pivots = pivot_order(columns)
     return [places[k] for k in order[: int((pivots > least).sum())]]
 
 
@@ -204,7 +190,7 @@ def _projected(rows: Floats, columns: Floats) -> Floats:
     """Return the part of rows within the span of columns."""
     if not columns.size:
         return np.zeros_like(rows)
-    return np.asarray(columns @ np.linalg.lstsq(columns, rows, rcond=DEPENDENT)[0])
+    return np.asarray(columns @ np.linalg.lstsq(columns, rows, rcond=SHARP_RANK)[0])
 
 
 def followed(rows: Floats, choice: Choice, sizes: Floats) -> Floats:
@@ -222,7 +208,7 @@ def solved(rows: Floats, choice: Choice, right: Floats) -> Floats:
     lengths = np.linalg.norm(rows, axis=1, keepdims=True)
     lengths = np.where(lengths > 0.0, lengths, 1.0)
     columns = (rows / lengths)[:, list(choice.dependent)]
-    return np.asarray(np.linalg.lstsq(columns, right / lengths, rcond=DEPENDENT / 10)[0])
+    return np.asarray(np.linalg.lstsq(columns, right / lengths, rcond=NEGLIGIBLE)[0])
 
 
 def _not_independent(names: Collection[str], count: int) -> Problem:

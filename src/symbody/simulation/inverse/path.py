@@ -78,9 +78,9 @@ class Path:
         follower = self.follower
         still = np.zeros(len(self.eqs.speed_names))
         jacobian, rate, _ = follower.rows(t, q, still)
-        freedom = follower.freedom(jacobian)
-        if freedom.basis.shape[1]:
-            raise UsageError(self._free(t, q, freedom.basis * follower.speed_sizes[:, np.newaxis]))
+        basis = follower.freedoms(jacobian)
+        if basis.shape[1]:
+            raise UsageError(self._free(t, q, basis * follower.speed_sizes[:, np.newaxis]))
         u, error = follower.solve(jacobian, rate)
         self._check(t, "speeds", error, rate)
         jacobian, _, acceleration = follower.rows(t, q, u)

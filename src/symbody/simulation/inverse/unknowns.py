@@ -131,7 +131,7 @@ class Unknowns:
         """Return the motions that the mechanism's own constraints allow, in scaled speeds."""
         follower = self.path.follower
         jacobian = follower.rows(float(t), q, u)[0]
-        return follower.freedom(jacobian[follower.own_rows]).basis
+        return follower.freedoms(jacobian[follower.own_rows])
 
     def _compiled(self) -> Sequence[CompiledFunction]:
         """Return functions of the mass matrix, the forcing, and each column of it."""
@@ -164,7 +164,7 @@ class Unknowns:
     def _powerless(self, samples: Samples, k: int, basis: Floats, left: Floats, slopes: Floats) -> Problem:
         follower, t = self.path.follower, float(samples.t[k])
         jacobian = follower.rows(t, samples.q[:, k], samples.u[:, k])[0]
-        rows = jacobian / follower.scales[:, np.newaxis] * follower.speed_sizes
+        rows = follower.scaled_rows(jacobian)
         first = follower.n_h - len(follower.driven)
         shares = np.abs(rows[first : follower.n_h] @ (basis @ left))
         idle = [

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.state import State
+from symbody.manifold import count_significant
 from symbody.simulation.events.watching import EventWatch
 from symbody.simulation.methods.choice import Constraints, Integrator
 from symbody.simulation.methods.constraints import Projection
@@ -40,7 +41,6 @@ _STUCK: Final = 5e-2
 _LOW: Final = 0.5
 _REFINEMENTS: Final = 12
 _PER_REFINEMENT: Final = 9
-_INDEPENDENT: Final = 1e-6
 # Velocities on both sides of a change point are compared where the singular value is this share: some tenths
 # of a radian apart. Extrapolated from one side, with what a parabola leaves, they agree to the cube of that;
 # those of two branches differ by their angle, of order one.
@@ -143,7 +143,7 @@ def is_overconstrained(task: Task, first: State, t: float) -> bool:
     tangents = np.linalg.svd(loops.positions(branch.t, branch.q)[1])[2][branch.positions :]
     shares = np.linspace(0.5, 1.5, q.size) * tangents.sum(axis=0)
     sizes = loops.singular_values(branch.t, branch.q + _BESIDE * shares * loops.sizes)
-    return int((sizes > _STANDS * sizes.max(initial=0.0)).sum()) > branch.speeds
+    return count_significant(sizes, _STANDS) > branch.speeds
 
 
 def change_point(task: Task, raw: RawRun) -> float | None:
@@ -206,7 +206,7 @@ def _passages(task: Task, raw: RawRun) -> _Passages | None:
     sizes = loops.singular_values(dense.breaks, dense(dense.breaks)[loops.places].T)
     if not np.isfinite(sizes).all():
         return None
-    rank = int((sizes > _INDEPENDENT * sizes.max()).sum(axis=1).max())
+    rank = count_significant(sizes)
     if rank == 0:
         return None
     largest = float(sizes[:, rank - 1].max())

@@ -14,11 +14,10 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr
 
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError
-from symbody.manifold import LinearConstraints, correct, square_step
+from symbody.manifold import LinearConstraints, correct, pivot_order, square_step
 from symbody.manifold.tolerances import TRACED
 from symbody.simulation.methods.loop_constraints import NEAR, LoopConstraints, motion_branch
 from symbody.simulation.methods.request import Called, Request
@@ -76,8 +75,8 @@ def partition_columns(matrix: Floats, rank: int, rows: Places | None = None) -> 
     _, sizes, right = np.linalg.svd(matrix)
     free = right[rank:]
     if rows is None:
-        rows = np.sort(qr(matrix.T, mode="r", pivoting=True)[1][:rank])
-    independent = np.sort(qr(free, mode="r", pivoting=True)[1][: len(free)])
+        rows = np.sort(pivot_order(matrix.T)[0][:rank])
+    independent = np.sort(pivot_order(free)[0][: len(free)])
     dependent = np.setdiff1d(np.arange(matrix.shape[1]), independent)
     shares = _shares(matrix, rows, free[:, independent], float(sizes[:rank].min(initial=np.inf)))
     return PartitionChoice(rows, dependent, independent, *shares)

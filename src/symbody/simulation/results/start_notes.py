@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from symbody.analysis.state import State
 from symbody.codegen.compile import constant_values
 from symbody.codegen.massless import massless_speeds
+from symbody.manifold import null_space
 from symbody.model.model import Model
 from symbody.simulation.task import Task
 
 Floats = NDArray[np.float64]
 
-INDEPENDENT: Final = 1e-6  # of the largest singular value of constraints without units
 TAKES_PART: Final = 0.1  # of a unit vector
 # Constraints that are redundant close together but for this, of the size of the mechanism.
 _ROUNDING: Final = 1e-13
@@ -42,13 +42,12 @@ def nearly_redundant(task: Task, rows: Floats, values: Floats) -> str:
     """
     eqs = task.eqs
     count = len(eqs.formed.holonomic)
-    left, sizes, _ = np.linalg.svd(rows[:count])
-    rank = int((sizes > INDEPENDENT * sizes[0]).sum())
-    open_by = left[:, rank:].T @ (values[:count] / task.scales.constraints(eqs)[:count])
+    redundant = null_space(rows[:count].T)
+    open_by = redundant.T @ (values[:count] / task.scales.constraints(eqs)[:count])
     largest = float(np.abs(open_by).max(initial=0.0))
     if not largest > _ROUNDING:
         return ""
-    taking = np.abs(left[:, rank:] @ open_by) / np.linalg.norm(open_by)
+    taking = np.abs(redundant @ open_by) / np.linalg.norm(open_by)
     own = zip(eqs.formed.rows, taking, strict=False)
     joints = ", ".join(dict.fromkeys(row.element for row, part in own if part > TAKES_PART))
     return (
