@@ -38,7 +38,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError, Problem
 from symbody.manifold import Configuration, least_step
-from symbody.manifold.tolerances import ASSEMBLED
+from symbody.tolerances import ASSEMBLED
 
 Floats = NDArray[np.float64]
 

@@ -18,8 +18,8 @@ from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, SimulationError
 from symbody.manifold import ConstraintManifold, rank
-from symbody.manifold.tolerances import ALIGNED, ASSEMBLED, SHARP_RANK
 from symbody.single_flight import SingleFlight
+from symbody.tolerances import ALIGNED, ASSEMBLED, DIFFERENCE, SAME_POSITION, SHARP_RANK, TINY
 
 Floats = NDArray[np.float64]
 
@@ -34,7 +34,6 @@ _SINGULAR: Final = Problem(
 # Rates closer to their guess are that up to the rounding of a least squares solution.
 _CHANGED: Final = 1e-9
 _STAYED: Final = 1e-12  # of the size of a coordinate
-_STEP: Final = 1e-6  # of central differences for coordinates that are measured
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -185,7 +184,7 @@ class Closure:
         found = self.constraints(self.t, q, np.zeros(len(self.eqs.speed_names)))
         return bool((found.alignment > ALIGNED).all())
 
-    def differs(self, a: Floats, b: Floats, tolerance: float = 1e-5) -> bool:
+    def differs(self, a: Floats, b: Floats, tolerance: float = SAME_POSITION) -> bool:
         """Return whether two sets of coordinates are different configurations, by more than a tolerance."""
         apart = (a - b) / self.sizes
         for k, name in enumerate(self.eqs.coordinate_names):
@@ -317,7 +316,7 @@ class Closure:
         row = np.zeros(q.size)
         for k in range(q.size):
             step = np.zeros(q.size)
-            step[k] = _STEP * self.sizes[k]
+            step[k] = DIFFERENCE * self.sizes[k]
             rise = self._difference(
                 name, float(f(self.t, q + step, still)), float(f(self.t, q - step, still))
             )
@@ -375,7 +374,7 @@ def _exist(u: Floats, solved: Any, sizes: Floats, held: float) -> bool:
     rounding = slopes * eps * max(held, float(np.abs(udot).max(initial=0.0)))
     rounding = rounding + eps * float(largest.max(initial=0.0))
     apart: Floats = np.abs(jacobian @ udot - gamma)
-    return not (apart > _CONSISTENT * wanted + rounding + 1e-300).any()
+    return not (apart > _CONSISTENT * wanted + rounding + TINY).any()
 
 
 def _dependent(rows: Floats) -> int:

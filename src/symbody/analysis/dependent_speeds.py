@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from symbody.analysis.closure import Closure
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
+from symbody.tolerances import ASSEMBLED
 
-_NONE: Final = 1e-9  # of a pivot, at most 1: rounding and the closeness of assembly, rather than a choice
 CURE: Final = (
     "name other dependent_speeds, whose pivot does not vanish on the way, or leave dependent_speeds out: "
     "multipliers have no such place"
@@ -40,7 +40,7 @@ def check_pivots(task: Closure, q: NDArray[np.float64]) -> None:
         return
     still = np.zeros(len(task.eqs.speed_names))
     found = np.ravel(task.function([f"{names[0]}_pivot" for names in groups])(task.t, q, still))
-    lost = [names for names, value in zip(groups, found, strict=True) if not abs(value) > _NONE]
+    lost = [names for names, value in zip(groups, found, strict=True) if not abs(value) > ASSEMBLED]
     if lost:
         raise AssemblyError(*(_vanishing(", ".join(names)) for names in lost))
 

@@ -23,13 +23,13 @@ from symbody.expr.graph import Graph, Kind
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Input, Roots, build_sequence
 from symbody.expr.sequence import Sequence as Program
+from symbody.tolerances import ROOT, TINY
 
 Floats = NDArray[np.float64]
 
 _SAMPLES: Final = 12
 _TRIALS: Final = 240
 _SPREAD: Final = 0.1  # of the values of parameters
-_CLOSED: Final = 1e-7  # of the terms of a row: a root of a squared equation is open by far more
 _ROUNDING: Final = 1e3 * float(np.finfo(float).eps)  # of the terms of long formulas
 _NEAREST: Final = 1e-9
 _FARTHEST: Final = 1e-3  # of what a root that is nearly double is still compared to
@@ -176,10 +176,10 @@ class _Samples:
         terms = np.abs(slopes).max(axis=1, initial=0.0)
         terms[terms == 0.0] = 1.0
         open_by = np.abs(values[:m]) / terms
-        if (open_by > _CLOSED).any():
+        if (open_by > ROOT).any():
             return None
         least = float(np.linalg.svd(slopes / terms[:, np.newaxis], compute_uv=False)[-1])
-        radius = (float(open_by.max(initial=0.0)) + _ROUNDING) / max(least, 1e-300)
+        radius = (float(open_by.max(initial=0.0)) + _ROUNDING) / max(least, TINY)
         if formulas.placements:
             place = values[m + m * n :].reshape(-1, 12) / ([length] * 3 + [1.0] * 9)
         else:

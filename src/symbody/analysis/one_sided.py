@@ -23,6 +23,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.equations.solving.sticking import STICKS, in_modes, switching_joints
 from symbody.errors import AssemblyError, SimulationError
+from symbody.tolerances import AT_REST, BALANCED
 
 Floats = NDArray[np.float64]
 Modes = dict[str, int]
@@ -30,8 +31,6 @@ Modes = dict[str, int]
 _SLACK: Final = 2  # beside the modes of joints: sticking and the signs of slipping
 _TAUT: Final = 3
 _MOST_TRIED: Final = 81  # modes of four joints at rest
-_REST: Final = 1e-9  # of the largest speed, or the mechanism's own: slower is at rest
-_EDGE: Final = 1e-9  # of the largest force and acceleration, in units of the mechanism: less is nothing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,7 +104,7 @@ class _ModeSearch:
         notes, edges, fits = [], [], True
         for name, mode in modes.items():
             surplus, note = self._surplus(state, name, mode)
-            limit = _EDGE * (scales[0] / self.unit(name) if mode in (STICKS, _TAUT) else
+            limit = BALANCED * (scales[0] / self.unit(name) if mode in (STICKS, _TAUT) else
                              scales[1] * self.unit(name))  # fmt: skip
             has_choice = len(self.ways[name]) > 1
             fits &= not has_choice or bool(surplus >= -limit)
@@ -169,7 +168,7 @@ def _search(eqs: EquationSet, state: State) -> _ModeSearch:
     if not cords and not joints:
         return _ModeSearch(eqs, state, q, u, 1.0, frozenset(), ways)
     task = closure(with_taut(eqs, ()), state.parameters, state.inputs, state.t)
-    small = _REST * float(np.abs(u / task.speed_sizes).max(initial=1.0 / task.mechanism.time))
+    small = AT_REST * float(np.abs(u / task.speed_sizes).max(initial=1.0 / task.mechanism.time))
     if cords:
         rows = {row.element for row in eqs.formed.rows}
         for name, share in slackness(task, q).items():

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
 
 from symbody.analysis.distinct_positions import Formulas, distinct
 from symbody.analysis.ropes import rope_assumptions
@@ -29,10 +28,10 @@ from symbody.expr.sympy_bridge import (
     to_sympy,
 )
 from symbody.model.model import Model, resolve_parameters
+from symbody.tolerances import ROOT
 
 # Open by more, of what rows change by in moves as large as the mechanism, is no assembly: a root of a squared
 # equation.
-_CLOSED: Final = 1e-7
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +97,7 @@ class PositionSolutions:
         for k, value in enumerate(numbers[: len(rows)]):
             own = numbers[len(rows) + k * len(names) : len(rows) + (k + 1) * len(names)]
             scale = max((abs(x) * s for x, s in zip(own, sizes, strict=True)), default=0.0) or size
-            if not abs(value) <= _CLOSED * scale:
+            if not abs(value) <= ROOT * scale:
                 return False
         return True
 

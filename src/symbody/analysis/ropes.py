@@ -19,13 +19,13 @@ from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes, slackened
 from symbody.errors import AssemblyError, Problem
+from symbody.tolerances import AT_REST, TINY
 
 Floats = NDArray[np.float64]
 # From equations and fixed positions to a state in which their constraints hold.
 Attempt = Callable[[EquationSet, Mapping[str, float]], State]
 
 AT_LENGTH: Final = 2e-9  # of its length: a rope that is closer to it is taut
-_STEADY: Final = 1e-9  # of speeds: ends that move apart more slowly do not part
 LOOSE: Final = 1e-7  # of its length: what assembly and continuation leave of a rope that is taut
 _MEASURES: Final = ("rope_slack", "rope_length")
 
@@ -75,9 +75,7 @@ def slackness(task: Closure, q: Floats) -> dict[str, float]:
     words = [f"{word} {name}" for name in names for word in _MEASURES]
     values = np.ravel(task.function(words)(task.t, q, np.zeros(len(task.eqs.speed_names))))
     pairs = zip(values[::2].tolist(), values[1::2].tolist(), strict=True)
-    return {
-        name: slack / max(abs(length), 1e-300) for name, (slack, length) in zip(names, pairs, strict=True)
-    }
+    return {name: slack / max(abs(length), TINY) for name, (slack, length) in zip(names, pairs, strict=True)}
 
 
 def equations_at(
@@ -170,7 +168,7 @@ class _Speeds:
         """Return the state with speeds and accelerations; the ropes that pull are its constraints."""
         near = [name for name in ropes(self.eqs.formed) if not _is_slack(state, name)]
         u, apart = self._speeds(near)
-        taut = [name for name in near if abs(apart[name]) <= _STEADY]
+        taut = [name for name in near if abs(apart[name]) <= AT_REST]
         while True:
             task = self.closed(with_taut(self.eqs, taut))
             result = task.state(self.q, u, self.q, self._guessed(task))
@@ -187,7 +185,7 @@ class _Speeds:
         u = self._consistent(taut)
         while True:
             apart = self._apart(near, u)
-            longer = [n for n in near if apart[n] > _STEADY and n not in taut and n not in refused]
+            longer = [n for n in near if apart[n] > AT_REST and n not in taut and n not in refused]
             if not longer:
                 return u, apart
             try:

@@ -24,11 +24,10 @@ from symbody.expr.language.formula import Formula
 from symbody.model.constraints.couplings import Constraint
 from symbody.model.constraints.points import PointOnSurface
 from symbody.model.lengths import model_lengths
+from symbody.tolerances import CLOSED
 
 Floats = NDArray[np.float64]
 
-# Share of its size that the error of a step, and an open constraint, may have where no atol is given.
-USUAL_SHARE: Final = 1e-10
 # Sizes of coordinates and speeds are at least this share of the largest first value in the same unit: the
 # rounding of that value, 1e-16 of it, is a hundredth of what is tolerated then.
 RESOLVED: Final = 1e-4
@@ -178,7 +177,7 @@ def state_tolerances(eqs: EquationSet, lengths: Floats, times: Floats, x: Floats
         places = units == unit
         resolved = RESOLVED * np.abs(x[:, places]).max(axis=1, initial=0.0)
         sizes[:, places] = np.maximum(sizes[:, places], resolved[:, np.newaxis])
-    return np.asarray(USUAL_SHARE * sizes)
+    return np.asarray(CLOSED * sizes)
 
 
 def checked_scales(given: Mapping[str, float] | None) -> dict[str, float]:

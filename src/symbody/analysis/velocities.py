@@ -11,13 +11,9 @@ from symbody.analysis.closure import Closure
 from symbody.analysis.dependent_speeds import check_pivots
 from symbody.errors import AssemblyError, Problem
 from symbody.manifold import least_solution, row_space
-from symbody.manifold.tolerances import RANK
+from symbody.tolerances import ASSEMBLED, RANK
 
 Floats = NDArray[np.float64]
-
-# Of the terms of a row, and of the fastest rate that is given or of the mechanism's own: what closeness of
-# positions explains.
-_CONSISTENT = 1e-9
 
 
 def consistent_speeds(
@@ -67,7 +63,7 @@ def _measured(task: Closure, rows: Floats, right: Floats) -> tuple[Floats, Float
 def _fulfils(task: Closure, found: Floats, rows: Floats, right: Floats) -> bool:
     """Return whether all rows hold."""
     sizes = 1.0 / task.mechanism.time + np.abs(right).max(initial=0.0) + np.abs(rows) @ np.abs(found)
-    return bool((np.abs(rows @ found - right) <= _CONSISTENT * sizes).all())
+    return bool((np.abs(rows @ found - right) <= ASSEMBLED * sizes).all())
 
 
 def _outside(basis: Floats, row: Floats) -> Floats:

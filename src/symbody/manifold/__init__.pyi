@@ -19,4 +19,3 @@ from .ranks import null_space as null_space
 from .ranks import rank as rank
 from .ranks import row_space as row_space
 from .ranks import unit_rows as unit_rows
-from .tolerances import ALIGNED as ALIGNED

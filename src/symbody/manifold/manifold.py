@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.manifold.newton import Step, correct, damped_step, descend
 from symbody.manifold.ranks import null_space, unit_rows
-from symbody.manifold.tolerances import CLOSED, FAR
+from symbody.tolerances import CLOSED, FAR
 
 Floats = NDArray[np.float64]
 

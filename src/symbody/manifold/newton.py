@@ -13,7 +13,7 @@ from typing import Final, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.manifold.tolerances import EXACT, NEGLIGIBLE
+from symbody.tolerances import EXACT, NEGLIGIBLE, TINY
 
 Floats = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ def descend(start: P, move: Callable[[P, Floats], P], step: Step = least_step) -
         if not _is_finite(point) or norm < EXACT:
             break
         direction = step(point.values, point.slopes)
-        share = min(1.0, 1.0 / max(float(np.abs(direction).max(initial=0.0)), 1e-300))
+        share = min(1.0, 1.0 / max(float(np.abs(direction).max(initial=0.0)), TINY))
         for _ in range(_HALVINGS if norm > _POLISHED else _POLISHINGS):
             trial = move(point, share * direction)
             trial_norm = float(np.linalg.norm(trial.values))

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.manifold.tolerances import NEGLIGIBLE, RANK, VANISHING
+from symbody.tolerances import NEGLIGIBLE, RANK, VANISHING
 
 Floats = NDArray[np.float64]
 
@@ -38,11 +38,12 @@ def rank(rows: ArrayLike, cut: float = RANK) -> int:
     return count_significant(np.linalg.svd(unit_rows(matrix), compute_uv=False), cut)
 
 
-def null_space(rows: Floats, cut: float = RANK) -> Floats:
+def null_space(rows: ArrayLike, cut: float = RANK) -> Floats:
     """Return an orthonormal basis (n, d) of the directions along which no row changes."""
-    if not rows.size:
-        return np.eye(rows.shape[1])
-    _, singular, right = np.linalg.svd(rows)
+    matrix = np.asarray(rows, dtype=np.float64)
+    if not matrix.size:
+        return np.eye(matrix.shape[1])
+    _, singular, right = np.linalg.svd(matrix)
     return np.asarray(right[count_significant(singular, cut) :].T)
 
 

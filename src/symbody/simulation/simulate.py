@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from symbody.analysis.assembly import assemble
 from symbody.analysis.redundancy import undetermined_at
-from symbody.analysis.scales import USUAL_SHARE, mechanism_scales
+from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
@@ -44,6 +44,7 @@ from symbody.simulation.results.stop_note import stop_note
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
 from symbody.simulation.task import Evaluator, EventFunctions, Task
+from symbody.tolerances import CLOSED
 
 
 @checked_arguments
@@ -187,7 +188,7 @@ def _work_tolerance(task: Task, first: State, t: float, request: Request) -> flo
     mechanism in fast motion would ask for steps without end.
     """
     kinetic = task.interpreted("kinetic_energy", t, first.q.values(), first.u.values())
-    own = USUAL_SHARE * task.scales.energy if request.atol is None else request.atol
+    own = CLOSED * task.scales.energy if request.atol is None else request.atol
     return min(max(own, request.rtol * kinetic), sys.float_info.max)
 
 

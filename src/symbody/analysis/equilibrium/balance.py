@@ -23,15 +23,14 @@ from symbody.expr.expression import Expr
 from symbody.expr.graph import TIME, Kind, Symbol
 from symbody.expr.rewrite import substitute, symbols_of
 from symbody.expr.sequence import Roots
+from symbody.tolerances import BALANCED, BEARING, TINY
 
 Floats = NDArray[np.float64]
 
 _FORCES: Final = "rest forces"
 _SLOPES: Final = "rest slopes"
 _SHARES: Final = "rest shares"
-LOADED: Final = 1e-9  # of the largest singular value of the loads: less is rounding, and bears nothing
 _CROSSING: Final = 1e-7  # of the largest term, where branches cross: as well as the place is known
-_BALANCED: Final = 1e-9  # of the terms of an equation
 _ROUNDING: Final = 1e-13  # of the largest term of all equations
 
 
@@ -79,7 +78,7 @@ class Rest:
     def is_balanced(self) -> bool:
         """Whether the forces are in balance up to rounding."""
         rounding = _ROUNDING if self.bearing is None else _CROSSING
-        return bool((np.abs(self.left) <= _BALANCED * self.terms + rounding).all())
+        return bool((np.abs(self.left) <= BALANCED * self.terms + rounding).all())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -194,8 +193,8 @@ class _Loads:
 
     def __init__(self, columns: Floats, bearing: int | None) -> None:
         self._left, singular, self._right = np.linalg.svd(columns, full_matrices=False)
-        self.shares = np.asarray(singular / singular.max(initial=1e-300))
-        least = LOADED if bearing is None else _ROUNDING
+        self.shares = np.asarray(singular / singular.max(initial=TINY))
+        least = BEARING if bearing is None else _ROUNDING
         self._count = min(int((self.shares > least).sum()), len(self.shares) if bearing is None else bearing)
         self._singular = singular[: self._count]
 

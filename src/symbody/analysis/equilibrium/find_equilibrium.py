@@ -26,10 +26,10 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.sticking import switching_joints
 from symbody.errors import AssemblyError, Problem, SimulationError, nearest
 from symbody.single_flight import SingleFlight
+from symbody.tolerances import BALANCED
 
 Floats = NDArray[np.float64]
 
-_STUCK: Final = 1e-9  # of the largest term of the balance: forces that friction leaves
 _VERDICTS: Final = {"stable": True, "unstable": False}
 
 
@@ -227,7 +227,7 @@ def _stuck(searches: TautSearch) -> Equilibrium | None:
     except (AssemblyError, SimulationError):
         return None
     left = np.asarray(sides.state["mass_matrix"]) @ list(sides.state.udot.values()) * task.speed_sizes
-    if not float(np.abs(left).max(initial=0.0)) <= _STUCK * search.balance.largest(search.start):
+    if not float(np.abs(left).max(initial=0.0)) <= BALANCED * search.balance.largest(search.start):
         return None
     note = "friction holds the guess, though forces balance nowhere without it: places about it are held, too"
     return _equilibrium(sides.state, [note, *sides.notes], "undecided" if sides.edges else "")

@@ -17,18 +17,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.closure import Closure
-from symbody.analysis.equilibrium.balance import LOADED, Balance, Rest
+from symbody.analysis.equilibrium.balance import Balance, Rest
 from symbody.errors import AssemblyError, Problem, SimulationError
 from symbody.manifold import descend, explore_branch, least_step, null_space
-from symbody.manifold.tolerances import ASSEMBLED, RANK, SHARP_RANK
+from symbody.tolerances import ASSEMBLED, AT_REST, BEARING, EXACT, RANK, SHARP_RANK
 
 Floats = NDArray[np.float64]
 
 STARTS: Final = 24
-_MOVING: Final = 1e-9
 # Constraints open by e have the Jacobian of a place sqrt(2 e / K) beside; K, their curvature, is of order 1.
 _BESIDE: Final = 10.0
-_RESOLVED: Final = 1e-15  # rounding of the constraints
 _SAME_CROSSING: Final = 1e-3
 _MOST_BESIDE: Final = 4  # starts beside a crossing
 
@@ -74,7 +72,7 @@ class Search:
         """
         task = self.task
         drift = task.velocity_rows(self.start, {})[1] / task.mechanism.constraints(task.eqs)
-        fast = _MOVING / task.mechanism.time
+        fast = AT_REST / task.mechanism.time
         moving = [name for name, b in zip(task.eqs.multiplier_names, drift, strict=True) if abs(b) > fast]
         if moving:
             raise AssemblyError(
@@ -125,8 +123,8 @@ class Search:
         """Return an end of Newton's method with the loads that stay bounded about it."""
         if not self._is_closed(rest):
             return rest
-        cut = _BESIDE * float(np.sqrt(max(rest.open, _RESOLVED)))
-        bearing = rest.shares[rest.shares > LOADED] if rest.bearing is None else rest.shares[: rest.bearing]
+        cut = _BESIDE * float(np.sqrt(max(rest.open, EXACT)))
+        bearing = rest.shares[rest.shares > BEARING] if rest.bearing is None else rest.shares[: rest.bearing]
         if (bearing >= cut).all():
             return rest
         return self.newton(rest.q, int((bearing >= cut).sum()))

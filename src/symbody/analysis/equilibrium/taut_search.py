@@ -22,13 +22,12 @@ from symbody.analysis.equilibrium.balance import Balance, Rest, balance
 from symbody.analysis.equilibrium.search import Search
 from symbody.analysis.ropes import AT_LENGTH, slackness, with_taut
 from symbody.equations.solving.ropes import rope_rows, ropes
+from symbody.tolerances import BALANCED, BEARING
 
 Floats = NDArray[np.float64]
 
 _MOST_SETS: Final = 64
 _FEW_STARTS: Final = 8  # for each set
-_LITTLE: Final = 1e-9  # of the largest multiplier: a tension that is none
-_DEPENDENT: Final = 1e-9  # of the largest singular value
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -139,7 +138,7 @@ class TautSearch:
         pulls, slack = self._pulls(search, rest, taut), slackness(self.task, rest.q)
         longer = [name for name in self.names if name not in taut and slack[name] < -AT_LENGTH]
         work = np.abs(rest.multipliers) * search.balance.scales
-        limit = _LITTLE * float(work.max(initial=0.0)) / search.task.mechanism.length
+        limit = BALANCED * float(work.max(initial=0.0)) / search.task.mechanism.length
         pushing = [name for name, pull in pulls.items() if pull < -limit]
         fault = ", ".join(
             [f"rope {name} would have to push by {-pulls[name]:.4g} N" for name in pushing]
@@ -180,7 +179,7 @@ class TautSearch:
 
 def _least_pushing(tensions: Floats, freedoms: Floats) -> Floats:
     """Return tensions ``tensions + freedoms @ y`` of which the least is as large as it can be."""
-    if not freedoms.size or not np.abs(freedoms).max(initial=0.0) > _DEPENDENT:
+    if not freedoms.size or not np.abs(freedoms).max(initial=0.0) > BEARING:
         return tensions
     n, k = freedoms.shape
     scale = float(np.abs(tensions).max(initial=0.0)) or 1.0

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.kinematics.follower import Follower
 from symbody.manifold import count_significant
+from symbody.tolerances import SINGULAR, TINY
 
 Floats = NDArray[np.float64]
 
@@ -22,7 +23,6 @@ _STEP: Final = 0.05  # rad, or share of the mechanism's size
 _TURN: Final = 0.9  # cosine between tangents of neighbours
 _SHORTEST: Final = 1e-7
 _MOST: Final = 20_000
-_SINGULAR: Final = 1e-5
 
 
 class Point(NamedTuple):
@@ -82,7 +82,7 @@ class Curve:
         still = np.zeros(mechanism.speed_sizes.size)
         jacobian = mechanism.rows(0.0, q, still)[0]
         singular, right = np.linalg.svd(mechanism.scaled_rows(jacobian))[1:]
-        count = min(count_significant(singular, _SINGULAR), len(q) - 1, right.shape[0] - 1)
+        count = min(count_significant(singular, SINGULAR), len(q) - 1, right.shape[0] - 1)
         basis = right[count:].T * mechanism.speed_sizes[:, np.newaxis]
         rest = mechanism.qdot(0.0, q, still)
         moves = [(mechanism.qdot(0.0, q, u) - rest) / mechanism.sizes for u in basis.T]
@@ -94,7 +94,7 @@ class Curve:
         way = (found.q - last.q) / self.mechanism.sizes
         back = self._apart(first.q, last.q)
         length = float(np.linalg.norm(way))
-        share = float(back @ way) / max(length, 1e-300) ** 2
+        share = float(back @ way) / max(length, TINY) ** 2
         aside = float(np.linalg.norm(back - share * way))
         return 0.0 < share <= 1.0 and aside < 0.1 * length and float(first.tangent @ found.tangent) > _TURN
 

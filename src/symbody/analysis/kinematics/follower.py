@@ -21,8 +21,8 @@ from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.language.formula import Formula
 from symbody.manifold import ConstraintManifold, least_solution, null_space
-from symbody.manifold.tolerances import SHARP_RANK, TRACED
 from symbody.model.door import plain
+from symbody.tolerances import SHARP_RANK, TRACED
 
 Floats = NDArray[np.float64]
 # From the parameter of a path to a coordinate, its first and its second derivative.

@@ -30,14 +30,11 @@ from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError, Problem, UsageError
+from symbody.tolerances import ASSEMBLED, BALANCED, SAME_POSITION, SINGULAR
 
 Floats = NDArray[np.float64]
 
 _STARTS: Final = 5
-_RANK: Final = 1e-5  # of the largest singular value; places are found to 1e-7 or better
-_TOUCHES: Final = 1e-9  # of the largest determinant on the curve
-_SAME: Final = 1e-5
-_EDGE: Final = 1e-9
 _NEAR: Final = 1e-3  # of the largest singular value: there a position may be off by 1e-14 over its square
 _BESIDE: Final = 1e-2
 
@@ -164,7 +161,7 @@ class _Search:
         for k in range(1, len(points) - 1):
             a, b, c = values[k - 1 : k + 2]
             if a * b > 0.0 and b * c > 0.0 and abs(b) <= min(abs(a), abs(c)) and abs(b) < 0.1 * largest:
-                touched = self._touch(points[k], points[k - 1], points[k + 1], _TOUCHES * largest)
+                touched = self._touch(points[k], points[k - 1], points[k + 1], BALANCED * largest)
                 yield from self._told(touched)
 
     def determinant(self, q: Floats) -> float:
@@ -176,7 +173,7 @@ class _Search:
         """Return whether two places are one; whole turns do not count."""
         apart = (np.array([*one.q.values()]) - [*other.q.values()]) / self.mechanism.sizes
         apart = np.where(self.mechanism.angles, np.arctan2(np.sin(apart), np.cos(apart)), apart)
-        return bool(np.abs(apart).max() <= _SAME)
+        return bool(np.abs(apart).max() <= SAME_POSITION)
 
     def _starts(
         self,
@@ -202,7 +199,7 @@ class _Search:
 
     def _inside(self, q: Floats) -> bool:
         k = self.ratios.eqs.coordinate_names.index(self.along)
-        edge = _EDGE * self.mechanism.sizes[k]
+        edge = ASSEMBLED * self.mechanism.sizes[k]
         return bool(self.ends[0] - edge <= q[k] <= self.ends[1] + edge)
 
     def _blocks(self, q: Floats) -> tuple[Floats, Floats]:
@@ -268,13 +265,13 @@ class _Search:
         if point is None:
             return
         k = eqs.coordinate_names.index(self.along)
-        value, near = point.q[k], _SAME * self.mechanism.sizes[k]
+        value, near = point.q[k], SAME_POSITION * self.mechanism.sizes[k]
         inside = self.ends[0] - near <= value <= self.ends[1] + near
         if not inside or self.ratios.ropes_out_of_place(point.q):
             return
         kept, block = self._blocks(point.q)
         ranks = [
-            int(np.linalg.matrix_rank(rows, tol=_RANK * np.linalg.norm(kept, 2))) for rows in (kept, block)
+            int(np.linalg.matrix_rank(rows, tol=SINGULAR * np.linalg.norm(kept, 2))) for rows in (kept, block)
         ]
         place = dict(zip(eqs.coordinate_names, point.q.tolist(), strict=True))
         for name, is_angle in zip(eqs.coordinate_names, self.mechanism.angles, strict=True):

@@ -10,7 +10,6 @@ of inertia; there the state is moved along, closed again, and its linear equatio
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,11 +20,9 @@ from symbody.analysis.linear.matrices import Matrices
 from symbody.analysis.linear.orbits import PLACES, Orbit, Place, natural_rate, not_cyclic, symbol_node
 from symbody.analysis.linear.slopes import SlopeFunction
 from symbody.errors import AssemblyError
+from symbody.tolerances import ASSEMBLED
 
 Floats = NDArray[np.float64]
-
-_CLOSED: Final = 1e-9  # of the terms of an entry: what closing loops leaves
-_SWITCHED: Final = 1e-9  # of what conditions change by over the size of the mechanism
 
 
 def check_cyclic(
@@ -97,7 +94,7 @@ def _between(orbit: Orbit, start: Place, here: Place) -> list[str]:
     D = _rows(differs(one.D, other.D, bounds.D))
     near, far = start.slopes.switches, here.slopes.switches
     sizes = np.fmax(np.abs(near), np.abs(orbit.function.beside - near))  # the second need not exist
-    over = differs(near, far, _SWITCHED * sizes)
+    over = differs(near, far, ASSEMBLED * sizes)
     return [
         *_rates(orbit, [k for k in kept if A[k].any() or affine[k]]),
         *(f"the effect of {name}" for name in _named(orbit.function.inputs, _rows(B[kept].T))),
@@ -124,7 +121,7 @@ def _bounds(orbit: Orbit, start: Place, here: Place) -> Matrices:
     a, b = start.terms, here.terms
     n, w = len(orbit.selection.speeds.independent), natural_rate(start, orbit.selection)
     noise = max(start.noise, here.noise)
-    close = noise + (_CLOSED if orbit.selection.coordinates.dependent else 0.0)
+    close = noise + (ASSEMBLED if orbit.selection.coordinates.dependent else 0.0)
     A, B, C, D = (np.maximum(x, y) for x, y in ((a.A, b.A), (a.B, b.B), (a.C, b.C), (a.D, b.D)))
     # Rounding of one row gets into all others by the solution for accelerations; their units are the same.
     powers = np.ones_like(A)

@@ -22,7 +22,7 @@ from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, nearest
 from symbody.manifold import rank
-from symbody.manifold.tolerances import SHARP_RANK
+from symbody.tolerances import SHARP_RANK
 
 Floats = NDArray[np.float64]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +12,7 @@ from symbody.expr.canonical import sub
 from symbody.expr.opcodes import ABS, EQ, LE, LT, MAX, MIN, NAMES, SIGN
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import symbols_of
-
-_ZERO: Final = 1e-9  # of what they change by across the mechanism: equilibria are known to that
+from symbody.tolerances import ASSEMBLED
 
 Switch = tuple[str, int]
 
@@ -51,7 +49,7 @@ def kink_notes(
     `beside` are their values at a state as far away as the mechanism is large.
     """
     changes = np.abs(np.asarray(beside) - values)
-    is_zero = np.abs(values) <= _ZERO * np.where(np.isfinite(changes), changes, 1.0)
+    is_zero = np.abs(values) <= ASSEMBLED * np.where(np.isfinite(changes), changes, 1.0)
     here = [switch for switch, yes in zip(found, is_zero, strict=True) if yes]
     return tuple(
         f"{what} changes over at this state, where {to_text(eqs.formed.graph, node)} = 0: the matrices hold "

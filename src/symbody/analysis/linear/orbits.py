@@ -17,7 +17,7 @@ from symbody.analysis.linear.variations import moved, rotations, solved
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.rewrite import symbols_of
 from symbody.manifold import LinearConstraints, correct
-from symbody.manifold.tolerances import ASSEMBLED
+from symbody.tolerances import ASSEMBLED, AT_REST
 
 Floats = NDArray[np.float64]
 
@@ -25,7 +25,6 @@ ROUNDING: Final = 100.0 * float(np.finfo(float).eps)  # of the terms of a row
 # Three turns and a half, or 22 times the size, in steps that no fraction of a turn is a multiple of.
 PLACES: Final = 60
 _PACE: Final = 0.37
-_STILL: Final = 1e-9  # of the natural rate of the mechanism
 
 
 def symbol_node(function: SlopeFunction, name: str) -> int:
@@ -96,7 +95,7 @@ class Orbit:
         at = len(self.selection.speeds.independent)
         rates = start.matrices.affine.copy()
         rates[[k for k, name in enumerate(names) if name not in self.cyclic]] = 0.0
-        rates[np.abs(rates) <= _STILL * natural_rate(start, self.selection)] = 0.0
+        rates[np.abs(rates) <= AT_REST * natural_rate(start, self.selection)] = 0.0
         running = [name for name, rate in zip(names, rates, strict=True) if rate]
         if not set(running).isdisjoint(self.shown):
             yield running, (rates / np.abs(rates).max() * self.selection.sizes)[at:]

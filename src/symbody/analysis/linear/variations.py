@@ -30,7 +30,7 @@ from scipy.linalg import block_diag
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
 from symbody.manifold import pivot_order, rank, unit_rows
-from symbody.manifold.tolerances import NEGLIGIBLE, SHARP_RANK
+from symbody.tolerances import NEGLIGIBLE, SHARP_RANK
 
 Floats = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from symbody.equations.formed import Formed
 from symbody.equations.freedoms.mobility import assembled_values
 from symbody.errors import FormulationError, Problem
 from symbody.manifold import column_volume, pivot_order
-from symbody.manifold.tolerances import RANK
+from symbody.tolerances import RANK
 
 Rows = list[list[float]]
 

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.checker import Checker
 from symbody.model.checks.physics import check_angle, check_axis
 from symbody.model.constraint import Condition, Contact
 from symbody.model.constraints import Angle, Belt, Distance, Gear, PointOnCurve, RackPinion, Rolling
-
-_FLAT: Final = 1e-9  # rad
+from symbody.tolerances import TYPED
 
 
 def check_constraint(check: Checker, condition: Condition, label: str) -> None:
@@ -71,7 +69,7 @@ def _check_cosine(check: Checker, angle: Formula, where: str) -> None:
     value = check.value(angle, where)
     if value is None:
         return
-    if abs(math.sin(value)) < _FLAT:
+    if abs(math.sin(value)) < TYPED:
         check.refuse(
             "model.flat_angle",
             where,

@@ -19,16 +19,12 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inverse.path import Path, Samples
+from symbody.tolerances import AT_REST, BEARING, CANCELLED, DIFFERENCE, TINY
 
 Floats = NDArray[np.float64]
 
-_RANK: Final = 1e-9  # of the largest singular value of Z^T B
 _HELD: Final = 1e-7  # of the largest force: what is left over counts as rounding
-# Of an acceleration of the mechanism's own size, where forces that cancel leave nothing to compare with.
-_STILL: Final = 1e-9
 _ROUNDS: Final = 30
-_SAME: Final = 1e-12
-_DIFFERENCE: Final = 1e-6  # of unknowns, for friction
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,12 +97,12 @@ class Unknowns:
                 change[:, k], few = _least(basis.T @ columns[k], basis.T @ (needed[k] - forcing[k]))
                 redundant |= few and np.abs(columns[k]).max(initial=0.0) > 0.0
             r += change
-            if np.abs(change).max(initial=0.0) <= _SAME * np.abs(r).max(initial=0.0):
+            if np.abs(change).max(initial=0.0) <= CANCELLED * np.abs(r).max(initial=0.0):
                 break
         forcing = self._forcing(samples, r)
         terms = [np.abs(needed), np.abs(forcing), np.abs(slopes * r.T[:, np.newaxis]).sum(axis=-1)]
         size = np.sum([term.max(axis=1, initial=0.0) for term in terms], axis=0)
-        still = _STILL / _HELD / self.path.follower.time**2
+        still = AT_REST / _HELD / self.path.follower.time**2
         size += still * np.abs(mass * sizes * sizes[:, np.newaxis]).max(axis=(1, 2), initial=0.0)
         self._check(samples, bases, needed - forcing, size, slopes)
         return Found(r, redundant)
@@ -123,8 +119,8 @@ class Unknowns:
         columns = []
         for k in range(len(self.names)):
             beside = r.copy()
-            beside[k] += _DIFFERENCE * scale
-            columns.append((self._forcing(samples, beside) - forcing) / (_DIFFERENCE * scale))
+            beside[k] += DIFFERENCE * scale
+            columns.append((self._forcing(samples, beside) - forcing) / (DIFFERENCE * scale))
         return np.stack(columns, axis=-1)
 
     def _allowed(self, t: float, q: Floats, u: Floats) -> Floats:
@@ -172,11 +168,11 @@ class Unknowns:
         ]
         reach = basis.T @ slopes
         rank = int(
-            np.linalg.matrix_rank(reach, tol=_RANK * max(float(np.abs(slopes).max(initial=0.0)), 1e-300))
+            np.linalg.matrix_rank(reach, tol=BEARING * max(float(np.abs(slopes).max(initial=0.0)), TINY))
         )
         weak = [
             name for j, name in enumerate(self.names)
-            if np.abs(reach[:, j]).max(initial=0.0) <= _RANK * max(np.abs(slopes).max(initial=0.0), 1e-300)
+            if np.abs(reach[:, j]).max(initial=0.0) <= BEARING * max(np.abs(slopes).max(initial=0.0), TINY)
         ]  # fmt: skip
         listed = ", ".join(self.names) or "there are none"
         why = f"of {basis.shape[1]} freedoms the unknowns ({listed}) drive {rank}"
@@ -192,5 +188,5 @@ def _least(matrix: Floats, right: Floats) -> tuple[Floats, bool]:
     """Return the least solution, and whether there are others."""
     if not matrix.size:
         return np.zeros(matrix.shape[1]), bool(matrix.shape[1])
-    found = np.linalg.lstsq(matrix, right, rcond=_RANK)
+    found = np.linalg.lstsq(matrix, right, rcond=BEARING)
     return np.asarray(found[0], dtype=np.float64), bool(found[2] < matrix.shape[1])

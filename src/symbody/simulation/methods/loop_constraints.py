@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.manifold import ConstraintManifold, count_significant, explore_branch
-from symbody.manifold.tolerances import SHARP_RANK
 from symbody.simulation.task import Task
+from symbody.tolerances import SHARP_RANK
 
 Floats = NDArray[np.float64]
 

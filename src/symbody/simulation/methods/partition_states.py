@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError
 from symbody.manifold import LinearConstraints, correct, pivot_order, square_step
-from symbody.manifold.tolerances import TRACED
 from symbody.simulation.methods.loop_constraints import NEAR, LoopConstraints, motion_branch
 from symbody.simulation.methods.request import Called, Request
+from symbody.tolerances import TRACED
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.intp]

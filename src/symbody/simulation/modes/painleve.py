@@ -10,10 +10,10 @@ import numpy as np
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.status import Status
 from symbody.simulation.task import Task
+from symbody.tolerances import UNSOLVED
 
 # Steps end where accelerations grow like 1 / margin; what is left there is far less, elsewhere far more.
 _NEAR: Final = 1e-3
-_UNSOLVED: Final = 1e-9  # residuals above this make the efforts NaN, see `equations.solving.friction`
 _BROKEN: Final = frozenset({Status.NOT_FINITE, Status.STEP_COLLAPSE, Status.SINGULAR, Status.TOO_MANY_STEPS})
 
 
@@ -28,7 +28,7 @@ def judged(task: Task, raw: RawRun) -> tuple[RawRun, tuple[str, ...]]:
     state = t, x[n_u:n, np.newaxis], x[:n_u, np.newaxis]
     margins = np.nan_to_num(task.evaluated(task.compiled("friction_margin"), *state)[0], nan=-1.0)
     residuals = task.evaluated(task.compiled("friction_residual"), *state)[0]
-    unsolved = np.nan_to_num(residuals, nan=1.0) > _UNSOLVED
+    unsolved = np.nan_to_num(residuals, nan=1.0) > UNSOLVED
     if margins.min() > _NEAR and not unsolved.any():
         return raw, ()
     k = int(margins.argmin() if margins.min() <= _NEAR else residuals.argmax())

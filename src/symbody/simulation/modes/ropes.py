@@ -22,14 +22,13 @@ from symbody.expr.saddle import solve_saddle
 from symbody.simulation.events.events import Event
 from symbody.simulation.modes.modes import Modes, Moment, Trial, outputs_at
 from symbody.simulation.task import Task
+from symbody.tolerances import BALANCED, CANCELLED
 
 Floats = NDArray[np.float64]
 
 SLACK: Final = 0
 TAUT: Final = 1
 _WORDS: Final = MappingProxyType({SLACK: "slack", TAUT: "taut"})
-_ROUNDING: Final = 1e-12  # of what cancels in the tension of a rope that carries nothing
-_LITTLE: Final = 1e-9  # of the same, when modes are compared
 _SLOW: Final = 1e-3  # of speeds: ends that approach faster do not come back at once
 # Rows of what is seen of the ropes, and of what is known of them in some modes.
 _SEEN: Final = ("rope_slack", "rope_slack_dot", "rope_length")
@@ -74,7 +73,7 @@ class Ropes:
         ways: list[tuple[int, ...]] = []
         tight = self.tight(moment.before, seen)
         for k, name in enumerate(self.names):
-            parting = self._approach(moment, k, seen) > _SLOW / _LITTLE * moment.small * moment.length
+            parting = self._approach(moment, k, seen) > _SLOW / BALANCED * moment.small * moment.length
             if name in moment.forced or not tight[k] or parting:
                 ways.append((SLACK,))
             else:
@@ -105,13 +104,13 @@ class Ropes:
         rate = 0.0 if trial.moment is None else self._approach(trial.moment, place, seen)
         is_parting = trial.moment is not None and rate > trial.moment.small * trial.moment.length
         if trial.modes[at] == TAUT:
-            pulls = bool(found[_TENSION] >= -_LITTLE / _ROUNDING * self._limit(trial, place))
+            pulls = bool(found[_TENSION] >= -BALANCED / CANCELLED * self._limit(trial, place))
             if not (pulls and is_parting):
                 return pulls
             # What comes back before its ends have come closer than can be told has not left.
             back = -trial.other(at, SLACK).found(self)[_ACCELERATION, place]
             return bool(rate**2 <= 2.0 * back * AT_LENGTH * seen[_LENGTH, place])
-        return not is_open or is_parting or bool(found[_ACCELERATION] >= -_LITTLE * found[_SIZE])
+        return not is_open or is_parting or bool(found[_ACCELERATION] >= -BALANCED * found[_SIZE])
 
     def event(self, trial: Trial, place: int, mode: int) -> Event:
         """Return what ends a mode: no tension, or the rope's length."""
@@ -147,7 +146,7 @@ class Ropes:
         gamma = [*[0.0] * len(others), 1.0]
         solution = solve_saddle(mass.ravel().tolist(), chosen.ravel().tolist(), [0.0] * len(mass), gamma)
         moved = abs(solution.multipliers[-1]) if solution.ok else 0.0
-        return float(_ROUNDING * moved * trial.found(self)[_SIZE, place])
+        return float(CANCELLED * moved * trial.found(self)[_SIZE, place])
 
 
 def ropes_of(task: Task) -> Ropes:

@@ -26,16 +26,14 @@ from symbody.simulation.modes.stick_slip import sticking
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
 from symbody.simulation.task import Task
+from symbody.tolerances import AT_REST, INSTANT
 
 Floats = NDArray[np.float64]
 # From a task, a first state, a span, what makes a request, and events to a motion.
 Move = Callable[[Task, State, tuple[float, float], "partial[Request]", tuple[Event, ...]], Trajectory]
 
-# Rates below this share of the largest speed so far, or of the mechanism's own, are rounding of what rests.
-_AT_REST: Final = 1e-9
-# So many changes within this share of the run are one too many.
+# So many changes at one instant are one too many.
 _MOST_CHANGES: Final = 50
-_INSTANT: Final = 1e-7
 _MOST_TOLD: Final = 20  # shocks
 _UNDETERMINED: Final = "no way of sticking and slipping fits the friction of the joints at rest"
 
@@ -118,7 +116,7 @@ class _Story:
         scales, n_u = task.scales, len(task.eqs.speed_names)
         rates = np.abs(x[:n_u] / scales.displacements(task.eqs))
         self.fastest.append(float(rates.max(initial=1.0 / scales.time)))
-        return Moment(t, x, before, forced, _AT_REST * max(self.fastest), scales.length)
+        return Moment(t, x, before, forced, AT_REST * max(self.fastest), scales.length)
 
     def moved(self, modes: Modes, moment: Moment) -> Moment | None:
         """Add the part of the motion in some modes; return the moment they end, None if they do not."""
@@ -175,7 +173,7 @@ class _Story:
         """Return whether modes change again and again within an instant."""
         start, end = self.span
         recent = self.changes[-_MOST_CHANGES:]
-        return len(self.changes) > _MOST_CHANGES and t - recent[0] < _INSTANT * (end - start)
+        return len(self.changes) > _MOST_CHANGES and t - recent[0] < INSTANT * (end - start)
 
     def whole(self) -> Trajectory:
         """Return the motion so far."""

@@ -13,6 +13,7 @@ from symbody.codegen.massless import massless_speeds
 from symbody.manifold import null_space
 from symbody.model.model import Model
 from symbody.simulation.task import Task
+from symbody.tolerances import TRACED
 
 Floats = NDArray[np.float64]
 
@@ -20,7 +21,6 @@ TAKES_PART: Final = 0.1  # of a unit vector
 # Constraints that are redundant close together but for this, of the size of the mechanism.
 _ROUNDING: Final = 1e-13
 # Loops that are closed better than this, of the size of the mechanism, are not looked at.
-_CLOSED: Final = 1e-12
 _FAR: Final = 0.5  # rad, or of the size of the mechanism
 _TWO: Final = 2  # coordinates of a rotation that cannot spin about every axis
 
@@ -60,7 +60,7 @@ def nearly_redundant(task: Task, rows: Floats, values: Floats) -> str:
 def _open_loops(task: Task, first: State) -> tuple[str, ...]:
     """Return which loops stay open at a first state because their constraints are nearly redundant."""
     eqs = task.eqs
-    if not (eqs.formed.holonomic and eqs.speed_names and first.residual > _CLOSED * task.scales.length):
+    if not (eqs.formed.holonomic and eqs.speed_names and first.residual > TRACED * task.scales.length):
         return ()
     t, q = first.t, np.array(list(first.q.values()))
     function = task.compiled(("constraints", "jacobian"), quick=True)
