@@ -44,9 +44,9 @@ Floats = NDArray[np.float64]
 
 NO_RANGES: Final[Ranges] = MappingProxyType({})
 _STARTS: Final = 24
-# The nearest of all ends from which the least gaps are looked for, and gaps too small to tell.
-_LEAST_OPEN: Final = 3
-_TOLD: Final = 1e-6
+# So many of the nearest ends are starts for the search of the least gaps; smaller gaps are not shown.
+_GAP_TRIALS: Final = 3
+_VISIBLE: Final = 1e-6
 
 
 @checked_arguments
@@ -71,7 +71,7 @@ def assemble(
     guess : mapping of name to number or formula in parameters
         Where to look for the others; by default the model's initial values, then 0. Among several
         assemblies the nearest to the guess is taken; speeds and rates take their guesses exactly, in their
-        order, those of the model last, as long as they are independent. `State.moved` tells which are not.
+        order, those of the model last, as long as they are independent. `State.moved` lists the others.
     parameters, inputs : mapping
         As for `simulate`; they matter for explicit time, accelerations and multipliers.
     t : float
@@ -84,7 +84,7 @@ def assemble(
         of the length, or rad.
 
     Ropes are closed where the guess would have them longer than they are, and where their ends would move
-    apart although they are taut, unless fixed speeds ask for that; those that are shorter are left alone.
+    apart although they are taut, unless fixed speeds demand that; those that are shorter are left alone.
 
     Raises
     ------
@@ -101,11 +101,11 @@ def assemble(
     def attempt(equations: EquationSet, values: Mapping[str, float]) -> State:
         return assemble_taut(equations, values, guess, parameters, inputs, t, ranges, scales)
 
-    known = named_values(eqs, _guessed(eqs, guess), parameters, strict=set(guess or ()))
-    wanted = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
+    near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess or ()))
+    exact = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     values = dict(parameters or {}), dict(inputs or {})
-    own = mechanism_scales(eqs, values[0], scales, {**known, **wanted})
-    return assembled_with_ropes(eqs, wanted, known, attempt, lambda held: closure(held, *values, t, own))
+    mechanism = mechanism_scales(eqs, values[0], scales, {**near, **exact})
+    return assembled_with_ropes(eqs, exact, near, attempt, lambda held: closure(held, *values, t, mechanism))
 
 
 def assemble_taut(
@@ -119,12 +119,12 @@ def assemble_taut(
     scales: Mapping[str, float] | None = None,
 ) -> State:
     """Return a state in which all constraints hold, those of ropes too; otherwise as `assemble`."""
-    known = named_values(eqs, _guessed(eqs, guess), parameters, strict=set(guess or ()))
-    wanted = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
-    own = mechanism_scales(eqs, dict(parameters or {}), scales, {**known, **wanted})
-    task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, own)
-    positions, rates = task.parted(wanted)
-    positions, known = unit_quaternions(eqs.quaternions, positions, known)
+    near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess or ()))
+    values = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
+    mechanism = mechanism_scales(eqs, dict(parameters or {}), scales, {**near, **values})
+    task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism)
+    positions, rates = task.parted(values)
+    positions, near = unit_quaternions(eqs.quaternions, positions, near)
     lower, upper = (
         named_values(
             eqs, {name: pair[k] for name, pair in (ranges or {}).items()}, parameters, set(ranges or ())
@@ -132,12 +132,12 @@ def assemble_taut(
         for k in (0, 1)
     )
     within = checked_ranges(task, lower, upper)
-    start = nearest_in_ranges(task, task.start({**known, **positions}), within, positions)
-    found = _closed(task, _near_measured(task, start, positions, known), positions, within)
-    if found is None:
-        raise AssemblyError(_why_open(task, task.start(known), start, positions, within))
-    q = found.q
-    guessed = {name: value for name, value in known.items() if name not in positions and name not in rates}
+    start = nearest_in_ranges(task, task.start({**near, **positions}), within, positions)
+    assembly = _find_assembly(task, _measured_start(task, start, positions, near), positions, within)
+    if assembly is None:
+        raise AssemblyError(_open_problem(task, task.start(near), start, positions, within))
+    q = assembly.q
+    guessed = {name: value for name, value in near.items() if name not in positions and name not in rates}
     u = consistent_speeds(task, q, rates, guessed)
     others = partial(_other_states, task, start, positions, q, within, rates, guessed)
     return task.state(q, u, start, guessed, others)
@@ -152,18 +152,18 @@ def _other_states(
     rates: Mapping[str, float],
     guess: Mapping[str, float],
 ) -> list[State]:
-    attempts = _others(task, start, fixed, q, ranges)
+    attempts = _further_assemblies(task, start, fixed, q, ranges)
     return [task.state(b.q, consistent_speeds(task, b.q, rates, guess), start, guess) for b in attempts]
 
 
-def _guessed(eqs: EquationSet, guess: Mapping[str, Value] | None) -> dict[str, Value]:
+def _all_guesses(eqs: EquationSet, guess: Mapping[str, Value] | None) -> dict[str, Value]:
     """Return the guesses, and behind them what only the model says of the start."""
     given = dict(guess or {})
     return given | {name: value for name, value in eqs.model.initial.items() if name not in given}
 
 
 def consistent_start(
-    task: Closure, fixed: Mapping[str, float], known: Mapping[str, float]
+    task: Closure, fixed: Mapping[str, float], near: Mapping[str, float]
 ) -> tuple[Floats, Floats]:
     """Return q and u in which all constraints hold, as `assemble` does with values instead of formulas.
 
@@ -173,20 +173,20 @@ def consistent_start(
         As `assemble`.
     """
     positions, rates = task.parted(fixed)
-    positions, known = unit_quaternions(task.eqs.quaternions, positions, known)
-    start = task.start({**known, **positions})
-    found = _closed(task, _near_measured(task, start, positions, known), positions)
-    if found is None:
-        raise AssemblyError(_why_open(task, task.start(known), start, positions, NO_RANGES))
-    guess = {name: value for name, value in known.items() if name not in positions and name not in rates}
-    return found.q, consistent_speeds(task, found.q, rates, guess)
+    positions, near = unit_quaternions(task.eqs.quaternions, positions, near)
+    start = task.start({**near, **positions})
+    assembly = _find_assembly(task, _measured_start(task, start, positions, near), positions)
+    if assembly is None:
+        raise AssemblyError(_open_problem(task, task.start(near), start, positions, NO_RANGES))
+    guess = {name: value for name, value in near.items() if name not in positions and name not in rates}
+    return assembly.q, consistent_speeds(task, assembly.q, rates, guess)
 
 
-def _near_measured(
-    task: Closure, start: Floats, fixed: Mapping[str, float], known: Mapping[str, float]
+def _measured_start(
+    task: Closure, start: Floats, fixed: Mapping[str, float], near: Mapping[str, float]
 ) -> Floats:
     """Return a start at which coordinates of cut joints have the values guessed for them, if there is one."""
-    guessed = {name: known[name] for name in task.parted(known)[0] if name not in task.eqs.coordinate_names}
+    guessed = {name: near[name] for name in task.parted(near)[0] if name not in task.eqs.coordinate_names}
     measured = {name: value for name, value in guessed.items() if name not in fixed}
     if not measured:
         return start
@@ -199,30 +199,30 @@ def assembled_configuration(
 ) -> Floats | None:
     """Return the configuration nearest to a guess that closes the loops, or None."""
     eqs = task.eqs
-    known = named_values(eqs, _guessed(eqs, guess), parameters, strict=set(guess))
-    found = _closed(task, _near_measured(task, task.start(known), {}, known), {})
-    return None if found is None else found.q
+    near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess))
+    assembly = _find_assembly(task, _measured_start(task, task.start(near), {}, near), {})
+    return None if assembly is None else assembly.q
 
 
-def _closed(
+def _find_assembly(
     task: Closure, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
 ) -> Configuration | None:
     """Return the assembly nearest to the start, trying starts farther and farther away; or None."""
     starts = _starts(task, start, fixed, ranges)
     for guess in starts:
-        attempt = _ranged(task, _newton(task, guess, fixed), ranges)
+        attempt = _restrict_to_ranges(task, _newton(task, guess, fixed), ranges)
         if attempt.is_closed:
             return attempt
         if task.is_tree:
             return None
     for guess, inside in zip(starts, measured_in_ranges(task, ranges, fixed, _STARTS), strict=False):
-        attempt = _ranged(task, _newton(task, guess, {**fixed, **inside}), ranges)
+        attempt = _restrict_to_ranges(task, _newton(task, guess, {**fixed, **inside}), ranges)
         if attempt.is_closed:
             return attempt
     return None
 
 
-def _ranged(task: Closure, attempt: Configuration, ranges: Ranges) -> Configuration:
+def _restrict_to_ranges(task: Closure, attempt: Configuration, ranges: Ranges) -> Configuration:
     """Return where Newton's method ended, with angles in their ranges; not closed outside of these."""
     if not attempt.is_closed or not ranges:
         return attempt
@@ -250,45 +250,39 @@ def _newton(task: Closure, q: Floats, fixed: Mapping[str, float]) -> Configurati
     return task.manifold(fixed).project(q, least_step)
 
 
-def _others(
+def _further_assemblies(
     task: Closure, start: Floats, fixed: Mapping[str, float], q: Floats, ranges: Ranges
 ) -> list[Configuration]:
     """Return further assemblies, nearest to the start first."""
     if task.is_tree:
         return []
-    found = [q]
+    different = [q]
     others = []
     for guess in _starts(task, start, fixed, ranges)[1:]:
-        attempt = _ranged(task, _newton(task, guess, fixed), ranges)
-        if attempt.is_closed and all(task.differs(attempt.q, other) for other in found):
+        attempt = _restrict_to_ranges(task, _newton(task, guess, fixed), ranges)
+        if attempt.is_closed and all(task.differs(attempt.q, other) for other in different):
             if task.is_isolated(attempt.q, fixed):
-                found.append(attempt.q)
+                different.append(attempt.q)
                 others.append(attempt)
     return sorted(others, key=lambda attempt: float(np.abs((attempt.q - start) / task.sizes).max()))
 
 
-def _why_open(
+def _open_problem(
     task: Closure, guess: Floats, start: Floats, fixed: Mapping[str, float], ranges: Ranges
 ) -> Problem:
-    """Say which fixed values contradict each other, which joint stays open, or what is out of range."""
+    """Return the contradiction of fixed values, the joint that stays open, or the ranges that are missed."""
     if ranges:
-        outside = _closed(task, start, fixed)
+        outside = _find_assembly(task, start, fixed)
         if outside is not None:
-            others = _others(task, start, fixed, outside.q, NO_RANGES)
+            others = _further_assemblies(task, start, fixed, outside.q, NO_RANGES)
             return out_of_range(task, [outside.q, *(other.q for other in others)], ranges)
-    if fixed and _closed(task, guess, {}) is not None:
+    if fixed and _find_assembly(task, guess, {}) is not None:
         conflict = dict(fixed)
         for name in fixed:
-            rest = {key: value for key, value in conflict.items() if key != name}
-            if (
-                _closed(
-                    task,
-                    task.start({**dict(zip(task.eqs.coordinate_names, guess, strict=True)), **rest}),
-                    rest,
-                )
-                is None
-            ):
-                conflict = rest
+            fewer = {key: value for key, value in conflict.items() if key != name}
+            near = task.start({**dict(zip(task.eqs.coordinate_names, guess, strict=True)), **fewer})
+            if _find_assembly(task, near, fewer) is None:
+                conflict = fewer
         listed = ", ".join(f"{name} = {value:g}" for name, value in conflict.items())
         return Problem(
             "assembly.conflict", "fixed", f"no configuration has {listed}",
@@ -302,23 +296,23 @@ def _why_open(
 def _open_joints(task: Closure, attempts: Sequence[Configuration], fixed: Mapping[str, float]) -> Problem:
     """Say by how much joints stay open, from where Newton's method came nearest to closing them."""
     best = attempts[0]
-    told = f"{_STARTS} starts about the guess were tried"
+    why = f"{_STARTS} starts about the guess were tried"
     if not task.is_aligned(best.q) and best.residual <= ASSEMBLED:
         joint = next(iter(task.gaps(best.q)), "")
         what = f"joint {joint} closes only with its axes opposite to each other"
     else:
-        finite = [attempt.q for attempt in attempts if np.isfinite(attempt.residual)][:_LEAST_OPEN]
+        finite = [attempt.q for attempt in attempts if np.isfinite(attempt.residual)][:_GAP_TRIALS]
         trials = [(best.q, np.inf), *(least_open(task, task.normalized(q), fixed) for q in finite)]
         q, _ = min(trials, key=lambda trial: trial[1])
         (joint, gap), *others = task.gaps(q).items() or [("", (0.0, 0.0))]
         size = task.mechanism.length
         what = f"joint {joint} stays open by {_width(gap, size)}"
-        wide = [(name, gap) for name, gap in others if gap[0] > _TOLD * size or gap[1] > _TOLD]
+        wide = [(name, gap) for name, gap in others if gap[0] > _VISIBLE * size or gap[1] > _VISIBLE]
         if wide:
             listed = ", ".join(f"joint {name} by {_width(gap, size)}" for name, gap in wide)
-            told += f"; with the least squares of all gaps {listed}"
+            why += f"; with the least squares of all gaps {listed}"
     return Problem(
-        "assembly.open", f"joint {joint}", what, told,
+        "assembly.open", f"joint {joint}", what, why,
         "check lengths and frames of the loop, or give guess= values nearer to a configuration that closes",
     )  # fmt: skip
 
@@ -326,6 +320,6 @@ def _open_joints(task: Closure, attempts: Sequence[Configuration], fixed: Mappin
 def _width(gap: tuple[float, float], size: float) -> str:
     """Return a distance and an angle in words, without the rounding of what is closed."""
     distance, angle = (
-        value if value > _TOLD * unit else 0.0 for value, unit in zip(gap, (size, 1.0), strict=True)
+        value if value > _VISIBLE * unit else 0.0 for value, unit in zip(gap, (size, 1.0), strict=True)
     )
     return f"{distance:.3g} m and {np.degrees(angle):.3g} deg"

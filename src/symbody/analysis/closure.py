@@ -1,4 +1,4 @@
-"""`Closure`: the constraints of a mechanism as numbers, with scales, for who looks for configurations."""
+"""`Closure`: the constraints of a mechanism as numbers, with the scales they are measured by."""
 
 from __future__ import annotations
 
@@ -64,11 +64,11 @@ class Closure:
     constraints: Callable[..., Any]
     angles: frozenset[str] = frozenset()
     mechanism: Scales = Scales()
-    # Functions already compiled; they follow from the fields above.
+    # Functions compiled so far; they follow from the fields above.
     _functions: SingleFlight[str | tuple[str, ...], CompiledFunction] = field(
         default_factory=SingleFlight, repr=False
     )
-    _fours: SingleFlight[None, list[list[int]]] = field(default_factory=SingleFlight, repr=False)
+    _quaternions: SingleFlight[None, list[list[int]]] = field(default_factory=SingleFlight, repr=False)
 
     @property
     def is_tree(self) -> bool:
@@ -87,7 +87,7 @@ class Closure:
             point = self.constraints(self.t, q, still)
             values, rows = [point.constraints], [point.position_jacobian]
             for name, value in measured.items():
-                present, row = self._measured(name, q)
+                present, row = self._measure_row(name, q)
                 values.append(np.array([self._difference(name, present, value)]))
                 rows.append(row[np.newaxis, :])
             return np.concatenate(values), np.vstack(rows)
@@ -100,25 +100,25 @@ class Closure:
         """Return a compiled function of t, q and u."""
         key = outputs if isinstance(outputs, str) else tuple(outputs)
 
-        def compiled() -> CompiledFunction:
+        def compile_outputs() -> CompiledFunction:
             inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
             sequence = form_sequence(self.eqs, outputs, self.parameters, (), inputs)
             return CompiledFunction(*sequence, quick=True)
 
-        return self._functions.get(key, compiled)
+        return self._functions.get(key, compile_outputs)
 
-    def parted(self, wanted: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
-        """Return what is wanted of positions, and of velocities."""
+    def parted(self, values: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
+        """Return the values of positions, and those of velocities."""
         topology = self.eqs.formed.topology
         coordinates = {name for joint in topology.joints for name in joint.coordinates}
         coordinates.update(topology.model.coordinates)
         coordinates.update(self.eqs.coordinate_names)
-        positions = {name: value for name, value in wanted.items() if name in coordinates}
-        return positions, {name: value for name, value in wanted.items() if name not in coordinates}
+        positions = {name: value for name, value in values.items() if name in coordinates}
+        return positions, {name: value for name, value in values.items() if name not in coordinates}
 
-    def start(self, known: Mapping[str, float]) -> Floats:
-        """Return coordinates with known values, 0 where none is known; quaternions are normalized."""
-        return self.normalized(np.array([known.get(name, 0.0) for name in self.eqs.coordinate_names]))
+    def start(self, values: Mapping[str, float]) -> Floats:
+        """Return coordinates with given values, 0 for the others; quaternions are normalized."""
+        return self.normalized(np.array([values.get(name, 0.0) for name in self.eqs.coordinate_names]))
 
     def normalized(self, q: Floats) -> Floats:
         """Return coordinates with quaternions of unit norm; one that is zero becomes 1, 0, 0, 0."""
@@ -136,23 +136,25 @@ class Closure:
         """Return A and b of all conditions ``A u = b`` on velocities."""
         names = self.eqs.speed_names
         still = np.zeros(len(names))
-        found = self.constraints(self.t, q, still)
-        rows, right = [found.jacobian], [-found.velocity_constraints]
+        point = self.constraints(self.t, q, still)
+        rows, right = [point.jacobian], [-point.velocity_constraints]
         for name, value in fixed.items():
-            row, rest = self.speed_row(q, name, value)
+            row, value_left = self.speed_row(q, name, value)
             rows.append(row[np.newaxis, :])
-            right.append(np.array([rest]))
-        matrix, wanted = np.vstack(rows), np.concatenate(right)
-        self._check_finite(np.column_stack([matrix, wanted]))
-        return matrix, wanted
+            right.append(np.array([value_left]))
+        matrix, right_hand = np.vstack(rows), np.concatenate(right)
+        self._check_finite(np.column_stack([matrix, right_hand]))
+        return matrix, right_hand
 
     def _check_finite(self, rows: Floats) -> None:
         """Refuse velocities that constraints cannot have here, as at the two ends of a rod of length 0."""
         wrong = np.flatnonzero(~np.isfinite(rows).all(axis=1)).tolist()
         if not wrong:
             return
-        own = self.eqs.formed.rows
-        elements = dict.fromkeys(own[k].element if k < len(own) else "" for k in wrong)
+        constraint_rows = self.eqs.formed.rows
+        elements = dict.fromkeys(
+            constraint_rows[k].element if k < len(constraint_rows) else "" for k in wrong
+        )
         where = ", ".join(filter(None, elements)) or "fixed"
         raise AssemblyError(
             Problem("assembly.not_finite", where, "its condition on velocities has no finite value here",
@@ -181,8 +183,8 @@ class Closure:
 
     def is_aligned(self, q: Floats) -> bool:
         """Return whether no joint is closed with opposite axes."""
-        found = self.constraints(self.t, q, np.zeros(len(self.eqs.speed_names)))
-        return bool((found.alignment > ALIGNED).all())
+        point = self.constraints(self.t, q, np.zeros(len(self.eqs.speed_names)))
+        return bool((point.alignment > ALIGNED).all())
 
     def differs(self, a: Floats, b: Floats, tolerance: float = SAME_POSITION) -> bool:
         """Return whether two sets of coordinates are different configurations, by more than a tolerance."""
@@ -209,7 +211,7 @@ class Closure:
             place = 1 if row.force.is_zero else 0
             gap[place] = float(np.hypot(gap[place], value))
         scale = self.mechanism.length
-        # Of joints that share a gap equally, up to what is told, the first of the model is named first.
+        # Of joints that share a gap equally, to six digits, the first of the model is named first.
         ordered = sorted(gaps, key=lambda name: -round(gaps[name][0] / scale + gaps[name][1], 6))
         return {name: (gaps[name][0], float(np.arcsin(min(gaps[name][1], 1.0)))) for name in ordered}
 
@@ -225,7 +227,10 @@ class Closure:
         eqs = self.eqs
         solved = self._accelerations(q, u)
         sizes = self.speed_sizes
-        if not (_exist(u, solved, sizes, 0.0) or _exist(u, solved, sizes, self._free_acceleration(q, u))):
+        if not (
+            _have_accelerations(u, solved, sizes, 0.0)
+            or _have_accelerations(u, solved, sizes, self._free_acceleration(q, u))
+        ):
             raise AssemblyError(_SINGULAR)
         phi = self.constraints(self.t, q, u).constraints
         places = zip(eqs.coordinate_names, q - start, self.sizes, strict=True)
@@ -244,7 +249,7 @@ class Closure:
             self.inputs,
             others,
             _functions=self._functions,
-            _dependent=_dependent(solved.jacobian),
+            _dependent=_count_dependent(solved.jacobian),
         )
 
     def _accelerations(self, q: Floats, u: Floats) -> Any:
@@ -269,9 +274,9 @@ class Closure:
 
     def _free_acceleration(self, q: Floats, u: Floats) -> float:
         """Return the largest acceleration that the forces would give without constraints, over its size."""
-        found, sizes = self.function(("mass_matrix", "forcing"))(self.t, q, u), self.speed_sizes
-        mass = found.mass_matrix * np.outer(sizes, sizes)
-        free = np.linalg.lstsq(mass, found.forcing * sizes, rcond=None)[0]
+        solved, sizes = self.function(("mass_matrix", "forcing"))(self.t, q, u), self.speed_sizes
+        mass = solved.mass_matrix * np.outer(sizes, sizes)
+        free = np.linalg.lstsq(mass, solved.forcing * sizes, rcond=None)[0]
         return float(np.abs(free).max(initial=0.0))
 
     def _changed_rates(self, q: Floats, u: Floats, guess: Mapping[str, float]) -> dict[str, float]:
@@ -280,8 +285,8 @@ class Closure:
         rates = dict(zip(eqs.speed_names, u.tolist(), strict=True))
         names = [f"{name}_dot" for name in eqs.coordinate_names]
         if any(name in guess and name not in rates for name in names):
-            found = self.function("qdot")(self.t, q, u).tolist()
-            rates = dict(zip(names, found, strict=True)) | rates
+            qdot = self.function("qdot")(self.t, q, u).tolist()
+            rates = dict(zip(names, qdot, strict=True)) | rates
         for name in self.parted(guess)[1]:  # of cut joints
             if name not in rates:
                 rates[name] = float(self.function(name)(self.t, q, u))
@@ -292,7 +297,7 @@ class Closure:
     def quaternions(self) -> list[list[int]]:
         """Return the places of each quaternion in q."""
         names = self.eqs.coordinate_names
-        return self._fours.get(
+        return self._quaternions.get(
             None, lambda: [[names.index(name) for name in four] for four in self.eqs.quaternions]
         )
 
@@ -311,7 +316,7 @@ class Closure:
         """Return a coordinate of a cut joint."""
         return float(self.function(name)(self.t, q, np.zeros(len(self.eqs.speed_names))))
 
-    def _measured(self, name: str, q: Floats) -> tuple[float, Floats]:
+    def _measure_row(self, name: str, q: Floats) -> tuple[float, Floats]:
         f, still = self.function(name), np.zeros(len(self.eqs.speed_names))
         row = np.zeros(q.size)
         for k in range(q.size):
@@ -332,26 +337,26 @@ def closure(
     scales: Scales | None = None,
 ) -> Closure:
     """Return the constraints of equations as numbers, by default with the scales of the model."""
-    known = mechanism_scales(eqs, parameters) if scales is None else scales
+    mechanism = mechanism_scales(eqs, parameters) if scales is None else scales
     angles = frozenset(name for name, unit in eqs.units.items() if unit == "rad")
-    given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
+    arguments = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
     names = ("constraints", "position_jacobian", "jacobian", "velocity_constraints", "alignment")
-    function = CompiledFunction(*form_sequence(eqs, names, parameters, (), given), quick=True)
+    function = CompiledFunction(*form_sequence(eqs, names, parameters, (), arguments), quick=True)
     return Closure(
         eqs,
         parameters,
         inputs,
         t,
-        known.coordinates(eqs),
-        known.displacements(eqs),
-        known.constraints(eqs)[: len(eqs.formed.holonomic)],
+        mechanism.coordinates(eqs),
+        mechanism.displacements(eqs),
+        mechanism.constraints(eqs)[: len(eqs.formed.holonomic)],
         function,
         angles,
-        known,
+        mechanism,
     )
 
 
-def _exist(u: Floats, solved: Any, sizes: Floats, held: float) -> bool:
+def _have_accelerations(u: Floats, solved: Any, sizes: Floats, held: float) -> bool:
     """Return whether accelerations fulfil ``J u' = gamma``, which has no solution at some singular positions.
 
     Parameters
@@ -367,16 +372,16 @@ def _exist(u: Floats, solved: Any, sizes: Floats, held: float) -> bool:
     # gamma is quadratic in u; where all its terms cancel, that is what they are small against.
     fastest = float(np.abs(u / sizes).max(initial=0.0))
     largest = slopes * (fastest * fastest)  # infinite rather than a fault
-    wanted = np.abs(jacobian) @ np.abs(udot) + np.abs(gamma) + largest
+    terms = np.abs(jacobian) @ np.abs(udot) + np.abs(gamma) + largest
     # A row whose accelerations vanish holds nothing but the rounding of the others, and of the velocities
     # that cancel in its gamma: at a change point nothing else may be left of the row itself.
     eps = udot.size * np.finfo(float).eps
     rounding = slopes * eps * max(held, float(np.abs(udot).max(initial=0.0)))
     rounding = rounding + eps * float(largest.max(initial=0.0))
     apart: Floats = np.abs(jacobian @ udot - gamma)
-    return not (apart > _CONSISTENT * wanted + rounding + TINY).any()
+    return not (apart > _CONSISTENT * terms + rounding + TINY).any()
 
 
-def _dependent(rows: Floats) -> int:
+def _count_dependent(rows: Floats) -> int:
     """Return how many rows follow from the others; those of zeros are not among them."""
     return int(np.abs(rows).max(axis=1, initial=0.0).astype(bool).sum()) - rank(rows)

@@ -42,10 +42,10 @@ def check_pivots(task: Closure, q: NDArray[np.float64]) -> None:
     found = np.ravel(task.function([f"{names[0]}_pivot" for names in groups])(task.t, q, still))
     lost = [names for names, value in zip(groups, found, strict=True) if not abs(value) > ASSEMBLED]
     if lost:
-        raise AssemblyError(*(_vanishing(", ".join(names)) for names in lost))
+        raise AssemblyError(*(_vanishing_pivot(", ".join(names)) for names in lost))
 
 
-def _vanishing(names: str) -> Problem:
+def _vanishing_pivot(names: str) -> Problem:
     return Problem(
         "assembly.dependent_speeds", "dependent_speeds",
         f"at this configuration {names} do not follow from the other speeds",

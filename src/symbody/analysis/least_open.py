@@ -1,4 +1,4 @@
-"""`least_open`: how nearly the loops close that cannot close, with all bodies as rigid as they are."""
+"""`least_open`: the configuration with the smallest residual of loops that cannot close."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from symbody.analysis.closure import Closure
 
 Floats = NDArray[np.float64]
 
-# Three digits are told; a sum of squares is this flat about its least value.
+# Messages give three digits; a sum of squares is this flat about its least value.
 _EXACT = 1e-12
 _EVALUATIONS = 400
 
@@ -30,7 +30,7 @@ def least_open(task: Closure, q: Floats, fixed: Mapping[str, float]) -> tuple[Fl
         sphere.values, q[sphere.free], sphere.slopes, x_scale=task.sizes[sphere.free],
         ftol=_EXACT, xtol=_EXACT, gtol=_EXACT, max_nfev=_EVALUATIONS,
     )  # fmt: skip
-    return sphere.on(found.x)[0], 2.0 * float(found.cost)
+    return sphere.project(found.x)[0], 2.0 * float(found.cost)
 
 
 class _Spheres:
@@ -49,7 +49,7 @@ class _Spheres:
             if rest and held < 1.0:
                 self._fours.append((rest, float(np.sqrt(1.0 - held))))
 
-    def on(self, x: Floats) -> tuple[Floats, Floats]:
+    def project(self, x: Floats) -> tuple[Floats, Floats]:
         """Return all coordinates, and as they are before quaternions are put on their spheres."""
         before = self._q.copy()
         before[self.free] = x
@@ -60,13 +60,13 @@ class _Spheres:
 
     def values(self, x: Floats) -> Floats:
         """Return the conditions."""
-        q, before = self.on(x)
+        q, before = self.project(x)
         lengths = [(before[places] @ before[places] - radius**2) / 2.0 for places, radius in self._fours]
         return np.concatenate([self._manifold.constraints(q).values, lengths])
 
     def slopes(self, x: Floats) -> Floats:
         """Return their derivatives by the free coordinates."""
-        q, before = self.on(x)
+        q, before = self.project(x)
         rows = self._manifold.jacobian(q) / self._manifold.sizes
         lengths = np.zeros((len(self._fours), q.size))
         for k, (places, radius) in enumerate(self._fours):

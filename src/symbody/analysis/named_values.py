@@ -11,7 +11,7 @@ from symbody.expr.parser import parse_angle
 
 
 def checked_mappings(**given: object) -> None:
-    """Refuse what is no mapping of names.
+    """Refuse arguments that are not mappings of names.
 
     Raises
     ------
@@ -19,7 +19,7 @@ def checked_mappings(**given: object) -> None:
         Naming each argument.
     """
     problems = [
-        Problem("assembly.not_a_mapping", name, f"{value!r} is no mapping of names to values", "",
+        Problem("assembly.not_a_mapping", name, f"{value!r} is not a mapping of names to values", "",
                 f'write {name}={{"NAME": VALUE}}')
         for name, value in given.items() if value is not None and not isinstance(value, Mapping)
     ]  # fmt: skip
@@ -28,7 +28,7 @@ def checked_mappings(**given: object) -> None:
 
 
 def checked_pairs(ranges: Mapping[str, tuple[Value, Value]]) -> None:
-    """Refuse ranges that are no pairs.
+    """Refuse ranges that are not pairs.
 
     Raises
     ------
@@ -36,7 +36,7 @@ def checked_pairs(ranges: Mapping[str, tuple[Value, Value]]) -> None:
         Naming each.
     """
     problems = [
-        Problem("assembly.not_a_range", f"ranges {name}", f"{pair!r} is no range", "",
+        Problem("assembly.not_a_range", f"ranges {name}", f"{pair!r} is not a range", "",
                 f'write ranges={{"{name}": (LOWER, UPPER)}}')
         for name, pair in ranges.items() if not isinstance(pair, tuple | list) or len(pair) != 2
     ]  # fmt: skip
@@ -66,8 +66,8 @@ def refuse_unknown(eqs: EquationSet, given: Iterable[str]) -> None:
     AssemblyError
         Naming each.
     """
-    known = positions_and_rates(eqs)
-    problems = [_unknown(eqs, name) for name in dict.fromkeys(given) if name not in known]
+    names = positions_and_rates(eqs)
+    problems = [_unknown(eqs, name) for name in dict.fromkeys(given) if name not in names]
     if problems:
         raise AssemblyError(*problems)
 
@@ -75,7 +75,7 @@ def refuse_unknown(eqs: EquationSet, given: Iterable[str]) -> None:
 def _unknown(eqs: EquationSet, name: str) -> Problem:
     meaning, place = _meaning(eqs, name)
     if meaning:
-        what = f"{name!r} is {meaning}, no coordinate or speed"
+        what = f"{name!r} is {meaning}, not a coordinate or a speed"
         return Problem(
             "assembly.no_state", name, what, "states are coordinates, their rates and speeds", place
         )
@@ -84,7 +84,7 @@ def _unknown(eqs: EquationSet, name: str) -> Problem:
 
 
 def _meaning(eqs: EquationSet, name: str) -> tuple[str, str]:
-    """Return what a name that is no state stands for, and where it is given; nothing if it has no meaning."""
+    """Return the meaning of a name that is not a state, and the argument for it; empty without a meaning."""
     if name in eqs.parameter_names:
         return "a parameter", f"give it in parameters={{{name!r}: ...}}"
     if name in eqs.input_names:
@@ -119,12 +119,12 @@ def named_values(
         Naming each unknown name, with the nearest ones.
     """
     refuse_unknown(eqs, [name for name in formulas if name in strict])
-    known = positions_and_rates(eqs)
+    names = positions_and_rates(eqs)
     joints = (*eqs.model.joints, *eqs.model.free_joints)
     angles = {name for joint in joints for name in joint.angle_coordinates}
     read = {
         name: parse_angle(value, where=name) if name in angles and isinstance(value, str) else value
         for name, value in formulas.items()
-        if name in known
+        if name in names
     }
     return constant_values(eqs, read, parameters)

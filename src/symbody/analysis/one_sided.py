@@ -62,7 +62,7 @@ def settled(eqs: EquationSet, state: State) -> Sides:
         return Sides(eqs, state)
     first: Sides | None = None
     for modes in search.candidates():
-        found = search.tried(modes)
+        found = search.try_modes(modes)
         if found is None:
             continue
         sides, fits = found
@@ -92,7 +92,7 @@ class _ModeSearch:
         for choice in islice(product(*self.ways.values()), _MOST_TRIED):
             yield {name: mode for name, mode in zip(self.ways, choice, strict=True) if mode is not None}
 
-    def tried(self, modes: Modes) -> tuple[Sides, bool] | None:
+    def try_modes(self, modes: Modes) -> tuple[Sides, bool] | None:
         """Return the state in some modes, and whether these hold; None where no accelerations exist."""
         held = self._equations(modes)
         task = closure(held, self.state.parameters, self.state.inputs, self.state.t)

@@ -23,25 +23,25 @@ def unit_quaternions(
     """
     values, guesses = dict(fixed), dict(guess)
     for names in quaternions:
-        held = [name for name in names if name in fixed]
-        square = sum(fixed[name] ** 2 for name in held)
+        fixed_names = [name for name in names if name in fixed]
+        square = sum(fixed[name] ** 2 for name in fixed_names)
         free = [name for name in names if name not in fixed]
-        if not held:
+        if not fixed_names:
             continue
         if not free:
             if square == 0.0:
-                raise AssemblyError(_problem(held, "is zero", "its four components cannot all be 0"))
-            values.update((name, fixed[name] / math.sqrt(square)) for name in held)
+                raise AssemblyError(_problem(fixed_names, "is zero", "its four components cannot all be 0"))
+            values.update((name, fixed[name] / math.sqrt(square)) for name in fixed_names)
             continue
         if square > 1.0 + 1e-9:
             raise AssemblyError(
-                _problem(held, "is longer than 1", "no values of the others give it unit norm")
+                _problem(fixed_names, "is longer than 1", "no values of the others give it unit norm")
             )
-        rest = math.sqrt(max(1.0 - square, 0.0))
+        left = math.sqrt(max(1.0 - square, 0.0))
         norm = math.hypot(*(guess.get(name, 0.0) for name in free))
         for k, name in enumerate(free):
             share = guess.get(name, 0.0) / norm if norm > 0.0 else float(k == 0)
-            guesses[name] = rest * share
+            guesses[name] = left * share
     return values, guesses
 
 

@@ -1,4 +1,4 @@
-"""Ranges that coordinates shall lie in: of several assemblies those outside are not taken."""
+"""Ranges of coordinates: assemblies outside are not taken."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ def checked_ranges(task: Closure, lower: Mapping[str, float], upper: Mapping[str
     Raises
     ------
     AssemblyError
-        Naming each range that is empty or is none of positions.
+        Naming each range that is empty or is not of a position.
     """
     positions, _ = task.parted(lower)
     problems = [
-        Problem("assembly.range", name, f"{name} is no position", "only positions have ranges",
+        Problem("assembly.range", name, f"{name} is not a position", "only positions have ranges",
                 "leave it out, or give its value in fixed=")
         for name in lower if name not in positions
     ]  # fmt: skip
@@ -99,16 +99,16 @@ def measured_in_ranges(
     return [middle, *({name: random.uniform(*ranges[name]) for name in names} for _ in range(count - 1))]
 
 
-def out_of_range(task: Closure, found: Sequence[Floats], ranges: Ranges) -> Problem:
+def out_of_range(task: Closure, configurations: Sequence[Floats], ranges: Ranges) -> Problem:
     """Say that loops close outside the ranges only, and where."""
     names = task.eqs.coordinate_names
-    wanted = ", ".join(f"{name} from {low:g} to {high:g}" for name, (low, high) in ranges.items())
+    limits = ", ".join(f"{name} from {low:g} to {high:g}" for name, (low, high) in ranges.items())
     values = [
         {name: float(q[names.index(name)]) if name in names else task.measured(name, q) for name in ranges}
-        for q in found
+        for q in configurations
     ]
-    told = "; ".join(", ".join(f"{name} = {value:.6g}" for name, value in one.items()) for one in values)
+    closed_at = "; ".join(", ".join(f"{name} = {value:.6g}" for name, value in one.items()) for one in values)
     return Problem(
-        "assembly.out_of_range", "ranges", f"no configuration found has {wanted}",
-        f"the loops close with {told}", "widen the ranges, or give fixed= values that reach them",
+        "assembly.out_of_range", "ranges", f"no configuration found has {limits}",
+        f"the loops close with {closed_at}", "widen the ranges, or give fixed= values that reach them",
     )  # fmt: skip

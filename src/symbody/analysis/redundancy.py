@@ -78,9 +78,9 @@ def redundancy(
         If the loops close nowhere near the guess.
     """
     refuse_unknown(eqs, guess or ())
-    given, around = dict(parameters or {}), {**eqs.model.initial, **(guess or {})}
+    values, around = dict(parameters or {}), {**eqs.model.initial, **(guess or {})}
     near = named_values(eqs, around, parameters, strict=set(guess or ()))
-    task = closure(eqs, given, {}, 0.0, mechanism_scales(eqs, given, near=near))
+    task = closure(eqs, values, {}, 0.0, mechanism_scales(eqs, values, near=near))
     if task.is_tree:
         somewhere = task.normalized(np.linspace(0.2, 0.8, len(eqs.coordinate_names)))
         names = undetermined_at(eqs, parameters or {}, [(0.0, somewhere)]) if eqs.formed.redundant else ()

@@ -54,11 +54,11 @@ def assembled_with_ropes(
         If the mechanism does not close, or a rope is too short for the positions fixed.
     """
     positions, rates = closed(eqs).parted(fixed)
-    state = _placed(eqs, positions, attempt)
+    state = _place(eqs, positions, attempt)
     search = _Speeds(eqs, np.array([*state.q.values()]), rates, guess, closed)
-    found = search.found(state)
-    places = {name: change for name, change in state.moved.items() if name in found.q}
-    return replace(found, moved=places | dict(found.moved))
+    complete = search.found(state)
+    places = {name: change for name, change in state.moved.items() if name in complete.q}
+    return replace(complete, moved=places | dict(complete.moved))
 
 
 def with_taut(eqs: EquationSet, names: Collection[str]) -> EquationSet:
@@ -83,7 +83,7 @@ def equations_at(
 ) -> tuple[EquationSet, tuple[str, ...]]:
     """Return equations with the ropes at their length at a configuration as constraints, and notes on it.
 
-    Positions alone do not tell whether a rope at its length pulls; it is taken to.
+    Whether a rope at its length pulls does not follow from positions; it is taken to.
     """
     if not ropes(eqs.formed):
         return eqs, ()
@@ -105,7 +105,7 @@ def rope_assumptions(eqs: EquationSet) -> tuple[str, ...]:
 
 
 def ropes_out_of_place(eqs: EquationSet, task: Closure, q: Floats) -> str:
-    """Return in words which ropes are not as these equations have them, where one would be; else nothing.
+    """Return a sentence on the ropes that are not as these equations have them; empty if all are.
 
     Parameters
     ----------
@@ -115,16 +115,16 @@ def ropes_out_of_place(eqs: EquationSet, task: Closure, q: Floats) -> str:
         Measures the ropes.
     """
     taut = {row.element for row in eqs.formed.rows}
-    found = []
+    misplaced = []
     for name, share in slackness(task, q).items():
         if name in taut and share > LOOSE:
-            found.append(f"rope {name} is slack, by {share:.3g} of its length")
+            misplaced.append(f"rope {name} is slack, by {share:.3g} of its length")
         elif share < -LOOSE:
-            found.append(f"the ends of rope {name} are farther apart than it is long")
-    return ", ".join(found)
+            misplaced.append(f"the ends of rope {name} are farther apart than it is long")
+    return ", ".join(misplaced)
 
 
-def _placed(eqs: EquationSet, fixed: Mapping[str, float], attempt: Attempt) -> State:
+def _place(eqs: EquationSet, fixed: Mapping[str, float], attempt: Attempt) -> State:
     """Return a state in which no rope is longer than it is; its speeds do not matter."""
     taut: list[str] = []
     state = attempt(with_taut(eqs, taut), fixed)
@@ -171,7 +171,7 @@ class _Speeds:
         taut = [name for name in near if abs(apart[name]) <= AT_REST]
         while True:
             task = self.closed(with_taut(self.eqs, taut))
-            result = task.state(self.q, u, self.q, self._guessed(task))
+            result = task.state(self.q, u, self.q, self._guessed_rates(task))
             pushes = {name: -float(result[f"rope_tension {name}"]) for name in taut}
             worst = max(pushes, key=lambda name: pushes[name], default="")
             if not worst or pushes[worst] <= 0.0:
@@ -196,17 +196,17 @@ class _Speeds:
 
     def _consistent(self, taut: list[str]) -> Floats:
         task = self.closed(with_taut(self.eqs, taut))
-        return consistent_speeds(task, self.q, self.rates, self._guessed(task))
+        return consistent_speeds(task, self.q, self.rates, self._guessed_rates(task))
 
-    def _guessed(self, task: Closure) -> dict[str, float]:
+    def _guessed_rates(self, task: Closure) -> dict[str, float]:
         """Return the rates guessed that are not fixed."""
         return {name: x for name, x in task.parted(self.guess)[1].items() if name not in self.rates}
 
     def _apart(self, names: list[str], u: Floats) -> dict[str, float]:
         """Return the rates at which ends move apart, over the largest speed or the mechanism's own."""
         task = self.closed(with_taut(self.eqs, ()))
-        known, rates = task.mechanism, np.abs(u / task.speed_sizes)
-        fast = known.length * float(rates.max(initial=1.0 / known.time))
+        mechanism, rates = task.mechanism, np.abs(u / task.speed_sizes)
+        fast = mechanism.length * float(rates.max(initial=1.0 / mechanism.time))
         rates_of = {name: float(task.function(f"rope_slack_dot {name}")(task.t, self.q, u)) for name in names}
         return {name: -rate / fast for name, rate in rates_of.items()}
 

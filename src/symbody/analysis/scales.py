@@ -132,7 +132,7 @@ def mechanism_scales(
     Parameters
     ----------
     given : mapping of "length", "time", "mass" to float
-        Those that are told [m, s, kg].
+        Those that the caller chooses [m, s, kg].
     near : mapping of name to float
         A configuration, by default the model's initial values: its displacements count where the model has no
         other length.
@@ -142,9 +142,9 @@ def mechanism_scales(
     UsageError
         If a name in `given` is unknown, or a value is not positive.
     """
-    told = checked_scales(given)
-    found = values_at_start(eqs, geometry(eqs), parameters)
-    length = told.get("length", largest(found.values()))
+    chosen = checked_scales(given)
+    lengths = values_at_start(eqs, geometry(eqs), parameters)
+    length = chosen.get("length", largest(lengths.values()))
     if not length and near is None:
         initial = {name: value for name, value in eqs.model.initial.items() if _is_length(eqs, name)}
         length = largest(values_at_start(eqs, initial, parameters).values())
@@ -153,8 +153,8 @@ def mechanism_scales(
     scales = Scales(length or 1.0, has_length=bool(length))
     gravity = math.hypot(*values_at_start(eqs, numbered(eqs.model.gravity), parameters).values())
     fallen = math.sqrt(scales.length / gravity) if gravity else 1.0
-    scales = replace(scales, time=told.get("time", fallen), has_time="time" in told or gravity > 0.0)
-    mass = told.get("mass", _mass(eqs, parameters, scales.length)) or 1.0
+    scales = replace(scales, time=chosen.get("time", fallen), has_time="time" in chosen or gravity > 0.0)
+    mass = chosen.get("mass", _mass(eqs, parameters, scales.length)) or 1.0
     return replace(scales, mass=mass, equations=_equations(eqs, parameters, scales))
 
 
@@ -181,14 +181,14 @@ def state_tolerances(eqs: EquationSet, lengths: Floats, times: Floats, x: Floats
 
 
 def checked_scales(given: Mapping[str, float] | None) -> dict[str, float]:
-    """Return what was told of a mechanism's scales.
+    """Return the scales that the caller chose.
 
     Raises
     ------
     UsageError
         If a name is unknown, or a value is not a positive number.
     """
-    problems, told = [], {}
+    problems, chosen = [], {}
     for name, value in (given or {}).items():
         if name not in _UNITS:
             problems.append(
@@ -202,10 +202,10 @@ def checked_scales(given: Mapping[str, float] | None) -> dict[str, float]:
                         f"give a finite number above 0 [{_UNITS[name]}], or leave it out")
             )  # fmt: skip
         else:
-            told[name] = float(value)
+            chosen[name] = float(value)
     if problems:
         raise UsageError(*problems)
-    return told
+    return chosen
 
 
 def geometry(eqs: EquationSet) -> dict[str, Value]:
@@ -229,8 +229,8 @@ def values_at_start(
     if not formulas:
         return {}
     sequence, _ = form_values(eqs, formulas, parameters)
-    found = evaluate_sequence(sequence, {"t": [0.0]})
-    return {name: float(value[0]) for name, value in zip(formulas, found, strict=True)}
+    computed = evaluate_sequence(sequence, {"t": [0.0]})
+    return {name: float(value[0]) for name, value in zip(formulas, computed, strict=True)}
 
 
 def largest(values: Iterable[float]) -> float:
@@ -251,15 +251,15 @@ def _equations(eqs: EquationSet, parameters: Mapping[str, Value], scales: Scales
 
     That is the largest of its derivatives times the displacements, at `pose_share` of the sizes.
     """
-    own = own_equations(eqs)
-    if not own:
+    written = own_equations(eqs)
+    if not written:
         return {}
     sequence, _ = form_sequence(eqs, "jacobian", parameters, (), dict.fromkeys(eqs.input_names, 0))
     q = (pose_share(eqs) * scales.coordinates(eqs)).tolist()
-    found = evaluate_sequence(sequence, {"t": [0.0], "q": q, "u": [0.0] * len(eqs.speed_names), "r": []})[0]
-    rows = np.array([float(x) for x in found]).reshape(len(eqs.formed.rows), -1)
+    entries = evaluate_sequence(sequence, {"t": [0.0], "q": q, "u": [0.0] * len(eqs.speed_names), "r": []})[0]
+    rows = np.array([float(x) for x in entries]).reshape(len(eqs.formed.rows), -1)
     sizes = np.abs(rows * scales.displacements(eqs)).max(axis=1, initial=0.0)
-    return {eqs.multiplier_names[k]: float(sizes[k]) for k in own if 0.0 < sizes[k] < math.inf}
+    return {eqs.multiplier_names[k]: float(sizes[k]) for k in written if 0.0 < sizes[k] < math.inf}
 
 
 def own_equations(eqs: EquationSet) -> list[int]:

@@ -21,7 +21,7 @@ def consistent_speeds(
 ) -> Floats:
     """Return u with ``J u + b = 0`` and the fixed rates; independent speeds left take their guess, else 0.
 
-    Speeds and rates with a guess are asked first, in the order of the guesses, also those of cut joints; then
+    Speeds and rates with a guess come first, in the order of the guesses, also those of cut joints; then
     the other speeds, in their order; eliminated ones too, so that both forms of the equations start alike.
 
     Raises
@@ -36,23 +36,23 @@ def consistent_speeds(
         raise AssemblyError(_conflict(task, q, fixed))
     basis = row_space(rows)
     for name in dict.fromkeys([*task.parted(guess)[1], *task.all_speeds]):
-        own, value = task.speed_row(q, name, guess.get(name, 0.0))
-        row, wanted = _measured(task, own[np.newaxis, :], np.array([value]))
-        left = _outside(basis, row[0])
+        condition, value = task.speed_row(q, name, guess.get(name, 0.0))
+        row, target = _scale_conditions(task, condition[np.newaxis, :], np.array([value]))
+        left = _project_out(basis, row[0])
         distance = float(np.linalg.norm(left))
         if distance > RANK:
             rows = np.vstack([rows, row])
-            right = np.concatenate([right, wanted])
-            basis = np.vstack([basis, _outside(basis, left / distance)])
+            right = np.concatenate([right, target])
+            basis = np.vstack([basis, _project_out(basis, left / distance)])
     return least_solution(rows, right) * task.speed_sizes
 
 
 def _conditions(task: Closure, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, Floats]:
     """Return A and b of all conditions ``A v = b``, v the speeds over their sizes."""
-    return _measured(task, *task.velocity_rows(q, fixed))
+    return _scale_conditions(task, *task.velocity_rows(q, fixed))
 
 
-def _measured(task: Closure, rows: Floats, right: Floats) -> tuple[Floats, Floats]:
+def _scale_conditions(task: Closure, rows: Floats, right: Floats) -> tuple[Floats, Floats]:
     """Return conditions on speeds over their sizes, with rows of length 1: they have no unit of length."""
     sized = rows * task.speed_sizes
     lengths = np.linalg.norm(sized, axis=1)
@@ -60,13 +60,13 @@ def _measured(task: Closure, rows: Floats, right: Floats) -> tuple[Floats, Float
     return sized / lengths[:, np.newaxis], right / lengths
 
 
-def _fulfils(task: Closure, found: Floats, rows: Floats, right: Floats) -> bool:
+def _fulfils(task: Closure, speeds: Floats, rows: Floats, right: Floats) -> bool:
     """Return whether all rows hold."""
-    sizes = 1.0 / task.mechanism.time + np.abs(right).max(initial=0.0) + np.abs(rows) @ np.abs(found)
-    return bool((np.abs(rows @ found - right) <= ASSEMBLED * sizes).all())
+    sizes = 1.0 / task.mechanism.time + np.abs(right).max(initial=0.0) + np.abs(rows) @ np.abs(speeds)
+    return bool((np.abs(rows @ speeds - right) <= ASSEMBLED * sizes).all())
 
 
-def _outside(basis: Floats, row: Floats) -> Floats:
+def _project_out(basis: Floats, row: Floats) -> Floats:
     """Return the part of a row that is perpendicular to the basis."""
     return np.asarray(row - basis.T @ (basis @ row))
 
@@ -74,10 +74,10 @@ def _outside(basis: Floats, row: Floats) -> Floats:
 def _conflict(task: Closure, q: Floats, fixed: Mapping[str, float]) -> Problem:
     conflict = dict(fixed)
     for name in fixed:
-        rest = {key: value for key, value in conflict.items() if key != name}
-        rows, right = _conditions(task, q, rest)
+        others = {key: value for key, value in conflict.items() if key != name}
+        rows, right = _conditions(task, q, others)
         if not _fulfils(task, least_solution(rows, right), rows, right):
-            conflict = rest
+            conflict = others
     listed = ", ".join(f"{name} = {value:g}" for name, value in conflict.items()) or "the motions in time"
     return Problem(
         "assembly.velocity_conflict", "fixed", f"no motion from this configuration has {listed}",

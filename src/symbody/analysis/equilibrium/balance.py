@@ -110,9 +110,9 @@ class Balance:
 
     def largest(self, q: Floats) -> float:
         """Return the largest of the terms that are to balance, as work [J]; 1 if there are none."""
-        found = self._called(q, np.zeros(self.unknowns), np.zeros(len(self.task.eqs.multiplier_names)))
-        slopes = np.abs(found[1]) * self.task.sizes * self.sizes[:, np.newaxis]
-        forces = np.abs(found[0]) * self.sizes
+        terms = self._evaluate(q, np.zeros(self.unknowns), np.zeros(len(self.task.eqs.multiplier_names)))
+        slopes = np.abs(terms[1]) * self.task.sizes * self.sizes[:, np.newaxis]
+        forces = np.abs(terms[0]) * self.sizes
         return max(float(slopes.max(initial=0.0)), float(forces.max(initial=0.0))) or 1.0
 
     def rest(self, q: Floats, inputs: Floats, largest: float, bearing: int | None = None) -> Rest:
@@ -127,7 +127,7 @@ class Balance:
         """
         none = np.zeros(len(self.task.eqs.multiplier_names))
         scale = self.sizes / largest
-        first = self._called(q, inputs, none)
+        first = self._evaluate(q, inputs, none)
         shares = np.hstack([first[3].T, first[2]]) * scale[:, np.newaxis]
         weights = np.linalg.norm(shares, axis=0)
         # Rows of J are of order 1 in their scales: one that is less is nearly none, as where branches cross.
@@ -136,16 +136,16 @@ class Balance:
         loads = _Loads(shares / weights, bearing)
         fit = loads.fit(-first[0] * scale) / weights
         multipliers, inputs = fit[: none.size], inputs + fit[none.size :]
-        found = self._called(q, inputs, multipliers)
+        found = self._evaluate(q, inputs, multipliers)
         left = found[0] * scale
         slopes = found[1] * scale[:, np.newaxis]
         _, open_values, open_rows = self.task.manifold().constraints(q)
-        rows = np.vstack([loads.outside(slopes) * self.task.sizes, open_rows])
+        rows = np.vstack([loads.project_out(slopes) * self.task.sizes, open_rows])
         values = np.concatenate([left, open_values])
         terms = np.abs(shares) @ np.abs(fit) + np.abs(slopes) @ self.task.sizes
         return Rest(q, inputs, multipliers, left, values, rows, terms, loads.shares, bearing)
 
-    def _called(self, q: Floats, inputs: Floats, multipliers: Floats) -> Any:
+    def _evaluate(self, q: Floats, inputs: Floats, multipliers: Floats) -> Any:
         """Return forces, their derivatives by q and by unknown inputs, and J."""
         still = np.zeros(len(self.task.eqs.speed_names))
         return self.function(self.task.t, q, still, np.concatenate([inputs, multipliers]))
@@ -157,19 +157,19 @@ def balance(task: Closure, unknowns: Sequence[str]) -> Balance:
     given: dict[str, Value] = {
         name: task.inputs.get(name, 0) for name in eqs.input_names if name not in unknowns
     }
-    own = [symbol for symbol in eqs.formed.inputs if symbol.name in unknowns]
+    symbols = [symbol for symbol in eqs.formed.inputs if symbol.name in unknowns]
     forces, pulls = _forces(eqs, given)
     roots = [
         Roots(_FORCES, (len(forces),), tuple(forces)),
         partial_derivatives(eqs, _SLOPES, forces, eqs.formed.q),
-        partial_derivatives(eqs, _SHARES, forces, own),
+        partial_derivatives(eqs, _SHARES, forces, symbols),
     ]
     wider = with_outputs(eqs, roots, pulls)
     words = (_FORCES, _SLOPES, _SHARES, "jacobian")
     function = CompiledFunction(*form_sequence(wider, words, task.parameters, (), given))
     graph = eqs.formed.graph
     timed = graph.symbol(TIME) in symbols_of(graph, [*forces, *eqs.roots("constraints").nodes])
-    return Balance(task, function, len(own), task.speed_sizes, task.mechanism.constraints(eqs), timed)
+    return Balance(task, function, len(symbols), task.speed_sizes, task.mechanism.constraints(eqs), timed)
 
 
 def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], dict[str, Symbol]]:
@@ -198,12 +198,12 @@ class _Loads:
         self._count = min(int((self.shares > least).sum()), len(self.shares) if bearing is None else bearing)
         self._singular = singular[: self._count]
 
-    def fit(self, wanted: Floats) -> Floats:
+    def fit(self, forces: Floats) -> Floats:
         """Return the least loads that come nearest to what is wanted."""
         k = self._count
-        return np.asarray(self._right[:k].T @ ((self._left[:, :k].T @ wanted) / self._singular))
+        return np.asarray(self._right[:k].T @ ((self._left[:, :k].T @ forces) / self._singular))
 
-    def outside(self, rows: Floats) -> Floats:
+    def project_out(self, rows: Floats) -> Floats:
         """Return the part of rows that no loads balance."""
         kept = self._left[:, : self._count]
         return np.asarray(rows - kept @ (kept.T @ rows))

@@ -28,25 +28,25 @@ class Continuation:
         "critical" where the stiffness vanishes without further equilibria, "undecided" where branches cross,
         else empty.
     notes : tuple of str
-        The same in words.
+        The same in sentences.
     """
 
     doubt: str
     notes: tuple[str, ...]
 
 
-def continued(search: Search, rest: Rest) -> Continuation:
+def continued(search: Search, equilibrium: Rest) -> Continuation:
     """Return whether other equilibria lie about one."""
-    if search.is_crossing(rest):
+    if search.is_crossing(equilibrium):
         note = (
             "branches of the motion cross at this configuration: forces do no work along any of them, and "
-            "linear equations do not tell whether it is stable"
+            "linear equations do not show whether it is stable"
         )
         return Continuation("undecided", (note,))
-    flat = search.flat_directions(rest)
+    flat = search.flat_directions(equilibrium)
     if not flat.shape[1]:
         return Continuation("", ())
-    going, left = _parted(search, rest, flat)
+    going, left = _split_directions(search, equilibrium, flat)
     notes = []
     if going.shape[1]:
         notes.append(
@@ -61,7 +61,7 @@ def continued(search: Search, rest: Rest) -> Continuation:
     return Continuation("critical" if left.shape[1] else "", tuple(notes))
 
 
-def _parted(search: Search, rest: Rest, flat: Floats) -> tuple[Floats, Floats]:
+def _split_directions(search: Search, equilibrium: Rest, flat: Floats) -> tuple[Floats, Floats]:
     """Return the flat directions in which equilibria go on, and the others.
 
     From a step along each, Newton steps of least length lead to an equilibrium; across equilibria that go on
@@ -70,10 +70,10 @@ def _parted(search: Search, rest: Rest, flat: Floats) -> tuple[Floats, Floats]:
     free, sizes = search.free, search.task.sizes
     moves = []
     for direction in flat.T:
-        q = rest.q.copy()
+        q = equilibrium.q.copy()
         q[free] += _STEP * direction * sizes[free]
-        end = search.newton(search.task.normalized(q), rest.bearing)
-        move = (end.q - rest.q)[free] / sizes[free] / _STEP
+        end = search.newton(search.task.normalized(q), equilibrium.bearing)
+        move = (end.q - equilibrium.q)[free] / sizes[free] / _STEP
         moves.append(flat.T @ move if search.is_good(end) else np.zeros(flat.shape[1]))
     left, singular, _ = np.linalg.svd(np.array(moves).T)
     count = int((singular > _STAYED).sum())

@@ -40,11 +40,11 @@ class Equilibrium(State):
     Attributes
     ----------
     notes : tuple of str
-        What should be known about it.
+        Properties beyond the numbers.
     """
 
     notes: tuple[str, ...] = ()
-    # Why linear equations do not tell whether it is stable; empty where they may.
+    # Why linear equations do not show whether it is stable; empty where they may.
     _doubt: str = field(default="", repr=False)
     _linear: SingleFlight[None, Linearization] = field(default_factory=SingleFlight, repr=False)
 
@@ -68,7 +68,7 @@ class Equilibrium(State):
 
     @property
     def stable(self) -> bool | None:
-        """True if all small deviations die out, False if some grow, None if linear equations do not tell."""
+        """True if all small deviations die out, False if some grow, None if linear equations show neither."""
         return _VERDICTS.get(self.verdict)
 
 
@@ -113,36 +113,36 @@ def find_equilibrium(
     first = assemble(eqs, fixed, guess, parameters, dict(inputs or {}), t, scales=scales)
     unknowns = (unknowns,) if isinstance(unknowns, str) else unknowns
     _check(eqs, unknowns, fixed or {})
-    known = mechanism_scales(eqs, dict(parameters or {}), scales, first.q)
-    task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, known)
+    mechanism = mechanism_scales(eqs, dict(parameters or {}), scales, first.q)
+    task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism)
     searches = TautSearch(task, tuple(unknowns), np.array(list(first.q.values())), frozenset(fixed or ()))
     searches.nearest_set().check_at_rest()
     try:
-        found = _different(task, searches)
+        candidates = _distinct_equilibria(task, searches)
     except AssemblyError:
-        stuck = None if unknowns else _stuck(searches)
+        stuck = None if unknowns else _friction_equilibrium(searches)
         if stuck is None:
             raise
         return stuck
-    states = [_state(candidate, unknowns) for candidate in found]
+    states = [_state(candidate, unknowns) for candidate in candidates]
     return replace(states[0], _others=partial(tuple, states[1:]))
 
 
 def _check(eqs: EquationSet, unknowns: Sequence[str], fixed: Mapping[str, Value]) -> None:
     problems = [
-        Problem("equilibrium.unknown_name", name, f"there is no {word} {name!r}", "", nearest(name, known))
-        for word, names, known in (
+        Problem("equilibrium.unknown_name", name, f"there is no {word} {name!r}", "", nearest(name, existing))
+        for word, names, existing in (
             ("input", unknowns, eqs.input_names),
             ("coordinate in q", fixed, eqs.coordinate_names),
         )
         for name in names
-        if name not in known
+        if name not in existing
     ]
     if problems:
         raise AssemblyError(*problems)
 
 
-def _different(task: Closure, searches: TautSearch) -> list[Candidate]:
+def _distinct_equilibria(task: Closure, searches: TautSearch) -> list[Candidate]:
     """Return different equilibria, the nearest first.
 
     Raises
@@ -156,16 +156,16 @@ def _different(task: Closure, searches: TautSearch) -> list[Candidate]:
     if candidates and not good:
         raise AssemblyError(_singular(task, candidates[0].rest.q))
     if not good:
-        raise AssemblyError(_why(others))
-    found = [good[0]]
+        raise AssemblyError(_unbalanced_problem(others))
+    different = [good[0]]
     for one in good[1:]:
         isolated = one.search.flat_directions(one.rest).shape[1] == 0
-        if isolated and all(task.differs(one.rest.q, other.rest.q) for other in found):
-            found.append(one)
-    return found
+        if isolated and all(task.differs(one.rest.q, other.rest.q) for other in different):
+            different.append(one)
+    return different
 
 
-def _why(attempts: Sequence[Candidate]) -> Problem:
+def _unbalanced_problem(attempts: Sequence[Candidate]) -> Problem:
     """Say what is left of the forces where least is left."""
     finite = [one for one in attempts if np.isfinite(one.rest.merit)]
     eqs = attempts[0].search.task.eqs
@@ -215,7 +215,7 @@ def _state(candidate: Candidate, unknowns: Sequence[str]) -> Equilibrium:
     return _equilibrium(state, notes, "undecided" if edges else further.doubt)
 
 
-def _stuck(searches: TautSearch) -> Equilibrium | None:
+def _friction_equilibrium(searches: TautSearch) -> Equilibrium | None:
     """Return the guess as an equilibrium if dry joints hold it there; None if they do not."""
     search = searches.nearest_set()
     task, eqs = search.task, search.task.eqs
@@ -234,5 +234,5 @@ def _stuck(searches: TautSearch) -> Equilibrium | None:
 
 
 def _equilibrium(state: State, notes: Sequence[str], doubt: str) -> Equilibrium:
-    known = {entry.name: getattr(state, entry.name) for entry in fields(State)}
-    return Equilibrium(**known, notes=tuple(notes), _doubt=doubt)
+    entries = {entry.name: getattr(state, entry.name) for entry in fields(State)}
+    return Equilibrium(**entries, notes=tuple(notes), _doubt=doubt)

@@ -109,17 +109,17 @@ class Search:
 
         A start that ends at a crossing of branches without balance goes on from places beside it.
         """
-        end = self.newton(q, self._generic_count())
-        rest = self._confirmed(end)
-        if rest is end or self.is_good(rest) or self._seen_before(end):
+        end = self.newton(q, self._count_generic_loads())
+        rest = self._confirm(end)
+        if rest is end or self.is_good(rest) or self._is_repeated(end):
             return [rest]
-        found = [rest]
-        for place in self._beside(end.q)[:_MOST_BESIDE]:
+        ends = [rest]
+        for place in self._regular_neighbours(end.q)[:_MOST_BESIDE]:
             place[~self.free] = self.start[~self.free]
-            found.append(self._confirmed(self.newton(place, self._count_at(place))))
-        return found
+            ends.append(self._confirm(self.newton(place, self._count_loads(place))))
+        return ends
 
-    def _confirmed(self, rest: Rest) -> Rest:
+    def _confirm(self, rest: Rest) -> Rest:
         """Return an end of Newton's method with the loads that stay bounded about it."""
         if not self._is_closed(rest):
             return rest
@@ -129,29 +129,29 @@ class Search:
             return rest
         return self.newton(rest.q, int((bearing >= cut).sum()))
 
-    def _seen_before(self, rest: Rest) -> bool:
+    def _is_repeated(self, rest: Rest) -> bool:
         """Return whether starts beside this crossing were tried already."""
         if any(not self.task.differs(rest.q, other, _SAME_CROSSING) for other in self._crossings):
             return True
         self._crossings.append(rest.q)
         return False
 
-    def _beside(self, q: Floats) -> list[Floats]:
+    def _regular_neighbours(self, q: Floats) -> list[Floats]:
         """Return regular configurations of the mechanism beside one."""
         end = self.task.manifold().project(q)
         points = explore_branch(self.task.manifold(), end.q).points if end.is_closed else ()
         return [point.copy() for point in points]
 
-    def _count_at(self, q: Floats) -> int:
+    def _count_loads(self, q: Floats) -> int:
         """Return how many loads are independent at a regular configuration."""
         rest = self.balance.rest(q, np.zeros(self.balance.unknowns), 1.0)
         return int((rest.shares > RANK).sum())
 
-    def _generic_count(self) -> int | None:
+    def _count_generic_loads(self) -> int | None:
         """Return how many loads are independent on the branch of the guess; None where it is not closed."""
         if not self._generic:
-            places = [] if self.task.is_tree else self._beside(self.start)
-            self._generic.append(max(map(self._count_at, places), default=None))
+            places = [] if self.task.is_tree else self._regular_neighbours(self.start)
+            self._generic.append(max(map(self._count_loads, places), default=None))
         return self._generic[0]
 
     def is_good(self, rest: Rest) -> bool:
@@ -174,7 +174,7 @@ class Search:
             return False
 
     def unwound(self, rest: Rest) -> Rest:
-        """Return an equilibrium without full turns from the guess, unless springs tell these apart."""
+        """Return an equilibrium without full turns from the guess, unless springs distinguish these."""
         angles = [name in self.task.angles for name in self.task.eqs.coordinate_names]
         turns = np.where(angles, np.round((rest.q - self.start) / (2 * np.pi)), 0.0)
         if not turns.any():

@@ -32,7 +32,7 @@ _FEW_STARTS: Final = 8  # for each set
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidate:
-    """A configuration, the equations whose forces were balanced there, and what is to be said of its ropes.
+    """A configuration, the equations whose forces were balanced there, and the states of its ropes.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Candidate:
     edges : tuple of str
         Ropes that are at their length without tension.
     fault : str
-        Why it is no equilibrium although the forces balance; else empty.
+        Why it is not an equilibrium although the forces balance; else empty.
     """
 
     search: Search
@@ -69,15 +69,15 @@ class TautSearch:
     def of(self, taut: frozenset[str]) -> Search:
         """Return the search with some of the ropes taut."""
         if taut not in self._searches:
-            eqs, task = self.task.eqs, self.task
-            held = with_taut(eqs, taut)
-            own = task if held is eqs else closure(held, task.parameters, task.inputs, task.t, task.mechanism)
-            self._searches[taut] = Search(self._balance(own), self.start, self.fixed)
+            task, eqs = self.task, with_taut(self.task.eqs, taut)
+            if eqs is not task.eqs:
+                task = closure(eqs, task.parameters, task.inputs, task.t, task.mechanism)
+            self._searches[taut] = Search(self._balance(task), self.start, self.fixed)
         return self._searches[taut]
 
     def nearest_set(self) -> Search:
         """Return the search with the ropes taut that are at their length at the guess."""
-        return self.of(self._at_length(self.start, AT_LENGTH))
+        return self.of(self._taut_ropes(self.start, AT_LENGTH))
 
     def candidates(self) -> tuple[list[Candidate], list[Candidate]]:
         """Return the equilibria that starts lead to, and where other starts end."""
@@ -86,17 +86,19 @@ class TautSearch:
         others: list[Candidate] = []
         for start in starts:
             taut = (
-                self._at_length(start, 0.0) if start is not self.start else self._at_length(start, AT_LENGTH)
+                self._taut_ropes(start, 0.0)
+                if start is not self.start
+                else self._taut_ropes(start, AT_LENGTH)
             )
-            self._sort(self._settled(start, taut), good, others)
+            self._sort(self._settle(start, taut), good, others)
         if not good and self.names:
             for taut in self._sets():
                 for start in starts[:_FEW_STARTS]:
-                    self._sort(self._settled(start, taut), good, others)
+                    self._sort(self._settle(start, taut), good, others)
         return good, others
 
-    def _sort(self, found: list[Candidate], good: list[Candidate], others: list[Candidate]) -> None:
-        for one in found:
+    def _sort(self, ends: list[Candidate], good: list[Candidate], others: list[Candidate]) -> None:
+        for one in ends:
             (good if one.search.is_good(one.rest) and not one.fault else others).append(one)
 
     def _balance(self, task: Closure) -> Balance:
@@ -107,37 +109,37 @@ class TautSearch:
         counts = range(len(self.names), -1, -1)
         return islice((frozenset(c) for n in counts for c in combinations(self.names, n)), _MOST_SETS)
 
-    def _at_length(self, q: Floats, share: float) -> frozenset[str]:
+    def _taut_ropes(self, q: Floats, share: float) -> frozenset[str]:
         """Return the ropes that are not slack by more than a share of their length."""
         if not self.names:
             return frozenset()
         return frozenset(name for name, slack in slackness(self.task, q).items() if slack <= share)
 
-    def _settled(self, start: Floats, taut: frozenset[str]) -> list[Candidate]:
+    def _settle(self, start: Floats, taut: frozenset[str]) -> list[Candidate]:
         """Return where a start leads, with ropes going taut and slack as they must."""
         seen: set[frozenset[str]] = set()
         while True:
             seen.add(taut)
             search = self.of(taut)
-            found = [self._candidate(search, rest, taut) for rest in search.attempts(start)]
-            if not self.names or not any(search.is_good(one.rest) for one in found):
-                return found
-            best = next(one for one in found if search.is_good(one.rest))
+            ends = [self._candidate(search, rest, taut) for rest in search.attempts(start)]
+            if not self.names or not any(search.is_good(one.rest) for one in ends):
+                return ends
+            best = next(one for one in ends if search.is_good(one.rest))
             change = self._change(best, taut) if best.fault else None
             if change is None or change in seen:
-                return found
+                return ends
             taut = change
 
-    def _candidate(self, search: Search, rest: Rest, taut: frozenset[str]) -> Candidate:
+    def _candidate(self, search: Search, end: Rest, taut: frozenset[str]) -> Candidate:
         """Return a configuration with what its ropes do."""
-        if not search.is_good(rest):
-            return Candidate(search, rest)
-        rest = search.unwound(rest)
+        if not search.is_good(end):
+            return Candidate(search, end)
+        end = search.unwound(end)
         if not self.names:
-            return Candidate(search, rest)
-        pulls, slack = self._pulls(search, rest, taut), slackness(self.task, rest.q)
+            return Candidate(search, end)
+        pulls, slack = self._pulls(search, end, taut), slackness(self.task, end.q)
         longer = [name for name in self.names if name not in taut and slack[name] < -AT_LENGTH]
-        work = np.abs(rest.multipliers) * search.balance.scales
+        work = np.abs(end.multipliers) * search.balance.scales
         limit = BALANCED * float(work.max(initial=0.0)) / search.task.mechanism.length
         pushing = [name for name, pull in pulls.items() if pull < -limit]
         fault = ", ".join(
@@ -152,16 +154,16 @@ class TautSearch:
         notes += [f"rope {name} is slack" for name in self.names if slack[name] > AT_LENGTH]
         notes += [
             f"rope {name} is at its length without tension: small deviations on one side only make it pull, "
-            "and linear equations do not tell whether the equilibrium is stable"
+            "and linear equations do not show whether the equilibrium is stable"
             for name in edges
         ]  # fmt: skip
-        return Candidate(search, rest, tuple(notes), tuple(edges), fault)
+        return Candidate(search, end, tuple(notes), tuple(edges), fault)
 
     def _change(self, candidate: Candidate, taut: frozenset[str]) -> frozenset[str] | None:
         """Return the ropes to be taut next: with those longer, or without the one that pushes most."""
         search, rest = candidate.search, candidate.rest
         pulls = self._pulls(search, rest, taut)
-        longer = self._at_length(rest.q, -AT_LENGTH) - taut
+        longer = self._taut_ropes(rest.q, -AT_LENGTH) - taut
         if longer:
             return taut | longer
         worst = min(pulls, key=lambda name: pulls[name], default="")
@@ -186,5 +188,5 @@ def _least_pushing(tensions: Floats, freedoms: Floats) -> Floats:
     cost = np.append(np.zeros(k), -1.0)
     bounds = [(None, None)] * k + [(None, 1.0)]
     rows = np.hstack([-freedoms, np.ones((n, 1))])
-    found = linprog(cost, rows, tensions / scale, bounds=bounds)
-    return tensions if found.x is None else np.asarray(tensions + scale * freedoms @ found.x[:k])
+    optimum = linprog(cost, rows, tensions / scale, bounds=bounds)
+    return tensions if optimum.x is None else np.asarray(tensions + scale * freedoms @ optimum.x[:k])

@@ -50,16 +50,16 @@ class Curve:
         points, step = [first], _STEP
         while len(points) < _MOST:
             last = points[-1]
-            found = self.beyond(last, step)
-            if found is None or found.tangent @ last.tangent < _TURN:
+            point = self.beyond(last, step)
+            if point is None or point.tangent @ last.tangent < _TURN:
                 step /= 2.0
                 if step < _SHORTEST:
                     return points, False
                 continue
-            points.append(found)
-            if not inside(found.q):
+            points.append(point)
+            if not inside(point.q):
                 return points, False
-            if len(points) > 3 and self._returned(first, last, found):
+            if len(points) > 3 and self._has_returned(first, last, point):
                 return points, True
             step = min(1.5 * step, _STEP)
         return points, False
@@ -84,31 +84,31 @@ class Curve:
         singular, right = np.linalg.svd(mechanism.scaled_rows(jacobian))[1:]
         count = min(count_significant(singular, SINGULAR), len(q) - 1, right.shape[0] - 1)
         basis = right[count:].T * mechanism.speed_sizes[:, np.newaxis]
-        rest = mechanism.qdot(0.0, q, still)
-        moves = [(mechanism.qdot(0.0, q, u) - rest) / mechanism.sizes for u in basis.T]
+        still_rates = mechanism.qdot(0.0, q, still)
+        moves = [(mechanism.qdot(0.0, q, u) - still_rates) / mechanism.sizes for u in basis.T]
         orthonormal: Floats = np.linalg.qr(np.array(moves).T)[0]
         return orthonormal
 
-    def _returned(self, first: Point, last: Point, found: Point) -> bool:
+    def _has_returned(self, first: Point, last: Point, found: Point) -> bool:
         """Return whether the first point lies between two neighbours."""
         way = (found.q - last.q) / self.mechanism.sizes
-        back = self._apart(first.q, last.q)
+        back = self._difference(first.q, last.q)
         length = float(np.linalg.norm(way))
         share = float(back @ way) / max(length, TINY) ** 2
         aside = float(np.linalg.norm(back - share * way))
         return 0.0 < share <= 1.0 and aside < 0.1 * length and float(first.tangent @ found.tangent) > _TURN
 
-    def _apart(self, a: Floats, b: Floats) -> Floats:
+    def _difference(self, a: Floats, b: Floats) -> Floats:
         """Return the difference of two positions in scaled coordinates, angles within half a turn."""
         apart: Floats = (a - b) / self.mechanism.sizes
         return np.where(self.mechanism.angles, np.arctan2(np.sin(apart), np.cos(apart)), apart)
 
     def holds(self, points: list[Point], q: Floats) -> bool:
         """Return whether a position lies on the curve through points."""
-        apart = self._apart(q, np.array([point.q for point in points]))
+        apart = self._difference(q, np.array([point.q for point in points]))
         near = points[int(np.abs(apart).max(axis=1).argmin())]
-        ahead = float(near.tangent @ self._apart(q, near.q))
+        ahead = float(near.tangent @ self._difference(q, near.q))
         if abs(ahead) > 2.0 * _STEP:
             return False
-        found = self.beyond(near, ahead)
-        return found is not None and bool(np.abs(self._apart(q, found.q)).max() < 1e-6)
+        end = self.beyond(near, ahead)
+        return end is not None and bool(np.abs(self._difference(q, end.q)).max() < 1e-6)

@@ -75,15 +75,15 @@ class Follower:
     rates: CompiledFunction
     formulas: CompiledFunction
 
-    def scaled(self, known: Scales) -> Follower:
+    def scaled(self, mechanism: Scales) -> Follower:
         """Return the same with other scales, as those of a configuration where the model has no length."""
         eqs = self.eqs
         return replace(
             self,
-            sizes=known.coordinates(eqs),
-            speed_sizes=known.displacements(eqs),
-            scales=_scales(eqs, known),
-            time=known.time,
+            sizes=mechanism.coordinates(eqs),
+            speed_sizes=mechanism.displacements(eqs),
+            scales=_scales(eqs, mechanism),
+            time=mechanism.time,
         )
 
     @property
@@ -97,16 +97,16 @@ class Follower:
         return np.array([not row.name.startswith(HELD) for row in self.eqs.formed.rows], dtype=np.bool_)
 
     def targets(self, s: float) -> Floats:
-        """Return value, rate and acceleration that laws ask of each driven coordinate, (3, n)."""
-        asked = [self.laws[name](s) if name in self.laws else (0.0, 0.0, 0.0) for name in self.driven]
-        return np.array(asked, dtype=np.float64).reshape(-1, 3).T
+        """Return value, rate and acceleration of each driven coordinate by its law, (3, n)."""
+        values = [self.laws[name](s) if name in self.laws else (0.0, 0.0, 0.0) for name in self.driven]
+        return np.array(values, dtype=np.float64).reshape(-1, 3).T
 
     def asked(self, s: float) -> dict[str, float]:
-        """Return the values asked of the driven coordinates."""
+        """Return the values of the driven coordinates."""
         q, u, t = np.zeros(self.sizes.size), np.zeros(self.speed_sizes.size), self.clock(s)
-        found = dict(zip(self.driven, self.targets(s)[0].tolist(), strict=True))
+        by_laws = dict(zip(self.driven, self.targets(s)[0].tolist(), strict=True))
         values = self.formulas(t, q, u)[:-2]
-        return found | {name: float(x) for name, x in zip(self.driven, values, strict=False)}
+        return by_laws | {name: float(x) for name, x in zip(self.driven, values, strict=False)}
 
     def manifold(self, s: float) -> ConstraintManifold:
         """Return the conditions on positions at the parameter of the path."""
@@ -130,10 +130,10 @@ class Follower:
         return self.manifold(s).correct(q, plane)
 
     def rows(self, s: float, q: Floats, u: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return J, the speeds ``J u`` and accelerations ``J u'`` that all rows ask for."""
-        found = self.motions(self.clock(s), q, u)
-        rate, acceleration = -np.array(found.velocity_constraints), np.array(found.gamma)
-        jacobian = np.asarray(found.jacobian, dtype=np.float64)
+        """Return J, and the right-hand sides of ``J u`` and ``J u'`` for all rows."""
+        motion = self.motions(self.clock(s), q, u)
+        rate, acceleration = -np.array(motion.velocity_constraints), np.array(motion.gamma)
+        jacobian = np.asarray(motion.jacobian, dtype=np.float64)
         rate += jacobian @ u
         places = slice(self.n_h - len(self.driven), self.n_h)
         rate[places] += self.targets(s)[1]
@@ -156,14 +156,14 @@ class Follower:
         return null_space(self.scaled_rows(jacobian), SHARP_RANK)
 
     def speeds(self, s: float, q: Floats) -> Floats:
-        """Return the speeds that the driven coordinates ask for."""
+        """Return the speeds that follow from the driven coordinates."""
         jacobian, rate, _ = self.rows(s, q, np.zeros(self.speed_sizes.size))
         return self.solve(jacobian, rate)[0]
 
     def qdot(self, s: float, q: Floats, u: Floats) -> Floats:
         """Return the rates of the coordinates."""
-        found: Floats = self.rates(self.clock(s), q, u)
-        return found
+        rates: Floats = self.rates(self.clock(s), q, u)
+        return rates
 
     def reached(self, start: float, q: Floats, stop: float) -> tuple[float, Floats]:
         """Follow the path from positions at its parameter `start`; return how far it leads, and where to."""
@@ -171,13 +171,13 @@ class Follower:
         shortest = _SHORTEST * max(abs(step), abs(start) * 1e-3)
         while s != stop:
             trial = stop if abs(stop - s) <= abs(step) else s + step
-            found = self._stepped(s, q, trial)
-            if found is None:
+            trial_q = self._step(s, q, trial)
+            if trial_q is None:
                 step = (trial - s) / 2.0
                 if abs(step) < shortest:
                     return s, q
                 continue
-            q, s, step = found, trial, 2.0 * step
+            q, s, step = trial_q, trial, 2.0 * step
         return s, q
 
     def stuck(self, s: float, q: Floats) -> str:
@@ -186,7 +186,7 @@ class Follower:
         direction = np.linalg.svd(self.scaled_rows(jacobian))[2][-1]
         return joint_of(self.eqs, self.eqs.speed_names[int(np.abs(direction).argmax())])
 
-    def _stepped(self, s: float, q: Floats, to: float) -> Floats | None:
+    def _step(self, s: float, q: Floats, to: float) -> Floats | None:
         """Return positions one step on, or None where the step is too large."""
         clocked = 1.0 if self.clock(to) != self.clock(s) else 0.0
         still = np.zeros(self.speed_sizes.size)
@@ -196,11 +196,11 @@ class Follower:
         length = float(np.abs(move / self.sizes).max(initial=0.0))
         if not length <= _LARGEST_MOVE:
             return None
-        found = self.closed(to, q + move)
-        if found is None:
+        end = self.closed(to, q + move)
+        if end is None:
             return None
-        change = float(np.abs((found - q - move) / self.sizes).max(initial=0.0))
-        return found if change <= max(_CORRECTION * length, _SMALL) else None
+        change = float(np.abs((end - q - move) / self.sizes).max(initial=0.0))
+        return end if change <= max(_CORRECTION * length, _SMALL) else None
 
 
 def follower(
@@ -223,40 +223,40 @@ def follower(
     Raises
     ------
     UsageError
-        If what is driven is no free coordinate, or its law no function of time.
+        If a driven coordinate is not free, or its law not a function of time.
     """
-    held = held_equations(eqs, {**formulas, **dict.fromkeys(laws)})
-    known, units = mechanism_scales(eqs, parameters), eqs.units
-    first = len(held.formed.holonomic) - len(formulas) - len(laws)
+    driven = held_equations(eqs, {**formulas, **dict.fromkeys(laws)})
+    mechanism, units = mechanism_scales(eqs, parameters), eqs.units
+    first = len(driven.formed.holonomic) - len(formulas) - len(laws)
 
-    def compiled(*names: str) -> CompiledFunction:
+    def compile_outputs(*names: str) -> CompiledFunction:
         outputs = names if len(names) > 1 else names[0]
         silent = dict.fromkeys(eqs.input_names, 0)
-        return CompiledFunction(*form_sequence(held, outputs, parameters, (), silent))
+        return CompiledFunction(*form_sequence(driven, outputs, parameters, (), silent))
 
     return Follower(
-        held,
+        driven,
         (*formulas, *laws),
         laws,
         clock,
-        known.coordinates(eqs),
-        known.displacements(eqs),
-        _scales(held, known),
-        known.time,
+        mechanism.coordinates(eqs),
+        mechanism.displacements(eqs),
+        _scales(driven, mechanism),
+        mechanism.time,
         np.array([units.get(name) == "rad" for name in eqs.coordinate_names], dtype=np.bool_),
         tuple(first + k for k, name in enumerate((*formulas, *laws)) if name in eqs.measured_angles),
-        compiled("constraints", "position_jacobian"),
-        compiled("jacobian", "velocity_constraints", "gamma"),
-        compiled("qdot"),
+        compile_outputs("constraints", "position_jacobian"),
+        compile_outputs("jacobian", "velocity_constraints", "gamma"),
+        compile_outputs("qdot"),
         # Two outputs at least, so that the values are a tuple.
-        compiled(*(f"({Formula.of(plain(law)).text})" for law in formulas.values()), "(0)", "(0)"),
+        compile_outputs(*(f"({Formula.of(plain(law)).text})" for law in formulas.values()), "(0)", "(0)"),
     )
 
 
-def _scales(held: EquationSet, known: Scales) -> Floats:
+def _scales(driven: EquationSet, mechanism: Scales) -> Floats:
     """Return what constraints are measured by, those of driven coordinates too."""
-    scales = known.constraints(held)
-    for k, row in enumerate(held.formed.rows):
+    scales = mechanism.constraints(driven)
+    for k, row in enumerate(driven.formed.rows):
         if row.name.startswith(HELD):
-            scales[k] = known.length if held.units.get(row.name.removeprefix(HELD)) == "m" else 1.0
+            scales[k] = mechanism.length if driven.units.get(row.name.removeprefix(HELD)) == "m" else 1.0
     return scales

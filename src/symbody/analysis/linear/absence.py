@@ -26,12 +26,12 @@ def is_absent(graph: Graph, roots: Sequence[int], symbol: int) -> bool:
     if symbol not in symbols_of(graph, roots):
         return True
     roots = unrolled(graph, roots)
-    known = {symbol: ONE}
+    derivatives = {symbol: ONE}
     for operands, results in _stages(graph, roots):
-        if not all(vanishing(graph, forward(graph, operands, known))):
+        if not all(vanishing(graph, forward(graph, operands, derivatives))):
             return False
-        known.update(dict.fromkeys(results, ZERO))
-    return all(vanishing(graph, forward(graph, roots, known)))
+        derivatives.update(dict.fromkeys(results, ZERO))
+    return all(vanishing(graph, forward(graph, roots, derivatives)))
 
 
 def _stages(graph: Graph, roots: Sequence[int]) -> Iterator[tuple[tuple[int, ...], list[int]]]:

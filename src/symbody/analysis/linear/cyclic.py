@@ -42,10 +42,10 @@ def check_cyclic(
     closed = orbit.closed(q, u)
     start = orbit.place(q, u) if closed is None else orbit.place(*closed)
     for name in shown:
-        _refuse([name], _with(orbit, start, [name]))
+        _refuse([name], _changes_with(orbit, start, [name]))
     for names, step in orbit.directions(start):
         for place in orbit.places(start, names, step):
-            _refuse(names, [*_with(orbit, place, names), *_between(orbit, start, place)])
+            _refuse(names, [*_changes_with(orbit, place, names), *_changes_between(orbit, start, place)])
     return (
         f"that {', '.join(shown)} can be cyclic is concluded from {PLACES} places along the motion, at which "
         "nothing else changes; the formulas alone do not prove it",
@@ -63,12 +63,12 @@ def _is_absent(function: SlopeFunction, name: str, cyclic: Sequence[str]) -> boo
     if name not in eqs.coordinate_names:
         return False
     speeds = len(eqs.speed_names)
-    own = {speeds + k for k, other in enumerate(eqs.coordinate_names) if other in cyclic}
-    read = [node for k, node in enumerate(function.nodes) if k not in own]
+    cyclic_rates = {speeds + k for k, other in enumerate(eqs.coordinate_names) if other in cyclic}
+    read = [node for k, node in enumerate(function.nodes) if k not in cyclic_rates]
     return is_absent(eqs.formed.graph, read, symbol_node(function, name))
 
 
-def _with(orbit: Orbit, place: Place, names: Sequence[str]) -> list[str]:
+def _changes_with(orbit: Orbit, place: Place, names: Sequence[str]) -> list[str]:
     """Return what changes with cyclic coordinates at a place, to first order."""
     bounds, kept = _bounds(orbit, place, place), orbit.kept
     columns = [k for k, name in enumerate(orbit.selection.names) if name in names and name in orbit.shown]
@@ -76,11 +76,11 @@ def _with(orbit: Orbit, place: Place, names: Sequence[str]) -> list[str]:
     shown = np.abs(place.matrices.C) > bounds.C
     return [
         *_rates(orbit, [k for k in kept if rates[k, columns].any()]),
-        *_named(orbit.function.outputs, _rows(shown[:, columns])),
+        *_names_where(orbit.function.outputs, _rows(shown[:, columns])),
     ]
 
 
-def _between(orbit: Orbit, start: Place, here: Place) -> list[str]:
+def _changes_between(orbit: Orbit, start: Place, here: Place) -> list[str]:
     """Return what is not the same at two places."""
     bounds, kept = _bounds(orbit, start, here), orbit.kept
 
@@ -97,9 +97,12 @@ def _between(orbit: Orbit, start: Place, here: Place) -> list[str]:
     over = differs(near, far, ASSEMBLED * sizes)
     return [
         *_rates(orbit, [k for k in kept if A[k].any() or affine[k]]),
-        *(f"the effect of {name}" for name in _named(orbit.function.inputs, _rows(B[kept].T))),
-        *_named(orbit.function.outputs, C | D),
-        *(f"the condition on {what}" for what in _named([what for what, _ in orbit.function.switches], over)),
+        *(f"the effect of {name}" for name in _names_where(orbit.function.inputs, _rows(B[kept].T))),
+        *_names_where(orbit.function.outputs, C | D),
+        *(
+            f"the condition on {what}"
+            for what in _names_where([what for what, _ in orbit.function.switches], over)
+        ),
     ]
 
 
@@ -112,7 +115,7 @@ def _rows(entries: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.asarray(entries.any(axis=1))
 
 
-def _named(names: Sequence[str], chosen: NDArray[np.bool_]) -> Iterator[str]:
+def _names_where(names: Sequence[str], chosen: NDArray[np.bool_]) -> Iterator[str]:
     return (name for name, yes in zip(names, chosen, strict=True) if yes)
 
 

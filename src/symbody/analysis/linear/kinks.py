@@ -40,7 +40,7 @@ def _switches(eqs: EquationSet, nodes: Sequence[int]) -> Iterator[Switch]:
 
 def kink_notes(
     eqs: EquationSet,
-    found: Sequence[Switch],
+    listed: Sequence[Switch],
     values: NDArray[np.float64],
     beside: NDArray[np.float64],
 ) -> tuple[str, ...]:
@@ -50,7 +50,7 @@ def kink_notes(
     """
     changes = np.abs(np.asarray(beside) - values)
     is_zero = np.abs(values) <= ASSEMBLED * np.where(np.isfinite(changes), changes, 1.0)
-    here = [switch for switch, yes in zip(found, is_zero, strict=True) if yes]
+    here = [switch for switch, yes in zip(listed, is_zero, strict=True) if yes]
     return tuple(
         f"{what} changes over at this state, where {to_text(eqs.formed.graph, node)} = 0: the matrices hold "
         "on one side of it at most; a smooth law, such as friction with v0, holds on both"

@@ -76,13 +76,14 @@ class Orbit:
 
     def place(self, q: Floats, u: Floats) -> Place:
         """Return the linear equations at a state."""
-        found = self.function.at(q, u)
-        space = basis(self.function.eqs, q, found, self.selection)
+        slopes = self.function.at(q, u)
+        space = basis(self.function.eqs, q, slopes, self.selection)
         independent = len(self.selection.speeds.independent)
         return Place(
-            q, u, found, space.recovery[len(u) :, independent:],
-            scaled(matrices(found, space), self.selection), scaled(term_sizes(found, space), self.selection),
-            ROUNDING * rounding(found, space, self.selection),
+            q, u, slopes, space.recovery[len(u) :, independent:],
+            scaled(matrices(slopes, space), self.selection),
+            scaled(term_sizes(slopes, space), self.selection),
+            ROUNDING * rounding(slopes, space, self.selection),
         )  # fmt: skip
 
     def directions(self, start: Place) -> Iterator[tuple[list[str], Floats]]:
@@ -155,10 +156,12 @@ class Orbit:
         q = end.q
         rows = self.function.at(q, u).jacobian * chosen.u_sizes
         u = u.copy()
-        own = list(chosen.speeds.dependent)
-        for _ in range(2 if own else 0):
+        dependent_speeds = list(chosen.speeds.dependent)
+        for _ in range(2 if dependent_speeds else 0):
             missing = self.function.at(q, u).velocity_constraints
-            u[own] -= solved(rows, chosen.speeds, missing[:, np.newaxis])[:, 0] * chosen.u_sizes[own]
+            u[dependent_speeds] -= (
+                solved(rows, chosen.speeds, missing[:, np.newaxis])[:, 0] * chosen.u_sizes[dependent_speeds]
+            )
         return q, u
 
 

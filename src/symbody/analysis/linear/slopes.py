@@ -120,24 +120,26 @@ class SlopeFunction:
         AssemblyError
             If one of them is infinite or does not exist.
         """
-        found = self.at(q, u)
-        _check_finite(self.eqs, found.rates, found.by_state, found.by_input, self.inputs)
-        return found
+        slopes = self.at(q, u)
+        _check_finite(self.eqs, slopes.rates, slopes.by_state, slopes.by_input, self.inputs)
+        return slopes
 
-    def kinks(self, found: Slopes) -> tuple[str, ...]:
+    def kinks(self, slopes: Slopes) -> tuple[str, ...]:
         """Return what is not differentiable at a state."""
-        return kink_notes(self.eqs, self.switches, found.switches, self.beside)
+        return kink_notes(self.eqs, self.switches, slopes.switches, self.beside)
 
 
-def slope_function(eqs: EquationSet, state: State, outputs: Sequence[str], known: Scales) -> SlopeFunction:
+def slope_function(
+    eqs: EquationSet, state: State, outputs: Sequence[str], mechanism: Scales
+) -> SlopeFunction:
     """Return the derivatives with the parameters, inputs and time of a state."""
     parameters = state.parameters
     if eqs.multiplier_names:
         eqs = eqs.for_values(constant_values(eqs, {p: p for p in eqs.parameter_names}, parameters))
     laws = _laws(eqs, state.inputs)
     shown = [eqs.roots(name) for name in outputs]
-    wanted = [*eqs.roots("xdot").nodes, *(node for roots in shown for node in roots.nodes)]
-    nodes = with_laws(eqs, [*wanted, *eqs.roots("velocity_constraints").nodes], laws)
+    rates_and_outputs = [*eqs.roots("xdot").nodes, *(node for roots in shown for node in roots.nodes)]
+    nodes = with_laws(eqs, [*rates_and_outputs, *eqs.roots("velocity_constraints").nodes], laws)
     inputs = tuple(symbol for symbol in eqs.formed.inputs if symbol.name not in laws)
     by_state = partial_derivatives(eqs, _BY_STATE, nodes, (*eqs.formed.u, *eqs.formed.q))
     by_input = partial_derivatives(eqs, _BY_INPUT, nodes, inputs)
@@ -150,7 +152,7 @@ def slope_function(eqs: EquationSet, state: State, outputs: Sequence[str], known
     function = CompiledFunction(*form_sequence(wider, words, parameters, (), given))
     # Without the accelerations, as far as it goes: there need be none at a place that fits no constraint.
     kinks_alone, _ = form_sequence(wider, _KINKS, parameters, (), given)
-    far = {"t": [state.t], "r": [], **_beside(eqs, known, state)}
+    far = {"t": [state.t], "r": [], **_far_state(eqs, mechanism, state)}
     beside = np.array(evaluate_sequence(kinks_alone, far)[0], dtype=np.float64)
     graph, every = eqs.formed.graph, (*nodes, *eqs.roots("constraints").nodes)
     timed = graph.symbol(TIME) in symbols_of(graph, every)
@@ -158,7 +160,7 @@ def slope_function(eqs: EquationSet, state: State, outputs: Sequence[str], known
     return SlopeFunction(eqs, state.t, _scalars(shown), names, timed, every, between, beside, function)
 
 
-def _beside(eqs: EquationSet, scales: Scales, state: State) -> dict[str, list[float]]:
+def _far_state(eqs: EquationSet, scales: Scales, state: State) -> dict[str, list[float]]:
     """Return coordinates and speeds that differ by what counts as large, without symmetry."""
     q, u = np.array(list(state.q.values())), np.array(list(state.u.values()))
     shares = np.cos(np.arange(1.0, 1.0 + q.size + u.size))
@@ -189,12 +191,12 @@ def _check_finite(
 def _laws(eqs: EquationSet, inputs: Mapping[str, Value]) -> dict[str, Value]:
     """Return the inputs that depend on states or time; values in parameters are points to deviate from."""
     names, graph = eqs.formed.names, eqs.formed.graph
-    found = {}
+    laws = {}
     for name, value in inputs.items():
         node = names.expression(Formula.of(value, where=f"input {name}"), f"input {name}").index
         if any(graph.symbols[graph.left[s]].kind != Kind.PARAMETER for s in symbols_of(graph, [node])):
-            found[name] = value
-    return found
+            laws[name] = value
+    return laws
 
 
 def _scalars(shown: Sequence[Roots]) -> tuple[str, ...]:

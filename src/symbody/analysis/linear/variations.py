@@ -83,13 +83,13 @@ def rotations(eqs: EquationSet, q: Floats, q_dot: Floats) -> Rotations:
             turning.append(np.zeros((1, 1)))
         elif name == four[0]:
             stem = joints.get(four, four[0])
-            names += _unused([f"{stem}_r{axis}" for axis in "xyz"], places)
-            own = [places[other] for other in four]
+            names += _unused_names([f"{stem}_r{axis}" for axis in "xyz"], places)
+            quaternion = [places[other] for other in four]
             block = np.zeros((len(places), 3))
-            block[own] = _turns(q[own])
+            block[quaternion] = _turns(q[quaternion])
             out.append(block / 2.0)
             back.append(2.0 * block.T)
-            turning.append(_turns(q_dot[own]).T @ block[own])
+            turning.append(_turns(q_dot[quaternion]).T @ block[quaternion])
     width = np.zeros((len(places), 0))
     empty = np.zeros((0, 0))
     return Rotations(
@@ -116,7 +116,7 @@ def moved(eqs: EquationSet, q: Floats, by: Floats) -> Floats:
     return result
 
 
-def _unused(names: list[str], taken: Collection[str]) -> list[str]:
+def _unused_names(names: list[str], taken: Collection[str]) -> list[str]:
     return [name if name not in taken else f"{name}_turn" for name in names]
 
 
@@ -164,20 +164,20 @@ def choose(rows: Floats, names: Sequence[str], kept: Collection[str], asked: Col
         If the unknowns kept are not independent, naming them, or those that they leave are too few.
     """
     rows = unit_rows(rows)
-    wanted = rank(rows, SHARP_RANK)
+    count = rank(rows, SHARP_RANK)
     others = [k for k, name in enumerate(names) if name not in kept]
     first = [k for k in others if names[k] not in asked]
     dependent = _pivots(rows[:, first], first, _POOR)
-    if len(dependent) < wanted:
-        left = rows - _projected(rows, rows[:, list(dependent)])
-        rest = [k for k in others if k not in dependent]
-        dependent += _pivots(left[:, rest], rest, SHARP_RANK)[: wanted - len(dependent)]
-    if len(dependent) < wanted:
-        raise AssemblyError(_not_independent(kept, len(names) - wanted))
+    if len(dependent) < count:
+        left = rows - _project(rows, rows[:, list(dependent)])
+        remaining = [k for k in others if k not in dependent]
+        dependent += _pivots(left[:, remaining], remaining, SHARP_RANK)[: count - len(dependent)]
+    if len(dependent) < count:
+        raise AssemblyError(_not_independent(kept, len(names) - count))
     dependent = sorted(dependent)
     independent = tuple(k for k in range(len(names)) if k not in dependent)
     singular = np.linalg.svd(rows[:, dependent], compute_uv=False)
-    return Choice(independent, tuple(dependent), float(singular[wanted - 1]) if wanted else 1.0)
+    return Choice(independent, tuple(dependent), float(singular[count - 1]) if count else 1.0)
 
 
 def _pivots(columns: Floats, places: Sequence[int], least: float) -> list[int]:
@@ -186,7 +186,7 @@ def _pivots(columns: Floats, places: Sequence[int], least: float) -> list[int]:
     return [places[k] for k in order[: int((pivots > least).sum())]]
 
 
-def _projected(rows: Floats, columns: Floats) -> Floats:
+def _project(rows: Floats, columns: Floats) -> Floats:
     """Return the part of rows within the span of columns."""
     if not columns.size:
         return np.zeros_like(rows)

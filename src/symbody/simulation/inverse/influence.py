@@ -40,9 +40,9 @@ def influence(eqs: EquationSet, unknowns: Sequence[str]) -> tuple[EquationSet, .
     if problems:
         raise UsageError(*problems)
     mass = formed.projection.mass_matrix
-    found = []
+    equations = []
     for column in columns:
         shares = tuple(Expr(graph, node) for node in column)
         plain = replace(formed, projection=Projection(mass, shares), friction=())
-        found.append(EquationSet(eqs.model, plain.with_rows(formed.rows), eqs.notes))
-    return tuple(found)
+        equations.append(EquationSet(eqs.model, plain.with_rows(formed.rows), eqs.notes))
+    return tuple(equations)

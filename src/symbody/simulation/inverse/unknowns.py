@@ -56,20 +56,20 @@ class Unknowns:
 
     @property
     def left(self) -> tuple[str, ...]:
-        """Inputs that are arguments of compiled functions, in order: unknown ones and those asked for."""
+        """Inputs that are arguments of compiled functions, in order: unknown ones and callables."""
         return tuple(name for name in self.eqs.input_names if name not in self.laws.formulas)
 
     def arguments(self, samples: Samples, r: Floats) -> Floats:
         """Return the inputs of compiled functions (N, n), from unknowns (n, N)."""
         t, q, u, _ = samples
         others = self.laws.values(t, q, u)
-        found = np.zeros((t.size, len(self.left)))
+        arguments = np.zeros((t.size, len(self.left)))
         for k, name in enumerate(self.left):
             if name in self.names:
-                found[:, k] = r[self.names.index(name)]
+                arguments[:, k] = r[self.names.index(name)]
             else:
-                found[:, k] = others[:, list(self.laws.asked).index(name)]
-        return found
+                arguments[:, k] = others[:, list(self.laws.asked).index(name)]
+        return arguments
 
     def solved(self, samples: Samples) -> Found:
         """Return the unknown inputs of a motion.
@@ -81,12 +81,15 @@ class Unknowns:
         """
         count = samples.t.size
         sizes = self.path.follower.speed_sizes
-        mass = self._evaluated(self._compiled()[0], samples, np.zeros((len(self.names), count)))
+        mass = self._evaluate(self._compile()[0], samples, np.zeros((len(self.names), count)))
         needed = np.einsum("nij,jn->ni", mass, samples.udot) * sizes
-        unit = [self._evaluated(f, samples, np.zeros((len(self.names), count))) * sizes
-                for f in self._compiled()[2:]]  # fmt: skip
+        unit = [self._evaluate(f, samples, np.zeros((len(self.names), count))) * sizes
+                for f in self._compile()[2:]]  # fmt: skip
         slopes = np.stack(unit, axis=-1) if unit else np.zeros((count, len(sizes), 0))
-        bases = [self._allowed(t, q, u) for t, q, u in zip(samples.t, samples.q.T, samples.u.T, strict=True)]
+        bases = [
+            self._allowed_motions(t, q, u)
+            for t, q, u in zip(samples.t, samples.q.T, samples.u.T, strict=True)
+        ]
         r = np.zeros((len(self.names), count))
         redundant = False
         for _ in range(_ROUNDS if self.eqs.formed.friction else 2):
@@ -94,7 +97,7 @@ class Unknowns:
             columns = self._with_friction(samples, r, forcing, slopes) if self.eqs.formed.friction else slopes
             change = np.zeros_like(r)
             for k, basis in enumerate(bases):
-                change[:, k], few = _least(basis.T @ columns[k], basis.T @ (needed[k] - forcing[k]))
+                change[:, k], few = _least_inputs(basis.T @ columns[k], basis.T @ (needed[k] - forcing[k]))
                 redundant |= few and np.abs(columns[k]).max(initial=0.0) > 0.0
             r += change
             if np.abs(change).max(initial=0.0) <= CANCELLED * np.abs(r).max(initial=0.0):
@@ -108,8 +111,8 @@ class Unknowns:
         return Found(r, redundant)
 
     def _forcing(self, samples: Samples, r: Floats) -> Floats:
-        found: Floats = self._evaluated(self._compiled()[1], samples, r) * self.path.follower.speed_sizes
-        return found
+        forcing: Floats = self._evaluate(self._compile()[1], samples, r) * self.path.follower.speed_sizes
+        return forcing
 
     def _with_friction(self, samples: Samples, r: Floats, forcing: Floats, slopes: Floats) -> Floats:
         """Return the derivatives of the forcing by the unknowns, what friction makes of them included."""
@@ -123,13 +126,13 @@ class Unknowns:
             columns.append((self._forcing(samples, beside) - forcing) / (DIFFERENCE * scale))
         return np.stack(columns, axis=-1)
 
-    def _allowed(self, t: float, q: Floats, u: Floats) -> Floats:
+    def _allowed_motions(self, t: float, q: Floats, u: Floats) -> Floats:
         """Return the motions that the mechanism's own constraints allow, in scaled speeds."""
         follower = self.path.follower
         jacobian = follower.rows(float(t), q, u)[0]
         return follower.freedoms(jacobian[follower.own_rows])
 
-    def _compiled(self) -> Sequence[CompiledFunction]:
+    def _compile(self) -> Sequence[CompiledFunction]:
         """Return functions of the mass matrix, the forcing, and each column of it."""
         if not self._functions:
             for eqs, name in [(self.eqs, "mass_matrix"), (self.eqs, "forcing"),
@@ -138,7 +141,7 @@ class Unknowns:
                 self._functions.append(CompiledFunction(*sequence))
         return self._functions
 
-    def _evaluated(self, function: CompiledFunction, samples: Samples, r: Floats) -> Any:
+    def _evaluate(self, function: CompiledFunction, samples: Samples, r: Floats) -> Any:
         return function(samples.t, samples.q.T, samples.u.T, self.arguments(samples, r))
 
     def _check(
@@ -155,9 +158,11 @@ class Unknowns:
             left = basis.T @ missing[k]
             if np.abs(left).max(initial=0.0) <= _HELD * size[k]:
                 continue
-            raise SimulationError(self._powerless(samples, k, basis, left, slopes[k]))
+            raise SimulationError(self._underactuated(samples, k, basis, left, slopes[k]))
 
-    def _powerless(self, samples: Samples, k: int, basis: Floats, left: Floats, slopes: Floats) -> Problem:
+    def _underactuated(
+        self, samples: Samples, k: int, basis: Floats, left: Floats, slopes: Floats
+    ) -> Problem:
         follower, t = self.path.follower, float(samples.t[k])
         jacobian = follower.rows(t, samples.q[:, k], samples.u[:, k])[0]
         rows = follower.scaled_rows(jacobian)
@@ -179,14 +184,14 @@ class Unknowns:
         if weak:
             why += f"; {', '.join(weak)} cannot influence any motion here"
         return Problem("inverse.underactuated", f"motion {', '.join(idle)}",
-                       f"at t = {t:.9g} s no values of the unknowns give {', '.join(idle)} as asked", why,
+                       f"at t = {t:.9g} s no values of the unknowns make {', '.join(idle)} as given", why,
                        "name further inputs as unknowns, give the model a drive there, "
                        "or drive a coordinate that the unknowns move")  # fmt: skip
 
 
-def _least(matrix: Floats, right: Floats) -> tuple[Floats, bool]:
+def _least_inputs(matrix: Floats, right: Floats) -> tuple[Floats, bool]:
     """Return the least solution, and whether there are others."""
     if not matrix.size:
         return np.zeros(matrix.shape[1]), bool(matrix.shape[1])
-    found = np.linalg.lstsq(matrix, right, rcond=BEARING)
-    return np.asarray(found[0], dtype=np.float64), bool(found[2] < matrix.shape[1])
+    solution = np.linalg.lstsq(matrix, right, rcond=BEARING)
+    return np.asarray(solution[0], dtype=np.float64), bool(solution[2] < matrix.shape[1])
