@@ -122,8 +122,8 @@ def assemble_taut(
     near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess or ()))
     values = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     mechanism = mechanism_scales(eqs, dict(parameters or {}), scales, {**near, **values})
-    task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism)
-    positions, rates = task.parted(values)
+    evaluator = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism)
+    positions, rates = evaluator.parted(values)
     positions, near = unit_quaternions(eqs.quaternions, positions, near)
     lower, upper = (
         named_values(
@@ -131,20 +131,22 @@ def assemble_taut(
         )
         for k in (0, 1)
     )
-    within = checked_ranges(task, lower, upper)
-    start = nearest_in_ranges(task, task.start({**near, **positions}), within, positions)
-    assembly = _find_assembly(task, _measured_start(task, start, positions, near), positions, within)
+    within = checked_ranges(evaluator, lower, upper)
+    start = nearest_in_ranges(evaluator, evaluator.start({**near, **positions}), within, positions)
+    assembly = _find_assembly(
+        evaluator, _measured_start(evaluator, start, positions, near), positions, within
+    )
     if assembly is None:
-        raise AssemblyError(_open_problem(task, task.start(near), start, positions, within))
+        raise AssemblyError(_open_problem(evaluator, evaluator.start(near), start, positions, within))
     q = assembly.q
     guessed = {name: value for name, value in near.items() if name not in positions and name not in rates}
-    u = consistent_speeds(task, q, rates, guessed)
-    others = partial(_other_states, task, start, positions, q, within, rates, guessed)
-    return task.state(q, u, start, guessed, others)
+    u = consistent_speeds(evaluator, q, rates, guessed)
+    others = partial(_other_states, evaluator, start, positions, q, within, rates, guessed)
+    return evaluator.state(q, u, start, guessed, others)
 
 
 def _other_states(
-    task: Closure,
+    evaluator: Closure,
     start: Floats,
     fixed: Mapping[str, float],
     q: Floats,
@@ -152,8 +154,10 @@ def _other_states(
     rates: Mapping[str, float],
     guess: Mapping[str, float],
 ) -> list[State]:
-    attempts = _further_assemblies(task, start, fixed, q, ranges)
-    return [task.state(b.q, consistent_speeds(task, b.q, rates, guess), start, guess) for b in attempts]
+    attempts = _further_assemblies(evaluator, start, fixed, q, ranges)
+    return [
+        evaluator.state(b.q, consistent_speeds(evaluator, b.q, rates, guess), start, guess) for b in attempts
+    ]
 
 
 def _all_guesses(eqs: EquationSet, guess: Mapping[str, Value] | None) -> dict[str, Value]:
@@ -163,7 +167,7 @@ def _all_guesses(eqs: EquationSet, guess: Mapping[str, Value] | None) -> dict[st
 
 
 def consistent_start(
-    task: Closure, fixed: Mapping[str, float], near: Mapping[str, float]
+    evaluator: Closure, fixed: Mapping[str, float], near: Mapping[str, float]
 ) -> tuple[Floats, Floats]:
     """Return q and u in which all constraints hold, as `assemble` does with values instead of formulas.
 
@@ -172,140 +176,144 @@ def consistent_start(
     AssemblyError
         As `assemble`.
     """
-    positions, rates = task.parted(fixed)
-    positions, near = unit_quaternions(task.eqs.quaternions, positions, near)
-    start = task.start({**near, **positions})
-    assembly = _find_assembly(task, _measured_start(task, start, positions, near), positions)
+    positions, rates = evaluator.parted(fixed)
+    positions, near = unit_quaternions(evaluator.eqs.quaternions, positions, near)
+    start = evaluator.start({**near, **positions})
+    assembly = _find_assembly(evaluator, _measured_start(evaluator, start, positions, near), positions)
     if assembly is None:
-        raise AssemblyError(_open_problem(task, task.start(near), start, positions, NO_RANGES))
+        raise AssemblyError(_open_problem(evaluator, evaluator.start(near), start, positions, NO_RANGES))
     guess = {name: value for name, value in near.items() if name not in positions and name not in rates}
-    return assembly.q, consistent_speeds(task, assembly.q, rates, guess)
+    return assembly.q, consistent_speeds(evaluator, assembly.q, rates, guess)
 
 
 def _measured_start(
-    task: Closure, start: Floats, fixed: Mapping[str, float], near: Mapping[str, float]
+    evaluator: Closure, start: Floats, fixed: Mapping[str, float], near: Mapping[str, float]
 ) -> Floats:
     """Return a start at which coordinates of cut joints have the values guessed for them, if there is one."""
-    guessed = {name: near[name] for name in task.parted(near)[0] if name not in task.eqs.coordinate_names}
+    guessed = {
+        name: near[name] for name in evaluator.parted(near)[0] if name not in evaluator.eqs.coordinate_names
+    }
     measured = {name: value for name, value in guessed.items() if name not in fixed}
     if not measured:
         return start
-    attempt = _newton(task, start, {**fixed, **measured})
+    attempt = _newton(evaluator, start, {**fixed, **measured})
     return attempt.q if attempt.is_closed else start
 
 
 def assembled_configuration(
-    task: Closure, guess: Mapping[str, Value], parameters: Mapping[str, Value] | None
+    evaluator: Closure, guess: Mapping[str, Value], parameters: Mapping[str, Value] | None
 ) -> Floats | None:
     """Return the configuration nearest to a guess that closes the loops, or None."""
-    eqs = task.eqs
+    eqs = evaluator.eqs
     near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess))
-    assembly = _find_assembly(task, _measured_start(task, task.start(near), {}, near), {})
+    assembly = _find_assembly(evaluator, _measured_start(evaluator, evaluator.start(near), {}, near), {})
     return None if assembly is None else assembly.q
 
 
 def _find_assembly(
-    task: Closure, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
+    evaluator: Closure, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
 ) -> Configuration | None:
     """Return the assembly nearest to the start, trying starts farther and farther away; or None."""
-    starts = _starts(task, start, fixed, ranges)
+    starts = _starts(evaluator, start, fixed, ranges)
     for guess in starts:
-        attempt = _restrict_to_ranges(task, _newton(task, guess, fixed), ranges)
+        attempt = _restrict_to_ranges(evaluator, _newton(evaluator, guess, fixed), ranges)
         if attempt.is_closed:
             return attempt
-        if task.is_tree:
+        if evaluator.is_tree:
             return None
-    for guess, inside in zip(starts, measured_in_ranges(task, ranges, fixed, _STARTS), strict=False):
-        attempt = _restrict_to_ranges(task, _newton(task, guess, {**fixed, **inside}), ranges)
+    for guess, inside in zip(starts, measured_in_ranges(evaluator, ranges, fixed, _STARTS), strict=False):
+        attempt = _restrict_to_ranges(evaluator, _newton(evaluator, guess, {**fixed, **inside}), ranges)
         if attempt.is_closed:
             return attempt
     return None
 
 
-def _restrict_to_ranges(task: Closure, attempt: Configuration, ranges: Ranges) -> Configuration:
+def _restrict_to_ranges(evaluator: Closure, attempt: Configuration, ranges: Ranges) -> Configuration:
     """Return where Newton's method ended, with angles in their ranges; not closed outside of these."""
     if not attempt.is_closed or not ranges:
         return attempt
-    q = into_ranges(task, attempt.q, ranges)
+    q = into_ranges(evaluator, attempt.q, ranges)
     return replace(attempt, is_closed=False) if q is None else replace(attempt, q=q)
 
 
 def _starts(
-    task: Closure, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
+    evaluator: Closure, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
 ) -> list[Floats]:
     """Return the start and starts about it, and in the ranges, the same at every call."""
     random = np.random.default_rng(1)
-    free = task.free(fixed)
+    free = evaluator.free(fixed)
     starts = [start]
     for k in range(1, _STARTS):
         spread = 0.1 * 1.25**k
         moved = start.copy()
-        moved[free] += spread * random.standard_normal(int(free.sum())) * task.sizes[free]
-        starts.append(task.normalized(moved))
-    return [*starts, *starts_in_ranges(task, start, ranges, fixed, _STARTS)]
+        moved[free] += spread * random.standard_normal(int(free.sum())) * evaluator.sizes[free]
+        starts.append(evaluator.normalized(moved))
+    return [*starts, *starts_in_ranges(evaluator, start, ranges, fixed, _STARTS)]
 
 
-def _newton(task: Closure, q: Floats, fixed: Mapping[str, float]) -> Configuration:
+def _newton(evaluator: Closure, q: Floats, fixed: Mapping[str, float]) -> Configuration:
     """Return where steps of least length lead."""
-    return task.manifold(fixed).project(q, least_step)
+    return evaluator.manifold(fixed).project(q, least_step)
 
 
 def _further_assemblies(
-    task: Closure, start: Floats, fixed: Mapping[str, float], q: Floats, ranges: Ranges
+    evaluator: Closure, start: Floats, fixed: Mapping[str, float], q: Floats, ranges: Ranges
 ) -> list[Configuration]:
     """Return further assemblies, nearest to the start first."""
-    if task.is_tree:
+    if evaluator.is_tree:
         return []
     different = [q]
     others = []
-    for guess in _starts(task, start, fixed, ranges)[1:]:
-        attempt = _restrict_to_ranges(task, _newton(task, guess, fixed), ranges)
-        if attempt.is_closed and all(task.differs(attempt.q, other) for other in different):
-            if task.is_isolated(attempt.q, fixed):
+    for guess in _starts(evaluator, start, fixed, ranges)[1:]:
+        attempt = _restrict_to_ranges(evaluator, _newton(evaluator, guess, fixed), ranges)
+        if attempt.is_closed and all(evaluator.differs(attempt.q, other) for other in different):
+            if evaluator.is_isolated(attempt.q, fixed):
                 different.append(attempt.q)
                 others.append(attempt)
-    return sorted(others, key=lambda attempt: float(np.abs((attempt.q - start) / task.sizes).max()))
+    return sorted(others, key=lambda attempt: float(np.abs((attempt.q - start) / evaluator.sizes).max()))
 
 
 def _open_problem(
-    task: Closure, guess: Floats, start: Floats, fixed: Mapping[str, float], ranges: Ranges
+    evaluator: Closure, guess: Floats, start: Floats, fixed: Mapping[str, float], ranges: Ranges
 ) -> Problem:
     """Return the contradiction of fixed values, the joint that stays open, or the ranges that are missed."""
     if ranges:
-        outside = _find_assembly(task, start, fixed)
+        outside = _find_assembly(evaluator, start, fixed)
         if outside is not None:
-            others = _further_assemblies(task, start, fixed, outside.q, NO_RANGES)
-            return out_of_range(task, [outside.q, *(other.q for other in others)], ranges)
-    if fixed and _find_assembly(task, guess, {}) is not None:
+            others = _further_assemblies(evaluator, start, fixed, outside.q, NO_RANGES)
+            return out_of_range(evaluator, [outside.q, *(other.q for other in others)], ranges)
+    if fixed and _find_assembly(evaluator, guess, {}) is not None:
         conflict = dict(fixed)
         for name in fixed:
             fewer = {key: value for key, value in conflict.items() if key != name}
-            near = task.start({**dict(zip(task.eqs.coordinate_names, guess, strict=True)), **fewer})
-            if _find_assembly(task, near, fewer) is None:
+            near = evaluator.start({**dict(zip(evaluator.eqs.coordinate_names, guess, strict=True)), **fewer})
+            if _find_assembly(evaluator, near, fewer) is None:
                 conflict = fewer
         listed = ", ".join(f"{name} = {value:g}" for name, value in conflict.items())
         return Problem(
             "assembly.conflict", "fixed", f"no configuration has {listed}",
             "the loops close without these values, but not with them", "leave one of them to guess=",
         )  # fmt: skip
-    attempts = sorted((_newton(task, guess, fixed) for guess in _starts(task, start, fixed)),
+    attempts = sorted((_newton(evaluator, guess, fixed) for guess in _starts(evaluator, start, fixed)),
                       key=lambda attempt: np.nan_to_num(attempt.residual, nan=np.inf))  # fmt: skip
-    return _open_joints(task, attempts, fixed)
+    return _open_joints(evaluator, attempts, fixed)
 
 
-def _open_joints(task: Closure, attempts: Sequence[Configuration], fixed: Mapping[str, float]) -> Problem:
+def _open_joints(
+    evaluator: Closure, attempts: Sequence[Configuration], fixed: Mapping[str, float]
+) -> Problem:
     """Say by how much joints stay open, from where Newton's method came nearest to closing them."""
     best = attempts[0]
     why = f"{_STARTS} starts about the guess were tried"
-    if not task.is_aligned(best.q) and best.residual <= ASSEMBLED:
-        joint = next(iter(task.gaps(best.q)), "")
+    if not evaluator.is_aligned(best.q) and best.residual <= ASSEMBLED:
+        joint = next(iter(evaluator.gaps(best.q)), "")
         what = f"joint {joint} closes only with its axes opposite to each other"
     else:
         finite = [attempt.q for attempt in attempts if np.isfinite(attempt.residual)][:_GAP_TRIALS]
-        trials = [(best.q, np.inf), *(least_open(task, task.normalized(q), fixed) for q in finite)]
+        trials = [(best.q, np.inf), *(least_open(evaluator, evaluator.normalized(q), fixed) for q in finite)]
         q, _ = min(trials, key=lambda trial: trial[1])
-        (joint, gap), *others = task.gaps(q).items() or [("", (0.0, 0.0))]
-        size = task.mechanism.length
+        (joint, gap), *others = evaluator.gaps(q).items() or [("", (0.0, 0.0))]
+        size = evaluator.mechanism.length
         what = f"joint {joint} stays open by {_width(gap, size)}"
         wide = [(name, gap) for name, gap in others if gap[0] > _VISIBLE * size or gap[1] > _VISIBLE]
         if wide:

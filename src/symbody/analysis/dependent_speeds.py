@@ -27,7 +27,7 @@ def pivot_groups(eqs: EquationSet) -> list[list[str]]:
     return list(groups.values())
 
 
-def check_pivots(task: Closure, q: NDArray[np.float64]) -> None:
+def check_pivots(evaluator: Closure, q: NDArray[np.float64]) -> None:
     """Refuse a configuration at which dependent speeds do not follow from the others.
 
     Raises
@@ -35,11 +35,11 @@ def check_pivots(task: Closure, q: NDArray[np.float64]) -> None:
     AssemblyError
         Naming the speeds.
     """
-    groups = pivot_groups(task.eqs)
+    groups = pivot_groups(evaluator.eqs)
     if not groups:
         return
-    still = np.zeros(len(task.eqs.speed_names))
-    found = np.ravel(task.function([f"{names[0]}_pivot" for names in groups])(task.t, q, still))
+    still = np.zeros(len(evaluator.eqs.speed_names))
+    found = np.ravel(evaluator.function([f"{names[0]}_pivot" for names in groups])(evaluator.t, q, still))
     lost = [names for names, value in zip(groups, found, strict=True) if not abs(value) > ASSEMBLED]
     if lost:
         raise AssemblyError(*(_vanishing_pivot(", ".join(names)) for names in lost))

@@ -18,16 +18,16 @@ _EXACT = 1e-12
 _EVALUATIONS = 400
 
 
-def least_open(task: Closure, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, float]:
+def least_open(evaluator: Closure, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, float]:
     """Return coordinates near `q` with the least sum of squares of all conditions, and this sum.
 
     Quaternions are units throughout: with another norm, a rotation matrix in them stretches the body.
     Lengths count over the size of the mechanism, angles in radians, so that what is missing is shared
     among all loops that it can be shared among.
     """
-    sphere = _Spheres(task, q, fixed)
+    sphere = _Spheres(evaluator, q, fixed)
     found = least_squares(
-        sphere.values, q[sphere.free], sphere.slopes, x_scale=task.sizes[sphere.free],
+        sphere.values, q[sphere.free], sphere.slopes, x_scale=evaluator.sizes[sphere.free],
         ftol=_EXACT, xtol=_EXACT, gtol=_EXACT, max_nfev=_EVALUATIONS,
     )  # fmt: skip
     return sphere.project(found.x)[0], 2.0 * float(found.cost)
@@ -39,11 +39,11 @@ class _Spheres:
     Rows that hold each quaternion's length before that make its four numbers unique; they change nothing.
     """
 
-    def __init__(self, task: Closure, q: Floats, fixed: Mapping[str, float]) -> None:
-        self._manifold, self._q = replace(task.manifold(fixed), free=None), q
-        self.free = task.free(fixed)
+    def __init__(self, evaluator: Closure, q: Floats, fixed: Mapping[str, float]) -> None:
+        self._manifold, self._q = replace(evaluator.manifold(fixed), free=None), q
+        self.free = evaluator.free(fixed)
         self._fours = []
-        for places in task.quaternions():
+        for places in evaluator.quaternions():
             held = sum(float(q[k]) ** 2 for k in places if not self.free[k])
             rest = [k for k in places if self.free[k]]
             if rest and held < 1.0:

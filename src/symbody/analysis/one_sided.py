@@ -95,12 +95,12 @@ class _ModeSearch:
     def try_modes(self, modes: Modes) -> tuple[Sides, bool] | None:
         """Return the state in some modes, and whether these hold; None where no accelerations exist."""
         held = self._equations(modes)
-        task = closure(held, self.state.parameters, self.state.inputs, self.state.t)
+        evaluator = closure(held, self.state.parameters, self.state.inputs, self.state.t)
         try:
-            state = task.state(self.q, self.u, self.q, {})
+            state = evaluator.state(self.q, self.u, self.q, {})
         except (AssemblyError, SimulationError):
             return None
-        scales = self._scales(task, state)
+        scales = self._scales(evaluator, state)
         notes, edges, fits = [], [], True
         for name, mode in modes.items():
             surplus, note = self._surplus(state, name, mode)
@@ -152,11 +152,11 @@ class _ModeSearch:
         return f"rope {name}" if name in self.ropes else f"the friction of joint {name}"
 
     @staticmethod
-    def _scales(task: Closure, state: State) -> tuple[float, float]:
+    def _scales(evaluator: Closure, state: State) -> tuple[float, float]:
         """Return the largest work of a force [J] and the largest acceleration [1/s^2], in sizes."""
-        work = np.abs(np.ravel(state["forcing"])) * task.speed_sizes
-        reactions = np.abs(list(state.multipliers.values())) * task.mechanism.constraints(task.eqs)
-        rates = np.abs(list(state.udot.values())) / task.speed_sizes
+        work = np.abs(np.ravel(state["forcing"])) * evaluator.speed_sizes
+        reactions = np.abs(list(state.multipliers.values())) * evaluator.mechanism.constraints(evaluator.eqs)
+        rates = np.abs(list(state.udot.values())) / evaluator.speed_sizes
         return max(work.max(initial=0.0), reactions.max(initial=0.0)), float(rates.max(initial=0.0))
 
 
@@ -167,15 +167,17 @@ def _search(eqs: EquationSet, state: State) -> _ModeSearch:
     ways: dict[str, tuple[int | None, ...]] = {}
     if not cords and not joints:
         return _ModeSearch(eqs, state, q, u, 1.0, frozenset(), ways)
-    task = closure(with_taut(eqs, ()), state.parameters, state.inputs, state.t)
-    small = AT_REST * float(np.abs(u / task.speed_sizes).max(initial=1.0 / task.mechanism.time))
+    evaluator = closure(with_taut(eqs, ()), state.parameters, state.inputs, state.t)
+    small = AT_REST * float(np.abs(u / evaluator.speed_sizes).max(initial=1.0 / evaluator.mechanism.time))
     if cords:
         rows = {row.element for row in eqs.formed.rows}
-        for name, share in slackness(task, q).items():
-            rate = float(task.function(f"rope_slack_dot {name}")(task.t, q, u))
-            at_length = name in rows and share <= AT_LENGTH and abs(rate) <= small * task.mechanism.length
+        for name, share in slackness(evaluator, q).items():
+            rate = float(evaluator.function(f"rope_slack_dot {name}")(evaluator.t, q, u))
+            at_length = (
+                name in rows and share <= AT_LENGTH and abs(rate) <= small * evaluator.mechanism.length
+            )
             ways[name] = (_TAUT, _SLACK) if at_length else (_SLACK,)
-    search = _ModeSearch(eqs, state, q, u, task.mechanism.length, frozenset(cords), ways)
+    search = _ModeSearch(eqs, state, q, u, evaluator.mechanism.length, frozenset(cords), ways)
     for name in joints:
         rate = abs(float(state[f"{search.coordinate(name)}_dot"]))
         ways[name] = (STICKS, 1, -1) if rate <= small * search.unit(name) else (None,)

@@ -20,12 +20,12 @@ class PositionSolver:
 
     Attributes
     ----------
-    task : Closure or None
+    evaluator : Closure or None
         None where ropes decide what is closed.
     """
 
     eqs: EquationSet
-    task: Closure | None
+    evaluator: Closure | None
 
     def positions(self, fixed: Mapping[str, Value], guess: Mapping[str, Value]) -> dict[str, float]:
         """Return all coordinates q where the loops close, as `assemble` finds them.
@@ -35,7 +35,7 @@ class PositionSolver:
         AssemblyError
             As `assemble`; but accelerations need not exist.
         """
-        if self.task is None:
+        if self.evaluator is None:
             return dict(assemble(self.eqs, fixed, guess).q)
         model = self.eqs.model.initial
         guessed: dict[str, Value] = {
@@ -44,7 +44,7 @@ class PositionSolver:
         }
         near = named_values(self.eqs, guessed, None, strict=set(guess))
         values = named_values(self.eqs, fixed, None, strict=set(fixed))
-        q, _ = consistent_start(self.task, values, near)
+        q, _ = consistent_start(self.evaluator, values, near)
         return dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
 
 

@@ -80,23 +80,23 @@ def redundancy(
     refuse_unknown(eqs, guess or ())
     values, around = dict(parameters or {}), {**eqs.model.initial, **(guess or {})}
     near = named_values(eqs, around, parameters, strict=set(guess or ()))
-    task = closure(eqs, values, {}, 0.0, mechanism_scales(eqs, values, near=near))
-    if task.is_tree:
-        somewhere = task.normalized(np.linspace(0.2, 0.8, len(eqs.coordinate_names)))
+    evaluator = closure(eqs, values, {}, 0.0, mechanism_scales(eqs, values, near=near))
+    if evaluator.is_tree:
+        somewhere = evaluator.normalized(np.linspace(0.2, 0.8, len(eqs.coordinate_names)))
         names = undetermined_at(eqs, parameters or {}, [(0.0, somewhere)]) if eqs.formed.redundant else ()
         return Redundancy(len(eqs.speed_names), (), (), undetermined=names)
-    q = assembled_configuration(task, guess or {}, parameters)
+    q = assembled_configuration(evaluator, guess or {}, parameters)
     if q is None:
         raise AssemblyError(
             Problem("redundancy.open", eqs.model.name, "no configuration closes the loops", "",
                     "see assemble() for the joint that stays open, or give guess=")
         )  # fmt: skip
-    scales = task.mechanism.constraints(eqs)[:, np.newaxis]
+    scales = evaluator.mechanism.constraints(eqs)[:, np.newaxis]
 
     def velocity_rows(q: Floats) -> Floats:
-        return np.asarray(task.velocity_rows(q, {})[0] / scales * task.speed_sizes)
+        return np.asarray(evaluator.velocity_rows(q, {})[0] / scales * evaluator.speed_sizes)
 
-    branch = explore_branch(task.manifold(), q)
+    branch = explore_branch(evaluator.manifold(), q)
     count = count_freedoms(eqs.formed, branch, velocity_rows)
     rows = eqs.formed.rows
     order = sorted(range(len(rows)), key=lambda k: (rows[k].force.is_zero, k))

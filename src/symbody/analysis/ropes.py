@@ -67,13 +67,13 @@ def with_taut(eqs: EquationSet, names: Collection[str]) -> EquationSet:
     return EquationSet(eqs.model, slackened(eqs.formed, slack), eqs.notes) if slack else eqs
 
 
-def slackness(task: Closure, q: Floats) -> dict[str, float]:
+def slackness(evaluator: Closure, q: Floats) -> dict[str, float]:
     """Return by how much each rope is longer than the distance of its ends, over its length."""
-    names = ropes(task.eqs.formed)
+    names = ropes(evaluator.eqs.formed)
     if not names:
         return {}
     words = [f"{word} {name}" for name in names for word in _MEASURES]
-    values = np.ravel(task.function(words)(task.t, q, np.zeros(len(task.eqs.speed_names))))
+    values = np.ravel(evaluator.function(words)(evaluator.t, q, np.zeros(len(evaluator.eqs.speed_names))))
     pairs = zip(values[::2].tolist(), values[1::2].tolist(), strict=True)
     return {name: slack / max(abs(length), TINY) for name, (slack, length) in zip(names, pairs, strict=True)}
 
@@ -104,19 +104,19 @@ def rope_assumptions(eqs: EquationSet) -> tuple[str, ...]:
     return tuple(f"rope {name} is taken as taut" for name in ropes(eqs.formed) if name in rows)
 
 
-def ropes_out_of_place(eqs: EquationSet, task: Closure, q: Floats) -> str:
+def ropes_out_of_place(eqs: EquationSet, evaluator: Closure, q: Floats) -> str:
     """Return a sentence on the ropes that are not as these equations have them; empty if all are.
 
     Parameters
     ----------
     eqs : EquationSet
         With taut ropes as constraints and without those that are slack.
-    task : Closure
+    evaluator : Closure
         Measures the ropes.
     """
     taut = {row.element for row in eqs.formed.rows}
     misplaced = []
-    for name, share in slackness(task, q).items():
+    for name, share in slackness(evaluator, q).items():
         if name in taut and share > LOOSE:
             misplaced.append(f"rope {name} is slack, by {share:.3g} of its length")
         elif share < -LOOSE:
@@ -170,8 +170,8 @@ class _Speeds:
         u, apart = self._speeds(near)
         taut = [name for name in near if abs(apart[name]) <= AT_REST]
         while True:
-            task = self.closed(with_taut(self.eqs, taut))
-            result = task.state(self.q, u, self.q, self._guessed_rates(task))
+            evaluator = self.closed(with_taut(self.eqs, taut))
+            result = evaluator.state(self.q, u, self.q, self._guessed_rates(evaluator))
             pushes = {name: -float(result[f"rope_tension {name}"]) for name in taut}
             worst = max(pushes, key=lambda name: pushes[name], default="")
             if not worst or pushes[worst] <= 0.0:
@@ -195,19 +195,22 @@ class _Speeds:
                 refused.add(longer[0])
 
     def _consistent(self, taut: list[str]) -> Floats:
-        task = self.closed(with_taut(self.eqs, taut))
-        return consistent_speeds(task, self.q, self.rates, self._guessed_rates(task))
+        evaluator = self.closed(with_taut(self.eqs, taut))
+        return consistent_speeds(evaluator, self.q, self.rates, self._guessed_rates(evaluator))
 
-    def _guessed_rates(self, task: Closure) -> dict[str, float]:
+    def _guessed_rates(self, evaluator: Closure) -> dict[str, float]:
         """Return the rates guessed that are not fixed."""
-        return {name: x for name, x in task.parted(self.guess)[1].items() if name not in self.rates}
+        return {name: x for name, x in evaluator.parted(self.guess)[1].items() if name not in self.rates}
 
     def _apart(self, names: list[str], u: Floats) -> dict[str, float]:
         """Return the rates at which ends move apart, over the largest speed or the mechanism's own."""
-        task = self.closed(with_taut(self.eqs, ()))
-        mechanism, rates = task.mechanism, np.abs(u / task.speed_sizes)
+        evaluator = self.closed(with_taut(self.eqs, ()))
+        mechanism, rates = evaluator.mechanism, np.abs(u / evaluator.speed_sizes)
         fast = mechanism.length * float(rates.max(initial=1.0 / mechanism.time))
-        rates_of = {name: float(task.function(f"rope_slack_dot {name}")(task.t, self.q, u)) for name in names}
+        rates_of = {
+            name: float(evaluator.function(f"rope_slack_dot {name}")(evaluator.t, self.q, u))
+            for name in names
+        }
         return {name: -rate / fast for name, rate in rates_of.items()}
 
 

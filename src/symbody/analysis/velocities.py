@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 
 
 def consistent_speeds(
-    task: Closure, q: Floats, fixed: Mapping[str, float], guess: Mapping[str, float]
+    evaluator: Closure, q: Floats, fixed: Mapping[str, float], guess: Mapping[str, float]
 ) -> Floats:
     """Return u with ``J u + b = 0`` and the fixed rates; independent speeds left take their guess, else 0.
 
@@ -30,39 +30,39 @@ def consistent_speeds(
         If dependent speeds do not follow from the others, or the fixed rates contradict the constraints or
         each other, naming the smallest set that does.
     """
-    check_pivots(task, q)
-    rows, right = _conditions(task, q, fixed)
-    if not _fulfils(task, least_solution(rows, right), rows, right):
-        raise AssemblyError(_conflict(task, q, fixed))
+    check_pivots(evaluator, q)
+    rows, right = _conditions(evaluator, q, fixed)
+    if not _fulfils(evaluator, least_solution(rows, right), rows, right):
+        raise AssemblyError(_conflict(evaluator, q, fixed))
     basis = row_space(rows)
-    for name in dict.fromkeys([*task.parted(guess)[1], *task.all_speeds]):
-        condition, value = task.speed_row(q, name, guess.get(name, 0.0))
-        row, target = _scale_conditions(task, condition[np.newaxis, :], np.array([value]))
+    for name in dict.fromkeys([*evaluator.parted(guess)[1], *evaluator.all_speeds]):
+        condition, value = evaluator.speed_row(q, name, guess.get(name, 0.0))
+        row, target = _scale_conditions(evaluator, condition[np.newaxis, :], np.array([value]))
         left = _project_out(basis, row[0])
         distance = float(np.linalg.norm(left))
         if distance > RANK:
             rows = np.vstack([rows, row])
             right = np.concatenate([right, target])
             basis = np.vstack([basis, _project_out(basis, left / distance)])
-    return least_solution(rows, right) * task.speed_sizes
+    return least_solution(rows, right) * evaluator.speed_sizes
 
 
-def _conditions(task: Closure, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, Floats]:
+def _conditions(evaluator: Closure, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, Floats]:
     """Return A and b of all conditions ``A v = b``, v the speeds over their sizes."""
-    return _scale_conditions(task, *task.velocity_rows(q, fixed))
+    return _scale_conditions(evaluator, *evaluator.velocity_rows(q, fixed))
 
 
-def _scale_conditions(task: Closure, rows: Floats, right: Floats) -> tuple[Floats, Floats]:
+def _scale_conditions(evaluator: Closure, rows: Floats, right: Floats) -> tuple[Floats, Floats]:
     """Return conditions on speeds over their sizes, with rows of length 1: they have no unit of length."""
-    sized = rows * task.speed_sizes
+    sized = rows * evaluator.speed_sizes
     lengths = np.linalg.norm(sized, axis=1)
     lengths[lengths == 0.0] = 1.0
     return sized / lengths[:, np.newaxis], right / lengths
 
 
-def _fulfils(task: Closure, speeds: Floats, rows: Floats, right: Floats) -> bool:
+def _fulfils(evaluator: Closure, speeds: Floats, rows: Floats, right: Floats) -> bool:
     """Return whether all rows hold."""
-    sizes = 1.0 / task.mechanism.time + np.abs(right).max(initial=0.0) + np.abs(rows) @ np.abs(speeds)
+    sizes = 1.0 / evaluator.mechanism.time + np.abs(right).max(initial=0.0) + np.abs(rows) @ np.abs(speeds)
     return bool((np.abs(rows @ speeds - right) <= ASSEMBLED * sizes).all())
 
 
@@ -71,12 +71,12 @@ def _project_out(basis: Floats, row: Floats) -> Floats:
     return np.asarray(row - basis.T @ (basis @ row))
 
 
-def _conflict(task: Closure, q: Floats, fixed: Mapping[str, float]) -> Problem:
+def _conflict(evaluator: Closure, q: Floats, fixed: Mapping[str, float]) -> Problem:
     conflict = dict(fixed)
     for name in fixed:
         others = {key: value for key, value in conflict.items() if key != name}
-        rows, right = _conditions(task, q, others)
-        if not _fulfils(task, least_solution(rows, right), rows, right):
+        rows, right = _conditions(evaluator, q, others)
+        if not _fulfils(evaluator, least_solution(rows, right), rows, right):
             conflict = others
     listed = ", ".join(f"{name} = {value:g}" for name, value in conflict.items()) or "the motions in time"
     return Problem(

@@ -87,7 +87,7 @@ class Balance:
 
     Attributes
     ----------
-    task : Closure
+    evaluator : Closure
         The constraints as numbers.
     function : CompiledFunction
         Forces and their derivatives.
@@ -101,7 +101,7 @@ class Balance:
         Whether the forces depend on time.
     """
 
-    task: Closure
+    evaluator: Closure
     function: CompiledFunction
     unknowns: int
     sizes: Floats
@@ -110,8 +110,8 @@ class Balance:
 
     def largest(self, q: Floats) -> float:
         """Return the largest of the terms that are to balance, as work [J]; 1 if there are none."""
-        terms = self._evaluate(q, np.zeros(self.unknowns), np.zeros(len(self.task.eqs.multiplier_names)))
-        slopes = np.abs(terms[1]) * self.task.sizes * self.sizes[:, np.newaxis]
+        terms = self._evaluate(q, np.zeros(self.unknowns), np.zeros(len(self.evaluator.eqs.multiplier_names)))
+        slopes = np.abs(terms[1]) * self.evaluator.sizes * self.sizes[:, np.newaxis]
         forces = np.abs(terms[0]) * self.sizes
         return max(float(slopes.max(initial=0.0)), float(forces.max(initial=0.0))) or 1.0
 
@@ -125,7 +125,7 @@ class Balance:
         bearing : int, optional
             How many singular values of the loads count, the largest first; by default all but rounding.
         """
-        none = np.zeros(len(self.task.eqs.multiplier_names))
+        none = np.zeros(len(self.evaluator.eqs.multiplier_names))
         scale = self.sizes / largest
         first = self._evaluate(q, inputs, none)
         shares = np.hstack([first[3].T, first[2]]) * scale[:, np.newaxis]
@@ -133,29 +133,31 @@ class Balance:
         # Rows of J are of order 1 in their scales: one that is less is nearly none, as where branches cross.
         weights[: none.size] = self.scales / largest
         weights[weights == 0.0] = 1.0
-        loads = _Loads(shares / weights, bearing)
+        is_finite = bool(np.isfinite(shares).all())
+        loads = _Loads(shares / weights if is_finite else np.zeros_like(shares), bearing)
         fit = loads.fit(-first[0] * scale) / weights
         multipliers, inputs = fit[: none.size], inputs + fit[none.size :]
         found = self._evaluate(q, inputs, multipliers)
-        left = found[0] * scale
+        left = found[0] * scale if is_finite else np.full_like(scale, np.nan)
         slopes = found[1] * scale[:, np.newaxis]
-        _, open_values, open_rows = self.task.manifold().constraints(q)
-        rows = np.vstack([loads.project_out(slopes) * self.task.sizes, open_rows])
+        _, open_values, open_rows = self.evaluator.manifold().constraints(q)
+        rows = np.vstack([loads.project_out(slopes) * self.evaluator.sizes, open_rows])
         values = np.concatenate([left, open_values])
-        terms = np.abs(shares) @ np.abs(fit) + np.abs(slopes) @ self.task.sizes
+        with np.errstate(invalid="ignore"):  # where forces or constraints are not finite
+            terms = np.abs(shares) @ np.abs(fit) + np.abs(slopes) @ self.evaluator.sizes
         return Rest(q, inputs, multipliers, left, values, rows, terms, loads.shares, bearing)
 
     def _evaluate(self, q: Floats, inputs: Floats, multipliers: Floats) -> Any:
         """Return forces, their derivatives by q and by unknown inputs, and J."""
-        still = np.zeros(len(self.task.eqs.speed_names))
-        return self.function(self.task.t, q, still, np.concatenate([inputs, multipliers]))
+        still = np.zeros(len(self.evaluator.eqs.speed_names))
+        return self.function(self.evaluator.t, q, still, np.concatenate([inputs, multipliers]))
 
 
-def balance(task: Closure, unknowns: Sequence[str]) -> Balance:
-    """Return the forces at rest of the equations of a task; `unknowns` are inputs."""
-    eqs = task.eqs
+def balance(evaluator: Closure, unknowns: Sequence[str]) -> Balance:
+    """Return the forces at rest of the equations of an evaluator; `unknowns` are inputs."""
+    eqs = evaluator.eqs
     given: dict[str, Value] = {
-        name: task.inputs.get(name, 0) for name in eqs.input_names if name not in unknowns
+        name: evaluator.inputs.get(name, 0) for name in eqs.input_names if name not in unknowns
     }
     symbols = [symbol for symbol in eqs.formed.inputs if symbol.name in unknowns]
     forces, pulls = _forces(eqs, given)
@@ -166,10 +168,12 @@ def balance(task: Closure, unknowns: Sequence[str]) -> Balance:
     ]
     wider = with_outputs(eqs, roots, pulls)
     words = (_FORCES, _SLOPES, _SHARES, "jacobian")
-    function = CompiledFunction(*form_sequence(wider, words, task.parameters, (), given))
+    function = CompiledFunction(*form_sequence(wider, words, evaluator.parameters, (), given))
     graph = eqs.formed.graph
     timed = graph.symbol(TIME) in symbols_of(graph, [*forces, *eqs.roots("constraints").nodes])
-    return Balance(task, function, len(symbols), task.speed_sizes, task.mechanism.constraints(eqs), timed)
+    return Balance(
+        evaluator, function, len(symbols), evaluator.speed_sizes, evaluator.mechanism.constraints(eqs), timed
+    )
 
 
 def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], dict[str, Symbol]]:
@@ -189,7 +193,7 @@ def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], di
 
 
 class _Loads:
-    """What unit multipliers and unknown inputs do, as columns, by singular values."""
+    """Generalized forces of unit multipliers and unknown inputs, as columns, by singular values."""
 
     def __init__(self, columns: Floats, bearing: int | None) -> None:
         self._left, singular, self._right = np.linalg.svd(columns, full_matrices=False)
@@ -199,7 +203,7 @@ class _Loads:
         self._singular = singular[: self._count]
 
     def fit(self, forces: Floats) -> Floats:
-        """Return the least loads that come nearest to what is wanted."""
+        """Return the least loads that come nearest to some forces."""
         k = self._count
         return np.asarray(self._right[:k].T @ ((self._left[:, :k].T @ forces) / self._singular))
 

@@ -67,12 +67,12 @@ def _split_directions(search: Search, equilibrium: Rest, flat: Floats) -> tuple[
     From a step along each, Newton steps of least length lead to an equilibrium; across equilibria that go on
     they leave the step as it is, and back along directions in which a force of higher order stands.
     """
-    free, sizes = search.free, search.task.sizes
+    free, sizes = search.free, search.evaluator.sizes
     moves = []
     for direction in flat.T:
         q = equilibrium.q.copy()
         q[free] += _STEP * direction * sizes[free]
-        end = search.newton(search.task.normalized(q), equilibrium.bearing)
+        end = search.newton(search.evaluator.normalized(q), equilibrium.bearing)
         move = (end.q - equilibrium.q)[free] / sizes[free] / _STEP
         moves.append(flat.T @ move if search.is_good(end) else np.zeros(flat.shape[1]))
     left, singular, _ = np.linalg.svd(np.array(moves).T)
@@ -81,6 +81,6 @@ def _split_directions(search: Search, equilibrium: Rest, flat: Floats) -> tuple[
 
 
 def _names(search: Search, directions: Floats) -> str:
-    free = [name for name in search.task.eqs.coordinate_names if name not in search.fixed]
+    free = [name for name in search.evaluator.eqs.coordinate_names if name not in search.fixed]
     shares = np.abs(directions).max(axis=1)
     return ", ".join(n for n, share in zip(free, shares, strict=True) if share > _LISTED * shares.max())

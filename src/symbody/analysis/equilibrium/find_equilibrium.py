@@ -114,11 +114,13 @@ def find_equilibrium(
     unknowns = (unknowns,) if isinstance(unknowns, str) else unknowns
     _check(eqs, unknowns, fixed or {})
     mechanism = mechanism_scales(eqs, dict(parameters or {}), scales, first.q)
-    task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism)
-    searches = TautSearch(task, tuple(unknowns), np.array(list(first.q.values())), frozenset(fixed or ()))
+    evaluator = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism)
+    searches = TautSearch(
+        evaluator, tuple(unknowns), np.array(list(first.q.values())), frozenset(fixed or ())
+    )
     searches.nearest_set().check_at_rest()
     try:
-        candidates = _distinct_equilibria(task, searches)
+        candidates = _distinct_equilibria(evaluator, searches)
     except AssemblyError:
         stuck = None if unknowns else _friction_equilibrium(searches)
         if stuck is None:
@@ -142,7 +144,7 @@ def _check(eqs: EquationSet, unknowns: Sequence[str], fixed: Mapping[str, Value]
         raise AssemblyError(*problems)
 
 
-def _distinct_equilibria(task: Closure, searches: TautSearch) -> list[Candidate]:
+def _distinct_equilibria(evaluator: Closure, searches: TautSearch) -> list[Candidate]:
     """Return different equilibria, the nearest first.
 
     Raises
@@ -154,13 +156,13 @@ def _distinct_equilibria(task: Closure, searches: TautSearch) -> list[Candidate]
     regular = [one for one in candidates if one.search.is_regular(one.rest)]
     good = sorted(regular, key=lambda one: one.search.distance(one.rest))
     if candidates and not good:
-        raise AssemblyError(_singular(task, candidates[0].rest.q))
+        raise AssemblyError(_singular(evaluator, candidates[0].rest.q))
     if not good:
         raise AssemblyError(_unbalanced_problem(others))
     different = [good[0]]
     for one in good[1:]:
         isolated = one.search.flat_directions(one.rest).shape[1] == 0
-        if isolated and all(task.differs(one.rest.q, other.rest.q) for other in different):
+        if isolated and all(evaluator.differs(one.rest.q, other.rest.q) for other in different):
             different.append(one)
     return different
 
@@ -168,7 +170,7 @@ def _distinct_equilibria(task: Closure, searches: TautSearch) -> list[Candidate]
 def _unbalanced_problem(attempts: Sequence[Candidate]) -> Problem:
     """Say what is left of the forces where least is left."""
     finite = [one for one in attempts if np.isfinite(one.rest.merit)]
-    eqs = attempts[0].search.task.eqs
+    eqs = attempts[0].search.evaluator.eqs
     if not finite:
         what = "the forces are not finite"
     else:
@@ -188,10 +190,10 @@ def _unbalanced_problem(attempts: Sequence[Candidate]) -> Problem:
     )  # fmt: skip
 
 
-def _singular(task: Closure, q: Floats) -> Problem:
-    place = ", ".join(f"{name} = {x:.4g}" for name, x in zip(task.eqs.coordinate_names, q, strict=True))
+def _singular(evaluator: Closure, q: Floats) -> Problem:
+    place = ", ".join(f"{name} = {x:.4g}" for name, x in zip(evaluator.eqs.coordinate_names, q, strict=True))
     return Problem(
-        "equilibrium.singular", task.eqs.model.name, "forces balance only where no acceleration exists",
+        "equilibrium.singular", evaluator.eqs.model.name, "forces balance only where no acceleration exists",
         f"at {place} angles are singular, or no mass resists some motion",
         "take a quaternion or other angles, give mass to what moves, or give guess= nearer to a balance",
     )  # fmt: skip
@@ -199,16 +201,18 @@ def _singular(task: Closure, q: Floats) -> Problem:
 
 def _state(candidate: Candidate, unknowns: Sequence[str]) -> Equilibrium:
     search, rest = candidate.search, candidate.rest
-    task, eqs = search.task, search.task.eqs
+    evaluator, eqs = search.evaluator, search.evaluator.eqs
     order = [name for name in eqs.input_names if name in unknowns]
     held = dict(zip(order, rest.inputs.tolist(), strict=True))
     if held:
-        task = closure(eqs, task.parameters, {**task.inputs, **held}, task.t, task.mechanism)
-    state = task.state(rest.q, np.zeros(len(eqs.speed_names)), search.start, {})
+        evaluator = closure(
+            eqs, evaluator.parameters, {**evaluator.inputs, **held}, evaluator.t, evaluator.mechanism
+        )
+    state = evaluator.state(rest.q, np.zeros(len(eqs.speed_names)), search.start, {})
     further = continued(search, rest)
-    notes = [*task.mechanism.notes(eqs), *further.notes, *candidate.notes]
+    notes = [*evaluator.mechanism.notes(eqs), *further.notes, *candidate.notes]
     if search.balance.timed:
-        notes.append(f"forces or motions depend on time: they are frozen at t = {task.t:g} s")
+        notes.append(f"forces or motions depend on time: they are frozen at t = {evaluator.t:g} s")
     if eqs.formed.friction:
         notes.append("friction is 0 at rest: sticking holds more configurations than this")
     edges = (*candidate.edges, *(settled(eqs, state).edges if switching_joints(eqs.formed) else ()))
@@ -218,15 +222,15 @@ def _state(candidate: Candidate, unknowns: Sequence[str]) -> Equilibrium:
 def _friction_equilibrium(searches: TautSearch) -> Equilibrium | None:
     """Return the guess as an equilibrium if dry joints hold it there; None if they do not."""
     search = searches.nearest_set()
-    task, eqs = search.task, search.task.eqs
+    evaluator, eqs = search.evaluator, search.evaluator.eqs
     if not switching_joints(eqs.formed):
         return None
     still = np.zeros(len(eqs.speed_names))
     try:
-        sides = settled(eqs, task.state(search.start, still, search.start, {}))
+        sides = settled(eqs, evaluator.state(search.start, still, search.start, {}))
     except (AssemblyError, SimulationError):
         return None
-    left = np.asarray(sides.state["mass_matrix"]) @ list(sides.state.udot.values()) * task.speed_sizes
+    left = np.asarray(sides.state["mass_matrix"]) @ list(sides.state.udot.values()) * evaluator.speed_sizes
     if not float(np.abs(left).max(initial=0.0)) <= BALANCED * search.balance.largest(search.start):
         return None
     note = "friction holds the guess, though forces balance nowhere without it: places about it are held, too"

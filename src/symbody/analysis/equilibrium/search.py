@@ -53,14 +53,14 @@ class Search:
     _generic: list[int | None] = field(default_factory=list, repr=False)
 
     @property
-    def task(self) -> Closure:
+    def evaluator(self) -> Closure:
         """The constraints."""
-        return self.balance.task
+        return self.balance.evaluator
 
     @property
     def free(self) -> NDArray[np.bool_]:
         """Which coordinates may move."""
-        return self.task.free(dict.fromkeys(self.fixed, 0.0))
+        return self.evaluator.free(dict.fromkeys(self.fixed, 0.0))
 
     def check_at_rest(self) -> None:
         """Refuse constraints that demand motion.
@@ -70,14 +70,17 @@ class Search:
         AssemblyError
             Naming the rows.
         """
-        task = self.task
-        drift = task.velocity_rows(self.start, {})[1] / task.mechanism.constraints(task.eqs)
-        fast = AT_REST / task.mechanism.time
-        moving = [name for name, b in zip(task.eqs.multiplier_names, drift, strict=True) if abs(b) > fast]
+        evaluator = self.evaluator
+        drift = evaluator.velocity_rows(self.start, {})[1] / evaluator.mechanism.constraints(evaluator.eqs)
+        fast = AT_REST / evaluator.mechanism.time
+        moving = [
+            name for name, b in zip(evaluator.eqs.multiplier_names, drift, strict=True) if abs(b) > fast
+        ]
         if moving:
             raise AssemblyError(
                 Problem("equilibrium.moving", ", ".join(moving), "these constraints demand motion",
-                        f"they depend on time, at t = {task.t:g} s with rates", "give a t at which they rest")
+                        f"they depend on time, at t = {evaluator.t:g} s with rates",
+                        "give a t at which they rest")
             )  # fmt: skip
 
     def starts(self) -> list[Floats]:
@@ -87,20 +90,20 @@ class Search:
         starts = [self.start]
         for k in range(1, STARTS):
             moved = self.start.copy()
-            moved[free] += 0.1 * 1.2**k * random.standard_normal(int(free.sum())) * self.task.sizes[free]
-            starts.append(self.task.normalized(moved))
+            moved[free] += 0.1 * 1.2**k * random.standard_normal(int(free.sum())) * self.evaluator.sizes[free]
+            starts.append(self.evaluator.normalized(moved))
         return starts
 
     def newton(self, q: Floats, bearing: int | None = None) -> Rest:
         """Return where steps of least length lead; `bearing` as of `Balance.rest`."""
-        free, sizes, balance = self.free, self.task.sizes, self.balance
+        free, sizes, balance = self.free, self.evaluator.sizes, self.balance
         largest = balance.largest(self.start)
         rest = balance.rest(q, np.zeros(balance.unknowns), largest, bearing)
 
         def move(rest: Rest, step: Floats) -> Rest:
             q = rest.q.copy()
             q[free] += step * sizes[free]
-            return balance.rest(self.task.normalized(q), rest.inputs, largest, bearing)
+            return balance.rest(self.evaluator.normalized(q), rest.inputs, largest, bearing)
 
         return descend(rest, move, lambda values, slopes: least_step(values, slopes[:, free]))
 
@@ -131,15 +134,15 @@ class Search:
 
     def _is_repeated(self, rest: Rest) -> bool:
         """Return whether starts beside this crossing were tried already."""
-        if any(not self.task.differs(rest.q, other, _SAME_CROSSING) for other in self._crossings):
+        if any(not self.evaluator.differs(rest.q, other, _SAME_CROSSING) for other in self._crossings):
             return True
         self._crossings.append(rest.q)
         return False
 
     def _regular_neighbours(self, q: Floats) -> list[Floats]:
         """Return regular configurations of the mechanism beside one."""
-        end = self.task.manifold().project(q)
-        points = explore_branch(self.task.manifold(), end.q).points if end.is_closed else ()
+        end = self.evaluator.manifold().project(q)
+        points = explore_branch(self.evaluator.manifold(), end.q).points if end.is_closed else ()
         return [point.copy() for point in points]
 
     def _count_loads(self, q: Floats) -> int:
@@ -150,7 +153,7 @@ class Search:
     def _count_generic_loads(self) -> int | None:
         """Return how many loads are independent on the branch of the guess; None where it is not closed."""
         if not self._generic:
-            places = [] if self.task.is_tree else self._regular_neighbours(self.start)
+            places = [] if self.evaluator.is_tree else self._regular_neighbours(self.start)
             self._generic.append(max(map(self._count_loads, places), default=None))
         return self._generic[0]
 
@@ -160,22 +163,22 @@ class Search:
 
     def is_crossing(self, rest: Rest) -> bool:
         """Return whether other directions are open at an equilibrium than on the branches through it."""
-        if self.task.is_tree:
+        if self.evaluator.is_tree:
             return False
-        branch = explore_branch(self.task.manifold(), rest.q)
+        branch = explore_branch(self.evaluator.manifold(), rest.q)
         return branch.instantaneous != branch.dimension or len(branch.dimensions) > 1
 
     def is_regular(self, rest: Rest) -> bool:
         """Return whether accelerations exist: where angles are singular, forces along them vanish anyway."""
-        still = np.zeros(len(self.task.eqs.speed_names))
+        still = np.zeros(len(self.evaluator.eqs.speed_names))
         try:
-            return bool(np.isfinite(self.task.function("udot")(self.task.t, rest.q, still)).all())
+            return bool(np.isfinite(self.evaluator.function("udot")(self.evaluator.t, rest.q, still)).all())
         except SimulationError:
             return False
 
     def unwound(self, rest: Rest) -> Rest:
         """Return an equilibrium without full turns from the guess, unless springs distinguish these."""
-        angles = [name in self.task.angles for name in self.task.eqs.coordinate_names]
+        angles = [name in self.evaluator.angles for name in self.evaluator.eqs.coordinate_names]
         turns = np.where(angles, np.round((rest.q - self.start) / (2 * np.pi)), 0.0)
         if not turns.any():
             return rest
@@ -185,8 +188,8 @@ class Search:
 
     def distance(self, rest: Rest) -> float:
         """Return how far an equilibrium is from the guess, the same way for both signs of a quaternion."""
-        apart = (rest.q - self.start) / self.task.sizes
-        for places in self.task.quaternions():
+        apart = (rest.q - self.start) / self.evaluator.sizes
+        for places in self.evaluator.quaternions():
             if rest.q[places] @ self.start[places] < 0.0:
                 apart[places] = rest.q[places] + self.start[places]
         return float(np.linalg.norm(apart))
@@ -196,10 +199,10 @@ class Search:
         return null_space(rest.slopes[:, self.free], SHARP_RANK)
 
     def _is_closed(self, rest: Rest) -> bool:
-        return rest.open <= ASSEMBLED and self.task.is_aligned(rest.q)
+        return rest.open <= ASSEMBLED and self.evaluator.is_aligned(rest.q)
 
     def undetermined(self, rest: Rest) -> Floats:
         """Return the changes of multipliers that change no force, as columns (n_c, k)."""
-        rows = self.task.velocity_rows(rest.q, {})[0] * self.balance.sizes
+        rows = self.evaluator.velocity_rows(rest.q, {})[0] * self.balance.sizes
         scales = self.balance.scales[:, np.newaxis]
         return np.asarray(null_space((rows / scales).T, SHARP_RANK) / scales)

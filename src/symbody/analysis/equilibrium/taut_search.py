@@ -55,7 +55,7 @@ class Candidate:
 class TautSearch:
     """Where to look for equilibria from, with any of the ropes taut; fields as of `Search`."""
 
-    task: Closure
+    evaluator: Closure
     unknowns: tuple[str, ...]
     start: Floats
     fixed: frozenset[str]
@@ -64,15 +64,17 @@ class TautSearch:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the ropes."""
-        return ropes(self.task.eqs.formed)
+        return ropes(self.evaluator.eqs.formed)
 
     def of(self, taut: frozenset[str]) -> Search:
         """Return the search with some of the ropes taut."""
         if taut not in self._searches:
-            task, eqs = self.task, with_taut(self.task.eqs, taut)
-            if eqs is not task.eqs:
-                task = closure(eqs, task.parameters, task.inputs, task.t, task.mechanism)
-            self._searches[taut] = Search(self._balance(task), self.start, self.fixed)
+            evaluator, eqs = self.evaluator, with_taut(self.evaluator.eqs, taut)
+            if eqs is not evaluator.eqs:
+                evaluator = closure(
+                    eqs, evaluator.parameters, evaluator.inputs, evaluator.t, evaluator.mechanism
+                )
+            self._searches[taut] = Search(self._balance(evaluator), self.start, self.fixed)
         return self._searches[taut]
 
     def nearest_set(self) -> Search:
@@ -101,8 +103,8 @@ class TautSearch:
         for one in ends:
             (good if one.search.is_good(one.rest) and not one.fault else others).append(one)
 
-    def _balance(self, task: Closure) -> Balance:
-        return balance(task, self.unknowns)
+    def _balance(self, evaluator: Closure) -> Balance:
+        return balance(evaluator, self.unknowns)
 
     def _sets(self) -> Iterator[frozenset[str]]:
         """Return all sets of ropes, those of many first."""
@@ -113,7 +115,7 @@ class TautSearch:
         """Return the ropes that are not slack by more than a share of their length."""
         if not self.names:
             return frozenset()
-        return frozenset(name for name, slack in slackness(self.task, q).items() if slack <= share)
+        return frozenset(name for name, slack in slackness(self.evaluator, q).items() if slack <= share)
 
     def _settle(self, start: Floats, taut: frozenset[str]) -> list[Candidate]:
         """Return where a start leads, with ropes going taut and slack as they must."""
@@ -137,10 +139,10 @@ class TautSearch:
         end = search.unwound(end)
         if not self.names:
             return Candidate(search, end)
-        pulls, slack = self._pulls(search, end, taut), slackness(self.task, end.q)
+        pulls, slack = self._pulls(search, end, taut), slackness(self.evaluator, end.q)
         longer = [name for name in self.names if name not in taut and slack[name] < -AT_LENGTH]
         work = np.abs(end.multipliers) * search.balance.scales
-        limit = BALANCED * float(work.max(initial=0.0)) / search.task.mechanism.length
+        limit = BALANCED * float(work.max(initial=0.0)) / search.evaluator.mechanism.length
         pushing = [name for name, pull in pulls.items() if pull < -limit]
         fault = ", ".join(
             [f"rope {name} would have to push by {-pulls[name]:.4g} N" for name in pushing]
@@ -172,7 +174,7 @@ class TautSearch:
     def _pulls(self, search: Search, rest: Rest, taut: frozenset[str]) -> dict[str, float]:
         """Return the tensions; of those that the forces leave undetermined, the shares that push least."""
         order = [name for name in self.names if name in taut]
-        places = rope_rows(search.task.eqs.formed, order)
+        places = rope_rows(search.evaluator.eqs.formed, order)
         tensions = -rest.multipliers[places]
         if (tensions < 0.0).any():
             tensions = _least_pushing(tensions, -search.undetermined(rest)[places])

@@ -163,14 +163,14 @@ def trace_positions(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _SlackRopes:
-    """The ropes that are slack on a path; `task` measures them, and is None where there are none."""
+    """The ropes that are slack on a path; `evaluator` measures them, and is None where there are none."""
 
     driven: Follower
-    task: Closure | None
+    evaluator: Closure | None
 
     def first_taut(self, start: float, before: Floats, stop: float, q: Floats) -> tuple[str, float, Floats]:
         """Return the rope that is at its length first, and where on the path; else no name, and its end."""
-        if self.task is None or self._least_slack(q)[1] >= -LOOSE:
+        if self.evaluator is None or self._least_slack(q)[1] >= -LOOSE:
             return "", stop, q
         low, high = start, stop
         while high - low > _EXACT * max(1.0, abs(high)):
@@ -184,8 +184,8 @@ class _SlackRopes:
 
     def _least_slack(self, q: Floats) -> tuple[str, float]:
         """Return the rope with the least slack, and this over its length."""
-        assert self.task is not None
-        return min(slackness(self.task, q).items(), key=lambda pair: pair[1])
+        assert self.evaluator is not None
+        return min(slackness(self.evaluator, q).items(), key=lambda pair: pair[1])
 
 
 def check_driven(driven: Follower, s: float, q: Floats, notes: tuple[str, ...] = ()) -> None:
