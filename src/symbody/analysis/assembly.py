@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import Closure, closure
+from symbody.analysis.closure import STARTS, Closure, closure
 from symbody.analysis.least_open import least_open
 from symbody.analysis.named_values import checked_mappings, checked_pairs, named_values
 from symbody.analysis.quaternions import unit_quaternions
@@ -43,7 +43,6 @@ from symbody.tolerances import ASSEMBLED
 Floats = NDArray[np.float64]
 
 NO_RANGES: Final[Ranges] = MappingProxyType({})
-_STARTS: Final = 24
 # So many of the nearest ends are starts for the search of the least gaps; smaller gaps are not shown.
 _GAP_TRIALS: Final = 3
 _VISIBLE: Final = 1e-6
@@ -221,7 +220,7 @@ def _find_assembly(
             return attempt
         if evaluator.is_tree:
             return None
-    for guess, inside in zip(starts, measured_in_ranges(evaluator, ranges, fixed, _STARTS), strict=False):
+    for guess, inside in zip(starts, measured_in_ranges(evaluator, ranges, fixed, STARTS), strict=False):
         attempt = _restrict_to_ranges(evaluator, _newton(evaluator, guess, {**fixed, **inside}), ranges)
         if attempt.is_closed:
             return attempt
@@ -240,15 +239,7 @@ def _starts(
     evaluator: Closure, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
 ) -> list[Floats]:
     """Return the start and starts about it, and in the ranges, the same at every call."""
-    random = np.random.default_rng(1)
-    free = evaluator.free(fixed)
-    starts = [start]
-    for k in range(1, _STARTS):
-        spread = 0.1 * 1.25**k
-        moved = start.copy()
-        moved[free] += spread * random.standard_normal(int(free.sum())) * evaluator.sizes[free]
-        starts.append(evaluator.normalized(moved))
-    return [*starts, *starts_in_ranges(evaluator, start, ranges, fixed, _STARTS)]
+    return [*evaluator.starts(start, fixed), *starts_in_ranges(evaluator, start, ranges, fixed, STARTS)]
 
 
 def _newton(evaluator: Closure, q: Floats, fixed: Mapping[str, float]) -> Configuration:
@@ -304,7 +295,7 @@ def _open_joints(
 ) -> Problem:
     """Say by how much joints stay open, from where Newton's method came nearest to closing them."""
     best = attempts[0]
-    why = f"{_STARTS} starts about the guess were tried"
+    why = f"{STARTS} starts about the guess were tried"
     if not evaluator.is_aligned(best.q) and best.residual <= ASSEMBLED:
         joint = next(iter(evaluator.gaps(best.q)), "")
         what = f"joint {joint} closes only with its axes opposite to each other"

@@ -23,6 +23,7 @@ from symbody.tolerances import ALIGNED, ASSEMBLED, DIFFERENCE, SAME_POSITION, SH
 
 Floats = NDArray[np.float64]
 
+STARTS: Final = 24  # of a search about a guess
 NOTHING_FIXED: Final[Mapping[str, float]] = MappingProxyType({})
 # Rounding of solve_saddle on badly scaled mechanisms is far below; a broken row is of order one.
 _CONSISTENT: Final = 1e-3
@@ -127,6 +128,16 @@ class Closure:
             norm = float(np.linalg.norm(result[places]))
             result[places] = result[places] / norm if norm > 0 else np.array([1.0, 0.0, 0.0, 0.0])
         return result
+
+    def starts(self, start: Floats, fixed: Mapping[str, float], growth: float = 1.25) -> list[Floats]:
+        """Return a start and others about it, farther and farther away, the same at every call."""
+        random, free = np.random.default_rng(1), self.free(fixed)
+        starts = [start]
+        for k in range(1, STARTS):
+            q = start.copy()
+            q[free] += 0.1 * growth**k * random.standard_normal(int(free.sum())) * self.sizes[free]
+            starts.append(self.normalized(q))
+        return starts
 
     def free(self, fixed: Mapping[str, float]) -> NDArray[np.bool_]:
         """Return which coordinates may move."""

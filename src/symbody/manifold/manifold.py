@@ -89,18 +89,17 @@ class ConstraintManifold:
 
     def constraints(self, q: Floats) -> LinearConstraints:
         """Return values and derivatives of the constraints, norms of quaternions included."""
-        values, slopes = (np.asarray(part, dtype=np.float64) for part in self.evaluate(q))
-        slopes = slopes.reshape(*q.shape[:-1], self.scales.size, self.sizes.size)
-        parts, rows = [values / self.scales], [slopes * self.sizes / self.scales[:, np.newaxis]]
+        evaluated, derivatives = self.evaluate(q)
+        shape = (*q.shape[:-1], self.scales.size, self.sizes.size)
+        values: Floats = np.asarray(evaluated, dtype=np.float64) / self.scales
+        slopes: Floats = np.asarray(derivatives, dtype=np.float64).reshape(shape)
+        slopes = slopes * self.sizes / self.scales[:, np.newaxis]
         for places in map(list, self.quaternions):
             row = np.zeros((*q.shape[:-1], 1, q.shape[-1]))
             row[..., 0, places] = q[..., places]
-            parts.append(((q[..., places] ** 2).sum(axis=-1, keepdims=True) - 1.0) / 2.0)
-            rows.append(row)
-        slopes = np.concatenate(rows, axis=-2)
-        return LinearConstraints(
-            q, np.concatenate(parts, axis=-1), slopes if self.free is None else slopes[..., self.free]
-        )
+            norm = ((q[..., places] ** 2).sum(axis=-1, keepdims=True) - 1.0) / 2.0
+            values, slopes = np.concatenate([values, norm], -1), np.concatenate([slopes, row], -2)
+        return LinearConstraints(q, values, slopes if self.free is None else slopes[..., self.free])
 
     def jacobian(self, q: Floats) -> Floats:
         """Return the derivatives (m', f) of the constraints by what may move of ``q / sizes``."""

@@ -79,10 +79,10 @@ def descend(start: P, move: Callable[[P, Floats], P], step: Step = least_step) -
     """
     point, norm = start, float(np.linalg.norm(start.values))
     for _ in range(_STEPS):
-        if not _is_finite(point) or norm < EXACT:
+        if norm < EXACT or not (norm < np.inf and np.isfinite(point.slopes).all()):
             break
         direction = step(point.values, point.slopes)
-        share = min(1.0, 1.0 / max(float(np.abs(direction).max(initial=0.0)), TINY))
+        share = min(1.0, 1.0 / max(_largest(direction), TINY))
         for _ in range(_HALVINGS if norm > _POLISHED else _POLISHINGS):
             trial = move(point, share * direction)
             trial_norm = float(np.linalg.norm(trial.values))
@@ -107,18 +107,19 @@ def correct(start: P, move: Callable[[P, Floats], P], closed: float, step: Step 
     """
     point, size, residual = start, 1.0 / _SHRINKAGE, np.inf
     for _ in range(_CORRECTIONS):
-        if not _is_finite(point):
-            return None
-        before, residual = residual, float(np.abs(point.values).max(initial=0.0))
+        before, residual = residual, _largest(point.values)
         if residual <= EXACT or (residual <= closed and residual > before / _GAIN):
             return point
+        if not (residual < np.inf and np.isfinite(point.slopes).all()):
+            return None
         direction = step(point.values, point.slopes)
-        last, size = size, float(np.abs(direction).max(initial=0.0))
+        last, size = size, _largest(direction)
         if not (size <= _SHRINKAGE * last or residual <= closed):
             return None
         point = move(point, direction)
-    return point if float(np.abs(point.values).max(initial=0.0)) <= closed else None
+    return point if _largest(point.values) <= closed else None
 
 
-def _is_finite(point: Linearized) -> bool:
-    return bool(np.isfinite(point.values).all() and np.isfinite(point.slopes).all())
+def _largest(numbers: Floats) -> float:
+    """Return the largest absolute value, 0 if there is none."""
+    return float(np.abs(numbers).max(initial=0.0))

@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assemble
-from symbody.analysis.closure import Closure, closure
+from symbody.analysis.closure import STARTS, Closure, closure
 from symbody.analysis.equilibrium.continuation import continued
-from symbody.analysis.equilibrium.search import STARTS
 from symbody.analysis.equilibrium.taut_search import Candidate, TautSearch
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.linearize import linearize

@@ -24,7 +24,7 @@ from symbody.tolerances import ASSEMBLED, AT_REST, BEARING, EXACT, RANK, SHARP_R
 
 Floats = NDArray[np.float64]
 
-STARTS: Final = 24
+_GROWTH: Final = 1.2  # of the distances of starts
 # Constraints open by e have the Jacobian of a place sqrt(2 e / K) beside; K, their curvature, is of order 1.
 _BESIDE: Final = 10.0
 _SAME_CROSSING: Final = 1e-3
@@ -85,14 +85,7 @@ class Search:
 
     def starts(self) -> list[Floats]:
         """Return the guess and starts about it, the same at every call."""
-        random = np.random.default_rng(1)
-        free = self.free
-        starts = [self.start]
-        for k in range(1, STARTS):
-            moved = self.start.copy()
-            moved[free] += 0.1 * 1.2**k * random.standard_normal(int(free.sum())) * self.evaluator.sizes[free]
-            starts.append(self.evaluator.normalized(moved))
-        return starts
+        return self.evaluator.starts(self.start, dict.fromkeys(self.fixed, 0.0), _GROWTH)
 
     def newton(self, q: Floats, bearing: int | None = None) -> Rest:
         """Return where steps of least length lead; `bearing` as of `Balance.rest`."""

@@ -92,23 +92,23 @@ class Curve:
     def _has_returned(self, first: Point, last: Point, found: Point) -> bool:
         """Return whether the first point lies between two neighbours."""
         way = (found.q - last.q) / self.mechanism.sizes
-        back = self._difference(first.q, last.q)
+        back = self.difference(first.q, last.q)
         length = float(np.linalg.norm(way))
         share = float(back @ way) / max(length, TINY) ** 2
         aside = float(np.linalg.norm(back - share * way))
         return 0.0 < share <= 1.0 and aside < 0.1 * length and float(first.tangent @ found.tangent) > _TURN
 
-    def _difference(self, a: Floats, b: Floats) -> Floats:
+    def difference(self, a: Floats, b: Floats) -> Floats:
         """Return the difference of two positions in scaled coordinates, angles within half a turn."""
         apart: Floats = (a - b) / self.mechanism.sizes
         return np.where(self.mechanism.angles, np.arctan2(np.sin(apart), np.cos(apart)), apart)
 
     def holds(self, points: list[Point], q: Floats) -> bool:
         """Return whether a position lies on the curve through points."""
-        apart = self._difference(q, np.array([point.q for point in points]))
+        apart = self.difference(q, np.array([point.q for point in points]))
         near = points[int(np.abs(apart).max(axis=1).argmin())]
-        ahead = float(near.tangent @ self._difference(q, near.q))
+        ahead = float(near.tangent @ self.difference(q, near.q))
         if abs(ahead) > 2.0 * _STEP:
             return False
         end = self.beyond(near, ahead)
-        return end is not None and bool(np.abs(self._difference(q, end.q)).max() < 1e-6)
+        return end is not None and bool(np.abs(self.difference(q, end.q)).max() < 1e-6)

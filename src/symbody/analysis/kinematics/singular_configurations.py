@@ -173,8 +173,7 @@ class _Search:
 
     def same(self, one: SingularConfiguration, other: SingularConfiguration) -> bool:
         """Return whether two places are one; whole turns do not count."""
-        apart = (np.array([*one.q.values()]) - [*other.q.values()]) / self.mechanism.sizes
-        apart = np.where(self.mechanism.angles, np.arctan2(np.sin(apart), np.cos(apart)), apart)
+        apart = self.curve.difference(np.array([*one.q.values()]), np.array([*other.q.values()]))
         return bool(np.abs(apart).max() <= SAME_POSITION)
 
     def _starts(
