@@ -15,10 +15,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.accelerations import complete_state
 from symbody.analysis.closure import STARTS, Closure, closure
 from symbody.analysis.least_open import least_open
-from symbody.analysis.named_values import checked_mappings, checked_pairs, named_values
-from symbody.analysis.quaternions import unit_quaternions
+from symbody.analysis.named_values import checked_mappings, checked_pairs, named_values, unit_quaternions
 from symbody.analysis.ranges import (
     Ranges,
     checked_ranges,
@@ -141,7 +141,7 @@ def assemble_taut(
     guessed = {name: value for name, value in near.items() if name not in positions and name not in rates}
     u = consistent_speeds(evaluator, q, rates, guessed)
     others = partial(_other_states, evaluator, start, positions, q, within, rates, guessed)
-    return evaluator.state(q, u, start, guessed, others)
+    return complete_state(evaluator, q, u, start, guessed, others)
 
 
 def _other_states(
@@ -155,7 +155,8 @@ def _other_states(
 ) -> list[State]:
     attempts = _further_assemblies(evaluator, start, fixed, q, ranges)
     return [
-        evaluator.state(b.q, consistent_speeds(evaluator, b.q, rates, guess), start, guess) for b in attempts
+        complete_state(evaluator, b.q, consistent_speeds(evaluator, b.q, rates, guess), start, guess)
+        for b in attempts
     ]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Final
@@ -11,30 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.scales import Scales, mechanism_scales
-from symbody.analysis.state import State
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
-from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import AssemblyError, Problem, SimulationError
+from symbody.errors import AssemblyError, Problem
 from symbody.manifold import ConstraintManifold, rank
 from symbody.single_flight import SingleFlight
-from symbody.tolerances import ALIGNED, ASSEMBLED, DIFFERENCE, SAME_POSITION, SHARP_RANK, TINY
+from symbody.tolerances import ALIGNED, ASSEMBLED, DIFFERENCE, SAME_POSITION, SHARP_RANK
 
 Floats = NDArray[np.float64]
 
 STARTS: Final = 24  # of a search about a guess
 NOTHING_FIXED: Final[Mapping[str, float]] = MappingProxyType({})
-# Rounding of solve_saddle on badly scaled mechanisms is far below; a broken row is of order one.
-_CONSISTENT: Final = 1e-3
-_SINGULAR: Final = Problem(
-    "assembly.singular", "configuration", "the accelerations do not exist here",
-    "it is a singular position, such as a flat parallelogram's, with velocities that no motion through it "
-    "has", "start beside this position, or give other velocities",
-)  # fmt: skip
-# Rates closer to their guess are that up to the rounding of a least squares solution.
-_CHANGED: Final = 1e-9
-_STAYED: Final = 1e-12  # of the size of a coordinate
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,7 +54,7 @@ class Closure:
     angles: frozenset[str] = frozenset()
     mechanism: Scales = Scales()
     # Functions compiled so far; they follow from the fields above.
-    _functions: SingleFlight[str | tuple[str, ...], CompiledFunction] = field(
+    functions: SingleFlight[str | tuple[str, ...], CompiledFunction] = field(
         default_factory=SingleFlight, repr=False
     )
     _quaternions: SingleFlight[None, list[list[int]]] = field(default_factory=SingleFlight, repr=False)
@@ -106,7 +94,7 @@ class Closure:
             sequence = form_sequence(self.eqs, outputs, self.parameters, (), inputs)
             return CompiledFunction(*sequence, quick=True)
 
-        return self._functions.get(key, compile_outputs)
+        return self.functions.get(key, compile_outputs)
 
     def parted(self, values: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
         """Return the values of positions, and those of velocities."""
@@ -226,85 +214,6 @@ class Closure:
         ordered = sorted(gaps, key=lambda name: -round(gaps[name][0] / scale + gaps[name][1], 6))
         return {name: (gaps[name][0], float(np.arcsin(min(gaps[name][1], 1.0)))) for name in ordered}
 
-    def state(
-        self,
-        q: Floats,
-        u: Floats,
-        start: Floats,
-        guess: Mapping[str, float],
-        others: Callable[[], Iterable[State]] = tuple,
-    ) -> State:
-        """Return the state with its accelerations and multipliers; `guess` has the rates guessed."""
-        eqs = self.eqs
-        solved = self._accelerations(q, u)
-        sizes = self.speed_sizes
-        if not (
-            _have_accelerations(u, solved, sizes, 0.0)
-            or _have_accelerations(u, solved, sizes, self._free_acceleration(q, u))
-        ):
-            raise AssemblyError(_SINGULAR)
-        phi = self.constraints(self.t, q, u).constraints
-        places = zip(eqs.coordinate_names, q - start, self.sizes, strict=True)
-        moved = {name: float(d) for name, d, size in places if abs(d) > _STAYED * size}
-        moved |= self._changed_rates(q, u, guess)
-        return State(
-            eqs,
-            dict(zip(eqs.coordinate_names, q.tolist(), strict=True)),
-            dict(zip(eqs.speed_names, u.tolist(), strict=True)),
-            dict(zip(eqs.acceleration_names, solved.udot.tolist(), strict=True)),
-            dict(zip(eqs.multiplier_names, np.ravel(solved[1]).tolist(), strict=True)),
-            float(np.abs(phi).max(initial=0.0)),
-            moved,
-            self.t,
-            self.parameters,
-            self.inputs,
-            others,
-            _functions=self._functions,
-            _dependent=_count_dependent(solved.jacobian),
-        )
-
-    def _accelerations(self, q: Floats, u: Floats) -> Any:
-        """Return accelerations, multipliers, J and gamma.
-
-        Raises
-        ------
-        SimulationError
-            If no mass resists some motion, naming its coordinates.
-        """
-        try:
-            return self.function(("udot", "lambda", "jacobian", "gamma"))(self.t, q, u)
-        except SimulationError as error:
-            eqs = self.eqs
-            places = massless_speeds(*self.function(("mass_matrix", "jacobian"))(self.t, q, u))
-            if not places:
-                raise
-            names = [eqs.speed_names[k] for k in places]
-            raise SimulationError(
-                massless_problem("numerics.singular_mass", names, eqs.coordinate_names)
-            ) from error
-
-    def _free_acceleration(self, q: Floats, u: Floats) -> float:
-        """Return the largest acceleration that the forces would give without constraints, over its size."""
-        solved, sizes = self.function(("mass_matrix", "forcing"))(self.t, q, u), self.speed_sizes
-        mass = solved.mass_matrix * np.outer(sizes, sizes)
-        free = np.linalg.lstsq(mass, solved.forcing * sizes, rcond=None)[0]
-        return float(np.abs(free).max(initial=0.0))
-
-    def _changed_rates(self, q: Floats, u: Floats, guess: Mapping[str, float]) -> dict[str, float]:
-        """Return by how much speeds, and rates of coordinates, differ from what was guessed for them."""
-        eqs = self.eqs
-        rates = dict(zip(eqs.speed_names, u.tolist(), strict=True))
-        names = [f"{name}_dot" for name in eqs.coordinate_names]
-        if any(name in guess and name not in rates for name in names):
-            qdot = self.function("qdot")(self.t, q, u).tolist()
-            rates = dict(zip(names, qdot, strict=True)) | rates
-        for name in self.parted(guess)[1]:  # of cut joints
-            if name not in rates:
-                rates[name] = float(self.function(name)(self.t, q, u))
-        scale = max(map(abs, [*rates.values(), *guess.values()]), default=0.0)
-        changes = {name: rates[name] - value for name, value in guess.items() if name in rates}
-        return {name: change for name, change in changes.items() if abs(change) > _CHANGED * scale}
-
     def quaternions(self) -> list[list[int]]:
         """Return the places of each quaternion in q."""
         names = self.eqs.coordinate_names
@@ -365,34 +274,3 @@ def closure(
         angles,
         mechanism,
     )
-
-
-def _have_accelerations(u: Floats, solved: Any, sizes: Floats, held: float) -> bool:
-    """Return whether accelerations fulfil ``J u' = gamma``, which has no solution at some singular positions.
-
-    Parameters
-    ----------
-    sizes : (n_u,) array
-        What counts as a large displacement along each speed.
-    held : float
-        Accelerations, over their sizes, that constraints keep from happening: what is left of them is
-        rounding.
-    """
-    udot, jacobian, gamma = solved.udot / sizes, solved.jacobian * sizes, solved.gamma
-    slopes = np.abs(jacobian).max(axis=1, initial=0.0)
-    # gamma is quadratic in u; where all its terms cancel, that is what they are small against.
-    fastest = float(np.abs(u / sizes).max(initial=0.0))
-    largest = slopes * (fastest * fastest)  # infinite rather than a fault
-    terms = np.abs(jacobian) @ np.abs(udot) + np.abs(gamma) + largest
-    # A row whose accelerations vanish holds nothing but the rounding of the others, and of the velocities
-    # that cancel in its gamma: at a change point nothing else may be left of the row itself.
-    eps = udot.size * np.finfo(float).eps
-    rounding = slopes * eps * max(held, float(np.abs(udot).max(initial=0.0)))
-    rounding = rounding + eps * float(largest.max(initial=0.0))
-    apart: Floats = np.abs(jacobian @ udot - gamma)
-    return not (apart > _CONSISTENT * terms + rounding + TINY).any()
-
-
-def _count_dependent(rows: Floats) -> int:
-    """Return how many rows follow from the others; those of zeros are not among them."""
-    return int(np.abs(rows).max(axis=1, initial=0.0).astype(bool).sum()) - rank(rows)

@@ -16,6 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.accelerations import complete_state
 from symbody.analysis.closure import Closure, closure
 from symbody.analysis.ropes import AT_LENGTH, slackness, with_taut
 from symbody.analysis.state import State
@@ -97,7 +98,7 @@ class _ModeSearch:
         held = self._equations(modes)
         evaluator = closure(held, self.state.parameters, self.state.inputs, self.state.t)
         try:
-            state = evaluator.state(self.q, self.u, self.q, {})
+            state = complete_state(evaluator, self.q, self.u, self.q, {})
         except (AssemblyError, SimulationError):
             return None
         scales = self._scales(evaluator, state)

@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.accelerations import complete_state
 from symbody.analysis.closure import Closure, closure
 from symbody.analysis.state import State
 from symbody.analysis.velocities import consistent_speeds
@@ -171,7 +172,7 @@ class _Speeds:
         taut = [name for name in near if abs(apart[name]) <= AT_REST]
         while True:
             evaluator = self.closed(with_taut(self.eqs, taut))
-            result = evaluator.state(self.q, u, self.q, self._guessed_rates(evaluator))
+            result = complete_state(evaluator, self.q, u, self.q, self._guessed_rates(evaluator))
             pushes = {name: -float(result[f"rope_tension {name}"]) for name in taut}
             worst = max(pushes, key=lambda name: pushes[name], default="")
             if not worst or pushes[worst] <= 0.0:

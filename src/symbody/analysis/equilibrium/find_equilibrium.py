@@ -10,9 +10,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.accelerations import complete_state
 from symbody.analysis.assembly import assemble
 from symbody.analysis.closure import STARTS, Closure, closure
-from symbody.analysis.equilibrium.continuation import continued
+from symbody.analysis.equilibrium.search import continued
 from symbody.analysis.equilibrium.taut_search import Candidate, TautSearch
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.linearize import linearize
@@ -207,7 +208,7 @@ def _state(candidate: Candidate, unknowns: Sequence[str]) -> Equilibrium:
         evaluator = closure(
             eqs, evaluator.parameters, {**evaluator.inputs, **held}, evaluator.t, evaluator.mechanism
         )
-    state = evaluator.state(rest.q, np.zeros(len(eqs.speed_names)), search.start, {})
+    state = complete_state(evaluator, rest.q, np.zeros(len(eqs.speed_names)), search.start, {})
     further = continued(search, rest)
     notes = [*evaluator.mechanism.notes(eqs), *further.notes, *candidate.notes]
     if search.balance.timed:
@@ -226,7 +227,7 @@ def _friction_equilibrium(searches: TautSearch) -> Equilibrium | None:
         return None
     still = np.zeros(len(eqs.speed_names))
     try:
-        sides = settled(eqs, evaluator.state(search.start, still, search.start, {}))
+        sides = settled(eqs, complete_state(evaluator, search.start, still, search.start, {}))
     except (AssemblyError, SimulationError):
         return None
     left = np.asarray(sides.state["mass_matrix"]) @ list(sides.state.udot.values()) * evaluator.speed_sizes

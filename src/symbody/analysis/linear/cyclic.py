@@ -10,19 +10,28 @@ of inertia; there the state is moved along, closed again, and its linear equatio
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.linear.absence import is_absent
 from symbody.analysis.linear.independence import Selection
 from symbody.analysis.linear.matrices import Matrices
 from symbody.analysis.linear.orbits import PLACES, Orbit, Place, natural_rate, not_cyclic, symbol_node
 from symbody.analysis.linear.slopes import SlopeFunction
 from symbody.errors import AssemblyError
+from symbody.expr.calculus import forward
+from symbody.expr.canonical import ONE, ZERO
+from symbody.expr.fingerprint import vanishing
+from symbody.expr.graph import Graph
+from symbody.expr.opcodes import EQ, FLOOR, LE, LT, PICK, SADDLE, SIGN
+from symbody.expr.program import unrolled
+from symbody.expr.rewrite import symbols_of
 from symbody.tolerances import ASSEMBLED
 
 Floats = NDArray[np.float64]
+# What a coordinate can decide although derivatives by it are 0.
+_STEPS: Final = frozenset({LT, LE, EQ, SIGN, FLOOR})
 
 
 def check_cyclic(
@@ -141,3 +150,31 @@ def _bounds(orbit: Orbit, start: Place, here: Place) -> Matrices:
         close * D + noise * D.max(axis=0, initial=0.0),
         affine,
     )
+
+
+def is_absent(graph: Graph, roots: Sequence[int], symbol: int) -> bool:
+    """Return whether nothing in `roots` changes with a symbol.
+
+    True is certain. Systems of equations are compared by their coefficients, so that False may also mean
+    that these change and their solution does not.
+    """
+    if symbol not in symbols_of(graph, roots):
+        return True
+    roots = unrolled(graph, roots)
+    derivatives = {symbol: ONE}
+    for operands, results in _stages(graph, roots):
+        if not all(vanishing(graph, forward(graph, operands, derivatives))):
+            return False
+        derivatives.update(dict.fromkeys(results, ZERO))
+    return all(vanishing(graph, forward(graph, roots, derivatives)))
+
+
+def _stages(graph: Graph, roots: Sequence[int]) -> Iterator[tuple[tuple[int, ...], list[int]]]:
+    """Return what systems of equations and steps are made of, in order, and the nodes that follow from it."""
+    for node in graph.reachable(roots):
+        op = graph.ops[node]
+        if op == SADDLE:
+            kernel = graph.kernels[graph.right[node]]
+            yield graph.operands(node), [graph.node(PICK, node, k) for k in range(kernel.n + kernel.m)]
+        elif op in _STEPS:
+            yield graph.operands(node), [node]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -10,24 +10,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
-from symbody.analysis.linear.kinks import Switch, kink_notes, switches
 from symbody.analysis.scales import Scales
 from symbody.analysis.state import State
 from symbody.codegen.compile import Value, constant_values, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
+from symbody.expr.canonical import sub
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME, Kind
 from symbody.expr.language.formula import Formula
+from symbody.expr.opcodes import ABS, EQ, LE, LT, MAX, MIN, NAMES, SIGN
+from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Roots
+from symbody.tolerances import ASSEMBLED
 
 Floats = NDArray[np.float64]
 
 _BY_STATE: Final = "linear slopes by states"
 _BY_INPUT: Final = "linear slopes by inputs"
 _KINKS: Final = "linear kinks"
+Switch = tuple[str, int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -208,3 +212,44 @@ def _scalars(shown: Sequence[Roots]) -> tuple[str, ...]:
             places = np.ndindex(*roots.shape)
             names += [f"{roots.name}[{','.join(str(k) for k in place)}]" for place in places]
     return tuple(names)
+
+
+def switches(eqs: EquationSet, nodes: Sequence[int]) -> tuple[Switch, ...]:
+    """Return what has another derivative on either side, with the node that is zero between both."""
+    first: dict[int, str] = {}
+    for what, node in _switches(eqs, nodes):
+        first.setdefault(node, what)
+    return tuple((what, node) for node, what in first.items())
+
+
+def _switches(eqs: EquationSet, nodes: Sequence[int]) -> Iterator[Switch]:
+    for law in eqs.formed.friction:
+        if law.switches:
+            yield f"the friction of joint {law.joint.name}", law.rate.index
+    graph = eqs.formed.graph
+    for node in graph.reachable(nodes):
+        op, a, b = graph.ops[node], graph.left[node], graph.right[node]
+        if op in (ABS, SIGN) and symbols_of(graph, [a]):
+            yield NAMES[op], a
+        elif op in (MIN, MAX, LT, LE, EQ) and symbols_of(graph, [a, b]):
+            yield NAMES[op], sub(graph, a, b)
+
+
+def kink_notes(
+    eqs: EquationSet,
+    listed: Sequence[Switch],
+    values: NDArray[np.float64],
+    beside: NDArray[np.float64],
+) -> tuple[str, ...]:
+    """Return what should be known of derivatives at a state, where switches have `values`.
+
+    `beside` are their values at a state as far away as the mechanism is large.
+    """
+    changes = np.abs(np.asarray(beside) - values)
+    is_zero = np.abs(values) <= ASSEMBLED * np.where(np.isfinite(changes), changes, 1.0)
+    here = [switch for switch, yes in zip(listed, is_zero, strict=True) if yes]
+    return tuple(
+        f"{what} changes over at this state, where {to_text(eqs.formed.graph, node)} = 0: the matrices hold "
+        "on one side of it at most; a smooth law, such as friction with v0, holds on both"
+        for what, node in here
+    )

@@ -25,10 +25,9 @@ from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, UsageError, nearest
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
 from symbody.simulation.inputs.tables import Table
-from symbody.simulation.inverse.influence import influence
 from symbody.simulation.inverse.motion_laws import Motion, motion_laws
 from symbody.simulation.inverse.path import Samples, path_of
-from symbody.simulation.inverse.unknowns import Unknowns
+from symbody.simulation.inverse.unknowns import Unknowns, influence
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.provenance import provenance_of
 from symbody.simulation.results.trajectory import Trajectory

@@ -7,7 +7,7 @@ The columns of Z are the motions that the constraints allow, so multipliers drop
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -15,8 +15,12 @@ from numpy.typing import NDArray
 
 from symbody.codegen.compile import form_sequence
 from symbody.codegen.function import CompiledFunction
+from symbody.equations.dynamics.projection import Projection
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import Problem, SimulationError
+from symbody.errors import Problem, SimulationError, UsageError
+from symbody.expr.calculus import derivative
+from symbody.expr.expression import Expr
+from symbody.expr.rewrite import symbols_of
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inverse.path import Path, Samples
 from symbody.tolerances import AT_REST, BEARING, CANCELLED, DIFFERENCE, TINY
@@ -195,3 +199,38 @@ def _least_inputs(matrix: Floats, right: Floats) -> tuple[Floats, bool]:
         return np.zeros(matrix.shape[1]), bool(matrix.shape[1])
     solution = np.linalg.lstsq(matrix, right, rcond=BEARING)
     return np.asarray(solution[0], dtype=np.float64), bool(solution[2] < matrix.shape[1])
+
+
+def influence(eqs: EquationSet, unknowns: Sequence[str]) -> tuple[EquationSet, ...]:
+    """Return equations whose forcing is one column of B each, in the order of `unknowns`.
+
+    Raises
+    ------
+    UsageError
+        If an unknown enters otherwise than in first degree, naming it and where.
+    """
+    formed, graph = eqs.formed, eqs.formed.graph
+    forcing = [force.index for force in formed.projection.forcing]
+    asked = {formed.names.value(name).index: name for name in unknowns}
+    columns = [derivative(graph, forcing, node) for node in asked]
+    problems = []
+    for name, column in zip(unknowns, columns, strict=True):
+        left = {asked[node] for node in symbols_of(graph, column) if node in asked}
+        if left:
+            places = [eqs.speed_names[k] for k, x in enumerate(column) if not asked.keys().isdisjoint(
+                symbols_of(graph, [x]))]  # fmt: skip
+            problems.append(
+                Problem("inverse.not_affine", f"unknown {name}",
+                        f"{name} enters the equation of {', '.join(places)} in higher degree",
+                        f"its coefficient depends on {', '.join(sorted(left))}",
+                        "take the force or torque itself as the input, and find afterwards what makes it")
+            )  # fmt: skip
+    if problems:
+        raise UsageError(*problems)
+    mass = formed.projection.mass_matrix
+    equations = []
+    for column in columns:
+        shares = tuple(Expr(graph, node) for node in column)
+        plain = replace(formed, projection=Projection(mass, shares), friction=())
+        equations.append(EquationSet(eqs.model, plain.with_rows(formed.rows), eqs.notes))
+    return tuple(equations)

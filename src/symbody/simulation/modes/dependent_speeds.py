@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from symbody.analysis.dependent_speeds import CURE, pivot_groups
 from symbody.analysis.state import State
+from symbody.analysis.velocities import CURE, pivot_groups
 from symbody.simulation.events.events import Event
 from symbody.simulation.events.watching import EventWatch
 from symbody.simulation.native.run import RawRun
