@@ -57,7 +57,7 @@ def assembled_with_ropes(
     positions, rates = closed(eqs).parted(fixed)
     state = _place(eqs, positions, attempt)
     search = _Speeds(eqs, np.array([*state.q.values()]), rates, guess, closed)
-    complete = search.found(state)
+    complete = search.solve(state)
     places = {name: change for name, change in state.moved.items() if name in complete.q}
     return replace(complete, moved=places | dict(complete.moved))
 
@@ -165,7 +165,7 @@ class _Speeds:
     guess: Mapping[str, float]
     closed: Callable[[EquationSet], Closure]
 
-    def found(self, state: State) -> State:
+    def solve(self, state: State) -> State:
         """Return the state with speeds and accelerations; the ropes that pull are its constraints."""
         near = [name for name in ropes(self.eqs.formed) if not _is_slack(state, name)]
         u, apart = self._speeds(near)

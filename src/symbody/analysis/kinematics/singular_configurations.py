@@ -112,7 +112,7 @@ def singular_configurations(
     search = _search(ratios, over, dict(parameters or {}), first, scales)
     configurations: list[SingularConfiguration] = []
     for points in search.curves(guess, parameters, scales):
-        for one in search.on(points):
+        for one in search.find_on_curve(points):
             if not any(search.same(one, other) for other in configurations):
                 configurations.append(one)
     return tuple(
@@ -153,7 +153,7 @@ class _Search:
             traced.append(points)
             yield points
 
-    def on(self, points: list[Point]) -> Iterator[SingularConfiguration]:
+    def find_on_curve(self, points: list[Point]) -> Iterator[SingularConfiguration]:
         """Return the singular configurations on a curve."""
         values = [self.determinant(point.q) for point in points]
         largest = max(map(abs, values))

@@ -262,11 +262,11 @@ def _laws(values: Mapping[str, Floats]) -> dict[str, Law]:
     def law(x: Floats) -> Law:
         places = np.arange(x.size)
 
-        def at(s: float) -> tuple[float, float, float]:
+        def evaluate(s: float) -> tuple[float, float, float]:
             k = min(int(s), x.size - 2)
             slope = float(x[k + 1] - x[k]) if x.size > 1 else 0.0
             return float(np.interp(s, places, x)), slope, 0.0
 
-        return at
+        return evaluate
 
     return {name: law(x) for name, x in values.items()}

@@ -59,7 +59,7 @@ class Path:
             if k:
                 reached, q = self.follower.reached(float(times[k - 1]), q, t)
                 if reached != t:
-                    raise SimulationError(self._out_of_reach(reached, t, q))
+                    raise SimulationError(self._reach_problem(reached, t, q))
             u, udot = self.motion(t, q)
             states.append((q, u, udot))
         columns = [np.array([one[k] for one in states]).T for k in range(3)]
@@ -124,7 +124,7 @@ class Path:
         return Problem("inverse.freedoms_left", "motion",
                        f"at t = {t:.9g} s {count} {word} left: {', '.join(speeds)}", why, fix)  # fmt: skip
 
-    def _out_of_reach(self, reached: float, t: float, q: Floats) -> Problem:
+    def _reach_problem(self, reached: float, t: float, q: Floats) -> Problem:
         """Say where the motion ends, and at which joint."""
         joint = self.follower.stuck(reached, q)
         coordinates = dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))

@@ -162,9 +162,9 @@ class Unknowns:
             left = basis.T @ missing[k]
             if np.abs(left).max(initial=0.0) <= _HELD * size[k]:
                 continue
-            raise SimulationError(self._underactuated(samples, k, basis, left, slopes[k]))
+            raise SimulationError(self._underactuated_problem(samples, k, basis, left, slopes[k]))
 
-    def _underactuated(
+    def _underactuated_problem(
         self, samples: Samples, k: int, basis: Floats, left: Floats, slopes: Floats
     ) -> Problem:
         follower, t = self.path.follower, float(samples.t[k])
