@@ -118,7 +118,7 @@ def _have_accelerations(u: Floats, solved: Any, sizes: Floats, held: float) -> b
     Parameters
     ----------
     sizes : (n_u,) array
-        What counts as a large displacement along each speed.
+        Size of displacements along each speed.
     held : float
         Accelerations, over their sizes, that constraints keep from happening: what is left of them is
         rounding.
@@ -139,5 +139,5 @@ def _have_accelerations(u: Floats, solved: Any, sizes: Floats, held: float) -> b
 
 
 def _count_dependent(rows: Floats) -> int:
-    """Return how many rows follow from the others; those of zeros are not among them."""
+    """Return the number of rows that follow from the others, without those of zeros."""
     return int(np.abs(rows).max(axis=1, initial=0.0).astype(bool).sum()) - rank(rows)

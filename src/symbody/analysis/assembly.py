@@ -79,8 +79,8 @@ def assemble(
         Positions that must lie between these; angles are turned by whole turns into their ranges. Starts
         are spread over the ranges too.
     scales : mapping of "length", "time", "mass" to float, optional
-        What counts as large [m, s, kg]; by default it follows from the model. Constraints are closed to 1e-9
-        of the length, or rad.
+        Sizes of the mechanism [m, s, kg]; by default they follow from the model. Constraints are closed to
+        1e-9 of the length, or rad.
 
     Ropes are closed where the guess would have them longer than they are, and where their ends would move
     apart although they are taut, unless fixed speeds demand that; those that are shorter are left alone.
@@ -229,7 +229,7 @@ def _find_assembly(
 
 
 def _restrict_to_ranges(evaluator: Closure, attempt: Configuration, ranges: Ranges) -> Configuration:
-    """Return where Newton's method ended, with angles in their ranges; not closed outside of these."""
+    """Return an end of Newton's method with angles in their ranges; not closed outside of these."""
     if not attempt.is_closed or not ranges:
         return attempt
     q = into_ranges(evaluator, attempt.q, ranges)
@@ -244,7 +244,7 @@ def _starts(
 
 
 def _newton(evaluator: Closure, q: Floats, fixed: Mapping[str, float]) -> Configuration:
-    """Return where steps of least length lead."""
+    """Return the end of steps of least length."""
     return evaluator.manifold(fixed).project(q, least_step)
 
 

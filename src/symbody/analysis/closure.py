@@ -32,11 +32,11 @@ class Closure:
     Attributes
     ----------
     sizes : (n_q,) array
-        What counts as a large change of each coordinate: 1 rad, or the size of the mechanism [m].
+        Size of changes of each coordinate: 1 rad, or the size of the mechanism [m].
     speed_sizes : (n_u,) array
-        What counts as a large displacement along each speed: 1 rad, or the size of the mechanism.
+        Size of displacements along each speed: 1 rad, or the size of the mechanism.
     scales : (n_h,) array
-        What the constraints are measured by: the size of the mechanism for lengths, 1 for angles.
+        Size of the constraints: that of the mechanism for lengths, 1 for angles.
     angles : frozenset of str
         Names of angles.
     mechanism : Scales
@@ -128,7 +128,7 @@ class Closure:
         return starts
 
     def free(self, fixed: Mapping[str, float]) -> NDArray[np.bool_]:
-        """Return which coordinates may move."""
+        """Return a mask of the coordinates that may move."""
         return np.array([name not in fixed for name in self.eqs.coordinate_names], dtype=np.bool_)
 
     def velocity_rows(self, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, Floats]:
@@ -229,7 +229,7 @@ class Closure:
         return float(np.arctan2(np.sin(a - b), np.cos(a - b))) if self._is_angle(name) else a - b
 
     def _measured_size(self, name: str) -> float:
-        """Return what counts as a large change of a coordinate of a cut joint."""
+        """Return the size of changes of a coordinate of a cut joint."""
         return self.mechanism.length if self.eqs.units.get(name) == "m" else 1.0
 
     def measured(self, name: str, q: Floats) -> float:

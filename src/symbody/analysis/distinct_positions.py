@@ -54,7 +54,7 @@ class Formulas:
     values : mapping of name to float
         Of parameters, about which values are drawn.
     length : float or None
-        What counts as a large length [m]; None: the largest of the values drawn that are no angles.
+        Size of lengths [m]; None: the largest of the values drawn that are not angles.
     """
 
     graph: Graph
@@ -68,7 +68,7 @@ class Formulas:
 
 
 def distinct(formulas: Formulas) -> list[int]:
-    """Return which solutions give poses that no earlier ones give, in their order."""
+    """Return the places of solutions with poses that no earlier ones give."""
     kept = list(range(len(formulas.solutions)))
     if len(kept) < 2:
         return kept
@@ -189,7 +189,7 @@ class _Samples:
         return _Pose(np.ravel(place), min(max(radius, _NEAREST), _FARTHEST))
 
     def _length(self, drawn: Floats) -> float:
-        """Return what counts as a large length."""
+        """Return the size of lengths."""
         if self._formulas.length is not None:
             return self._formulas.length
         lengths = [drawn[self._places[node]] for node in self._known if node not in self._formulas.angles]

@@ -186,7 +186,7 @@ def _is_singular(matrix: Floats) -> bool:
 
 
 def _singular(form: IndexOneForm, matrix: Floats) -> NoReturn:
-    """Say which unknowns the equations leave open."""
+    """Raise an error that names the unknowns the equations leave open."""
     batch = np.reshape(matrix, (-1, *matrix.shape[-2:]))
     finite = [one for one in batch if np.isfinite(one).all()]
     worst = min(finite, key=lambda one: float(np.linalg.svd(one, compute_uv=False)[-1]), default=None)

@@ -36,7 +36,7 @@ _MOST_TRIED: Final = 81  # modes of four joints at rest
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sides:
-    """What one-sided elements do at a state.
+    """The modes of ropes and dry joints at a state.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Sides:
     state : State
         With their accelerations and multipliers.
     notes : tuple of str
-        What each element does.
+        The mode of each element.
     edges : tuple of str
         Elements that could do either: what holds on one side of the state does not hold on the other.
     """
@@ -57,7 +57,7 @@ class Sides:
 
 
 def settled(eqs: EquationSet, state: State) -> Sides:
-    """Return what ropes and dry joints do at a state of these equations."""
+    """Return the modes of ropes and dry joints at a state of these equations."""
     search = _search(eqs, state)
     if all(ways == (None,) for ways in search.ways.values()):
         return Sides(eqs, state)
@@ -124,7 +124,7 @@ class _ModeSearch:
         return EquationSet(held.model, in_modes(held.formed, joints), held.notes) if joints else held
 
     def _surplus(self, state: State, name: str, mode: int) -> tuple[float, str]:
-        """Return what is positive where a mode holds, and what the element does in words."""
+        """Return a number that is positive where a mode holds, and the mode in a sentence."""
         if mode == _TAUT:
             pull = float(state[f"rope_tension {name}"])
             return pull, f"rope {name} is taut with {pull + 0.0:.6g} N: it constrains small deviations"
@@ -141,7 +141,7 @@ class _ModeSearch:
         return mode * float(state[f"{coordinate}_ddot"]), f"joint {name} begins to slip {way}"
 
     def unit(self, name: str) -> float:
-        """Return what counts as a large displacement of an element: a length, or 1 for an angle."""
+        """Return the size of displacements of an element: a length, or 1 for an angle."""
         slides = name in self.ropes or self.eqs.units.get(self.coordinate(name)) == "m"
         return self.length if slides else 1.0
 

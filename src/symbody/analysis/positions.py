@@ -49,7 +49,7 @@ class PositionSolver:
 
 
 def position_solver(eqs: EquationSet) -> PositionSolver:
-    """Return what closes the loops of a mechanism.
+    """Return a solver that closes the loops of a mechanism.
 
     Raises
     ------

@@ -32,7 +32,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Redundancy:
-    """What the constraints of a mechanism amount to.
+    """The independent and the redundant constraints of a mechanism.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Redundancy:
     instantaneous : int or None
         Independent speeds at the guess itself, where these are not as many.
     notes : tuple of str
-        Where the two counts differ, where branches of several dimensions meet, and what stays undecided;
+        Where the two counts differ, where branches of several dimensions meet, and undecided counts; also
         ropes that are taken as taut.
     undetermined : tuple of str
         Outputs that do not follow from the motion: components of reactions, "reaction J Fz", and efforts that
@@ -65,7 +65,7 @@ def redundancy(
     parameters: Mapping[str, Value] | None = None,
     guess: Mapping[str, Value] | None = None,
 ) -> Redundancy:
-    """Return which constraints are independent for these values of the parameters.
+    """Return the independent and the redundant constraints for values of the parameters.
 
     Parameters
     ----------

@@ -100,7 +100,7 @@ def equations_at(
 
 
 def rope_assumptions(eqs: EquationSet) -> tuple[str, ...]:
-    """Return what an analysis of all configurations assumes of ropes."""
+    """Return notes on the ropes that an analysis of all configurations takes as taut."""
     rows = {row.element for row in eqs.formed.rows}
     return tuple(f"rope {name} is taken as taut" for name in ropes(eqs.formed) if name in rows)
 

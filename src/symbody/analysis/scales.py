@@ -40,7 +40,7 @@ _UNITS: Final = {"length": "m", "time": "s", "mass": "kg"}
 
 @dataclass(frozen=True, slots=True)
 class Scales:
-    """What counts as large in a mechanism.
+    """The sizes of a mechanism.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Scales:
     mass : float
         The largest mass of a body [kg], or moment of inertia over the square of the length; 1 without any.
     equations : mapping of name to float
-        What a constraint is measured by, by the name of its multiplier, if it has a unit of its own.
+        Size of a constraint with a unit of its own, by the name of its multiplier.
     has_length, has_time : bool
         Whether these were given or found in the model.
     """
@@ -66,21 +66,21 @@ class Scales:
 
     @property
     def energy(self) -> float:
-        """What counts as a large energy [J]."""
+        """Size of energies [J]."""
         return self.mass * (self.length / self.time) ** 2
 
     def coordinates(self, eqs: EquationSet) -> Floats:
-        """Return what counts as a large change of each coordinate (n_q,): 1 rad, or the length."""
+        """Return the sizes of the coordinates (n_q,): 1 rad, or the length."""
         units = eqs.units
         return np.array([self.length if units.get(name) == "m" else 1.0 for name in eqs.coordinate_names])
 
     def displacements(self, eqs: EquationSet) -> Floats:
-        """Return what counts as a large displacement along each speed (n_u,): 1 rad, or the length."""
+        """Return the sizes of displacements along the speeds (n_u,): 1 rad, or the length."""
         units = eqs.units
         return np.array([self.length if units.get(name) == "m/s" else 1.0 for name in eqs.speed_names])
 
     def constraints(self, eqs: EquationSet) -> Floats:
-        """Return what each constraint is measured by (n_c,): the length, or 1 for angles.
+        """Return the sizes of the constraints (n_c,): the length, or 1 for angles.
 
         Those on positions come first, as in ``eqs.formed.holonomic``.
         """
@@ -108,7 +108,7 @@ class Scales:
         return self if self.has_time or span == 0.0 else replace(self, time=TIME_OF_SPAN * span)
 
     def notes(self, eqs: EquationSet, atol: float | None = None) -> tuple[str, ...]:
-        """Return what was assumed, if it matters: not where an absolute tolerance was given."""
+        """Return notes on assumptions that matter: none where an absolute tolerance was given."""
         if (
             atol is not None
             or self.has_length
@@ -214,7 +214,7 @@ def geometry(eqs: EquationSet) -> dict[str, Value]:
 
 
 def are_lengths(eqs: EquationSet) -> list[bool]:
-    """Return which constraints are measured in lengths; the others are angles."""
+    """Return a mask of the constraints that are lengths; the others are angles."""
     units = eqs.units
     return [
         not row.force.is_zero or units.get(row.coordinate) == "m" or units.get(row.name) == "N"
@@ -247,7 +247,7 @@ def _mass(eqs: EquationSet, parameters: Mapping[str, Value], length: float) -> f
 
 
 def _equations(eqs: EquationSet, parameters: Mapping[str, Value], scales: Scales) -> dict[str, float]:
-    """Return what each constraint of a unit of its own changes by in motions as large as the mechanism.
+    """Return the change of each constraint with a unit of its own in motions as large as the mechanism.
 
     That is the largest of its derivatives times the displacements, at `pose_share` of the sizes.
     """

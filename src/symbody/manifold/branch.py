@@ -89,7 +89,7 @@ class _BranchSearch:
     random: np.random.Generator = field(default_factory=lambda: np.random.default_rng(1))
 
     def tangent_ends(self, q: Floats, basis: Floats) -> list[Floats] | None:
-        """Return where moves along random tangents end; None if one of them leaves its tangent."""
+        """Return the ends of moves along random tangents; None if one of them leaves its tangent."""
         ends: list[Floats] = []
         if not basis.shape[1]:
             return ends

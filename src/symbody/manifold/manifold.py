@@ -65,16 +65,16 @@ class ConstraintManifold:
     evaluate : callable
         From q (.., n) to the values (.., m) of the constraints and their derivatives (.., m, n), row by row.
     sizes : (n,) array
-        What counts as one for each coordinate.
+        Size of each coordinate.
     scales : (m,) array
-        What counts as one for each constraint.
+        Size of each constraint.
     quaternions : sequence of four places
         Coordinates that are components of unit quaternions.
     admits : callable
         Whether a configuration on which all constraints hold is one of the mechanism: the equations of a
         hinge hold with opposite axes, too.
     free : (n,) array of bool or None
-        Which coordinates may move; None: all.
+        Mask of the coordinates that may move; None: all.
     closed : float
         The largest residual of constraints that hold.
     """

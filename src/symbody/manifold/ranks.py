@@ -25,7 +25,7 @@ def unit_rows(rows: Floats) -> Floats:
 
 
 def count_significant(singular: NDArray[np.floating[Any]], cut: float = RANK) -> int:
-    """Return how many singular values exceed a share of the largest; the most of several matrices."""
+    """Return the number of singular values above a share of the largest; the most of several matrices."""
     counts = (singular > cut * singular.max(initial=0.0)).sum(axis=-1)
     return int(counts.max(initial=0))
 

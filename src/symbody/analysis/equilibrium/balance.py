@@ -36,7 +36,7 @@ _ROUNDING: Final = 1e-13  # of the largest term of all equations
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rest:
-    """What is left at a configuration.
+    """Forces and constraints that do not vanish at a configuration.
 
     Attributes
     ----------
@@ -47,11 +47,11 @@ class Rest:
     values, slopes : arrays
         All equations that are to vanish, and their derivatives by q in units of sizes.
     terms : (n_u,) array
-        What the forces are small against.
+        Sums of absolute terms, which the forces are compared with.
     shares : (n,) array
         Singular values of what unit multipliers and unknown inputs do, over the largest.
     bearing : int or None
-        How many of these bear loads, if that is given.
+        The number of these that bear loads, if that is given.
     """
 
     q: Floats
@@ -92,11 +92,11 @@ class Balance:
     function : CompiledFunction
         Forces and their derivatives.
     unknowns : int
-        How many inputs are unknown.
+        Number of unknown inputs.
     sizes : (n_u,) array
-        What counts as a large displacement along each speed.
+        Size of displacements along each speed.
     scales : (n_c,) array
-        What the constraints are measured by.
+        Sizes of the constraints.
     timed : bool
         Whether the forces depend on time.
     """
@@ -116,14 +116,14 @@ class Balance:
         return max(float(slopes.max(initial=0.0)), float(forces.max(initial=0.0))) or 1.0
 
     def rest(self, q: Floats, inputs: Floats, largest: float, bearing: int | None = None) -> Rest:
-        """Return what is left at a configuration, with the best multipliers and unknown inputs.
+        """Return the residual at a configuration, with the best multipliers and unknown inputs.
 
         Parameters
         ----------
         largest : float
             The unit of work [J].
         bearing : int, optional
-            How many singular values of the loads count, the largest first; by default all but rounding.
+            Number of singular values of the loads that count, the largest first; by default all but rounding.
         """
         none = np.zeros(len(self.evaluator.eqs.multiplier_names))
         scale = self.sizes / largest

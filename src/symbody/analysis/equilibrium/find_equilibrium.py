@@ -55,7 +55,7 @@ class Equilibrium(State):
 
     @property
     def verdict(self) -> str:
-        """What is known of small deviations: the verdict of the linear equations, see `Linearization`.
+        """The verdict of the linear equations on small deviations, see `Linearization`.
 
         "critical" where the stiffness vanishes along a direction in which equilibria do not go on: terms of
         higher order decide, unless something else grows. "undecided" where there are no linear equations:
@@ -102,7 +102,7 @@ def find_equilibrium(
     t : float
         Time at which motions and forces that depend on it are frozen [s].
     scales : mapping of "length", "time", "mass" to float, optional
-        What counts as large [m, s, kg]; by default it follows from the model, see `assemble`.
+        Sizes of the mechanism [m, s, kg]; by default they follow from the model, see `assemble`.
 
     Raises
     ------
@@ -168,7 +168,7 @@ def _distinct_equilibria(evaluator: Closure, searches: TautSearch) -> list[Candi
 
 
 def _unbalanced_problem(attempts: Sequence[Candidate]) -> Problem:
-    """Say what is left of the forces where least is left."""
+    """Return the refusal, with the unbalanced force at the best configuration."""
     finite = [one for one in attempts if np.isfinite(one.rest.merit)]
     eqs = attempts[0].search.evaluator.eqs
     if not finite:

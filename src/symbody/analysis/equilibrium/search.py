@@ -36,7 +36,7 @@ _LISTED: Final = 1e-6  # of the largest component
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Search:
-    """Where to look for equilibria from.
+    """A search for equilibria from a guess.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Search:
 
     @property
     def free(self) -> NDArray[np.bool_]:
-        """Which coordinates may move."""
+        """Mask of the coordinates that may move."""
         return self.evaluator.free(dict.fromkeys(self.fixed, 0.0))
 
     def check_at_rest(self) -> None:
@@ -91,7 +91,7 @@ class Search:
         return self.evaluator.starts(self.start, dict.fromkeys(self.fixed, 0.0), _GROWTH)
 
     def newton(self, q: Floats, bearing: int | None = None) -> Rest:
-        """Return where steps of least length lead; `bearing` as of `Balance.rest`."""
+        """Return the end of steps of least length; `bearing` as of `Balance.rest`."""
         free, sizes, balance = self.free, self.evaluator.sizes, self.balance
         largest = balance.largest(self.start)
         rest = balance.rest(q, np.zeros(balance.unknowns), largest, bearing)
@@ -104,7 +104,7 @@ class Search:
         return descend(rest, move, lambda values, slopes: least_step(values, slopes[:, free]))
 
     def attempts(self, q: Floats) -> list[Rest]:
-        """Return where a start leads: an equilibrium, or what is left of the forces where least is left.
+        """Return the ends of a start: equilibria, or places with the least unbalanced forces.
 
         A start that ends at a crossing of branches without balance goes on from places beside it.
         """
@@ -142,12 +142,12 @@ class Search:
         return [point.copy() for point in points]
 
     def _count_loads(self, q: Floats) -> int:
-        """Return how many loads are independent at a regular configuration."""
+        """Return the number of independent loads at a regular configuration."""
         rest = self.balance.rest(q, np.zeros(self.balance.unknowns), 1.0)
         return int((rest.shares > RANK).sum())
 
     def _count_generic_loads(self) -> int | None:
-        """Return how many loads are independent on the branch of the guess; None where it is not closed."""
+        """Return the number of independent loads on the branch of the guess; None where it is not closed."""
         if not self._generic:
             places = [] if self.evaluator.is_tree else self._regular_neighbours(self.start)
             self._generic.append(max(map(self._count_loads, places), default=None))
@@ -183,7 +183,7 @@ class Search:
         return moved if self.is_good(moved) else rest
 
     def distance(self, rest: Rest) -> float:
-        """Return how far an equilibrium is from the guess, the same way for both signs of a quaternion."""
+        """Return the distance of an equilibrium from the guess, the same for both signs of a quaternion."""
         apart = (rest.q - self.start) / self.evaluator.sizes
         for places in self.evaluator.quaternions():
             if rest.q[places] @ self.start[places] < 0.0:
@@ -206,7 +206,7 @@ class Search:
 
 @dataclass(frozen=True, slots=True)
 class Continuation:
-    """What lies about an equilibrium.
+    """The surroundings of an equilibrium.
 
     Attributes
     ----------

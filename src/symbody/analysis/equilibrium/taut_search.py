@@ -37,7 +37,7 @@ class Candidate:
     Attributes
     ----------
     notes : tuple of str
-        What the ropes do.
+        The state of each rope.
     edges : tuple of str
         Ropes that are at their length without tension.
     fault : str
@@ -53,7 +53,7 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TautSearch:
-    """Where to look for equilibria from, with any of the ropes taut; fields as of `Search`."""
+    """Searches for equilibria with any of the ropes taut; fields as of `Search`."""
 
     evaluator: Closure
     unknowns: tuple[str, ...]
@@ -118,7 +118,7 @@ class TautSearch:
         return frozenset(name for name, slack in slackness(self.evaluator, q).items() if slack <= share)
 
     def _settle(self, start: Floats, taut: frozenset[str]) -> list[Candidate]:
-        """Return where a start leads, with ropes going taut and slack as they must."""
+        """Return the ends of a start, with ropes going taut and slack as they must."""
         seen: set[frozenset[str]] = set()
         while True:
             seen.add(taut)

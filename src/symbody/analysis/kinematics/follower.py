@@ -49,13 +49,13 @@ class Follower:
     clock : callable
         From that parameter to time.
     sizes, speed_sizes : (n_q,), (n_u,) arrays
-        What counts as large: 1 for angles, the size of the mechanism for lengths.
+        Sizes: 1 for angles, that of the mechanism for lengths.
     scales : (n_c,) array
-        What constraints are measured by.
+        Sizes of the constraints.
     time : float
         The time of the mechanism [s], see `Scales`.
     angles : (n_q,) array
-        Which coordinates are angles.
+        Mask of the angles.
     wrapped : tuple of int
         Rows of measured angles, which jump by a turn.
     """
@@ -93,7 +93,7 @@ class Follower:
 
     @property
     def own_rows(self) -> NDArray[np.bool_]:
-        """Which rows of J belong to the mechanism."""
+        """Mask of the rows of J that belong to the mechanism itself."""
         return np.array([not row.name.startswith(HELD) for row in self.eqs.formed.rows], dtype=np.bool_)
 
     def targets(self, s: float) -> Floats:
@@ -254,7 +254,7 @@ def follower(
 
 
 def _scales(driven: EquationSet, mechanism: Scales) -> Floats:
-    """Return what constraints are measured by, those of driven coordinates too."""
+    """Return the sizes of constraints, those of driven coordinates too."""
     scales = mechanism.constraints(driven)
     for k, row in enumerate(driven.formed.rows):
         if row.name.startswith(HELD):

@@ -53,7 +53,7 @@ class SingularConfiguration:
         The joint of the coordinate that stands still at a lock-up, or that coordinate where frames were
         placed by hand; the cut joint or constraint whose equations depend on others at a bifurcation.
     limits : mapping of coordinate to str
-        What independent coordinates do there along the curve: "maximum", "minimum" or "passes".
+        Behaviour of independent coordinates there along the curve: "maximum", "minimum" or "passes".
     determinant : float
         det(J_D) of scaled rows and speeds there, as a measure of how well the place is known.
     """
@@ -97,7 +97,7 @@ def singular_configurations(
     guess : mapping of name to number or formula in parameters
         Near which the loops close; other assemblies that are found are followed, too.
     scales : mapping of "length", "time", "mass" to float, optional
-        What counts as large [m, s, kg]; by default it follows from the model, and without any length there
+        Sizes of the mechanism [m, s, kg]; by default they follow from the model, and without any length there
         from the range and a configuration near the guess.
 
     Raises
@@ -257,7 +257,7 @@ class _Search:
         return self.curve.beyond(at, float(best.x)) if best.fun <= enough else None
 
     def _classify(self, point: Point | None) -> Iterator[SingularConfiguration]:
-        """Return what a place is, if it lies within the range."""
+        """Yield a place with its kind, if it lies within the range."""
         eqs = self.ratios.eqs
         if point is None:
             return
@@ -295,7 +295,7 @@ class _Search:
         return next(row.element for row in self.ratios.eqs.formed.rows if row.name == name)
 
     def _limits(self, point: Point) -> dict[str, str]:
-        """Return what independent coordinates do along the curve."""
+        """Return the behaviour of independent coordinates along the curve."""
         names = self.ratios.eqs.coordinate_names
         sides = [self.curve.beyond(point, s) for s in (-_BESIDE, _BESIDE)]
         limits = {}
@@ -363,7 +363,7 @@ def _search(
     first: State,
     scales: Mapping[str, float] | None,
 ) -> _Search:
-    """Return what looks for singular configurations.
+    """Return the search for singular configurations.
 
     Raises
     ------

@@ -39,13 +39,13 @@ class Positions:
     q : (n_q, N) array
         As far as the mechanism could be led.
     driven : mapping of coordinate to (N,) array
-        What was led.
+        Values of the driven coordinates.
     limits : mapping of coordinate to float
         Empty if all values were reached; else where the driven coordinates stood at the dead end.
     joint : str
         The joint that moves fastest at the dead end; empty if there is none, or a rope ends the path.
     notes : tuple of str
-        What happened there, and which ropes are taken as taut.
+        The reason for the dead end, and the ropes that are taken as taut.
     """
 
     coordinate_names: tuple[str, ...]
@@ -119,7 +119,7 @@ def trace_positions(
     t : float
         Time [s], for explicit time in the model.
     scales : mapping of "length", "time", "mass" to float, optional
-        What counts as large [m, s, kg]; by default it follows from the model, and without any length there
+        Sizes of the mechanism [m, s, kg]; by default they follow from the model, and without any length there
         from the first position and the values led through.
 
     Returns

@@ -39,7 +39,7 @@ _BRIEF: Final = 400  # operations up to which formulas are simplified
 
 
 class Samples(Protocol):
-    """What a motion has: times (N,), coordinates (n_q, N), speeds (n_u, N)."""
+    """A motion: times (N,), coordinates (n_q, N), speeds (n_u, N)."""
 
     @property
     def t(self) -> Floats:
@@ -56,7 +56,7 @@ class Samples(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VelocityRatios:
-    """Which speeds follow from which, as formulas and as numbers.
+    """Ratios of dependent to independent speeds, as formulas and as numbers.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class VelocityRatios:
     rows : tuple of str
         Names of the multipliers of the constraints that `dependent_jacobian` is made of.
     notes : tuple of str
-        What was chosen, and why.
+        Choices that were made, with reasons.
     """
 
     eqs: EquationSet = field(repr=False)
@@ -305,7 +305,7 @@ def velocity_ratios(
     *,
     scales: Mapping[str, float] | None = None,
 ) -> VelocityRatios:
-    """Return how dependent speeds follow from independent ones.
+    """Return the ratios of dependent to independent speeds.
 
     Parameters
     ----------
@@ -315,7 +315,7 @@ def velocity_ratios(
     at : State
         That configuration; by default one near the model's initial values.
     scales : mapping of "length", "time", "mass" to float, optional
-        What counts as large [m, s, kg]; by default it follows from the model, and without any length there
+        Sizes of the mechanism [m, s, kg]; by default they follow from the model, and without any length there
         from the configuration.
 
     Raises

@@ -78,7 +78,7 @@ def _is_absent(function: SlopeFunction, name: str, cyclic: Sequence[str]) -> boo
 
 
 def _changes_with(orbit: Orbit, place: Place, names: Sequence[str]) -> list[str]:
-    """Return what changes with cyclic coordinates at a place, to first order."""
+    """Return the names of all that changes with cyclic coordinates at a place, to first order."""
     bounds, kept = _bounds(orbit, place, place), orbit.kept
     columns = [k for k, name in enumerate(orbit.selection.names) if name in names and name in orbit.shown]
     rates = np.abs(place.matrices.A) > bounds.A
@@ -90,7 +90,7 @@ def _changes_with(orbit: Orbit, place: Place, names: Sequence[str]) -> list[str]
 
 
 def _changes_between(orbit: Orbit, start: Place, here: Place) -> list[str]:
-    """Return what is not the same at two places."""
+    """Return the names of all that differs between two places."""
     bounds, kept = _bounds(orbit, start, here), orbit.kept
 
     def differs(one: Floats, other: Floats, bound: Floats) -> NDArray[np.bool_]:
@@ -129,7 +129,7 @@ def _names_where(names: Sequence[str], chosen: NDArray[np.bool_]) -> Iterator[st
 
 
 def _bounds(orbit: Orbit, start: Place, here: Place) -> Matrices:
-    """Return how large a difference rounding, and the closing of loops, may make of each entry."""
+    """Return bounds of the differences that rounding and the closing of loops may make."""
     a, b = start.terms, here.terms
     n, w = len(orbit.selection.speeds.independent), natural_rate(start, orbit.selection)
     noise = max(start.noise, here.noise)
@@ -170,7 +170,7 @@ def is_absent(graph: Graph, roots: Sequence[int], symbol: int) -> bool:
 
 
 def _stages(graph: Graph, roots: Sequence[int]) -> Iterator[tuple[tuple[int, ...], list[int]]]:
-    """Return what systems of equations and steps are made of, in order, and the nodes that follow from it."""
+    """Return the operands of systems of equations and of steps, in order, and the nodes of their results."""
     for node in graph.reachable(roots):
         op = graph.ops[node]
         if op == SADDLE:

@@ -1,4 +1,4 @@
-"""Which states are independent at a point, and how all deviations follow from theirs."""
+"""The independent states at a point, and the matrices from their deviations to all others."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ class Selection:
     speeds, coordinates : Choice
         Their places in u, and in the coordinates with rotation vectors.
     u_sizes, q_sizes : (n_u,), (n,) arrays
-        What counts as a large deviation of each: 1 for angles, the size of the mechanism [m] for lengths.
+        Size of deviations of each: 1 for angles, the size of the mechanism [m] for lengths.
     notes : tuple of str
-        What was chosen.
+        Choices that were made.
     """
 
     names: tuple[str, ...]
@@ -52,7 +52,7 @@ class Selection:
 
     @property
     def sizes(self) -> Floats:
-        """What counts as a large deviation of each independent state."""
+        """Sizes of deviations of the independent states."""
         return np.concatenate(
             [self.u_sizes[list(self.speeds.independent)], self.q_sizes[list(self.coordinates.independent)]]
         )
@@ -60,14 +60,14 @@ class Selection:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Basis:
-    """How deviations of all states follow from those of the independent ones, at a state.
+    """Matrices from deviations of the independent states to those of all, at a state.
 
     Attributes
     ----------
     out, back : arrays
         d(u, q) for their deviations, (n_u + n_q, n); and back, for those that keep the constraints.
     turning : (n, n) array
-        What their rates have beside ``back d(u, q)'``, per deviation: axes of rotation vectors turn.
+        Their rates beyond ``back d(u, q)'``, per deviation: axes of rotation vectors turn.
     all_names, recovery : tuple of str, array
         All speeds and coordinates, and how their deviations follow.
     """
@@ -87,7 +87,7 @@ def select(
     cyclic: Collection[str],
     mechanism: Scales,
 ) -> Selection:
-    """Return which states are independent at a state, by the scales that are known.
+    """Return the independent states at a state, by the scales of the mechanism.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def select(
 
 
 def basis(eqs: EquationSet, q_values: Floats, slopes: Slopes, selection: Selection) -> Basis:
-    """Return how all deviations follow from those of independent states at a configuration."""
+    """Return the matrices from deviations of independent states to all others at a configuration."""
     turned = _local_rotations(eqs, q_values, slopes)
     q, u, q_sizes, u_sizes = selection.coordinates, selection.speeds, selection.q_sizes, selection.u_sizes
     positions, rows = slopes.position_jacobian @ turned.out * q_sizes, slopes.jacobian * u_sizes

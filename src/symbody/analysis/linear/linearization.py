@@ -38,10 +38,11 @@ class Linearization(Displayed):
     A, B, C, D : arrays
         (n, n), (n, n_r), (n_y, n), (n_y, n_r); x are independent speeds, then independent coordinates.
     state_names, input_names, output_names : tuple of str
-        What x, r, y are deviations of. The rotation vector of a quaternion's joint from its attitude in that
-        motion is ``<joint>_rx, _ry, _rz`` [rad], in its end axes there, which turn with it.
+        Names of the quantities that x, r, y are deviations of. The rotation vector of a quaternion's joint
+        from its attitude in that motion is ``<joint>_rx, _ry, _rz`` [rad], in its end axes there, which turn
+        with it.
     affine : (n,) array
-        What the states change by in that motion itself; 0 at an equilibrium or in a stationary motion.
+        Rates of the states in that motion itself; 0 at an equilibrium or in a stationary motion.
     is_stationary : bool
         Whether it is, up to rounding.
     at : State
@@ -90,7 +91,7 @@ class Linearization(Displayed):
 
     @property
     def verdict(self) -> str:
-        """What the linear equations say of small deviations.
+        """The verdict of the linear equations on small deviations.
 
         "stable": all die out. "unstable": some grow. "drifting": a coordinate can be displaced without being
         driven back. "marginal": some neither grow nor die out, and linear equations alone do not show what

@@ -61,7 +61,7 @@ def linearize(
     inputs : mapping of name to number or formula
         Values that r deviates from, by default 0. Formulas in states close a loop: these are no inputs then.
     outputs : str or sequence of str
-        What y deviates of: any output names or expressions.
+        Quantities that y has the deviations of: any output names or expressions.
     independent : sequence of str, optional
         Coordinates, or coordinates and speeds, that make up the states; all others follow from them. By
         default those are dependent that have the largest pivots, and speeds go with the coordinates.
@@ -70,8 +70,8 @@ def linearize(
         the states, speeds stay. With them steady motions such as precession or a ride straight on have
         constant states.
     scales : mapping of "length", "time", "mass" to float, optional
-        What counts as large [m, s, kg], and so what counts as rest; by default it follows from the model, and
-        without any length there from the state.
+        Sizes of the mechanism [m, s, kg], to which rest is relative, too; by default they follow from the
+        model, and without any length there from the state.
 
     Raises
     ------

@@ -40,7 +40,7 @@ class Place:
     Attributes
     ----------
     follow : (n, independent) array
-        How steps of all coordinates follow from those of the independent ones.
+        Matrix from steps of the independent coordinates to steps of all.
     noise : float
         Rounding relative to the terms.
     """

@@ -45,7 +45,7 @@ class Slopes:
     by_state, by_input : arrays
         Of x', the outputs and the conditions on velocities by (u, q), and by the inputs.
     outputs : int
-        How many scalars the outputs are.
+        Number of scalars among the outputs.
     jacobian, position_jacobian, mass_matrix : arrays
         J, dPhi/dq, M.
     constraints, velocity_constraints : arrays
@@ -96,7 +96,7 @@ class SlopeFunction:
     nodes : tuple of int
         x', outputs, and conditions on velocities and positions, with the laws of inputs.
     switches : tuple of (what, node)
-        What changes over at 0.
+        Expressions at whose zeros derivatives jump.
     beside : (n,) array
         Values of these at a state as far away as the mechanism is large.
     """
@@ -129,7 +129,7 @@ class SlopeFunction:
         return slopes
 
     def kinks(self, slopes: Slopes) -> tuple[str, ...]:
-        """Return what is not differentiable at a state."""
+        """Return notes on whatever is not differentiable at a state."""
         return kink_notes(self.eqs, self.switches, slopes.switches, self.beside)
 
 
@@ -215,7 +215,7 @@ def _scalars(shown: Sequence[Roots]) -> tuple[str, ...]:
 
 
 def switches(eqs: EquationSet, nodes: Sequence[int]) -> tuple[Switch, ...]:
-    """Return what has another derivative on either side, with the node that is zero between both."""
+    """Return functions whose derivatives jump, and the nodes that are zero there."""
     first: dict[int, str] = {}
     for what, node in _switches(eqs, nodes):
         first.setdefault(node, what)
@@ -241,7 +241,7 @@ def kink_notes(
     values: NDArray[np.float64],
     beside: NDArray[np.float64],
 ) -> tuple[str, ...]:
-    """Return what should be known of derivatives at a state, where switches have `values`.
+    """Return notes on the derivatives at a state, where switches have `values`.
 
     `beside` are their values at a state as far away as the mechanism is large.
     """

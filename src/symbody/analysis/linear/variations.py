@@ -51,7 +51,7 @@ class Rotations:
     back : (n, n_q) array
         The deviations for dq on the unit sphere.
     turning : (n, n) array
-        What their own rates have beside ``back dq'``, per deviation: ``-Omega x`` / 2, as their axes turn.
+        Their own rates beyond ``back dq'``, per deviation: ``-Omega x`` / 2, as their axes turn.
     """
 
     names: tuple[str, ...]
@@ -60,12 +60,12 @@ class Rotations:
     turning: Floats
 
     def sizes(self, sizes: Floats) -> Floats:
-        """Return what counts as a large deviation of each, from the sizes of q."""
+        """Return the size of deviations of each, from the sizes of q."""
         return np.array([sizes @ (column != 0.0) / max((column != 0.0).sum(), 1) for column in self.out.T])
 
 
 def rotations(eqs: EquationSet, q: Floats, q_dot: Floats) -> Rotations:
-    """Return what stands for quaternions at a configuration that changes at a rate."""
+    """Return rotation vectors for quaternions at a configuration that changes at a rate."""
     places = {name: k for k, name in enumerate(eqs.coordinate_names)}
     joints: dict[tuple[str, ...] | None, str] = {
         joint.quaternion: joint.name for joint in eqs.formed.topology.joints
@@ -128,7 +128,7 @@ def _turns(e: Floats) -> Floats:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Which of some unknowns are independent, by place, and the smallest pivot of the others.
+    """Places of independent and dependent unknowns, and the smallest pivot of the latter.
 
     Attributes
     ----------

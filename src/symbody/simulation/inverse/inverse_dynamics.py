@@ -66,7 +66,7 @@ def inverse_dynamics(
     guess : mapping of name to number or formula in parameters
         Near which the loops close at the first time.
     scales : mapping of "length", "time", "mass" to float, optional
-        What counts as large [m, s, kg]; by default it follows from the model, and without any length there
+        Sizes of the mechanism [m, s, kg]; by default they follow from the model, and without any length there
         from the prescribed motion and the first position.
 
     Returns

@@ -103,7 +103,7 @@ class Path:
         )  # fmt: skip
 
     def _freedoms_left(self, t: float, q: Floats, basis: Floats) -> Problem:
-        """Say how many freedoms are left, and of which speeds."""
+        """Return the refusal of a motion that leaves freedoms, with their number and speeds."""
         names, left = self.eqs.speed_names, basis.copy()
         speeds = []
         for _ in range(basis.shape[1]):
@@ -125,7 +125,7 @@ class Path:
                        f"at t = {t:.9g} s {count} {word} left: {', '.join(speeds)}", why, fix)  # fmt: skip
 
     def _reach_problem(self, reached: float, t: float, q: Floats) -> Problem:
-        """Say where the motion ends, and at which joint."""
+        """Return the refusal of a motion that cannot go on, with time and joint."""
         joint = self.follower.stuck(reached, q)
         coordinates = dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
         try:

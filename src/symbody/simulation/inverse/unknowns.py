@@ -41,7 +41,7 @@ class Found:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Unknowns:
-    """What solves for unknown inputs.
+    """Solves for unknown inputs.
 
     Attributes
     ----------
