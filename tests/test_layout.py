@@ -26,6 +26,26 @@ EXTRAS = {"collada", "imageio_ffmpeg", "pandas", "trimesh", "xarray"}
 MUTABLE_DATACLASSES = frozenset(
     {"dynaflexpro/exports.py: ModelEquations"}  # SetBaumgarte changes the model, as in its scripts
 )
+# A name of one word that is a participle, gerund or preposition is neither verb nor noun (docs/glossary.md).
+IRREGULAR_PARTICIPLES = set(
+    "begun bent bound broken brought built caught chosen done drawn driven felt found frozen given gone grown held "
+    "hidden kept known laid left lent lost made meant met paid risen said seen sent shown sought spent spoken stood "
+    "stuck taken taught told torn understood woven wound written".split()
+)
+PREPOSITIONS = set(
+    "about above across after against along among around at before behind below beneath beside between beyond by "
+    "during for from in inside into near of off on onto out outside over past per since than through to toward "
+    "under until up upon via with within without".split()
+)
+# Nouns and verbs that end like a participle or gerund.
+NOUNS = set(
+    "bearing bed belongs bring damping embed exceed feed forcing heading need ping proceed ring rolling seed speed "
+    "spring string thing warning wing".split()
+)
+# "file: function" of public names, which stay.
+PUBLIC_PARTICIPLES: frozenset[str] = frozenset()
+# Locals with these names say nothing about their content; read at once they do no harm.
+EMPTY_LOCALS, LOCAL_LIFE = {"found", "known", "own", "rest", "told", "wanted"}, 10
 # Folders that must not ask which joint they have in hand.
 JOINT_BLIND = ("analysis", "equations", "simulation")
 
@@ -130,6 +150,34 @@ def asks_which_joint(path: str, text: str) -> Iterator[str]:
             yield f"line {node.lineno}: asks which joint it has; a joint answers for itself"
 
 
+def is_bare_participle(name: str) -> bool:
+    word = name.strip("_").lower()
+    return (
+        "_" not in word
+        and word not in NOUNS
+        and (word in IRREGULAR_PARTICIPLES or word in PREPOSITIONS or word.endswith(("ed", "ing")))
+    )
+
+
+def bare_participle(path: str, text: str) -> Iterator[str]:
+    for node in functions(text):
+        if is_bare_participle(node.name) and f"{path}: {node.name}" not in PUBLIC_PARTICIPLES:
+            yield f"line {node.lineno}: {node.name} is neither a verb nor a noun"
+
+
+def empty_local(path: str, text: str) -> Iterator[str]:
+    for function in functions(text):
+        lines: dict[str, list[int]] = {}
+        for node in ast.walk(function):
+            if isinstance(node, ast.Name | ast.arg):
+                name = node.id if isinstance(node, ast.Name) else node.arg
+                if name in EMPTY_LOCALS:
+                    lines.setdefault(name, []).append(node.lineno)
+        for name, places in lines.items():
+            if max(places) - min(places) > LOCAL_LIFE:
+                yield f"line {min(places)}: {name} lives for {max(places) - min(places)} lines"
+
+
 # Each rule, and a file (path, text) that breaks it.
 RULES: dict[str, tuple[Rule, str, str]] = {
     "long file": (long_file, "model/body.py", "x = 1\n" * (MAX_FILE + 1)),
@@ -172,6 +220,15 @@ RULES: dict[str, tuple[Rule, str, str]] = {
         "equations/form.py",
         "y = isinstance(a, (Body, RevoluteJoint))\n",
     ),
+    "participle": (bare_participle, "model/body.py", "def moved():\n    pass\n"),
+    "irregular participle": (bare_participle, "model/body.py", "def _found():\n    pass\n"),
+    "preposition": (bare_participle, "model/body.py", "class A:\n    def of(self):\n        pass\n"),
+    "gerund": (bare_participle, "model/body.py", "def crossing():\n    pass\n"),
+    "empty local": (
+        empty_local,
+        "model/body.py",
+        "def f():\n    found = 1\n" + "    x = 1\n" * LOCAL_LIFE + "    return found\n",
+    ),
 }
 
 
@@ -208,6 +265,27 @@ def test_rule_lets_good_code_pass(rule: Rule) -> None:
 def test_files_are_small_on_the_whole() -> None:
     sizes = [path.read_text(encoding="utf-8").count("\n") for path in FILES if path.suffix == ".py"]
     assert statistics.median(sizes) <= MAX_MEDIAN
+
+
+def test_class_names_are_unique() -> None:
+    places: dict[str, list[str]] = {}
+    for path in FILES:
+        if path.suffix == ".py":
+            for node in nodes(path.read_text(encoding="utf-8")):
+                if isinstance(node, ast.ClassDef):
+                    places.setdefault(node.name, []).append(path.relative_to(SOURCE).as_posix())
+    doubles = {name: files for name, files in places.items() if len(files) > 1}
+    assert not doubles
+
+
+def test_file_names_are_unique_in_each_top_folder() -> None:
+    places: dict[tuple[str, str], list[str]] = {}
+    for path in FILES:
+        if path.suffix == ".py" and path.stem != "__init__":
+            relative = path.relative_to(SOURCE)
+            places.setdefault((relative.parts[0], path.stem), []).append(relative.as_posix())
+    doubles = {name: files for name, files in places.items() if len(files) > 1}
+    assert not doubles
 
 
 def test_every_package_is_typed_and_lazy() -> None:

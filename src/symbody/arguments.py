@@ -1,6 +1,6 @@
-"""Arguments of public functions: what is of another kind than the annotation says is told in our own words.
+"""Arguments of public functions: values of another kind than annotated are refused with a message of symbody.
 
-The annotations are the one place that says what a function takes. Python's own faults that leave a function
+The annotations alone define what a function takes. Python's own faults that leave a function
 (TypeError, AttributeError, ...) are traced to the arguments that do not fit them; a fault with arguments
 that fit goes on as it is. Paths are looked at before the call, because ``open(1)`` writes to the terminal.
 """
@@ -113,7 +113,7 @@ def _refuse(
     signature = inspect.signature(function)
     try:
         bound = signature.bind(*given, **named).arguments
-    except TypeError:  # one is missing, or there are too many: Python tells
+    except TypeError:  # one is missing, or there are too many: Python's own message names it
         return
     problems = []
     is_constructor = function.__name__ == "__init__" and bool(given)

@@ -1,4 +1,4 @@
-"""One exception root; every message says what is wrong, where, why, and what to do.
+"""One exception root; every message has what is wrong, where, why, and what to do.
 
 A stage that finds several problems raises once with all of them. Exit codes of the command
 line follow the class: 2 usage, 3 model, 4 numerics, 5 environment.
@@ -14,7 +14,7 @@ from typing import ClassVar
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One fault, told so that the reader can mend it.
+    """One fault, described so that the reader can mend it.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class SymbodyError(Exception):
 
 
 class UsageError(SymbodyError):
-    """A call or a command line that asks for something that does not exist."""
+    """A call or a command line for something that does not exist."""
 
     exit_code = 2
 

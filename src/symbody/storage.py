@@ -2,7 +2,7 @@
 
 One file for each, named after a hash of everything it follows from. It begins with a hash of the rest: a file
 that was cut or changed is thrown away and made again. Only files in a folder of the user's own are read.
-Whatever fails here is as if nothing had been stored: a home that cannot be written to is no error.
+Whatever fails here is as if nothing had been stored: a home that cannot be written to is not an error.
 
 `read_sealed` and `write_sealed` do so with a file at any place.
 """
@@ -43,7 +43,7 @@ def folder() -> Path | None:
 
 
 def stored(key: bytes) -> bytes | None:
-    """Return what is stored under `key`, None if there is nothing that can be trusted."""
+    """Return the content stored under `key`, None if there is none that can be trusted."""
     place = folder()
     if place is None or not _is_own(place):
         return None
@@ -71,7 +71,7 @@ def store(key: bytes, content: bytes) -> None:
 
 
 def read_sealed(path: Path, key: bytes, owners: frozenset[int] | None = None) -> bytes | None:
-    """Return what `write_sealed` wrote; None, and the file is deleted, if it is not that.
+    """Return the content that `write_sealed` wrote; else delete the file and return None.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ STORE = re.compile(r"^\s*store (<.+?>|\S+) .+, ptr (\S+?)(, align \d+)?$")
 CLEAR = re.compile(r"^\s*(?:tail )?call void @llvm\.memset\.p0\.i64\(ptr (\S+), i8 0, i64 (\d+), i1 false\)$")
 UNSEEN = re.compile(r".* = load .*ptr ")
 VECTOR = re.compile(r"<(\d+) x double>")
-SIZES = {"double": 8, "i64": 8, "i32": 4, "ptr": 8}
+SIZES = {"double": 8, "i64": 8, "i32": 4, "i8": 1, "ptr": 8}
 SEEN = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64)
 
 
@@ -77,8 +77,9 @@ class Watched:
 
 
 @cache
-def watched_runtime() -> bytes:
-    return object_codes([watched_text(runtime.text())], THOROUGH)[0]
+def watched_runtime() -> list[bytes]:
+    texts = [runtime.text(), *runtime.kernel_texts()]
+    return object_codes([watched_text(text) for text in texts], THOROUGH)
 
 
 def watched(
@@ -102,7 +103,7 @@ def watched(
             found.written[address - start : address - start + count] = b"\1" * count
 
     text = "\n".join(line for line in plain.ir.splitlines() if leave_out not in line)
-    codes = [*object_codes([watched_text(text)], QUICK), watched_runtime()]
+    codes = [*object_codes([watched_text(text)], QUICK), *watched_runtime()]
     watch = {"watch_read": SEEN(read), "watch_write": SEEN(write)}
     builder = binding.JITLibraryBuilder().add_current_process()
     for code in codes:

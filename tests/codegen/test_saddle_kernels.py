@@ -15,11 +15,14 @@ import numpy as np
 import pytest
 from llvmlite import ir
 
+from symbody.codegen.kernels.c_kernels import PREAMBLE, C
+from symbody.codegen.kernels.dialect import saddle_text
+from symbody.codegen.kernels.llvm_kernels import kernel_name, llvm_text
+from symbody.codegen.kernels.reader import read_kernels
 from symbody.codegen.llvm.loops import INTEGER, POINTER, REAL, Array, count, count_down, integer, loop, real
-from symbody.codegen.llvm.saddle import define_solve_saddle
-from symbody.codegen.pieces import saddle_work_size
-from symbody.codegen.texts.saddle_c import SADDLE_C
+from symbody.codegen.llvm.machine import optimized_code, target_machine
 from symbody.expr.saddle import solve_saddle
+from symbody.kernels.solve_saddle import work_size
 from tests.saddle_systems import systems
 
 Arguments = tuple[list[float], list[float], list[float], list[float]]
@@ -106,15 +109,15 @@ def reference(arguments: Arguments) -> tuple[int, list[float]]:
     return int(not solution.ok), [*solution.udot, *solution.multipliers, float(solution.rank)]
 
 
-def kernel_at(address: int) -> Kernel:
+def kernel_at(address: int, integer: type[ctypes.c_int] | type[ctypes.c_int64] = ctypes.c_int) -> Kernel:
     pointer = ctypes.POINTER(ctypes.c_double)
-    call = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_int, *[pointer] * 6)(address)
+    call = ctypes.CFUNCTYPE(integer, integer, integer, *[pointer] * 6)(address)
 
     def kernel(arguments: Arguments) -> tuple[int, list[float]]:
         n, m = len(arguments[2]), len(arguments[3])
         given = [(ctypes.c_double * max(len(part), 1))(*part) for part in arguments]
         result = (ctypes.c_double * (n + m + 1))()
-        work = (ctypes.c_double * max(saddle_work_size(n, m), 1))()
+        work = (ctypes.c_double * max(work_size(n, m), 1))()
         return call(n, m, *given, result, work), list(result)
 
     return kernel
@@ -131,18 +134,19 @@ def compiled_module(module: ir.Module) -> llvm.ExecutionEngine:
     return engine
 
 
+def kernel_library(width: int) -> llvm.ResourceTracker:
+    """Machine code of `solve_saddle`, in lanes if the width is larger than 1."""
+    code = optimized_code(llvm_text(read_kernels("solve_saddle"), ["solve_saddle"], width))
+    builder = llvm.JITLibraryBuilder().add_current_process().add_object_img(code)
+    builder.export_symbol(kernel_name("solve_saddle", width))
+    return builder.link(llvm.create_lljit_compiler(target_machine()), f"test_{width}")
+
+
 @pytest.fixture(scope="module")
 def llvm_kernel() -> Iterator[Kernel]:
-    module = ir.Module()
-    module.triple = llvm.get_default_triple()
-    inner = define_solve_saddle(module)
-    assert inner.linkage == "internal"
-    outer = ir.Function(module, inner.function_type, name="kernel")
-    builder = ir.IRBuilder(outer.append_basic_block())
-    builder.ret(builder.call(inner, outer.args))
-    engine = compiled_module(module)
-    yield kernel_at(engine.get_function_address("kernel"))
-    engine.close()
+    library = kernel_library(1)
+    yield kernel_at(library[kernel_name("solve_saddle")], ctypes.c_int64)
+    del library
 
 
 @pytest.fixture(scope="module", params=["-O0", "-O2", "-O3"])
@@ -151,7 +155,7 @@ def c_kernel(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
         pytest.skip("no C compiler")
     folder = tmp_path_factory.mktemp("saddle")
     source, library = folder / "kernel.c", folder / "kernel.so"
-    source.write_text(SADDLE_C + EXPORT_C)
+    source.write_text(PREAMBLE + saddle_text(C) + EXPORT_C)
     command = [COMPILER, *STRICT, request.param, "-shared", "-fPIC", str(source), "-o", str(library), "-lm"]
     subprocess.run(command, check=True, capture_output=True)
     address = ctypes.cast(ctypes.CDLL(str(library)).kernel, ctypes.c_void_p).value
@@ -196,7 +200,7 @@ def test_c_text_under_sanitizers(tmp_path: Path) -> None:
     if COMPILER is None:
         pytest.skip("no C compiler")
     source, program = tmp_path / "main.c", tmp_path / "main"
-    source.write_text(SADDLE_C + MAIN_C)
+    source.write_text(PREAMBLE + saddle_text(C) + MAIN_C)
     sanitizers = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g"]
     command = [COMPILER, *STRICT, *sanitizers, str(source), "-o", str(program), "-lm"]
     built = subprocess.run(command, capture_output=True, text=True)
@@ -208,7 +212,7 @@ def test_c_text_under_sanitizers(tmp_path: Path) -> None:
     for M, J, F, gamma in cases:
         n, m = len(F), len(gamma)
         numbers = [x.hex() if math.isfinite(x) else str(x) for x in [*M, *J, *F, *gamma]]
-        lines.append(" ".join([str(n), str(m), str(saddle_work_size(n, m)), *numbers]))
+        lines.append(" ".join([str(n), str(m), str(work_size(n, m)), *numbers]))
     run = subprocess.run([str(program)], input="\n".join(lines), capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
     for arguments, line in zip(cases, run.stdout.splitlines(), strict=True):
@@ -250,5 +254,5 @@ def test_loops_count_carry_and_leave() -> None:
 
 
 def test_work_size_leaves_no_room_for_doubt() -> None:
-    assert [saddle_work_size(n, m) for n, m in [(0, 0), (1, 0), (0, 1), (3, 2)]] == [0, 7, 4, 41]
-    assert np.all(np.diff([saddle_work_size(n, 5) for n in range(20)]) > 0)
+    assert [work_size(n, m) for n, m in [(0, 0), (1, 0), (0, 1), (3, 2)]] == [0, 7, 4, 41]
+    assert np.all(np.diff([work_size(n, 5) for n in range(20)]) > 0)

@@ -7,14 +7,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import pairwise
 
-import llvmlite.binding as llvm
 import numpy as np
 import pytest
-from llvmlite import ir
 
-from symbody.codegen.llvm.saddle import define_solve_saddles
-from symbody.codegen.pieces import saddle_work_size
-from tests.codegen.test_saddle_kernels import Arguments, bits, compiled_module, edge_cases, reference
+from symbody.codegen.kernels.llvm_kernels import kernel_name
+from symbody.kernels.solve_saddle import work_size
+from tests.codegen.test_saddle_kernels import Arguments, bits, edge_cases, kernel_library, reference
 from tests.saddle_systems import System, systems
 
 WIDTH = 4
@@ -25,30 +23,25 @@ Kernel = Callable[[list[Arguments]], tuple[int, list[list[float]]]]
 
 @pytest.fixture(scope="module")
 def kernel() -> Iterator[Kernel]:
-    module = ir.Module()
-    module.triple = llvm.get_default_triple()
-    inner = define_solve_saddles(module, WIDTH)
-    outer = ir.Function(module, inner.function_type, name="kernel")
-    builder = ir.IRBuilder(outer.append_basic_block())
-    builder.ret(builder.call(inner, outer.args))
-    engine = compiled_module(module)
+    library = kernel_library(WIDTH)
     pointer = ctypes.POINTER(ctypes.c_double)
-    kinds = (ctypes.c_int, ctypes.c_int, *[pointer] * 6)
-    call = ctypes.CFUNCTYPE(ctypes.c_int, *kinds)(engine.get_function_address("kernel"))
+    kinds = (ctypes.c_int64, ctypes.c_int64, *[pointer] * 6, ctypes.c_void_p)
+    call = ctypes.CFUNCTYPE(ctypes.c_int64, *kinds)(library[kernel_name("solve_saddle", WIDTH)])
 
     def solved(lanes: list[Arguments]) -> tuple[int, list[list[float]]]:
         n, m = len(lanes[0][2]), len(lanes[0][3])
         given = [np.array([lane[k] for lane in lanes], dtype=float).T.ravel() for k in range(4)]
         arrays = [np.append(array, 0.0) for array in given]
         result = np.zeros((n + m + 1) * WIDTH)
-        work = np.full(saddle_work_size(n, m) * WIDTH + GUARD, 7.0)
+        work = np.full(work_size(n, m) * WIDTH + GUARD, 7.0)
         pointers = [array.ctypes.data_as(pointer) for array in (*arrays, result, work)]
-        status = call(n, m, *pointers)
+        mixed = np.zeros(1, dtype=np.uint8)
+        status = call(n, m, *pointers, mixed.ctypes.data)
         assert (work[-GUARD:] == 7.0).all()
-        return status, result.reshape(-1, WIDTH).T.tolist()
+        return max(status, int(mixed[0])), result.reshape(-1, WIDTH).T.tolist()
 
     yield solved
-    engine.close()
+    del library
 
 
 def near(system: System, lane: int) -> Arguments:

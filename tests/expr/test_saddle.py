@@ -179,7 +179,7 @@ def test_fifty_digits_in_fifty_digits_out() -> None:
             if system.J.shape[0] != len(system.places):
                 continue
             given = [[mpmath.mpf(x) for x in argument] for argument in system.arguments]
-            solution = solve_saddle(*given, sqrt=mpmath.sqrt)
+            solution = solve_saddle(*given)
             exact = exact_solution(system)
             allowed = 1e-45 * sensitivity(system, exact)  # 50 digits less the same factor 100, and some
             for j, value in enumerate(solution.udot):
@@ -264,14 +264,14 @@ def test_derivative_rule() -> None:
                     rate[0][i * n + j] = rate[0][j * n + i]
             ahead, behind = (_moved(given, rate, sign * step) for sign in (1, -1))
             difference = [(a - b) / (2 * step) for a, b in zip(ahead, behind, strict=True)]
-            here = solve_saddle(*given, sqrt=mpmath.sqrt)
+            here = solve_saddle(*given)
             F, gamma = list(rate[2]), list(rate[3])
             for j in range(n):
                 F[j] += sum(rate[1][i * n + j] * here.multipliers[i] for i in range(m))
                 F[j] -= sum(rate[0][j * n + i] * here.udot[i] for i in range(n))
             for i in range(m):
                 gamma[i] -= sum(rate[1][i * n + j] * here.udot[j] for j in range(n))
-            derivative = solve_saddle(given[0], given[1], F, gamma, sqrt=mpmath.sqrt)
+            derivative = solve_saddle(given[0], given[1], F, gamma)
             size = max(abs(x) for x in difference)
             for a, b in zip(derivative.udot + derivative.multipliers, difference, strict=True):
                 assert abs(a - b) <= 1e-12 * size

@@ -199,7 +199,7 @@ def test_row_62_equations_known_from_the_disk_are_formed_in_time_too(
     with pytest.raises(TimeLimitError, match="forming the equations takes longer"):
         assert eqs.coordinate_names
     limit: Any = "3 s"
-    with pytest.raises(UsageError, match="is not a time"):
+    with pytest.raises(UsageError, match="is not a positive time"):
         form_equations(chain(6), time_limit=limit)
 
 

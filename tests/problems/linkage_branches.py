@@ -7,11 +7,13 @@ K. Wohlhart, Merging two general Goldberg 5R linkages to obtain a new 6R space m
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import sqrt
 
 import numpy as np
 from scipy.optimize import least_squares
 
 import symbody as sb
+from tests.problems.focal_linkages import meeting
 from tests.problems.overconstrained import Array, Link, closed_angles, closing, plates, step
 
 # Angles nearer than that are those of one assembly, and so are points.
@@ -100,3 +102,41 @@ def peaucellier(fold: str) -> sb.Model:
         {name: (float(p[0]), float(p[1])) for name, p in places.items()},
         ["OQ", "OA", "OC", "AB", "BC", "CD", "DA", "QB"],
     )
+
+
+def hart(reach: float, crossed: bool, guided: bool = False) -> sb.Model:
+    """Hart's inversor: its point P moves on a circle through O about G; the four-bar A, D, B, C is crossed or not.
+
+    Crossed, AB and CD are parallel and AB CD = AD^2 - AC^2, so that O, P and Q, which divide AD, AC and BD as
+    s to 1 - s, lie on a line, and OP OQ = s (1 - s) (AD^2 - AC^2), P and Q on opposite sides of O: Q goes on a
+    line across OG and may be guided in it. Uncrossed, Q goes on another curve, and a guide across OG locks it.
+
+    Parameters
+    ----------
+    reach : float
+        The length of CD.
+    """
+    long, short, share, crank = sqrt(3.94), sqrt(2.74), 0.6, 0.5
+    C, D = 0j, complex(reach)
+    A = meeting((C, short), (D, long), 1)
+    B = meeting((C, long), (D, short), 1) if crossed else D - A
+    O, P, Q = A + share * (D - A), A + share * (C - A), B + share * (D - B)
+    G = meeting((O, crank), (P, crank), 1)
+    points = dict(zip("ABCDOPGQ", (A, B, C, D, O, P, G, Q), strict=True))
+    places = {name: (float(z.real), float(z.imag)) for name, z in points.items()}
+    traced = places.pop("Q")
+    model = plates(places, ["OG", "AOD", "APC", "BC", "BD", "GP"])
+    return with_guide(model, "P4", traced, float(np.angle(1j * (G - O)))) if guided else model
+
+
+def with_guide(model: sb.Model, bar: str, place: tuple[float, float], direction: float) -> sb.Model:
+    """The linkage with a point of a bar guided in a line of ground, which has this direction [rad]."""
+    frame = sb.Frame(at=(*place, 0.0), rotate=[("z", direction)])
+    bodies = [
+        sb.Body(body.name, body.mass, body.inertia, frames={**body.frames, "guided": frame})
+        if body.name == bar else body
+        for body in model.bodies
+    ]  # fmt: skip
+    slot = sb.PinSlot("guide", "ground.line", f"{bar}.guided", axes=["z", "x"], coordinates=["turn", "along"])
+    others = [element for element in model.elements if not isinstance(element, sb.Body)]
+    return sb.Model("guided", [*bodies, *others, slot], ground={**model.ground, "line": frame})

@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import product
 from math import pi, sin
 
 import numpy as np
 import pytest
 
 import symbody as sb
+from tests.problems.focal_linkages import (
+    QUADRILATERAL,
+    Focal,
+    burmester,
+    focal_linkage,
+    seen,
+    similar_ratios,
+)
 from tests.problems.linkage_branches import (
     assemblies,
     dixon,
     four_bar,
+    hart,
     link_shapes,
     merged,
     peaucellier,
@@ -29,6 +39,16 @@ def goldberg(*shorts: float) -> list[Link]:
     return [Link(1.0, ALPHA), whole, Link(1.0, ALPHA), *(Link(a, twist(a)) for a in shorts)]
 
 
+def plane_symmetric_links() -> list[Link]:
+    """Hinges 0 and 3 lie in the plane of symmetry, twists and offsets of the others are mirrored."""
+    half = [Link(1.0, 1.1), Link(0.8, 0.7, 0.3), Link(0.9, 1.4, -0.2)]
+    offsets = (0.0, 0.2, -0.3)
+    return [
+        *half,
+        *(Link(link.a, -link.alpha, d) for link, d in zip(reversed(half), offsets, strict=True)),
+    ]
+
+
 LOOPS: dict[str, Sequence[Link]] = {
     "Bennett": [Link(1.0, ALPHA), Link(0.7, twist(0.7))] * 2,
     "Goldberg 5R": goldberg(0.6, 0.5),
@@ -41,6 +61,8 @@ LOOPS: dict[str, Sequence[Link]] = {
         Link(HALF, pi - ALPHA),
     ],
     "Bricard, trihedral": trihedral_links(),
+    "Bricard, line-symmetric": [Link(0.7, 0.9, 0.1), Link(1.0, 1.2, -0.3), Link(0.9, 0.7, 0.2)] * 2,
+    "Bricard, plane-symmetric": plane_symmetric_links(),
     "Altmann": altmann_links(),
 }
 
@@ -71,6 +93,23 @@ def test_every_assembly_of_a_loop_has_one_freedom(name: str, first: float) -> No
     check_assemblies(name, first)
 
 
+def symmetry_gap(name: str, angles: Sequence[float]) -> float:
+    """How far angles are from those of a symmetric pose."""
+    partners = {"Bricard, line-symmetric": [3, 4, 5, 0, 1, 2], "Bricard, plane-symmetric": [0, 5, 4, 3, 2, 1]}
+    turned = np.exp(1j * np.array(angles))
+    return float(np.abs(turned - turned[partners[name]]).max())
+
+
+@pytest.mark.parametrize("name", ["Bricard, line-symmetric", "Bricard, plane-symmetric"])
+def test_bricards_linkages_close_in_symmetric_poses_alone(name: str) -> None:
+    """Two for each angle, on branches of one freedom each (Baker 1980)."""
+    found = assemblies(LOOPS[name], 1.0)
+    assert len(found) == 2
+    assert max(symmetry_gap(name, angles) for angles in found) < 1e-9
+    for angles in found:
+        assert freedoms(loop(LOOPS[name], angles)) == (1, None, ()), angles
+
+
 BRANCHES: dict[str, tuple[Callable[[], sb.Model], int]] = {
     "parallelogram": (lambda: four_bar((1.0, 0.6), False), 1),
     "crossed parallelogram": (lambda: four_bar((1.0, 0.6), True), 1),
@@ -78,6 +117,15 @@ BRANCHES: dict[str, tuple[Callable[[], sb.Model], int]] = {
     "Peaucellier, A on C": (lambda: peaucellier("AC"), 2),
     "Peaucellier, B on D": (lambda: peaucellier("BD"), 1),
     "Dixon, first kind": (dixon, 1),
+    "Hart, crossed": (lambda: hart(0.9, True), 1),
+    "Hart, uncrossed": (lambda: hart(0.9, False), 1),
+    "Hart, crossed, guided in its line": (lambda: hart(0.9, True, guided=True), 1),
+    "Hart, uncrossed, guided": (lambda: hart(0.9, False, guided=True), 0),
+    **{f"Kempe focal, {'open' if side > 0 else 'folded'}, {angle} rad":
+       (lambda side=side, angle=angle: focal_linkage(Focal().points(angle, side)), 1)
+       for side in (1, -1) for angle in (1.2, 2.1)},
+    "Burmester focal": (lambda: focal_linkage(burmester(*QUADRILATERAL, 0.5)), 1),
+    "no focus": (lambda: focal_linkage(Focal().points(1.5, 1) | {"F": 0.7 + 0.9j}), 0),
 }  # fmt: skip
 
 
@@ -109,3 +157,21 @@ def test_two_merged_goldberg_linkages_have_one_freedom() -> None:
             link_shapes(*merged(*parts, angle, guesses)), link_shapes(*axes), atol=1e-12
         )
     assert freedoms(lines(*axes)) == (1, None, ())
+
+
+def test_the_linkage_of_kempe_is_that_of_burmester() -> None:
+    """Kempe's has F in a focus in every pose, Burmester's has Kempe's similar four-bars and keeps its lengths."""
+    linkage = Focal()
+    for side, angle in product((1, -1), (1.2, 1.5, 1.8, 2.1)):
+        points = linkage.points(angle, side)
+        lengths = [abs(points[p] - points[q]) for p, q in ("AB", "BC", "CD", "DA")]
+        open_ones = linkage.points(1.5, 1)
+        np.testing.assert_allclose(
+            lengths, [abs(open_ones[p] - open_ones[q]) for p, q in ("AB", "BC", "CD", "DA")]
+        )
+        for pairs in (("AB", "CD"), ("BC", "DA")):
+            turned = sum(seen(points, *pair) for pair in pairs)
+            assert np.exp(1j * turned) == pytest.approx(-1.0, abs=1e-12)
+    for height in (0.5, 0.7, 0.9):
+        for ratios in similar_ratios(burmester(*QUADRILATERAL, height)):
+            np.testing.assert_allclose(ratios, ratios[0], rtol=1e-9)

@@ -2,8 +2,8 @@
 
 Each against what the literature says of it: J. E. Baker, Mech. Mach. Theory 14 (1979), 239-253 (Bennett,
 Goldberg, Myard) and 15 (1980), 267-286 (Bricard); J. Phillips, Freedom in Machinery, vol. 2 (1990), chapter 20
-(Sarrus, Altmann, Delassus); A. C. Dixon, Messenger of Mathematics 29 (1899), 1-21; L. Burmester, Z. Math. Phys.
-38 (1893), 193-223 (focal linkage). Where branches of the motion meet, each of them is looked at.
+(Sarrus, Altmann, Delassus); A. C. Dixon, Messenger of Mathematics 29 (1899), 1-21; for the focal linkage of
+Kempe and Burmester see `focal_linkages`. Where branches of the motion meet, each of them is looked at.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import pytest
 from scipy.optimize import least_squares
 
 import symbody as sb
+from tests.problems.focal_linkages import QUADRILATERAL, Focal, burmester, focal_linkage
 from tests.problems.overconstrained import Link, closed_angles, closing, lines, loop, plates
 
 RIGHT = pi / 2
@@ -155,10 +156,11 @@ def hart() -> sb.Model:
     return plates(points, ["OG", "AOD", "APC", "BC", "BD", "GP"])
 
 
-def focal() -> sb.Model:
-    """Burmester's: a quadrilateral ABCD, and bars from a point F to points of its sides.
+def parallelograms_inside() -> sb.Model:
+    """A quadrilateral ABCD with bars from a point F to points of its sides, but F is no focus.
 
-    The four-bars APFS and FQCR, and PBQF and SFRD, are similar (in this order) and remain so in motion.
+    The four-bars APFS and FQCR, and PBQF and SFRD, are similar, not as mirror images; so PBQF and SFRD are
+    parallelograms.
     """
 
     def points(x: np.ndarray) -> dict[str, np.ndarray]:
@@ -205,7 +207,9 @@ CASES: dict[str, tuple[Callable[[], sb.Model], int]] = {
     **{f"scissor, {n} stages": (lambda n=n: scissor(n), 1) for n in (1, 2, 3, 5)},
     "Peaucellier": (peaucellier, 1),
     "Hart": (hart, 1),
-    "Burmester focal": (focal, 1),
+    "Kempe focal": (lambda: focal_linkage(Focal().points(1.5, 1)), 1),
+    "Burmester focal": (lambda: focal_linkage(burmester(*QUADRILATERAL, 0.7)), 1),
+    "four-bar with two parallelograms in it": (parallelograms_inside, 1),
 }  # fmt: skip
 
 

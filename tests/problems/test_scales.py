@@ -203,6 +203,21 @@ def test_lengths_that_follow_from_nothing_can_be_given() -> None:
         sb.inverse_dynamics(eqs, {"x": "0"}, "F", [0.0], scales={"length": 0.0})
 
 
+def test_ratios_and_freedoms_count_by_the_length_given() -> None:
+    """A cart 1 km away on a rail of its own is no measure for two carts that are held a nanometre apart."""
+    length = 1e-9
+    rail = sb.Prismatic("aside", "ground", sb.Body("C", 1), axis="z", coordinate="z")
+    pair = rails(length).model
+    eqs = sb.form_equations(sb.Model("rails", [*pair.elements, rail], parameters={"L": length}, inputs=["F"]))
+    scales = {"length": length}
+    guess = {"x": 0.6 * length, "y": 0.8 * length, "z": 1e3}
+    state = sb.assemble(eqs, guess=guess, scales=scales)
+    assert sb.redundancy(eqs, guess=guess, scales=scales).degrees_of_freedom == 2
+    ratios = sb.velocity_ratios(eqs, ["x", "z"], state, scales=scales)
+    assert ratios.dependent == ("y_dot",)
+    np.testing.assert_allclose(ratios.at(state), [[-0.75, 0.0]], rtol=1e-9)
+
+
 def test_what_counts_as_rest_follows_the_length_given() -> None:
     """An oscillator that passes 0 at 1 nm/s moves, if a nanometre is large; beside a metre it is at rest."""
     part = sb.Prismatic(

@@ -359,7 +359,7 @@ def test_long_legends_stay_in_the_picture(tmp_path: Path, count: int) -> None:
 
 def test_files_that_cannot_be_written_are_told(tmp_path: Path) -> None:
     ax = plot(swing(), "x")
-    with pytest.raises(UsageError, match="'bmp9' is no picture format\n.*png"):
+    with pytest.raises(UsageError, match="'bmp9' is not a picture format\n.*png"):
         save_plot(ax, tmp_path / "swing.bmp9")
     with pytest.raises(UsageError, match="the name has no suffix"):
         save_plot(ax, tmp_path / "swing")

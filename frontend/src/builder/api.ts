@@ -1,7 +1,8 @@
 /** Calls of the server, each with the types of its answer. */
 
+import { ABSENCES, request } from "./connection";
 import type {
-  CheckAnswer, DocumentAnswer, Draft, Example, FolderAnswer, JobKind, JobState, JsonObject, Json, Model, PoseAnswer,
+  CheckAnswer, DocumentAnswer, DragAnswer, Draft, Example, FolderAnswer, JobKind, JobState, JsonObject, Json, Model, PoseAnswer,
   Problem, RecentFile, SchemaAnswer,
 } from "./types"; // prettier-ignore
 
@@ -29,23 +30,10 @@ export function problemsOf(error: unknown): readonly Problem[] {
 /** Of the requests of one page the server answers the newest. */
 const page = Math.random().toString(36).slice(2);
 
-function token(): string {
-  return document.querySelector<HTMLMetaElement>('meta[name="symbody-token"]')?.content ?? "";
-}
-
 async function call(name: string, body: object, signal?: AbortSignal): Promise<unknown> {
-  let response: Response;
-  try {
-    response = await fetch(`/api/${name}`, {
-      method: "POST",
-      headers: { "Content-Type": "application/json", "X-Symbody-Token": token() },
-      body: JSON.stringify(body),
-      ...(signal === undefined ? {} : { signal }),
-    });
-  } catch (error) {
-    if (error instanceof DOMException && error.name === "AbortError") throw error;
-    throw new ServerError([problemOf("page.no_server", "the server of this page does not answer", "Start symbody builder again; edits are kept.")], 0);
-  }
+  const response = await request(name, body, signal);
+  if (response === null) throw new ServerError([problemOf("page.no_server", ABSENCES.gone.what, ABSENCES.gone.fix)], 0);
+  if (response.status === 401) throw new ServerError([problemOf("page.other_run", ABSENCES.other.what, ABSENCES.other.fix)], 401);
   const answer = (await response.json().catch(() => null)) as unknown;
   if (response.ok) return answer;
   const problems = (answer as { problems?: readonly Problem[] } | null)?.problems;
@@ -53,6 +41,14 @@ async function call(name: string, body: object, signal?: AbortSignal): Promise<u
 }
 
 export type Opened = { path: string } | { example: string } | { text: string; name: string } | { draft: string } | { urdf: string };
+
+/** A body held at a point of it, and the line of sight on which that point should be [m]. */
+export interface Held {
+  readonly body: string;
+  readonly point: readonly number[];
+  readonly origin: readonly number[];
+  readonly direction: readonly number[];
+}
 
 export const api = {
   schema: () => call("schema", {}) as Promise<SchemaAnswer>,
@@ -70,6 +66,8 @@ export const api = {
   check: (document: string, data: Model, signal: AbortSignal) => call("check", { data, document, page }, signal) as Promise<CheckAnswer>,
   pose: (document: string, data: Model, fixed: Record<string, number>, guess: Readonly<Record<string, number>>) =>
     call("pose", { data, document, page, fixed, guess }) as Promise<PoseAnswer>,
+  drag: (document: string, data: Model, held: Held, guess: Readonly<Record<string, number>>) =>
+    call("drag", { data, document, page, ...held, guess }) as Promise<DragAnswer>,
   formula: async (text: string, pointer: string) =>
     (await call("formula", { text, pointer }) as { mathml: string }).mathml,
   job: async (document: string, kind: JobKind, data: Model, options: Json) =>

@@ -21,6 +21,7 @@ import { Progress } from "./results/progress";
 import { useFocusPointer } from "./shell/focus";
 import { Header } from "./shell/header";
 import { Icon } from "./shell/icons";
+import { ServerBar } from "./shell/server_bar";
 import { Splitter, useSizes } from "./shell/split";
 import { useTheme } from "./shell/theme";
 import { isDirty, useStore, type LeftTab, type Tab } from "./store";
@@ -69,7 +70,7 @@ function Editor(): ReactElement {
   return (
     <div className={`editor${wide ? " wide" : ""}`} style={style}>
       <Header />
-      <OutsideBar />
+      <div className="bars"><ServerBar /><OutsideBar /></div>
       <div className="columns">
         <LeftSide />
         <Splitter name="left" label="Width of the left side" upright sizes={sizes} change={change} />

@@ -19,6 +19,9 @@ export interface OpenDocument {
   readonly fingerprint: string | null;
 }
 
+/** Whether the server of this page answers; "other": one answers that was started later. */
+export type ServerState = "here" | "gone" | "other";
+
 /** A choice that waits for the user at a place of the window. */
 export type Popup =
   | { readonly kind: "types"; readonly x: number; readonly y: number; readonly ends: readonly [string, string] }
@@ -42,6 +45,15 @@ export interface Simulated {
   readonly title: string;
 }
 
+/** A pose that is no edit yet: what sliders and drags lead to. */
+export interface Posed {
+  readonly of: Model;
+  readonly values: Readonly<Record<string, number>>;
+  /** Whether any pose came: where the first one fails the mechanism stands as it stood. */
+  readonly moved: boolean;
+  readonly problem: string;
+}
+
 export interface State {
   readonly data: Model;
   readonly document: OpenDocument | null;
@@ -53,7 +65,7 @@ export interface State {
   /** The model that `check` is of. */
   readonly checked: Model | null;
   readonly openProblems: readonly Problem[];
-  readonly offline: boolean;
+  readonly server: ServerState;
   readonly outside: boolean;
   readonly copied: Copied | null;
   readonly popup: Popup | null;
@@ -73,6 +85,11 @@ export interface State {
   /** Whether the picture shows the simulated motion, not the start position. */
   readonly showsMotion: boolean;
   readonly highlighted: readonly EntryId[];
+  readonly posed: Posed | null;
+  /** The body that is dragged in the picture. */
+  readonly dragged: string | null;
+  /** What the picture has to say of the last pose. */
+  readonly pictureNote: string;
   /** What an analysis shows in the picture, such as a mode. */
   readonly analysisPicture: { readonly scene: unknown; readonly motion: unknown; readonly title: string } | null;
 }
@@ -83,9 +100,10 @@ export const useStore = create<State>()(
   temporal(
     (): State => ({
       data: EMPTY, document: null, saved: EMPTY, schema: null, selection: [], check: null, checked: null, openProblems: [],
-      offline: false, outside: false, copied: null, popup: null, dialog: "start", tab: "positions", leftTab: "palette",
+      server: "here", outside: false, copied: null, popup: null, dialog: "start", tab: "positions", leftTab: "palette",
       wide: false, theme: "auto", focusPointer: null, renaming: null, spoken: "", notice: [], run: null, equations: null,
-      analysis: null, simulated: null, showsMotion: false, highlighted: [], analysisPicture: null,
+      analysis: null, simulated: null, showsMotion: false, highlighted: [], posed: null, dragged: null, pictureNote: "",
+      analysisPicture: null,
     }), // prettier-ignore
     { partialize: ({ data }) => ({ data }), equality: (before, after) => before.data === after.data, limit: 500 },
   ),
@@ -159,7 +177,8 @@ export function showDocument(answer: DocumentAnswer): void {
     document: { id: answer.document, path: answer.path, name: answer.name, fingerprint: answer.fingerprint },
     openProblems: answer.problems,
     selection: [], check: null, checked: null, popup: null, dialog: null, outside: false, renaming: null, notice: [],
-    run: null, equations: null, analysis: null, simulated: null, showsMotion: false, highlighted: [], analysisPicture: null,
+    run: null, equations: null, analysis: null, simulated: null, showsMotion: false, highlighted: [], posed: null, dragged: null, pictureNote: "",
+    analysisPicture: null,
     spoken: `${answer.name} opened`,
   }); // prettier-ignore
   history.getState().clear();

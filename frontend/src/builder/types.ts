@@ -115,6 +115,13 @@ export interface PoseAnswer {
   readonly quaternions: readonly (readonly number[])[];
 }
 
+/** What a drag of a body leads to: the point that is held [m], and how far it is from the line of sight [m]. */
+export interface DragAnswer extends PoseAnswer {
+  readonly at: readonly [number, number, number];
+  readonly distance: number;
+  readonly size: number;
+}
+
 export type JobKind = "equations" | "simulate" | "equilibrium" | "modes" | "singular" | "inverse" | "sweep";
 
 export interface JobState {

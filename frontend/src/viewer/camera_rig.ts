@@ -179,6 +179,15 @@ export class CameraRig {
     this.finish();
   }
 
+  /** Take the view of another camera; one that the user has not moved goes on holding the whole motion. */
+  take(other: CameraRig): void {
+    this.camera.position.copy(other.camera.position);
+    this.camera.quaternion.copy(other.camera.quaternion);
+    this.controls.target.copy(other.controls.target);
+    this.controls.update();
+    this.fits = other.fits;
+  }
+
   zoom(factor: number): void {
     const offset = this.offset().divideScalar(factor);
     this.camera.position.copy(this.controls.target).add(offset);

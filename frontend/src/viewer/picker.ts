@@ -1,6 +1,6 @@
 /** What lies under a point of the picture. */
 
-import { Raycaster, Vector2, type Camera, type Intersection, type Object3D } from "three";
+import { Raycaster, Vector2, type Camera, type Intersection, type Object3D, type Ray, type Vector3 } from "three";
 import type { VectorArrows } from "./arrows";
 import type { Connectors } from "./connectors";
 import type { Scene } from "./contract";
@@ -13,6 +13,12 @@ export interface Pickable {
   readonly connectors: Connectors;
   readonly arrows: VectorArrows;
   readonly joints: JointMarks;
+}
+
+/** An element, and the point of it that is seen, in ground's axes [m]. */
+export interface Hit {
+  readonly element: SceneElement;
+  readonly point: Vector3;
 }
 
 /** Return the element of a scene with a name, or null. */
@@ -37,16 +43,29 @@ export class Picker {
 
   /** Return the element at a point (from -1 to 1 across the picture, upwards), or null. */
   pick(x: number, y: number, camera: Camera): SceneElement | null {
+    return this.hit(x, y, camera)?.element ?? null;
+  }
+
+  /** Return the line of sight through a point of the picture. */
+  sight(x: number, y: number, camera: Camera): Ray {
+    this.ray.setFromCamera(this.point.set(x, y), camera);
+    return this.ray.ray;
+  }
+
+  /** Return what is seen at a point of the picture, or null. */
+  hit(x: number, y: number, camera: Camera): Hit | null {
     this.ray.setFromCamera(this.point.set(x, y), camera);
     const { joints, solids, connectors, arrows } = this.layers;
     if (joints.object.visible) {
       const [mark] = this.ray.intersectObject(joints.object, true);
       const joint = mark === undefined ? undefined : joints.jointOf(mark.object, mark.instanceId ?? 0);
-      if (joint !== undefined) return elementNamed(this.scene, joint.name);
+      const element = joint === undefined ? null : elementNamed(this.scene, joint.name);
+      if (mark !== undefined && element !== null) return { element, point: mark.point };
     }
     const objects: Object3D[] = [solids.object, connectors.object, arrows.object];
     const [hit] = this.ray.intersectObjects(objects, true);
-    return hit === undefined ? null : this.elementOf(hit);
+    const element = hit === undefined ? null : this.elementOf(hit);
+    return hit === undefined || element === null ? null : { element, point: hit.point };
   }
 
   private elementOf(hit: Intersection): SceneElement | null {

@@ -19,6 +19,18 @@ import { restPose, type Pose, type StateSource } from "./source";
 import { Stage } from "./stage";
 import { tracePoints, Traces, type TraceMode } from "./traces";
 
+/** A point of a body, in its axes [m], by which it is held. */
+export interface Grab {
+  readonly body: number;
+  readonly point: readonly [number, number, number];
+}
+
+/** A line of sight in ground's axes [m]. */
+export interface Sight {
+  readonly origin: readonly [number, number, number];
+  readonly direction: readonly [number, number, number];
+}
+
 const GHOST_OPACITY = 0.16;
 
 /** What of the picture is shown. */
@@ -222,10 +234,31 @@ export class Viewer {
   }
 
   elementAt(pageX: number, pageY: number): SceneElement | null {
+    return this.picker.pick(...this.across(pageX, pageY), this.rig.camera);
+  }
+
+  /** Return the moving body at a place of the page, and the point of it that is seen there; or null. */
+  grabAt(pageX: number, pageY: number): Grab | null {
+    const hit = this.picker.hit(...this.across(pageX, pageY), this.rig.camera);
+    if (hit === null || !["body", "part", "joint"].includes(hit.element.kind)) return null;
+    const { body } = hit.element;
+    const matrix = this.instant.matrices[body];
+    if (body === 0 || matrix === undefined) return null;
+    const [x, y, z] = hit.point.applyMatrix4(matrix.clone().invert()).toArray();
+    return { body, point: [x, y, z] };
+  }
+
+  /** Return the line of sight at a place of the page. */
+  sightAt(pageX: number, pageY: number): Sight {
+    const { origin, direction } = this.picker.sight(...this.across(pageX, pageY), this.rig.camera);
+    return { origin: [origin.x, origin.y, origin.z], direction: [direction.x, direction.y, direction.z] };
+  }
+
+  /** Return where in the page a point in ground's axes is seen. */
+  pagePlace(point: readonly [number, number, number]): [number, number] {
     const area = this.stage.canvas.getBoundingClientRect();
-    const x = (2 * (pageX - area.left)) / area.width - 1;
-    const y = 1 - (2 * (pageY - area.top)) / area.height;
-    return this.picker.pick(x, y, this.rig.camera);
+    const { x, y } = new Vector3(...point).project(this.rig.camera);
+    return [area.left + ((x + 1) / 2) * area.width, area.top + ((1 - y) / 2) * area.height];
   }
 
   /** Write where an element is now, in ground's axes [m]; return whether it has a place. */
@@ -299,6 +332,12 @@ export class Viewer {
     this.bodyPosition(body, this.here);
     this.rig.shift(this.followedTo.subVectors(this.here, this.followedTo));
     this.followedTo.copy(this.here);
+  }
+
+  /** Return a place of the page as parts of the picture, from -1 to 1 across it and upwards. */
+  private across(pageX: number, pageY: number): [number, number] {
+    const area = this.stage.canvas.getBoundingClientRect();
+    return [(2 * (pageX - area.left)) / area.width - 1, 1 - (2 * (pageY - area.top)) / area.height];
   }
 
   private paint(): void {

@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.constraint_values import ConstraintValues, Unconstrained
 from symbody.analysis.scales import Scales, mechanism_scales
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
@@ -260,8 +261,11 @@ def closure(
     mechanism = mechanism_scales(eqs, parameters) if scales is None else scales
     angles = frozenset(name for name, unit in eqs.units.items() if unit == "rad")
     arguments = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
-    names = ("constraints", "position_jacobian", "jacobian", "velocity_constraints", "alignment")
-    function = CompiledFunction(*form_sequence(eqs, names, parameters, (), arguments), quick=True)
+    function: Callable[..., Any] = Unconstrained(len(eqs.coordinate_names), len(eqs.speed_names))
+    if eqs.multiplier_names:
+        function = CompiledFunction(
+            *form_sequence(eqs, ConstraintValues._fields, parameters, (), arguments), quick=True
+        )
     return Closure(
         eqs,
         parameters,

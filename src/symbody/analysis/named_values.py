@@ -119,6 +119,8 @@ def named_values(
     AssemblyError
         Naming each unknown name, with the nearest ones.
     """
+    if not formulas:
+        return {}
     refuse_unknown(eqs, [name for name in formulas if name in strict])
     names = positions_and_rates(eqs)
     joints = (*eqs.model.joints, *eqs.model.free_joints)

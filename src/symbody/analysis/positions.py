@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from symbody.analysis.assembly import assemble, consistent_start
 from symbody.analysis.closure import Closure, closure
 from symbody.analysis.named_values import named_values
@@ -46,6 +49,22 @@ class PositionSolver:
         values = named_values(self.eqs, fixed, None, strict=set(fixed))
         q, _ = consistent_start(self.evaluator, values, near)
         return dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
+
+    def nearest(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the coordinates (n_q,) nearest to others at which the loops close.
+
+        The initial values of the model have no part in it.
+
+        Raises
+        ------
+        AssemblyError
+            If they close nowhere near.
+        """
+        guess = dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
+        if self.evaluator is None:
+            return np.array(list(assemble(self.eqs, None, guess).q.values()))
+        closed, _ = consistent_start(self.evaluator, {}, guess)
+        return closed
 
 
 def position_solver(eqs: EquationSet) -> PositionSolver:

@@ -64,6 +64,8 @@ def redundancy(
     eqs: EquationSet,
     parameters: Mapping[str, Value] | None = None,
     guess: Mapping[str, Value] | None = None,
+    *,
+    scales: Mapping[str, float] | None = None,
 ) -> Redundancy:
     """Return the independent and the redundant constraints for values of the parameters.
 
@@ -71,16 +73,21 @@ def redundancy(
     ----------
     guess : mapping of name to number or formula in parameters
         Near which the loops close; by default the model's initial values.
+    scales : mapping of "length", "time", "mass" to float, optional
+        What counts as large [m, s, kg]; by default it follows from the model, and without any length there
+        from the guess.
 
     Raises
     ------
+    UsageError
+        If a name in `scales` is unknown, or a value is not positive.
     AssemblyError
         If the loops close nowhere near the guess.
     """
     refuse_unknown(eqs, guess or ())
     values, around = dict(parameters or {}), {**eqs.model.initial, **(guess or {})}
     near = named_values(eqs, around, parameters, strict=set(guess or ()))
-    evaluator = closure(eqs, values, {}, 0.0, mechanism_scales(eqs, values, near=near))
+    evaluator = closure(eqs, values, {}, 0.0, mechanism_scales(eqs, values, scales, near))
     if evaluator.is_tree:
         somewhere = evaluator.normalized(np.linspace(0.2, 0.8, len(eqs.coordinate_names)))
         names = undetermined_at(eqs, parameters or {}, [(0.0, somewhere)]) if eqs.formed.redundant else ()
@@ -91,10 +98,10 @@ def redundancy(
             Problem("redundancy.open", eqs.model.name, "no configuration closes the loops", "",
                     "see assemble() for the joint that stays open, or give guess=")
         )  # fmt: skip
-    scales = evaluator.mechanism.constraints(eqs)[:, np.newaxis]
+    sizes = evaluator.mechanism.constraints(eqs)[:, np.newaxis]
 
     def velocity_rows(q: Floats) -> Floats:
-        return np.asarray(evaluator.velocity_rows(q, {})[0] / scales * evaluator.speed_sizes)
+        return np.asarray(evaluator.velocity_rows(q, {})[0] / sizes * evaluator.speed_sizes)
 
     branch = explore_branch(evaluator.manifold(), q)
     count = count_freedoms(eqs.formed, branch, velocity_rows)

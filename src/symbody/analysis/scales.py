@@ -8,8 +8,9 @@ powers of two change no digit of them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from types import MappingProxyType
 from typing import Final
 
@@ -63,6 +64,11 @@ class Scales:
     equations: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     has_length: bool = False
     has_time: bool = False
+
+    @property
+    def sizes(self) -> dict[str, float]:
+        """Length, time and mass by name, as analyses take them."""
+        return {"length": self.length, "time": self.time, "mass": self.mass}
 
     @property
     def energy(self) -> float:
@@ -143,18 +149,19 @@ def mechanism_scales(
         If a name in `given` is unknown, or a value is not positive.
     """
     chosen = checked_scales(given)
-    lengths = values_at_start(eqs, geometry(eqs), parameters)
-    length = chosen.get("length", largest(lengths.values()))
+    groups = {"length": model_lengths(eqs.model), "pull": eqs.model.gravity, "mass": _masses(eqs)}
+    lengths, pulls, masses = _values_of_groups(eqs, groups, parameters)
+    length = chosen.get("length", largest(lengths))
     if not length and near is None:
         initial = {name: value for name, value in eqs.model.initial.items() if _is_length(eqs, name)}
         length = largest(values_at_start(eqs, initial, parameters).values())
     elif not length and near is not None:
         length = largest(x for name, x in near.items() if _is_length(eqs, name))
     scales = Scales(length or 1.0, has_length=bool(length))
-    gravity = math.hypot(*values_at_start(eqs, numbered(eqs.model.gravity), parameters).values())
+    gravity = math.hypot(*pulls)
     fallen = math.sqrt(scales.length / gravity) if gravity else 1.0
     scales = replace(scales, time=chosen.get("time", fallen), has_time="time" in chosen or gravity > 0.0)
-    mass = chosen.get("mass", _mass(eqs, parameters, scales.length)) or 1.0
+    mass = chosen.get("mass", largest(masses) or _moment(eqs, parameters) / scales.length**2) or 1.0
     return replace(scales, mass=mass, equations=_equations(eqs, parameters, scales))
 
 
@@ -238,12 +245,25 @@ def largest(values: Iterable[float]) -> float:
     return max(map(abs, values), default=0.0)
 
 
-def _mass(eqs: EquationSet, parameters: Mapping[str, Value], length: float) -> float:
-    """Return the largest mass of a body, else the largest moment of inertia over the square of the length."""
-    bodies = eqs.model.bodies
-    masses = values_at_start(eqs, numbered(body.mass for body in bodies), parameters)
-    moments = numbered(moment for body in bodies for moment in body.inertia)
-    return largest(masses.values()) or largest(values_at_start(eqs, moments, parameters).values()) / length**2
+def _masses(eqs: EquationSet) -> Iterator[Formula]:
+    """Yield the masses of all bodies."""
+    return (body.mass for body in eqs.model.bodies)
+
+
+def _moment(eqs: EquationSet, parameters: Mapping[str, Value]) -> float:
+    """Return the largest moment of inertia [kg m^2]."""
+    moments = numbered(moment for body in eqs.model.bodies for moment in body.inertia)
+    return largest(values_at_start(eqs, moments, parameters).values())
+
+
+def _values_of_groups(
+    eqs: EquationSet, groups: Mapping[str, Iterable[Formula]], parameters: Mapping[str, Value]
+) -> list[list[float]]:
+    """Return the values of formulas at t = 0, group by group; all are computed at once, which is quicker."""
+    kept = {name: list(group) for name, group in groups.items()}
+    formulas = {f"{name} {k}": one for name, group in kept.items() for k, one in enumerate(group)}
+    values = iter(values_at_start(eqs, formulas, parameters).values())
+    return [list(islice(values, len(group))) for group in kept.values()]
 
 
 def _equations(eqs: EquationSet, parameters: Mapping[str, Value], scales: Scales) -> dict[str, float]:

@@ -161,6 +161,11 @@ def _pose(request: asked.PoseRequest, builder: Builder) -> Answer:
     return builder.pose(request)
 
 
+@api.post("/drag")
+def _drag(request: asked.DragRequest, builder: Builder) -> Answer:
+    return builder.drag(request)
+
+
 @api.post("/formula")
 def _formula(request: asked.FormulaRequest) -> Answer:
     return {"mathml": formula_mathml(request.text, request.pointer)}

@@ -28,7 +28,7 @@ def page_problem(problem: Problem, data: Mapping[str, Any], severity: str = "err
         The model that the page edits; pointers lead into it.
     severity : "error", "warning" or "note"
     """
-    pointer = _pointer(problem.where, data)
+    pointer = _pointer(problem.where, data) or _last_of_cycle(problem, data)
     line = _LINE.search(problem.where)
     return {
         "severity": severity,
@@ -144,14 +144,17 @@ def _new_parameter(name: str, data: Mapping[str, Any]) -> dict[str, Any]:
     return {"label": f"make {name} a parameter of value 1", "patch": patch}
 
 
+def _last_of_cycle(problem: Problem, data: Mapping[str, Any]) -> str:
+    """Return the pointer to the last joint of a cycle of a tree, "" if the problem is another."""
+    match = _CYCLE.search(problem.what) if problem.code == "topology.cycle" else None
+    return "" if match is None else label_pointer(f"joint {match.group(1).split(', ')[-1]}", data)
+
+
 def _cut_joint(problem: Problem, data: Mapping[str, Any]) -> dict[str, Any] | None:
     """Return the change that takes the last joint of a cycle out of the trees."""
-    match = _CYCLE.search(problem.what)
-    if match is None:
-        return None
-    name = match.group(1).split(", ")[-1]
-    pointer = label_pointer(f"joint {name}", data)
+    pointer = _last_of_cycle(problem, data)
     if not pointer:
         return None
+    name = element_name(pointer, data)
     patch = [{"op": "add", "path": f"{pointer}/tree", "value": False}]
     return {"label": f"make {name} a cotree joint", "patch": patch}

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
 Data = dict[str, Any]
+Components = Annotated[list[float], Field(min_length=3, max_length=3)]
 JobKind = Literal["equations", "simulate", "equilibrium", "modes", "singular", "inverse", "sweep"]
 ExportKind = Literal["python", "c", "latex", "html", "toml"]
 
@@ -83,6 +84,19 @@ class PoseRequest(PageRequest):
 
     data: Data
     fixed: dict[str, float]
+    guess: dict[str, float] = {}
+    page: str = Field(default="", max_length=64)
+    document: str = Field(default="", max_length=64)
+
+
+class DragRequest(PageRequest):
+    """A body that is dragged by a `point`, in its axes, to a line of sight, in ground's axes [m]."""
+
+    data: Data
+    body: str = Field(max_length=1000)
+    point: Components
+    origin: Components
+    direction: Components
     guess: dict[str, float] = {}
     page: str = Field(default="", max_length=64)
     document: str = Field(default="", max_length=64)

@@ -8,7 +8,14 @@ from symbody.builder.documents import Documents
 from symbody.builder.file_names import file_stem
 from symbody.builder.jobs import Jobs
 from symbody.builder.model_text import text_from_data
-from symbody.builder.requests import CheckRequest, ExportRequest, JobRequest, OutputsRequest, PoseRequest
+from symbody.builder.requests import (
+    CheckRequest,
+    DragRequest,
+    ExportRequest,
+    JobRequest,
+    OutputsRequest,
+    PoseRequest,
+)
 from symbody.builder.settings import BuilderSettings
 from symbody.builder.workers import NewestOnly, Reserve
 
@@ -44,6 +51,20 @@ class Services:
             "guess": request.guess,
         }
         answer: Answer = self._interactive.run("pose", payload, request.page, self.settings.limits.pose)
+        return answer
+
+    def drag(self, request: DragRequest) -> Answer:
+        """Return the configuration in which a point of a body is as near to a line of sight as it gets."""
+        payload = {
+            "data": request.data,
+            "folder": self.documents.folder_of(request.document),
+            "body": request.body,
+            "point": request.point,
+            "origin": request.origin,
+            "direction": request.direction,
+            "guess": request.guess,
+        }
+        answer: Answer = self._interactive.run("drag", payload, request.page, self.settings.limits.pose)
         return answer
 
     def start_job(self, request: JobRequest) -> Answer:

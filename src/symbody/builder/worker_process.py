@@ -25,6 +25,7 @@ _TASKS: Final = MappingProxyType(
     {
         "check": "symbody.builder.tasks.check:check_model",
         "pose": "symbody.builder.tasks.pose:find_pose",
+        "drag": "symbody.builder.tasks.drag:drag_body",
         "equations": "symbody.builder.tasks.equations:equation_tabs",
         "simulate": "symbody.builder.tasks.simulation:simulate_model",
         "outputs": "symbody.builder.tasks.simulation:more_curves",
@@ -58,6 +59,7 @@ def run_worker(pipe: Connection) -> None:
     threading.Thread(target=_end_with_parent, daemon=True).start()
     _limit_memory()
     import_module("symbody.builder.tasks.check")  # the slow part, while nobody waits yet
+    pipe.send(("ready",))
     while True:
         try:
             name, payload = pipe.recv()

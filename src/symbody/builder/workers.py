@@ -31,6 +31,7 @@ class Worker:
         self._process.start()
         theirs.close()
         self._turn = Lock()
+        self._is_loaded = False
 
     @property
     def is_alive(self) -> bool:
@@ -66,7 +67,30 @@ class Worker:
             If it was over.
         """
         with self._turn:
+            self._load()
             return self._run(task, payload, on_stage, is_over)
+
+    def load(self) -> None:
+        """Wait until the process has loaded what tasks need; on a busy computer that takes longest.
+
+        Raises
+        ------
+        TaskFailure
+            If the process ends.
+        """
+        with self._turn:
+            self._load()
+
+    def _load(self) -> None:
+        try:
+            while not self._is_loaded:
+                if self._pipe.poll(_TICK):
+                    self._is_loaded = self._pipe.recv() == ("ready",)
+                elif not self._process.is_alive() and not self._pipe.poll(0):
+                    raise EOFError
+        except (EOFError, OSError):
+            self.kill()
+            raise TaskFailure([_lost()]) from None
 
     def _run(self, task: str, payload: Payload, on_stage: OnStage | None, is_over: Callable[[], bool]) -> Any:
         try:
@@ -161,15 +185,16 @@ class NewestOnly:
                 if self._newest[key] != ticket:
                     raise _superseded_error()
             self._is_busy = True
-        begun = time.monotonic()
-
-        def is_over() -> bool:
-            spent = time.monotonic() - begun
-            return spent > limit or (self._newest[key] != ticket and spent > _GRACE)
-
         try:
             if self._worker is None or not self._worker.is_alive:
                 self._worker = self._reserve.take()
+            self._worker.load()
+            begun = time.monotonic()
+
+            def is_over() -> bool:
+                spent = time.monotonic() - begun
+                return spent > limit or (self._newest[key] != ticket and spent > _GRACE)
+
             return self._worker.run(task, payload, is_over=is_over)
         except TimeoutError:
             if self._newest[key] != ticket:

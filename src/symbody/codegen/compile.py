@@ -1,6 +1,6 @@
 """`compile` and `generate_code`: from equations and outputs asked for to functions and source text.
 
-The only file of this folder that knows EquationSet.
+The only file of this folder that imports EquationSet.
 """
 
 from __future__ import annotations
@@ -234,19 +234,21 @@ def _parameter_nodes(eqs: EquationSet, given: Mapping[str, Value], free: Items[s
     """Return the nodes that take the place of parameters, computed in the order of their dependence."""
     model, names, graph = eqs.model, eqs.formed.names, eqs.formed.graph
     _check_names(eqs, given, free)
-    own = {name: names.value(name).index for name in (*model.parameters, *free)}
-    nodes = {own[name]: own[name] for name in free}
+    symbol_nodes = {name: names.value(name).index for name in (*model.parameters, *free)}
+    nodes = {symbol_nodes[name]: symbol_nodes[name] for name in free}
     missing = []
-    asked = {name: Formula.of(plain(value), where=name) for name, value in given.items() if name in own}
+    asked = {
+        name: Formula.of(plain(value), where=name) for name, value in given.items() if name in symbol_nodes
+    }
     for name in model.parameter_order(asked):
-        if own[name] in nodes:
+        if symbol_nodes[name] in nodes:
             continue
         formula = asked.get(name, model.parameters[name])
         if formula is None:
             missing.append(name)
         else:
             node = names.expression(formula, f"parameter {name}").index
-            nodes[own[name]] = substitute(graph, [node], nodes)[0]
+            nodes[symbol_nodes[name]] = substitute(graph, [node], nodes)[0]
     if missing:
         raise CompileError(_missing(missing))
     return {symbol: node for symbol, node in nodes.items() if symbol != node}
@@ -331,6 +333,8 @@ def constant_values(
     CompileError
         If a parameter has no value, or a formula reads something else than parameters.
     """
+    if not formulas:
+        return {}
     graph, names = eqs.formed.graph, eqs.formed.names
     replacements = _parameter_nodes(eqs, parameters or {}, ())
     nodes = [names.expression(Formula.of(value, where=name), name).index for name, value in formulas.items()]

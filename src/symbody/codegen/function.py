@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import namedtuple
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Final
 
 import numpy as np
@@ -240,7 +241,7 @@ class CompiledFunction:
         if len(outputs) > 1:
             what = f"there are {len(outputs)} results, and one array to receive them"
         elif not isinstance(out, np.ndarray):
-            what = f"{type(out).__name__} is no array"
+            what = f"{type(out).__name__} is not an array"
         elif out.dtype != np.float64 or not out.dtype.isnative:
             what = f"its entries are of type {out.dtype}, not float64"
         elif out.shape != batch + outputs[0].shape:
@@ -287,7 +288,7 @@ def _type_problem(group: str, word: str, kind: str) -> Problem:
 def _positive(threads: int) -> int:
     if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
         raise CompileError(
-            Problem("compile.threads", "threads", f"{threads!r} is no number of threads", "",
+            Problem("compile.threads", "threads", f"{threads!r} is not a number of threads", "",
                     "give a whole number from 1 on, such as os.cpu_count()")
         )  # fmt: skip
     return threads
@@ -299,7 +300,7 @@ def source_text(sequence: Sequence, language: str, signature: Signature | None =
     Parameters
     ----------
     signature : Signature, optional
-        All arguments by name, for texts that tell also those which the sequence does not read.
+        All arguments by name, also those which the sequence does not read.
 
     Raises
     ------
@@ -340,5 +341,10 @@ def _result_type(sequence: Sequence) -> Callable[..., Any] | None:
     """Return a named tuple class, or None for a single output; expressions get the names _0, _1, ..."""
     if len(sequence.outputs) == 1:
         return None
-    names = [output.name for output in sequence.outputs]
+    return _named_tuple(tuple(output.name for output in sequence.outputs))
+
+
+@lru_cache(maxsize=256)
+def _named_tuple(names: tuple[str, ...]) -> Callable[..., Any]:
+    """Return the class for these names: Python compiles each new one. Two threads may make one each."""
     return namedtuple("Outputs", names, rename=True)

@@ -11,7 +11,7 @@ import unicodedata
 from collections.abc import Callable, Iterable
 from typing import Final
 
-MAX_LENGTH: Final = 63  # what C99, Fortran and MATLAB tell apart
+MAX_LENGTH: Final = 63  # the significant letters of C99, Fortran and MATLAB
 
 _GREEK: Final = dict(
     zip(

@@ -42,12 +42,12 @@ def massless_speeds(mass: ArrayLike, rows: ArrayLike) -> list[int]:
 
 
 def massless_problem(code: str, names: Sequence[str], coordinates: Iterable[str]) -> Problem:
-    """Return what to tell of speeds that no mass resists, by their names."""
+    """Return the problem of speeds that no mass resists, by their names."""
     known = set(coordinates)
     plain = [name.removesuffix("_dot") for name in names]
-    told = ", ".join(short if short in known else name for short, name in zip(plain, names, strict=True))
+    words = ", ".join(short if short in known else name for short, name in zip(plain, names, strict=True))
     return Problem(
-        code, told, f"the mass matrix is singular: no mass or inertia resists a motion of {told}",
+        code, words, f"the mass matrix is singular: no mass or inertia resists a motion of {words}",
         "a body without mass or inertia, or a parameter that is 0, can move freely",
         "give what moves there mass or inertia, or prescribe the motion",
     )  # fmt: skip

@@ -100,7 +100,7 @@ class NativeCall:
     def _run(self, start: int, stop: int, points: _Points, lanes: NativeFunction | None) -> int:
         """Compute some of the points and return the first status that is not 0."""
         blocks = 0 if lanes is None else (stop - start) // lanes.width
-        # Which point failed first, and how, the scalar code knows: it computes the same again.
+        # The scalar code computes the same again to find which point failed first, and how.
         if lanes is not None and blocks and points.compute(lanes, start, blocks) == 0:
             start += blocks * lanes.width
         return points.compute(self.native, start, stop - start)

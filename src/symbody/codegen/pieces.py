@@ -18,6 +18,7 @@ from typing import Final
 from symbody.codegen.lowering import constant_values, refuse_user_functions
 from symbody.expr.opcodes import LEAVES, MAP, PICK, SADDLE
 from symbody.expr.sequence import Kernel, Sequence
+from symbody.kernels.solve_saddle import work_size as saddle_work_size
 
 # LLVM takes the same time for 50,000 operations in pieces of 500 to 4,000, three times as long for one.
 PIECE_SIZE: Final = 2000
@@ -72,11 +73,6 @@ def argument_places(kernel: Kernel, start: int) -> tuple[int, int, int, int]:
     jacobian = start + kernel.n * kernel.n
     force = jacobian + kernel.m * kernel.n
     return start, jacobian, force, force + kernel.n
-
-
-def saddle_work_size(n: int, m: int) -> int:
-    """Return how many doubles of scratch `solve_saddle` needs for n accelerations and m rows."""
-    return n * n + m * n + 6 * n + 4 * m
 
 
 def plan_pieces(sequence: Sequence, size: int = PIECE_SIZE) -> Plan:

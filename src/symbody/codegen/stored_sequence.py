@@ -38,24 +38,24 @@ def read_sequence(key: bytes) -> tuple[Sequence, Signature] | None:
     if content is None:
         return None
     head, _, body = content.partition(b"\n")
-    told = json.loads(head)
+    header = json.loads(head)
     columns = array(_CODE)
     columns.frombytes(body)
-    q, u, r, p = (tuple(names) for names in told["signature"])
-    return _sequence(told, columns), Signature(q, u, r, p)
+    q, u, r, p = (tuple(names) for names in header["signature"])
+    return _sequence(header, columns), Signature(q, u, r, p)
 
 
 def store_sequence(key: bytes, sequence: Sequence, signature: Signature) -> bool:
     """Store a sequence if that pays, and return whether it did."""
     if not key or len(sequence.operations) < SMALLEST or sequence.functions:
         return False
-    told = _told(sequence) | {"signature": (signature.q, signature.u, signature.r, signature.p)}
-    store(key, json.dumps(told).encode() + b"\n" + _columns(sequence).tobytes())
+    header = _told(sequence) | {"signature": (signature.q, signature.u, signature.r, signature.p)}
+    store(key, json.dumps(header).encode() + b"\n" + _columns(sequence).tobytes())
     return True
 
 
 def _told(sequence: Sequence) -> dict[str, object]:
-    """Return all of a sequence but its operations; programs are short, so they are told whole."""
+    """Return a sequence without its operations as a mapping; programs are short and stand in it whole."""
     return {
         "inputs": [(entry.name, entry.group, entry.position) for entry in sequence.inputs],
         "constants": [_constant_text(value) for value in sequence.constants],
@@ -75,16 +75,16 @@ def _columns(sequence: Sequence) -> array[int]:
     return columns
 
 
-def _sequence(told: Mapping[str, Any], columns: array[int]) -> Sequence:
+def _sequence(header: Mapping[str, Any], columns: array[int]) -> Sequence:
     """Return the sequence that `_told` and `_columns` were made of."""
     return Sequence(
-        tuple(Input(*entry) for entry in told["inputs"]),
-        tuple(_constant(text) for text in told["constants"]),
-        tuple(Kernel(n, m) for n, m in told["kernels"]),
+        tuple(Input(*entry) for entry in header["inputs"]),
+        tuple(_constant(text) for text in header["constants"]),
+        tuple(Kernel(n, m) for n, m in header["kernels"]),
         (),
-        tuple(_operations(columns, told["operations"])),
-        tuple(Output(name, tuple(shape), tuple(values)) for name, shape, values in told["outputs"]),
-        tuple(_sequence(inside, array(_CODE, numbers)) for inside, numbers in told["programs"]),
+        tuple(_operations(columns, header["operations"])),
+        tuple(Output(name, tuple(shape), tuple(values)) for name, shape, values in header["outputs"]),
+        tuple(_sequence(inside, array(_CODE, numbers)) for inside, numbers in header["programs"]),
     )
 
 

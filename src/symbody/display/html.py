@@ -1,4 +1,4 @@
-"""Small pieces of HTML: headings, tables, notes; text is escaped unless its type says that it is HTML."""
+"""Small pieces of HTML: headings, tables, notes; text is escaped unless its type is HTML."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Derivatives where an expression has branches: what belongs to a branch not taken is never multiplied.
 
-A select, min or max hands its weight in a reverse sweep to one operand where its condition holds and to
+In a reverse sweep a select, min or max adds its weight to one operand where its condition holds and to
 the other where not. Multiplying by 1 or 0 instead would turn an infinite slope of the branch not taken
 into 0 * inf. So weights are kept apart by the conditions under which they hold until the branches meet again.
 """

@@ -27,18 +27,18 @@ def forward(graph: Graph, roots: Sequence[int], tangents: Mapping[int, int]) -> 
     tangents : mapping of node to node
         Derivative of each seed; every other symbol counts as constant.
     """
-    known = dict(tangents)
+    rates = dict(tangents)
     roots = unrolled(graph, roots)
     for node in graph.reachable(roots):
-        if node in known:
+        if node in rates:
             continue
         op = graph.ops[node]
         if op == PICK:
-            _saddle_tangents(graph, graph.left[node], known)
-            known.setdefault(node, ZERO)
-        elif any(known.get(k, ZERO) for k in graph.operands(node)) and op != SADDLE:
-            known[node] = _tangent(graph, node, known)
-    return [known.get(root, ZERO) for root in roots]
+            _saddle_tangents(graph, graph.left[node], rates)
+            rates.setdefault(node, ZERO)
+        elif any(rates.get(k, ZERO) for k in graph.operands(node)) and op != SADDLE:
+            rates[node] = _tangent(graph, node, rates)
+    return [rates.get(root, ZERO) for root in roots]
 
 
 def derivative(graph: Graph, roots: Sequence[int], by: int) -> list[int]:
@@ -160,16 +160,16 @@ def _tangent(graph: Graph, node: int, known: Mapping[int, int]) -> int:
     return result
 
 
-def _saddle_tangents(graph: Graph, node: int, known: dict[int, int]) -> None:
+def _saddle_tangents(graph: Graph, node: int, tangents: dict[int, int]) -> None:
     """Differentiate M a = F + J^T lambda, J a = gamma: the same matrix with other right-hand sides."""
     kernel = graph.kernels[graph.right[node]]
     operands = graph.operands(node)
-    rates = [known.get(k, ZERO) for k in operands]
+    rates = [tangents.get(k, ZERO) for k in operands]
     n, m = kernel.n, kernel.m
     if not any(rates):
         return
     entry = [graph.node(PICK, node, k) for k in range(n + m)]
-    if all(k in known for k in entry):
+    if all(k in tangents for k in entry):
         return
     d_mass, d_jacobian = rates[: n * n], rates[n * n : n * n + m * n]
     d_force, d_gamma = rates[n * n + m * n : n * n + m * n + n], rates[n * n + m * n + n :]
@@ -186,4 +186,4 @@ def _saddle_tangents(graph: Graph, node: int, known: dict[int, int]) -> None:
     right = (*operands[: n * n + m * n], *force, *gamma)
     solved = graph.many(SADDLE, right, graph.kernel(Kernel(n, m)))
     for k in range(n + m):
-        known[entry[k]] = graph.node(PICK, solved, k)
+        tangents[entry[k]] = graph.node(PICK, solved, k)

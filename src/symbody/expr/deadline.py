@@ -35,17 +35,17 @@ class Deadline:
         self.stages: list[tuple[str, float]] = []  # names and times at which they began
 
     def error(self) -> TimeLimitError:
-        """Return what is told when time is up."""
+        """Return the problem for a limit that has passed, with the longest stages."""
         begins = [begin for _, begin in self.stages]
         finished = [(name, end - begin) for (name, begin), end in zip(self.stages, begins[1:], strict=False)]
         stage = self.stages[-1][0] if self.stages else self.work
         longest = sorted(finished, key=lambda done: -done[1])[:3]
-        told = ", ".join(f"{name} ({spent:.2g} s)" for name, spent in finished if (name, spent) in longest)
+        stages = ", ".join(f"{name} ({spent:.2g} s)" for name, spent in finished if (name, spent) in longest)
         problem = Problem(
             "time.over_limit",
             f"stage {stage}",
             what=f"{self.work} takes longer than time_limit = {self.limit:g} s",
-            why=f"done before, the longest of it: {told}" if told else "it is the first stage",
+            why=f"done before, the longest of it: {stages}" if stages else "it is the first stage",
             fix=f"give more time, or {self.cure}",
         )
         return TimeLimitError(problem, stage=stage, finished=tuple(finished), notes=self.notes)
@@ -56,12 +56,12 @@ _WATCH: Final[ContextVar[Callable[[str], object] | None]] = ContextVar("watch", 
 
 
 def in_time(seconds: float | None, work: str, cure: str, do: Callable[[], Result]) -> Result:
-    """Return what `do` returns; of limits inside each other the earlier end holds.
+    """Call `do` within a time limit; of nested limits the earlier end holds.
 
     Raises
     ------
     UsageError
-        If the limit is no positive number of seconds.
+        If the limit is not a positive number of seconds.
     TimeLimitError
         When time is up. It holds on to nothing that was made.
     """
@@ -80,19 +80,19 @@ def in_time(seconds: float | None, work: str, cure: str, do: Callable[[], Result
 
 
 def check_limit(seconds: float | None) -> None:
-    """Refuse a limit that is no time.
+    """Refuse a limit that is not a positive number of seconds.
 
     Raises
     ------
     UsageError
-        If it is no positive number of seconds.
+        If it is not a positive number of seconds.
     """
     if seconds is None:
         return
     number = float(seconds) if isinstance(seconds, Real) and not isinstance(seconds, bool) else math.nan
     if not number > 0.0:
         raise UsageError(
-            Problem("time.limit", "time_limit", f"time_limit = {seconds!r} is no time", "",
+            Problem("time.limit", "time_limit", f"time_limit = {seconds!r} is not a positive time", "",
                     "give seconds, more than 0, or leave it out")
         )  # fmt: skip
 

@@ -113,7 +113,7 @@ def _saddle(sequence: Sequence, datum: int, arguments: list[Number], rules: Arit
     ends = (n * n, n * n + m * n, n * n + m * n + n)
     mass, jacobian = arguments[: ends[0]], arguments[ends[0] : ends[1]]
     force, gamma = arguments[ends[1] : ends[2]], arguments[ends[2] :]
-    solution = solve_saddle(mass, jacobian, force, gamma, sqrt=rules.sqrt)
+    solution = solve_saddle(mass, jacobian, force, gamma)
     return [*solution.udot, *solution.multipliers, rules.constant(solution.rank)]
 
 

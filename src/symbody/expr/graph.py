@@ -280,31 +280,31 @@ class Graph:
         """Return all nodes the `roots` are computed from, ascending."""
         ops, left, right, tuples = self.ops, self.left, self.right, self.operand_tuples
         seen = set(roots)
-        found = list(seen)
-        for node in found:  # it grows meanwhile
+        nodes = list(seen)
+        for node in nodes:  # it grows meanwhile
             arity = ARITY[ops[node]]
             if arity == 2:
                 a, b = left[node], right[node]
                 if a not in seen:
                     seen.add(a)
-                    found.append(a)
+                    nodes.append(a)
                 if b not in seen:
                     seen.add(b)
-                    found.append(b)
+                    nodes.append(b)
             elif arity:
                 for a in (left[node],) if arity == 1 else tuples[left[node]]:
                     if a not in seen:
                         seen.add(a)
-                        found.append(a)
-        found.sort()
-        return found
+                        nodes.append(a)
+        nodes.sort()
+        return nodes
 
     def datum(self, node: int) -> int:
-        """Return what else defines `node`: entry of a PICK, place of a function, kernel or program."""
+        """Return the datum of `node`: entry of a PICK, place of a function, kernel or program."""
         return self.right[node] if self.ops[node] in (PICK, CALL, SADDLE, MAP) else 0
 
     def copies_of(self, other: Graph) -> dict[int, int]:
-        """Return what was copied from another living graph: its nodes to nodes of this one."""
+        """Return the copies made from another living graph: its nodes to nodes of this one."""
         with self._lock:
             return self._copies.setdefault(other, {})
 
@@ -355,7 +355,7 @@ def copy_node(source: Graph, target: Graph, node: int, memo: Mapping[int, int]) 
 
 
 def copied_datum(source: Graph, target: Graph, node: int) -> int:
-    """Return what `datum` says of a node, for one of the same kind in another graph."""
+    """Return the content of `datum` of a node, for a node of the same kind in another graph."""
     op, datum = source.ops[node], source.datum(node)
     if op == CALL:
         return target.function(source.functions[datum])

@@ -66,7 +66,7 @@ def _power(graph: Graph, node: int, values: dict[int, Pair], expanded: dict[int,
 
 
 def _atom(value: Pair) -> Monomials:
-    """Return what is not multiplied out, with the same fingerprint for both signs."""
+    """Return a node as one factor, not multiplied out, with the same fingerprint for both signs."""
     pair, flipped = unsigned(value)
     return {pair: Fraction(-1 if flipped else 1)}
 

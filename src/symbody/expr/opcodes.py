@@ -1,7 +1,7 @@
 """The operations of the expression graph: small integers, their names, and what each costs.
 
 Constants, signs and powers come first because the folding rules look for exactly those:
-``op <= POW`` asks "can a rule fire here?" with one comparison.
+``op <= POW`` is one comparison that decides whether a rule can apply.
 """
 
 from __future__ import annotations

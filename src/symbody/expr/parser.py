@@ -1,7 +1,8 @@
 """Text of the expression language to formulas.
 
 The grammar: numbers, names, ``+ - * / ^ **``, signs, ``if(condition, a, b)`` with comparisons, ``and``,
-``or`` and ``not`` in the condition, and the functions of `symbody.expr.language.program.FUNCTIONS`. Names
+``or`` and ``not`` in the condition, and the functions of `symbody.expr.language.program.FUNCTIONS`. What has
+no value, such as ``1/0``, is refused but in a branch that a condition of numbers alone never takes. Names
 mean nothing here: whatever reads as an identifier is one, ``I``, ``lambda`` and ``max`` too.
 """
 
@@ -16,7 +17,7 @@ from symbody.expr.language.grammar import read_program
 from symbody.expr.language.program import Instruction
 from symbody.expr.language.tokens import normalize
 
-# Digits are bounded so that a text that is no angle costs one pass.
+# Digits are bounded so that a text that is not an angle costs one pass.
 _DEGREES: Final = re.compile(r"([ \t]*[-+]?[ \t]*[0-9.]{1,400}(?:[eE][-+]?[0-9]{1,3})?)[ \t]*deg[ \t]*")
 
 

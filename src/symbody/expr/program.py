@@ -19,13 +19,13 @@ from symbody.expr.sequence import Input, Operation, Output, Roots, Sequence, bui
 Compute = Callable[[list[Expr], list[Expr]], Items[Expr]]
 
 
-def traced(shared: int, own: int, compute: Compute) -> tuple[Sequence, list[int], list[int]]:
-    """Return the program that does what `compute` does.
+def traced(shared: int, per_item: int, compute: Compute) -> tuple[Sequence, list[int], list[int]]:
+    """Return the program of `compute`.
 
     Parameters
     ----------
-    shared, own : int
-        How many numbers all items share, and how many each has.
+    shared, per_item : int
+        Number of values shared by all items, and of values of each item.
     compute : callable
         Of both as expressions; it returns the results.
 
@@ -37,7 +37,7 @@ def traced(shared: int, own: int, compute: Compute) -> tuple[Sequence, list[int]
     graph = Graph()
     groups = [
         [symbol(graph, Symbol(f"{group}{k}")) for k in range(count)]
-        for group, count in (("p", shared), ("q", own))
+        for group, count in (("p", shared), ("q", per_item))
     ]
     results = compute(*groups)
     places = {
@@ -52,18 +52,20 @@ def traced(shared: int, own: int, compute: Compute) -> tuple[Sequence, list[int]
     return replace(program, inputs=inputs), read["p"], read["q"]
 
 
-def mapped(graph: Graph, shared: Items[Expr], own: Items[Items[Expr]], compute: Compute) -> list[list[Expr]]:
+def mapped(
+    graph: Graph, shared: Items[Expr], per_item: Items[Items[Expr]], compute: Compute
+) -> list[list[Expr]]:
     """Return the results of `compute` for several items: one row a result, one column an item.
 
     Parameters
     ----------
     shared : sequence of Expr
         What all items read.
-    own : sequence of rows
+    per_item : sequence of rows
         What each item reads, one row a number, one column an item. Rows of one and the same constant become
         part of the program.
     """
-    fixed = [row[0].number if len({x.index for x in row}) == 1 else None for row in own]
+    fixed = [row[0].number if len({x.index for x in row}) == 1 else None for row in per_item]
     if None not in fixed:
         fixed[0] = None
     free = [k for k, value in enumerate(fixed) if value is None]
@@ -73,11 +75,11 @@ def mapped(graph: Graph, shared: Items[Expr], own: Items[Items[Expr]], compute: 
         inside = (*given, *numbers)[0].graph
         return compute(given, [next(left) if value is None else number(inside, value) for value in fixed])
 
-    count = len(own[0])
+    count = len(per_item[0])
     program, read, own_read = traced(len(shared), len(free), reduced)
     if not own_read:  # the same for all
-        return [[x] * count for x in compute(list(shared), [row[0] for row in own])]
-    operands = [shared[k].index for k in read] + [x.index for k in own_read for x in own[free[k]]]
+        return [[x] * count for x in compute(list(shared), [row[0] for row in per_item])]
+    operands = [shared[k].index for k in read] + [x.index for k in own_read for x in per_item[free[k]]]
     node = graph.many(MAP, tuple(operands), graph.program(program))
     return [
         [Expr(graph, graph.node(PICK, node, k * count + i)) for i in range(count)]
@@ -152,7 +154,7 @@ def _items(
 ) -> list[int]:
     """Return the results of a program for `count` items, written out, in the order of its PICKs."""
     shared = program.group_size("p")
-    found: list[list[int]] = []
+    results: list[list[int]] = []
     for item in range(count):
         values: list[int] = []
         for op, inside, datum in program.operations:
@@ -164,5 +166,5 @@ def _items(
                 values.append(constant(program.constants[datum]))
             else:
                 values.append(add(op, tuple(values[k] for k in inside)))
-        found.append([values[k] for k in program.outputs[0].values])
-    return [value for values in zip(*found, strict=True) for value in values]
+        results.append([values[k] for k in program.outputs[0].values])
+    return [value for values in zip(*results, strict=True) for value in values]

@@ -45,7 +45,7 @@ def substitute(graph: Graph, roots: Sequence[int], replacements: Mapping[int, in
 def substitute_into(
     target: Graph, source: Graph, roots: Sequence[int], replacements: Mapping[int, int]
 ) -> list[int]:
-    """Return what `substitute` does, in another graph; the source does not grow."""
+    """Substitute into another graph; the source does not grow."""
     values = copy_nodes(source, target, replacements.values(), {})
     memo = dict(zip(replacements, values, strict=True))
     changed = set(memo)
@@ -78,7 +78,7 @@ def substitute_into(
 def _chosen(
     graph: Graph, code: int, old: Sequence[int], new: Sequence[int], undefined: Mapping[int, ExpressionError]
 ) -> int | None:
-    """Return what a choice takes where its condition is decided and that has a value, else None."""
+    """Return the operand that a decided condition selects, if it has a value, else None."""
     if code != SELECT or old[0] in undefined:
         return None
     decided = graph.number(new[0])

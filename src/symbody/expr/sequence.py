@@ -1,7 +1,7 @@
 """The computational sequence: what the graph becomes when numbers are wanted.
 
 A Sequence is a straight line of operations without branches, pruned to the outputs asked for, with
-every value computed once. It knows nothing of mechanics, and it is all that a language has to know.
+every value computed once. Nothing in it is mechanics; a language writer needs nothing else.
 """
 
 from __future__ import annotations
@@ -111,8 +111,8 @@ class Sequence:
     @property
     def word(self) -> int:
         """A number by which other sequences differ, the same in every process."""
-        told = (self.inputs, self.constants, self.kernels, self.operations, self.outputs, self.programs)
-        return int.from_bytes(blake2b(repr(told).encode(), digest_size=7).digest(), "little")
+        content = (self.inputs, self.constants, self.kernels, self.operations, self.outputs, self.programs)
+        return int.from_bytes(blake2b(repr(content).encode(), digest_size=7).digest(), "little")
 
     def item_count(self, operation: Operation) -> int:
         """Return for how many items a MAP does its program."""
@@ -240,9 +240,9 @@ def build_sequence(
     return _linearized(target, finished, [places.get(name) for name in target.symbols])
 
 
-def _linearized(graph: Graph, outputs: Items[Roots], found: Items[Input | None]) -> Sequence:
+def _linearized(graph: Graph, outputs: Items[Roots], inputs: Items[Input | None]) -> Sequence:
     order = graph.reachable(node for output in outputs for node in output.nodes)
-    missing = {k for k, entry in enumerate(found) if entry is None}
+    missing = {k for k, entry in enumerate(inputs) if entry is None}
     unknown = [graph.left[n] for n in order if graph.ops[n] == SYMBOL and graph.left[n] in missing]
     if unknown:
         names = ", ".join(graph.symbols[k].label for k in unknown)
@@ -263,7 +263,7 @@ def _linearized(graph: Graph, outputs: Items[Roots], found: Items[Input | None])
             continue
         if op == SYMBOL:
             datum = len(used)
-            entry = found[graph.left[node]]
+            entry = inputs[graph.left[node]]
             used.extend([entry] if entry is not None else [])
         elif op in (RATIONAL, FLOAT):
             datum = len(constants)

@@ -85,7 +85,7 @@ def to_sympy(graph: Graph, nodes: Iterable[int]) -> list[SympyExpr]:
     Raises
     ------
     ExpressionError
-        If SymPy could not tell two symbols in them apart.
+        If two symbols in them would be the same symbol to SymPy.
     """
     wanted = list(nodes)
     writer = _Writer(graph, {})
@@ -185,27 +185,27 @@ class _Writer:
                     Problem(
                         "sympy.one_name", symbol.label,
                         f"the {other.kind} and the {symbol.kind} '{symbol.label}' are one object to SymPy",
-                        "it knows names, not what they stand for", "rename one of them",
+                        "SymPy compares symbols by name and assumptions alone", "rename one of them",
                     )
                 )  # fmt: skip
 
     def expression(self, root: int) -> SympyExpr:
-        known = self._known
+        built = self._known
         stack: list[tuple[int, _Plan | None]] = [(root, None)]
         while stack:
             node, plan = stack.pop()
-            if node in known:
+            if node in built:
                 continue
             if plan is None:
                 plan = self._plan(node)
                 stack.append((node, plan))
-                stack.extend((operand, None) for operand in plan.operands if operand not in known)
+                stack.extend((operand, None) for operand in plan.operands if operand not in built)
             else:
-                known[node] = self._built(plan)
-        return known[root][0]
+                built[node] = self._built(plan)
+        return built[root][0]
 
     def definition(self, node: int) -> SympyExpr:
-        """Return what a named node stands for."""
+        """Return the SymPy object of a named node."""
         plan = self._plan(node)
         for operand in plan.operands:
             self.expression(operand)

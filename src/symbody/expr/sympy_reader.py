@@ -81,11 +81,11 @@ class _Reader:
 
     def read(self, expression: object) -> int:
         root = _accepted(expression)
-        known = self._known
+        nodes = self._known
         stack: list[tuple[sp.Basic, Sequence[sp.Basic] | None]] = [(root, None)]
         while stack:
             item, arguments = stack.pop()
-            if id(item) in known:
+            if id(item) in nodes:
                 continue
             if arguments is None:
                 arguments = self._arguments(item)
@@ -93,16 +93,16 @@ class _Reader:
                     stack.append((item, arguments))
                     stack.extend((argument, None) for argument in arguments)
                     continue
-            operands = [known[id(argument)][1] for argument in arguments]
-            known[id(item)] = (item, self._node(item, arguments, operands))
+            operands = [nodes[id(argument)][1] for argument in arguments]
+            nodes[id(item)] = (item, self._node(item, arguments, operands))
         if _is_condition(root):
             raise _refused(
                 root, "is true or false, not a number", "for an equation a = b give a - b; else use Piecewise"
             )
-        return known[id(root)][1]
+        return nodes[id(root)][1]
 
     def _arguments(self, item: sp.Basic) -> Sequence[sp.Basic]:
-        """Return what `item` is computed from; nothing for symbols, functions of time and derivatives."""
+        """Return the operands of `item`; none for symbols, functions of time and derivatives."""
         if isinstance(item, sp.Piecewise):
             return [part for pair in item.args for part in pair.args]
         if isinstance(item, AppliedUndef):

@@ -291,7 +291,7 @@ def _check_options(options: Mapping[str, Any]) -> None:
             raise UsageError(Problem("animation.option", name, f"{word!r} is no {name}", fix=fix))
     speed = options.get("speed", 1.0)
     if not (np.isfinite(speed) and speed > 0.0):
-        raise UsageError(Problem("animation.option", "speed", f"{speed} is no speed", fix="give one above 0"))
+        raise UsageError(Problem("animation.option", "speed", f"{speed} is not a speed", fix="give one > 0"))
 
 
 def in_notebook() -> bool:
@@ -305,7 +305,7 @@ def _run_of(run: Trajectory | State, model: Model | None) -> Trajectory:
         return run_of_state(run)
     if not isinstance(run, Trajectory):
         fix = "give what simulate returns; of a sweep, one case: sweep.trajectory(3)"
-        raise UsageError(Problem("animation.not_a_motion", "run", f"{run!r} is no motion", fix=fix))
+        raise UsageError(Problem("animation.not_a_motion", "run", f"{run!r} is not a motion", fix=fix))
     if model is None or model == run.model:
         return run
     return run.of_model(model)

@@ -109,7 +109,7 @@ class SliderMechanism:
         return make_scene(self.eqs.model, self.parameters(state), courses)
 
     def data(self, state: State, title: str, options: Mapping[str, Any]) -> PageData:
-        """Return what the widget is given: the mechanism at rest."""
+        """Return the data of the widget: the mechanism at rest."""
         scene = self.scene(state)
         motion = make_motion(run_of_state(state), scene, curves=(), vectors="none")
         return page_data(scene, motion, title, options)

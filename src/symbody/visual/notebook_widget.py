@@ -56,7 +56,7 @@ class MechanismWidget(anywidget.AnyWidget):
 
     @traitlets.observe("slider_values")
     def _move(self, change: Mapping[str, Any]) -> None:
-        """Assemble the mechanism anew; where that is impossible it stays, and `message` says why."""
+        """Assemble the mechanism anew; where that is impossible it stays, and `message` holds the reason."""
         mechanism, near = self._mechanism, self._state
         if mechanism is None or near is None:
             return

@@ -22,7 +22,7 @@ _TITLE: Final = "<title>symbody</title>"
 
 
 def page_data(scene: Scene, motion: SceneMotion, title: str, options: Mapping[str, Any]) -> PageData:
-    """Return what a page or a notebook is given, as values that JSON can say."""
+    """Return the data of a page or a notebook as JSON values."""
     return {
         "scene": scene_to_json(scene),
         "motion": motion_to_json(motion),

@@ -21,6 +21,7 @@ from symbody.expr import opcodes
 from symbody.expr.graph import Graph, Symbol
 from symbody.expr.language.formula import Formula, build
 from symbody.expr.parser import parse, parse_angle
+from symbody.expr.rewrite import substitute
 
 # --- values -----------------------------------------------------------------------------------
 
@@ -426,3 +427,29 @@ def test_long_and_deep_programs_build_without_recursion() -> None:
     text += "-" + "sin(" * 199 + "y" + ")" * 199
     root = build(parse(text), graph, lambda name, _: graph.symbol(Symbol(name)))
     assert root == len(graph) - 1
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("if(1 > 1, 1/(1 - 1), 0)", 0.0),
+        ("if(2 > 1, x, log(0))", 3.0),
+        ("if(1 > 2, sqrt(-1), 2)*x", 6.0),
+        ("if(not 1 > 2 and 1 != 2, 5, mod(x, 0))", 5.0),
+        ("if(2 > 1, x, 1/(y - y))", 3.0),  # seen to be zero in the graph alone
+        ("if(1 > 2, if(x > 1, 1/0, 2), 7)", 7.0),
+    ],
+)
+def test_a_branch_that_numbers_never_choose_needs_no_value(text: str, value: float) -> None:
+    graph = Graph()
+    symbols = {name: graph.symbol(Symbol(name)) for name in "xy"}
+    node = build(parse(text), graph, lambda name, column: symbols[name])
+    known = {symbols["x"]: graph.constant(3), symbols["y"]: graph.constant(4)}
+    assert graph.number(substitute(graph, [node], known)[0]) == value
+
+
+def test_a_branch_that_may_be_chosen_needs_a_value() -> None:
+    graph = Graph()
+    symbols = {name: graph.symbol(Symbol(name)) for name in "xy"}
+    with pytest.raises(ExpressionError, match=r"part, column 15: an expression is divided by the constant 0"):
+        build(parse("if(x > 1, y, 1/(y - y))"), graph, lambda name, column: symbols[name], where="part")

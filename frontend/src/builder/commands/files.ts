@@ -70,24 +70,7 @@ export async function reloadFile(): Promise<void> {
   if (document?.path != null) await show(api.open({ path: document.path }));
 }
 
-const DRAFT_WAIT = 1500; // [ms]
-const WATCH_WAIT = 2000;
-
-/** Keep a draft of edits; return what ends it. */
-export function keepDrafts(): () => void {
-  let wait: ReturnType<typeof setTimeout> | null = null;
-  return useStore.subscribe((state, before) => {
-    if (state.data === before.data || state.document === null || state.document !== before.document) return;
-    if (wait !== null) clearTimeout(wait);
-    wait = setTimeout(() => { void sendDraft(); }, DRAFT_WAIT);
-  });
-}
-
-async function sendDraft(): Promise<void> {
-  const { document, data, offline } = useStore.getState();
-  if (document === null || offline) return;
-  await api.draft(document.id, data).catch(() => undefined); // the next edit tries again
-}
+const WATCH_WAIT = 2000; // [ms]
 
 /** Look whether the file changed outside while the page is seen; return what ends it. */
 export function watchFile(): () => void {
@@ -96,8 +79,8 @@ export function watchFile(): () => void {
 }
 
 async function lookOutside(): Promise<void> {
-  const { document: shown, outside } = useStore.getState();
-  if (shown?.path == null || shown.fingerprint === null || outside) return;
+  const { document: shown, outside, server } = useStore.getState();
+  if (shown?.path == null || shown.fingerprint === null || outside || server !== "here") return;
   const changed = await api.changed(shown.id, shown.fingerprint).catch(() => false);
   if (changed && useStore.getState().document === shown) useStore.setState({ outside: true, spoken: "The file was changed outside." });
 }

@@ -3,7 +3,8 @@
 import { Handle, Position, useUpdateNodeInternals, type NodeProps } from "@xyflow/react";
 import { memo, useEffect, type ReactElement } from "react";
 import { Icon } from "../shell/icons";
-import { useStore } from "../store";
+import type { CouplingLink } from "../model/couplings";
+import { select, useStore } from "../store";
 import { handleOf, type BodyFlowNode, type Port } from "./flow";
 import { NameEditor } from "./name_editor";
 
@@ -12,7 +13,7 @@ const POSITIONS: Readonly<Record<Port["side"], Position>> = {
 };
 
 export const BodyNode = memo(function BodyNode({ id, data, selected }: NodeProps<BodyFlowNode>): ReactElement {
-  const { node, ports, severity, highlighted } = data;
+  const { node, links, ports, severity, highlighted } = data;
   const update = useUpdateNodeInternals();
   const arrangement = ports.map(({ frame, side, part }) => `${frame}${side}${part.toFixed(3)}`).join();
   useEffect(() => { update(id); }, [id, update, arrangement]);
@@ -25,11 +26,27 @@ export const BodyNode = memo(function BodyNode({ id, data, selected }: NodeProps
         {node.kind === "coupling" && <Icon name={node.type} fallback={node.section} size={15} />}
         {renaming ? <NameEditor id={id} name={node.name} /> : <strong>{node.name}</strong>}
       </div>
-      {node.detail !== "" && <div className="body-detail">{node.kind === "body" ? <>mass {node.detail}</> : node.detail}</div>}
+      <Detail node={node} links={links} />
       {severity !== null && <span className={`node-flag ${severity}`} title={severity}><Icon name={severity} size={14} /></span>}
     </div>
   );
 });
+
+function Detail({ node, links }: Pick<BodyFlowNode["data"], "node" | "links">): ReactElement | null {
+  if (links.length > 0) return <LinkedJoints links={links} />;
+  return node.detail === "" ? null : <div className="body-detail">{node.kind === "body" ? <>mass {node.detail}</> : node.detail}</div>;
+}
+
+/** The coordinates that are coupled, each a way to its joint. */
+function LinkedJoints({ links }: { links: readonly CouplingLink[] }): ReactElement {
+  return (
+    <div className="linked-joints nodrag">
+      {links.map(({ joint, coordinate }) => (
+        <button key={coordinate} type="button" title={`To the joint of ${coordinate}`} onClick={(event) => { event.stopPropagation(); select([joint], `Joint of ${coordinate} selected`); }}>{coordinate}</button>
+      ))}
+    </div>
+  );
+}
 
 function PortHandle({ body, port, ground }: { body: string; port: Port; ground: boolean }): ReactElement {
   const { frame, side, part } = port;

@@ -10,7 +10,9 @@ import { GRID } from "../model/layout";
 import { Icon } from "../shell/icons";
 import { select, useStore } from "../store";
 import { BodyNode } from "./body_node";
+import type { CouplingLink } from "../model/couplings";
 import { ConnectionLine } from "./connection_line";
+import { CouplingLines } from "./coupling_lines";
 import { flowEdges, flowNodes, severities } from "./elements";
 import { fitDiagram, keepFlow, zoomDiagram, type BodyFlowNode, type JointFlowEdge } from "./flow";
 import * as gestures from "./gestures";
@@ -21,7 +23,7 @@ const NODE_TYPES = { body: BodyNode };
 const EDGE_TYPES = { joint: JointEdge };
 
 /** Return the nodes that are drawn: those of the model, where the pointer has them now. */
-function useNodes(): [BodyFlowNode[], JointFlowEdge[], (changes: NodeChange<BodyFlowNode>[]) => void] {
+function useNodes(): [BodyFlowNode[], JointFlowEdge[], (changes: NodeChange<BodyFlowNode>[]) => void, readonly CouplingLink[]] {
   const data = useStore((state) => state.data);
   const check = useStore((state) => state.check);
   const selection = useStore((state) => state.selection);
@@ -45,11 +47,12 @@ function useNodes(): [BodyFlowNode[], JointFlowEdge[], (changes: NodeChange<Body
     const others = changes.filter((each) => each.type === "position" || each.type === "dimensions");
     if (others.length > 0) setNodes((before) => applyNodeChanges(others, before));
   };
-  return [nodes, edges, change];
+  return [nodes, edges, change, graph.links];
 }
 
 export function Diagram(): ReactElement {
-  const [nodes, edges, change] = useNodes();
+  const [nodes, edges, change, links] = useNodes();
+  const selection = useStore((state) => state.selection);
   const free = useAlt();
   const document = useStore((state) => state.document?.id);
   const guides = useGuides(nodes);
@@ -75,6 +78,7 @@ export function Diagram(): ReactElement {
         nodeDragThreshold={2}
       >
         <Background variant={BackgroundVariant.Dots} gap={2 * GRID} size={1.2} />
+        <CouplingLines links={links} nodes={nodes} edges={edges} selection={selection} />
         <Guides lines={guides.lines} />
         <Panel position="bottom-left"><ZoomButtons /></Panel>
       </ReactFlow>

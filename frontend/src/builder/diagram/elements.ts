@@ -6,7 +6,7 @@ import { entryOfPointer, type EntryId } from "../model/entries";
 import { sidesOf, sizeOf, spotsOf } from "../model/layout";
 import { isInTree } from "../model/trees";
 import type { Model, Problem, Severity, Summary } from "../types";
-import { handleOf, type BodyFlowNode, type JointFlowEdge, type Port } from "./flow";
+import { handleOf, type BodyFlowNode, type Coupled, type JointFlowEdge, type Port } from "./flow";
 
 const ORDER: readonly Severity[] = ["error", "warning", "note"];
 
@@ -43,7 +43,7 @@ export function flowNodes(data: Model, graph: DiagramGraph, { selection, highlig
       selected: selection.includes(node.id),
       ariaLabel: `${node.kind === "coupling" ? node.type : node.kind} ${node.name}`,
       data: {
-        node, ports: portsOf(node, (frame) => sides.get(`${node.id} ${frame}`) ?? "right"),
+        node, links: graph.links.filter((each) => each.coupling === node.id), ports: portsOf(node, (frame) => sides.get(`${node.id} ${frame}`) ?? "right"),
         severity: worst.get(node.id) ?? null, highlighted: highlighted.includes(node.id),
       }, // prettier-ignore
     };
@@ -62,7 +62,7 @@ function portsOf(node: DiagramNode, sideOf: (frame: string) => Port["side"]): Po
 }
 
 /** Return where on the screen of the diagram a port is. */
-function endOfPort(node: BodyFlowNode, frame: string): End {
+export function endOfPort(node: BodyFlowNode, frame: string): End {
   const { side, part } = node.data.ports.find((each) => each.frame === frame)!;
   const { x, y } = node.position;
   const { width = 0, height = 0 } = node;
@@ -78,9 +78,13 @@ export function flowEdges(data: Model, graph: DiagramGraph, nodes: readonly Body
     rotation: edge.section === "joint" ? isInTree(data, summary, edge.id, "rotation") : null,
     translation: edge.section === "joint" ? isInTree(data, summary, edge.id, "translation") : null,
   }]));
+  const couplingsOf = (joint: string): Coupled[] => {
+    const ids = [...new Set(graph.links.filter((each) => each.joint === joint).map((each) => each.coupling))];
+    return ids.flatMap((id) => graph.nodes.filter((each) => each.id === id).map(({ name, type, section }) => ({ id, name, type, section })));
+  };
   const widthOf = (edge: DiagramEdge): number => {
     const { severity, rotation, translation } = details.get(edge.id)!;
-    return 44 + 8 * edge.name.length + (severity === null ? 0 : 18) + (rotation === true && translation === true ? 0 : edge.section === "joint" ? 46 : 0);
+    return 44 + 8 * edge.name.length + 26 * couplingsOf(edge.id).length + (severity === null ? 0 : 18) + (rotation === true && translation === true ? 0 : edge.section === "joint" ? 46 : 0);
   };
   const parts = badgeParts(graph, spots, (node, frame) => endOfPort(byId.get(node)!, frame), widthOf);
   return graph.edges.map((edge) => ({
@@ -93,6 +97,6 @@ export function flowEdges(data: Model, graph: DiagramGraph, nodes: readonly Body
     selected: selection.includes(edge.id),
     reconnectable: true,
     ariaLabel: `${edge.type} ${edge.name}`,
-    data: { edge, highlighted: highlighted.includes(edge.id), part: parts.get(edge.id)!, ...details.get(edge.id)! },
+    data: { edge, couplings: couplingsOf(edge.id), highlighted: highlighted.includes(edge.id), part: parts.get(edge.id)!, ...details.get(edge.id)! },
   }));
 }

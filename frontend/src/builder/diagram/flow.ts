@@ -1,6 +1,8 @@
 /** The one diagram of the page: what commands need of it. */
 
 import type { Edge, Node, ReactFlowInstance } from "@xyflow/react";
+import type { CouplingLink } from "../model/couplings";
+import type { EntryId } from "../model/entries";
 import type { DiagramEdge, DiagramNode } from "../model/graph";
 import type { Side } from "../model/layout";
 import type { Severity } from "../types";
@@ -12,8 +14,18 @@ export interface Port {
   readonly part: number;
 }
 
+/** A coupling that a joint takes part in. */
+export interface Coupled {
+  readonly id: EntryId;
+  readonly name: string;
+  readonly type: string;
+  readonly section: string;
+}
+
 export type BodyNodeData = {
   readonly node: DiagramNode;
+  /** What a coupling couples. */
+  readonly links: readonly CouplingLink[];
   readonly ports: readonly Port[];
   readonly severity: Severity | null;
   readonly highlighted: boolean;
@@ -22,6 +34,7 @@ export type BodyFlowNode = Node<BodyNodeData, "body">;
 
 export type JointEdgeData = {
   readonly edge: DiagramEdge;
+  readonly couplings: readonly Coupled[];
   readonly severity: Severity | null;
   readonly highlighted: boolean;
   readonly rotation: boolean | null;

@@ -57,6 +57,11 @@ export const JointEdge = memo(function JointEdge(props: EdgeProps<JointFlowEdge>
         >
           <Icon name={edge.type} fallback={edge.section} size={16} />
           {renaming ? <NameEditor id={id} name={edge.name} /> : <span>{edge.name}</span>}
+          {data.couplings.map((each) => (
+            <button key={each.id} type="button" className="coupling-mark" aria-label={`To ${each.name}`} title={`${each.type.replaceAll("_", " ")} ${each.name}`} data-testid={`mark-${edge.name}-${each.name}`} onClick={(event) => { event.stopPropagation(); select([each.id], `${each.name} selected`); }}>
+              <Icon name={each.type} fallback={each.section} size={14} />
+            </button>
+          ))}
           <TreeMark rotation={rotation} translation={translation} />
           {severity !== null && <span className={`badge-flag ${severity}`}><Icon name={severity} size={13} /></span>}
         </div>

@@ -15,6 +15,8 @@ const GESTURES: readonly (readonly [string, string])[] = [
   ["Arrow keys", "Move by a step of the grid; Shift: five; Alt: one point"],
   ["Alt while dragging", "Off the grid"],
   ["Middle or right button, wheel", "Shift the diagram; with Ctrl the wheel zooms"],
+  ["Drag a body in the picture", "The loops follow; where it is left the mechanism starts; Esc: back"],
+  ["Drag beside the bodies, or with Alt", "Turns the view"],
   ["Tab, Enter", "From element to element; select"],
 ];
 

@@ -3,9 +3,11 @@
 import { useEffect, useState, type ReactElement } from "react";
 import { api, problemsOf } from "../api";
 import { COMMANDS } from "../commands/all";
+import { mergedDrafts, openDraft } from "../commands/drafts";
 import { newModel, openModel } from "../commands/files";
 import { ProblemLines } from "../panels/field_frame";
 import { Icon } from "../shell/icons";
+import { ServerBar } from "../shell/server_bar";
 import { useStore } from "../store";
 import type { Draft, Example, Problem, RecentFile } from "../types";
 import { SketchOf } from "./sketch";
@@ -21,7 +23,7 @@ function useOffers(): { offers: Offers | null; problems: readonly Problem[] } {
   const [problems, setProblems] = useState<readonly Problem[]>([]);
   useEffect(() => {
     Promise.all([api.examples(), api.recent(), api.recovery()]).then(
-      ([examples, files, drafts]) => { setOffers({ examples, files, drafts }); },
+      ([examples, files, drafts]) => { setOffers({ examples, files, drafts: mergedDrafts(drafts) }); },
       (error: unknown) => { setProblems(problemsOf(error)); },
     );
   }, []);
@@ -46,6 +48,7 @@ export function StartScreen(): ReactElement {
             {hasDocument && <button type="button" className="button" onClick={() => { useStore.setState({ dialog: null }); }}><Icon name="close" size={17} /> Back</button>}
           </div>
         </header>
+        <ServerBar />
         <ProblemLines problems={[...problems, ...notice]} />
         {offers !== null && offers.drafts.length > 0 && <Drafts drafts={offers.drafts} />}
         {offers !== null && offers.files.length > 0 && <Recent files={offers.files} />}
@@ -79,7 +82,7 @@ function Drafts({ drafts }: { readonly drafts: readonly Draft[] }): ReactElement
   return (
     <section aria-labelledby="drafts-head" className="drafts">
       <h2 id="drafts-head">Edits that were not saved</h2>
-      <ul className="files">{drafts.map((each) => <li key={each.id}><button type="button" onClick={() => { void openModel({ draft: each.id }); }}><Icon name="file" size={16} /> <b>{each.name}</b> <span className="soft">{each.path ?? "in no file yet"} · {whenText(each.when)}</span></button></li>)}</ul>
+      <ul className="files">{drafts.map((each) => <li key={each.id}><button type="button" onClick={() => { void openDraft(each); }}><Icon name="file" size={16} /> <b>{each.name}</b> <span className="soft">{each.path ?? "in no file yet"} · {whenText(each.when)}</span></button></li>)}</ul>
     </section>
   );
 }

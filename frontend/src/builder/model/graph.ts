@@ -1,5 +1,6 @@
 /** The diagram of a model: bodies as nodes, what joins their frames as edges. */
 
+import { couplingLinks, type CouplingLink } from "./couplings";
 import { endsOf, entriesOf, framesOf, GROUND, referenceOf, textOf, type EntryId } from "./entries";
 import type { JsonObject, Model } from "../types";
 
@@ -32,6 +33,8 @@ export interface DiagramEdge {
 export interface DiagramGraph {
   readonly nodes: readonly DiagramNode[];
   readonly edges: readonly DiagramEdge[];
+  /** From couplings, which are nodes, to joints, which are edges. */
+  readonly links: readonly CouplingLink[];
 }
 
 export function diagramOf(data: Model): DiagramGraph {
@@ -50,7 +53,9 @@ export function diagramOf(data: Model): DiagramGraph {
       else edges.push({ id, section, type: type === "" ? section : type, name, ...ends });
     }
   }
-  return { nodes, edges: inLanes(edges) };
+  const couplings = new Set(nodes.filter((each) => each.kind === "coupling").map((each) => each.id));
+  const links = couplingLinks(entries, entries.filter((each) => couplings.has(each.id)), new Set(edges.map((each) => each.id)));
+  return { nodes: nodes.map((node) => withLinks(node, links)), edges: inLanes(edges), links };
 }
 
 function groundNode(frames: readonly string[]): DiagramNode {
@@ -59,6 +64,12 @@ function groundNode(frames: readonly string[]): DiagramNode {
 
 function bodyNode(id: EntryId, name: string, value: JsonObject, frames: readonly string[]): DiagramNode {
   return { id, kind: "body", name, section: "body", type: "body", frames: ["", ...frames], detail: textOf(value["mass"]) };
+}
+
+/** A coupling whose joints are drawn names their coordinates, once each. */
+function withLinks(node: DiagramNode, links: readonly CouplingLink[]): DiagramNode {
+  const own = links.filter((each) => each.coupling === node.id);
+  return own.length === 0 ? node : { ...node, detail: own.map((each) => each.coordinate).join(", ") };
 }
 
 function couplingDetail(value: JsonObject): string {
@@ -92,7 +103,8 @@ function inLanes(edges: readonly Omit<DiagramEdge, "lane" | "lanes">[]): Diagram
 }
 
 /** Return what the arrangement of a diagram depends on, as a text. */
-export function topologyOf({ nodes, edges }: DiagramGraph): string {
+export function topologyOf({ nodes, edges, links }: DiagramGraph): string {
   const points = nodes.map((each) => `${each.id}:${each.name}:${each.frames.join(",")}`);
-  return [...points, ...edges.map((each) => `${each.source}-${each.target}`)].join(";");
+  const coupled = links.map((each) => `${each.coupling}~${each.joint}`);
+  return [...points, ...edges.map((each) => `${each.source}-${each.target}`), ...coupled].join(";");
 }

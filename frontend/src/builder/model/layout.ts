@@ -19,7 +19,8 @@ export interface Size {
 /** Return the size that a node is drawn with. */
 export function sizeOf(node: DiagramNode): Size {
   const label = Math.max(node.kind === "ground" ? 6 : 2, ...node.frames.map((each) => each.length));
-  const width = Math.max(node.kind === "coupling" ? 110 : 140, 9 * node.name.length + 30 + 14 * Math.min(label, 14));
+  const detail = node.kind === "coupling" ? 8 * node.detail.length + 40 : 0; // with a frame about each coordinate
+  const width = Math.max(node.kind === "coupling" ? 110 : 140, 9 * node.name.length + 30 + 14 * Math.min(label, 14), Math.min(detail, 320));
   // ports may all be on one side
   const height = Math.max(node.kind === "body" ? 70 : 50, 22 * (node.frames.length - 1));
   return { width: 2 * snapped(width / 2), height: 2 * snapped(height / 2) };
@@ -74,13 +75,26 @@ function arranged(graph: DiagramGraph): ReadonlyMap<string, Spot> {
     spots.set(node.id, [snapped(x - width / 2), snapped(y - height / 2)]);
     bottom = Math.max(bottom, y + height / 2);
   }
-  let left = 40;
-  for (const node of graph.nodes) {
-    if (node.kind !== "coupling") continue;
-    spots.set(node.id, [snapped(left), snapped(bottom + 60)]);
-    left += sizeOf(node).width + 30;
-  }
+  placeCouplings(graph, spots, bottom + 60);
   return spots;
+}
+
+/** Set couplings in a row below everything else, each as near as can be to the joints that it couples. */
+function placeCouplings(graph: DiagramGraph, spots: Map<string, Spot>, top: number): void {
+  const sizes = new Map(graph.nodes.map((node) => [node.id, sizeOf(node)]));
+  const middleOf = (id: string): number => (spots.get(id)?.[0] ?? 0) + (sizes.get(id)?.width ?? 0) / 2;
+  const wanted = graph.nodes.filter((node) => node.kind === "coupling").map((node) => {
+    const joints = graph.links.filter((each) => each.coupling === node.id).map((each) => each.joint);
+    const middles = graph.edges.filter((each) => joints.includes(each.id)).map(({ source, target }) => (middleOf(source) + middleOf(target)) / 2);
+    const middle = middles.length === 0 ? Infinity : middles.reduce((sum, each) => sum + each, 0) / middles.length;
+    return { id: node.id, width: sizeOf(node).width, middle };
+  });
+  let left = 40;
+  for (const { id, width, middle } of wanted.sort((one, other) => one.middle - other.middle)) {
+    const at = Number.isFinite(middle) ? Math.max(left, middle - width / 2) : left;
+    spots.set(id, [snapped(at), snapped(top)]);
+    left = at + width + 30;
+  }
 }
 
 /** Return how many connections each node is from the ground. */

@@ -1,6 +1,6 @@
 /** The mechanism in three dimensions: its start position, or its motion. */
 
-import { useEffect, useRef, type ReactElement } from "react";
+import { useEffect, useMemo, useRef, type ReactElement, type RefObject } from "react";
 import { Player } from "../../player/player";
 import { DEFAULTS } from "../../player/settings";
 import { decodeMotion, decodeScene, LiveSource, sourceOf, type SceneElement } from "../../viewer";
@@ -8,6 +8,7 @@ import { entriesOf, entryNamed, GROUND, type EntryId } from "../model/entries";
 import { select, useStore } from "../store";
 import { resolvedTheme } from "../shell/theme";
 import type { Model } from "../types";
+import { watchDrags, type Thread } from "./dragging";
 import { keepPicture, pictureNow, type Shown } from "./shown";
 import "../../player/style.css";
 
@@ -44,14 +45,16 @@ function makePlayer(root: HTMLElement, scene: unknown, motion: unknown, moves: b
     onTime: (time) => { pictureNow.curves?.showTime(time); },
   });
   const size = JSON.stringify([decoded.size, decoded.up, decoded.normal]);
-  if (before?.player.viewer != null && player.viewer !== null && before.size === size) {
-    const { camera, controls } = before.player.viewer.rig;
-    player.viewer.rig.camera.position.copy(camera.position);
-    player.viewer.rig.camera.quaternion.copy(camera.quaternion);
-    player.viewer.rig.controls.target.copy(controls.target);
-    player.viewer.rig.controls.update();
+  const mechanism = mechanismText();
+  if (before?.player.viewer != null && player.viewer !== null && (before.size === size || before.mechanism === mechanism)) {
+    player.viewer.rig.take(before.player.viewer.rig);
   }
-  return { player, source, size, scene: JSON.stringify(scene), base };
+  return { player, source, size, mechanism, scene: JSON.stringify(scene), base };
+}
+
+function mechanismText(): string {
+  const { document, checked } = useStore.getState();
+  return JSON.stringify([document?.id, checked], (key, value: unknown) => (key === "initial" || key === "layout" ? undefined : value));
 }
 
 let telling = false;
@@ -79,14 +82,41 @@ export function Picture(): ReactElement {
     pictureNow.shown?.player.dispose();
     keepPicture(null);
   }, []);
+  const [svg, thread] = useThread();
+  useEffect(() => (host.current === null ? undefined : watchDrags(host.current, thread)), [thread]);
   useSelectionInPicture();
   return (
     <section className="picture" aria-label="Picture in three dimensions" data-testid="picture">
       <div ref={host} className="picture-host" />
       {picture === null && <Empty />}
+      <svg ref={svg} className="drag-thread" aria-hidden="true" data-testid="thread"><line /><circle r="5" /></svg>
       <PictureBar moves={moves} />
+      <PictureNote />
     </section>
   );
+}
+
+/** Return the line from the point of a body that is dragged to the pointer. */
+function useThread(): [RefObject<SVGSVGElement | null>, Thread] {
+  const svg = useRef<SVGSVGElement>(null);
+  const thread = useMemo<Thread>(() => ({
+    show: (from, to) => {
+      const area = svg.current?.getBoundingClientRect();
+      if (svg.current === null || area === undefined) return;
+      const [x1, y1, x2, y2] = [from[0] - area.left, from[1] - area.top, to[0] - area.left, to[1] - area.top].map(String);
+      for (const [name, value] of Object.entries({ x1, y1, x2, y2 })) svg.current.querySelector("line")?.setAttribute(name, value!);
+      for (const [name, value] of Object.entries({ cx: x1, cy: y1 })) svg.current.querySelector("circle")?.setAttribute(name, value!);
+      svg.current.classList.add("shown");
+    },
+    hide: () => { svg.current?.classList.remove("shown"); },
+  }), []);
+  return [svg, thread];
+}
+
+function PictureNote(): ReactElement | null {
+  const note = useStore((state) => state.pictureNote);
+  const wrong = useStore((state) => state.posed !== null && state.posed.problem !== "");
+  return <p className={`picture-note${note === "" ? " hidden" : ""}${wrong ? " wrong" : ""}`} role="status" data-testid="picture-note">{note}</p>;
 }
 
 function Empty(): ReactElement {

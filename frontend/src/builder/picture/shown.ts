@@ -11,6 +11,8 @@ export interface Shown {
   readonly base: StateSource;
   readonly scene: string;
   readonly size: string;
+  /** The model without its initial values: where they alone change the camera stays. */
+  readonly mechanism: string;
 }
 
 export const pictureNow: { shown: Shown | null; curves: CurvesPanel | null } = { shown: null, curves: null };

@@ -56,12 +56,10 @@ function SimulateButton(): ReactElement {
 function Title(): ReactElement {
   const document = useStore((state) => state.document);
   const dirty = useStore(isDirty);
-  const offline = useStore((state) => state.offline);
   return (
     <div className="doc-title">
       <b title={document?.path ?? "In no file yet"}>{document?.name ?? ""}</b>
       {dirty && <span className="dirty" title="Changes that are not saved" data-testid="dirty"> ●<span className="hidden">not saved</span></span>}
-      {offline && <span className="offline" role="alert">the server does not answer; edits are kept here</span>}
     </div>
   );
 }

@@ -331,7 +331,7 @@ def velocity_ratios(
     q = np.array(list(state.q.values()))
     eqs, notes = equations_at(eqs, q, values, state.t)
     mechanism = follower(eqs, {}, {}, values).scaled(mechanism_sizes)
-    freedoms = redundancy(eqs, values, dict(state.q)) if eqs.multiplier_names else None
+    freedoms = redundancy(eqs, values, dict(state.q), scales=scales) if eqs.multiplier_names else None
     rows = () if freedoms is None else freedoms.kept
     count = len(eqs.speed_names) - len(rows)
     if independent is None:

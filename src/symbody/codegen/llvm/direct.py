@@ -19,7 +19,7 @@ from symbody.single_flight import once
 NAME: Final = "symbody_direct"
 ARGUMENTS: Final = ("t", "q", "u", "r", "p")
 
-# What the function is told, 8 bytes each, in this order: from `size_q` on numbers, before that addresses;
+# The arguments of the function, 8 bytes each, in this order: from `size_q` on numbers, before that addresses;
 # `time` is room for the time.
 SETTINGS: Final = (
     "code", "constants", "work", "make_result", "array_type", "number_type", "float_type", "float64_type",
@@ -107,7 +107,7 @@ def _field(name: str, of: str, offset: int, kind: str = "ptr") -> Iterator[str]:
 
 
 def _next(label: str, condition: str) -> Iterator[str]:
-    """Yield what goes on at `label` if a condition holds, and leaves otherwise."""
+    """Yield the lines that continue at `label` if a condition holds, and return otherwise."""
     yield f"%{label}.holds = {condition}"
     yield f"br i1 %{label}.holds, label %{label}, label %otherwise"
     yield f"{label}:"

@@ -9,11 +9,11 @@ from symbody.codegen.llvm.numbers import declarations
 from symbody.codegen.llvm.runtime import (
     GATHER,
     LANE_SADDLE,
+    SADDLE_NAME,
     SCATTER,
     lane_counts,
     lane_sincos,
 )
-from symbody.codegen.llvm.saddle import NAME as SADDLE_NAME
 from symbody.codegen.llvm.trig import SINCOS_NAME
 from symbody.codegen.llvm.writing import GROUPS, PARAMETERS, first_status
 
@@ -26,8 +26,8 @@ _BATCH: Final = ", ".join(f"ptr %{a}, i64 %{a}.stride" for a in _ARRAYS)
 _OWN: Final = {
     "llvm.memset.p0.i64": "void @llvm.memset.p0.i64(ptr, i8, i64, i1)",
     SINCOS_NAME: f"{{double, double}} @{SINCOS_NAME}(double)",
-    SADDLE_NAME: f"i32 @{SADDLE_NAME}(i32, i32, ptr, ptr, ptr, ptr, ptr, ptr)",
-    LANE_SADDLE: f"i32 @{LANE_SADDLE}(i32, i32, ptr, ptr, ptr)",
+    SADDLE_NAME: f"i64 @{SADDLE_NAME}(i64, i64, ptr, ptr, ptr, ptr, ptr, ptr)",
+    LANE_SADDLE: f"i64 @{LANE_SADDLE}(i64, i64, ptr, ptr, ptr)",
     GATHER: f"void @{GATHER}(ptr, i64, i64, ptr)",
     SCATTER: f"void @{SCATTER}(ptr, i64, i64, ptr)",
 }

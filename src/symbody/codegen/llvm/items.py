@@ -164,11 +164,11 @@ class _Planner:
         stores: list[tuple[int, int]] = []
         shared = [self._row((value,), 1, stores) for value in operands[:start]]
         room = -(-count // _ROOM) * _ROOM
-        own = [
+        own_places = [
             self._row(operands[first : first + count], room, stores)
             for first in range(start, len(operands), count)
         ]
-        zeros = [gap for first in own for gap in self._unwritten(first, self._in_registers(count))]
+        zeros = [gap for first in own_places for gap in self._unwritten(first, self._in_registers(count))]
         self._align()
         # The last register of a part of the last row may reach over its end.
         results = self._taken(program.output_size * room + _ROOM)
@@ -178,7 +178,7 @@ class _Planner:
             self._programs[operation.datum],
             count,
             shared,
-            own,
+            own_places,
             results,
             room,
             stores,
@@ -343,7 +343,7 @@ class _Body:
             yield f"call void @llvm.masked.store.v{width}f64.p0({arguments})"
 
     def _mask(self) -> Iterator[str]:
-        """Yield the lines that tell which items of a register there are."""
+        """Yield the lines that compute which items of a register exist."""
         name, width = self._name, self._words.width
         kind, numbers = f"<{width} x i64>", ", ".join(f"i64 {k}" for k in range(width))
         yield f"%{name}.put = insertelement {kind} poison, i64 %{name}.i, i64 0"

@@ -120,7 +120,7 @@ class Loop:
         self._builder.position_at_end(stay)
 
     def carried(self) -> ir.Value:
-        """Return what the step just written hands on."""
+        """Return the value that the step just written passes to the next."""
         return self._next
 
 

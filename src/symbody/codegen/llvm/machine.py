@@ -46,9 +46,15 @@ THOROUGH: Final = 1
 
 
 @once
+def _features() -> binding.targets.FeatureMap:
+    """Return what this processor can do; looked up once, as it takes a millisecond."""
+    return binding.get_host_cpu_features()
+
+
+@once
 def lanes() -> int:
     """Return how many doubles the widest registers of this processor hold, at least 2."""
-    features = binding.get_host_cpu_features()
+    features = _features()
     return 8 if features.get("avx512f") else 4 if features.get("avx") else 2
 
 
@@ -66,6 +72,22 @@ def object_codes(texts: Items[str], level: int) -> list[bytes]:
                 piece.cancel()
 
 
+def optimized_code(text: str) -> bytes:
+    """Return the object code of a module of loops and variables in memory, which LLVM's passes improve.
+
+    No pass changes a result: the text grants no freedom to reorder or fuse operations.
+    """
+    initialize()
+    module = binding.parse_assembly(text, binding.create_context())
+    machine = target_machine()
+    # Vectors and unrolling double the code; systems of up to ten unknowns lose 10 to 30 %, those of 30 gain.
+    options = binding.create_pipeline_tuning_options(speed_level=2)
+    options.loop_vectorization = options.slp_vectorization = options.loop_unrolling = False
+    builder = binding.create_pass_builder(machine, options)
+    builder.getModulePassManager().run(module, builder)
+    return bytes(machine.emit_object(module))
+
+
 def _in_time(piece: Future[bytes]) -> bytes:
     code = piece.result()
     check()
@@ -77,7 +99,7 @@ def target_machine(level: int = THOROUGH) -> binding.TargetMachine:
     initialize()
     return binding.Target.from_default_triple().create_target_machine(
         cpu=binding.get_host_cpu_name(),
-        features=binding.get_host_cpu_features().flatten(),
+        features=_features().flatten(),
         opt=level,
         reloc="pic" if SMALL else "default",
         codemodel="small" if SMALL else "jitdefault",
@@ -94,8 +116,8 @@ def initialize() -> None:
 
 @once
 def environment() -> str:
-    """Return what object code depends on besides its text."""
-    features = binding.get_host_cpu_features().flatten()
+    """Return the key of object code apart from its text."""
+    features = _features().flatten()
     versions = f"{llvmlite.__version__} {binding.llvm_version_info}"
     return f"{versions} {binding.get_default_triple()} {binding.get_host_cpu_name()} {features} {SMALL}"
 

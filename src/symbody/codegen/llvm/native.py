@@ -51,7 +51,7 @@ class NativeFunction:
         after the other, row-major, go to `out`. It returns 0, or k + 1 if kernel k could not be solved
         and its results are nan. Groups that are not read may be NULL and may overlap; `out` and `work`
         must not overlap anything. Reentrant with a `work` of its own for every thread. In lanes, entry k
-        of each array begins at k times `width`, and any status that is not 0 says that a lane failed.
+        of each array begins at k times `width`, and a status other than 0 means that a lane failed.
     batch_address : int
         Of ``int (int64 count, const double *t, int64 t_stride, ..., double *out, int64 out_stride,
         double *work)``: the same for `count` points, strides in doubles, 0 for what all points share.

@@ -120,7 +120,7 @@ def words(width: int) -> Words:
 
 
 def declarations(text: str) -> str:
-    """Return what `text` calls of the C library and of LLVM, in lanes where it is in lanes."""
+    """Return the functions of the C library and of LLVM that `text` calls, as vectors where it uses lanes."""
     lines = [
         f"declare {_signature(words(width).real, f'{name}.{_suffix(width)}', count)} nounwind\n"
         for name, count in _INTRINSICS.items()

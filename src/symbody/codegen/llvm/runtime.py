@@ -10,17 +10,27 @@ from typing import Final
 import llvmlite.binding as binding
 from llvmlite import ir
 
+from symbody.codegen.kernels.llvm_kernels import kernel_name, llvm_text
+from symbody.codegen.kernels.reader import read_kernels
 from symbody.codegen.llvm.loops import INTEGER, POINTER, Array, count, integer
-from symbody.codegen.llvm.machine import SMALL, THOROUGH, environment, lanes, object_codes, target_machine
-from symbody.codegen.llvm.saddle import NAME as SADDLE_NAME
-from symbody.codegen.llvm.saddle import STATUS, define_solve_saddle, define_solve_saddles
+from symbody.codegen.llvm.machine import (
+    SMALL,
+    THOROUGH,
+    environment,
+    lanes,
+    object_codes,
+    optimized_code,
+    target_machine,
+)
 from symbody.codegen.llvm.stored_module import Module, read_module, store_module, written_by
 from symbody.codegen.llvm.trig import SINCOS_NAME, define_lane_sincos, define_sincos
 from symbody.single_flight import once
 
 GATHER: Final = "symbody_gather"
 SCATTER: Final = "symbody_scatter"
-LANE_SADDLE: Final = "symbody_solve_saddle_lanes"
+SADDLE: Final = "solve_saddle"
+SADDLE_NAME: Final = kernel_name(SADDLE)
+LANE_SADDLE: Final = "symbody_solve_saddles"
 
 
 def lane_counts() -> tuple[int, ...]:
@@ -44,7 +54,8 @@ class Runtime:
     def __init__(self) -> None:
         names = [SINCOS_NAME, SADDLE_NAME, LANE_SADDLE, GATHER, SCATTER, *map(lane_sincos, lane_counts())]
         builder = binding.JITLibraryBuilder().add_current_process()
-        builder.add_object_img(_code())
+        for code in _codes():
+            builder.add_object_img(code)
         for name in names:
             builder.export_symbol(name)
         linker = binding.create_lljit_compiler(target_machine(), use_jit_link=SMALL)
@@ -58,20 +69,26 @@ def runtime() -> Runtime:
     return Runtime()
 
 
-def _code() -> bytes:
+def _codes() -> tuple[bytes, ...]:
     key = written_by() and written_by() + environment().encode()
     known = read_module(key)
     if known is None:
-        known = Module(tuple(object_codes([text()], THOROUGH)), 0, calls_runtime=False)
+        codes = *map(optimized_code, kernel_texts()), *object_codes([text()], THOROUGH)
+        known = Module(codes, 0, calls_runtime=False)
         store_module(key, known)
-    return known.codes[0]
+    return known.codes
+
+
+def kernel_texts() -> list[str]:
+    """Return the kernels as LLVM text, for one system and for as many as there are lanes."""
+    kernels = read_kernels(SADDLE)
+    return [llvm_text(kernels, [SADDLE], width) for width in (1, lanes())]
 
 
 def text() -> str:
-    """Return the functions as LLVM text."""
+    """Return all other functions as LLVM text."""
     module = ir.Module("symbody_runtime")
-    for define in (define_sincos, define_solve_saddle):
-        define(module).linkage = "external"
+    define_sincos(module).linkage = "external"
     for width in lane_counts():
         define_lane_sincos(module, lane_sincos(width), width)
     _define_lane_saddle(module)
@@ -105,16 +122,16 @@ def _define_scatter(module: ir.Module) -> None:
 
 
 def _define_lane_saddle(module: ir.Module) -> None:
-    """``int lanes(int n, int m, const double *arguments, double *results, double *work)``.
+    """``long lanes(long n, long m, const double *arguments, double *results, double *work)``.
 
     All lanes at once if their pivots are the same; if not, the scalar kernel, lane after lane. `arguments`
     are M, J, F and gamma in lanes. It returns 0, or 1 if any lane has no solution. `work` holds the scratch
     of the kernel in lanes, or, for one lane, the arguments, the results and the scratch of the kernel.
     """
-    signature = ir.FunctionType(STATUS, [STATUS, STATUS, POINTER, POINTER, POINTER])
+    signature = ir.FunctionType(INTEGER, [INTEGER, INTEGER, POINTER, POINTER, POINTER])
     function = ir.Function(module, signature, name=LANE_SADDLE)
     b = ir.IRBuilder(function.append_basic_block("entry"))
-    n, m = b.sext(function.args[0], INTEGER), b.sext(function.args[1], INTEGER)
+    n, m = function.args[:2]
     given, results, work = (Array(b, place) for place in function.args[2:])
     sizes = [b.mul(n, n), b.mul(m, n), n, m]
     places = [work]
@@ -124,25 +141,31 @@ def _define_lane_saddle(module: ir.Module) -> None:
     solved = b.add(b.add(n, m), integer(1))
     scratch = solution.after(solved)
     total = b.add(b.add(sizes[0], sizes[1]), b.add(n, m))
-    width, failed = integer(lanes()), b.alloca(STATUS)
+    width, failed, mixed = integer(lanes()), b.alloca(INTEGER), b.alloca(ir.IntType(8))
     together = [given]
     for size in sizes[:-1]:
         together.append(together[-1].after(b.mul(size, width)))
     pointers = [array.pointer for array in (*together, results, work)]
-    different = b.call(define_solve_saddles(module, lanes()), [*function.args[:2], *pointers])
-    with b.if_then(b.icmp_unsigned("==", different, STATUS(0))):
-        b.ret(STATUS(0))
-    b.store(STATUS(0), failed)
+    b.store(ir.Constant(ir.IntType(8), 0), mixed)
+    status = b.call(_kernel(module, kernel_name(SADDLE, lanes()), 7), [n, m, *pointers, mixed])
+    is_mixed = b.icmp_unsigned("!=", b.load(mixed, typ=ir.IntType(8)), ir.Constant(ir.IntType(8), 0))
+    with b.if_then(b.not_(b.or_(is_mixed, b.icmp_unsigned("!=", status, integer(0))))):
+        b.ret(integer(0))
+    b.store(integer(0), failed)
     with count(b, integer(0), width) as lane:
         with count(b, integer(0), total) as k:
             work.store(k, given.load(b.add(b.mul(k, width), lane)))
-        kernel = module.globals[SADDLE_NAME]
         pointers = [array.pointer for array in (*places, solution, scratch)]
-        status = b.call(kernel, [*function.args[:2], *pointers])
-        b.store(b.or_(b.load(failed, typ=STATUS), status), failed)
+        status = b.call(_kernel(module, SADDLE_NAME, 6), [n, m, *pointers])
+        b.store(b.or_(b.load(failed, typ=INTEGER), status), failed)
         with count(b, integer(0), solved) as k:
             results.store(b.add(b.mul(k, width), lane), solution.load(k))
-    b.ret(b.load(failed, typ=STATUS))
+    b.ret(b.load(failed, typ=INTEGER))
+
+
+def _kernel(module: ir.Module, name: str, pointers: int) -> ir.Function:
+    """Return a kernel that is compiled beside the module."""
+    return ir.Function(module, ir.FunctionType(INTEGER, [INTEGER, INTEGER, *[POINTER] * pointers]), name=name)
 
 
 def _begin(

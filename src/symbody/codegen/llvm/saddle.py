@@ -54,7 +54,7 @@ def define_solve_saddle(module: ir.Module) -> ir.Function:
 
     ``int (int n, int m, const double *M, *J, *F, *gamma, double *result, double *work)`` returns 0, or 1 if
     the system cannot be solved; `result` takes n + m + 1 doubles, `work` as many as
-    `saddle_work_size` says.
+    `saddle_work_size` returns.
     """
     return _define(module, NAME, REAL, is_cut_given=False)
 

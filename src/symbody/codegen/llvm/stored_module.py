@@ -14,9 +14,9 @@ from hashlib import sha256
 from itertools import accumulate, pairwise
 from pathlib import Path
 
+import symbody.kernels
 from symbody.codegen.llvm.machine import environment
 from symbody.expr.opcodes import NAMES
-from symbody.expr.saddle_factors import CUT_FACTOR, EPSILON, EXPONENT_LIMIT, LIGHTEST, PIVOT_SHARE
 from symbody.expr.sequence import Sequence
 from symbody.single_flight import once
 from symbody.storage import store, stored
@@ -70,30 +70,31 @@ def read_module(key: bytes) -> Module | None:
     if content is None:
         return None
     head, _, body = content.partition(b"\n")
-    told = json.loads(head)
-    bounds = accumulate(told["sizes"], initial=0)
+    header = json.loads(head)
+    bounds = accumulate(header["sizes"], initial=0)
     codes = tuple(body[start:stop] for start, stop in pairwise(bounds))
-    return Module(codes, told["work_size"], told["calls_runtime"])
+    return Module(codes, header["work_size"], header["calls_runtime"])
 
 
 def store_module(key: bytes, module: Module) -> None:
     """Store a module, if it has a key."""
     if key:
-        told = {
+        header = {
             "sizes": [len(code) for code in module.codes],
             "work_size": module.work_size,
             "calls_runtime": module.calls_runtime,
         }
-        store(key, json.dumps(told).encode() + b"\n" + b"".join(module.codes))
+        store(key, json.dumps(header).encode() + b"\n" + b"".join(module.codes))
 
 
 @once
 def written_by() -> bytes:
     """Return a hash of the files and numbers that texts are written by; nothing if they cannot be read."""
     here = Path(__file__).parent
-    files = [*sorted(here.parent.glob("*.py")), *sorted(here.glob("*.py"))]
-    numbers = (NAMES, CUT_FACTOR, EPSILON, EXPONENT_LIMIT, LIGHTEST, PIVOT_SHARE)
-    found = sha256(repr(numbers).encode())
+    kernels = Path(symbody.kernels.__file__).parent
+    folders = (here.parent, here, here.parent / "kernels", kernels)
+    files = [file for folder in folders for file in sorted(folder.glob("*.py"))]
+    digest = sha256(repr(NAMES).encode())
     for file in files:
-        found.update(sha256(file.read_bytes()).digest())
-    return found.digest() if files else b""
+        digest.update(sha256(file.read_bytes()).digest())
+    return digest.digest() if files else b""

@@ -11,8 +11,7 @@ from typing import Final
 
 from symbody.codegen.llvm.items import ItemPlan, program_lines
 from symbody.codegen.llvm.numbers import Words
-from symbody.codegen.llvm.runtime import LANE_SADDLE, lane_counts, lane_sincos
-from symbody.codegen.llvm.saddle import NAME as SADDLE_NAME
+from symbody.codegen.llvm.runtime import LANE_SADDLE, SADDLE_NAME, lane_counts, lane_sincos
 from symbody.codegen.llvm.trig import SINCOS_NAME
 from symbody.codegen.lowering import power_products, whole_exponent
 from symbody.codegen.pieces import Piece, Plan, argument_places
@@ -226,10 +225,10 @@ class _PieceWriter:
         called = SADDLE_NAME
         if self._words.width > 1:
             called, places = LANE_SADDLE, [plan.arguments, plan.results[k], plan.scratch]
-        arguments = [f"i32 {kernel.n}", f"i32 {kernel.m}"]
+        arguments = [f"i64 {kernel.n}", f"i64 {kernel.m}"]
         arguments += [f"ptr {self._address('work', place)}" for place in places]
-        self._lines.append(f"%f{k} = call i32 @{called}({', '.join(arguments)})")
-        self._lines.append(f"%f{k}.bad = icmp ne i32 %f{k}, 0")
+        self._lines.append(f"%f{k} = call i64 @{called}({', '.join(arguments)})")
+        self._lines.append(f"%f{k}.bad = icmp ne i64 %f{k}, 0")
         self._lines.append(f"%f{k}.code = select i1 %f{k}.bad, i32 {datum + 1}, i32 0")
         self._lines.extend(first_status(self._status, f"%f{k}.code", f"%s{k}"))
         self._status = f"%s{k}"

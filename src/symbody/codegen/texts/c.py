@@ -11,24 +11,15 @@ from collections.abc import Iterator, Mapping
 from typing import Final
 
 from symbody.codegen.identifiers import assign_identifiers, quoted
+from symbody.codegen.kernels.c_kernels import PREAMBLE, C
+from symbody.codegen.kernels.dialect import saddle_text
 from symbody.codegen.lowering import power_products, whole_exponent
 from symbody.codegen.pieces import PIECE_SIZE, Piece, Plan, argument_places, plan_pieces
-from symbody.codegen.texts.saddle_c import SADDLE_C
 from symbody.errors import CompileError, Problem
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Operation, Sequence
 
 GROUPS: Final = ("t", "q", "u", "r", "p", "c")
-
-# gcc takes no notice of the standard pragma, and warns of it; outside its ISO modes it contracts.
-PREAMBLE: Final = """\
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC optimize("fp-contract=off")
-#else
-#pragma STDC FP_CONTRACT OFF
-#endif
-#include <math.h>
-"""
 
 _PARAMETERS: Final = ", ".join(
     [f"const double *{g}" for g in GROUPS] + ["double *restrict out", "double *restrict work"]
@@ -110,13 +101,13 @@ def generate(
     Raises
     ------
     CompileError
-        If `name` is no C identifier, the sequence calls functions the user supplied, or a constant is
+        If `name` is not a C identifier, the sequence calls functions the user supplied, or a constant is
         beyond the doubles.
     """
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,40}", name) or _is_reserved(name):
         raise CompileError(
             Problem("compile.name", "", f"{quoted(name)} cannot be the name of a C function",
-                    "it is no identifier, longer than 41 letters, or taken", "choose another, such as 'f'")
+                    "not an identifier, longer than 41 letters, or taken", "choose another, such as 'f'")
         )  # fmt: skip
     plan = plan_pieces(sequence, piece_size)
     shown = {entry.name: entry.name for entry in sequence.inputs}
@@ -124,8 +115,8 @@ def generate(
     shown |= names or {}
     labels = [shown[entry.name] for entry in sequence.inputs]
     words = assign_identifiers(labels, lambda word: _is_reserved(word) or word == f"{name}_WORK_SIZE")
-    kernel = [SADDLE_C.strip("\n")] if plan.results else [PREAMBLE.strip("\n")]
-    head = [*_header(sequence, plan, name, shown, words), *kernel, "", *_interface(plan, name)]
+    kernel = saddle_text(C).split("\n") if plan.results else []
+    head = [*_header(sequence, plan, name, shown, words), PREAMBLE, *kernel, *_interface(plan, name)]
     return "\n".join([*head, *_functions(sequence, plan, name, words)]) + "\n"
 
 

@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Final
 
+from symbody.codegen.kernels.dialect import saddle_text
+from symbody.codegen.kernels.fortran_kernels import FORTRAN, SADDLE_CALL
 from symbody.codegen.pieces import PIECE_SIZE
 from symbody.codegen.texts.layout import Arguments, Language, Layout
-from symbody.codegen.texts.saddle_fortran import SADDLE_FORTRAN
 from symbody.codegen.texts.statements import Dialect, Statements
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Sequence
@@ -96,7 +97,7 @@ def _target(word: str, indices: tuple[int, ...]) -> str:
 _DIALECT: Final = Dialect(
     _EXPRESSIONS, "    {name} = {value}", _number, _entry, is_held=True,
     truth="merge(1.0_dp, 0.0_dp, {0})", is_true="abs({0}) > 0.0_dp",
-    kernel_call="    call symbody_solve_saddle({n}, {m}, {M}, {J}, {F}, {gamma}, {solution})",
+    kernel_call="    call symbody_saddle({n}, {m}, {M}, {J}, {F}, {gamma}, {solution})",
 )  # fmt: skip
 
 
@@ -127,7 +128,7 @@ def generate(
     layout = Layout.of(sequence, name, _LANGUAGE, arguments, piece_size)
     parts = [*_head(layout), *_functions(layout)]
     if layout.plan.results:
-        parts += ["", *SADDLE_FORTRAN.strip("\n").split("\n")]
+        parts += ["", *saddle_text(FORTRAN, SADDLE_CALL).rstrip("\n").split("\n")]
     parts.append(f"end module symbody_{name}")
     return "\n".join(line for part in parts for line in continued(part)) + "\n"
 
@@ -156,7 +157,7 @@ def _head(layout: Layout) -> Iterator[str]:
     yield f"module symbody_{layout.name}"
     yield "    use, intrinsic :: iso_c_binding, only: dp => c_double"
     if layout.plan.results:
-        yield "    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan"
+        yield "    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_positive_inf"
     yield "    implicit none"
     yield "    private"
     yield f"    public :: {layout.name}"

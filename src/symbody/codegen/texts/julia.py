@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+from symbody.codegen.kernels.dialect import saddle_text
+from symbody.codegen.kernels.julia_kernels import JULIA, SADDLE_CALL
 from symbody.codegen.pieces import PIECE_SIZE
 from symbody.codegen.texts.layout import Arguments, Language, Layout
-from symbody.codegen.texts.saddle_julia import SADDLE_JULIA
 from symbody.codegen.texts.statements import Dialect, Statements
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Sequence
@@ -93,7 +94,7 @@ def _target(word: str, indices: tuple[int, ...]) -> str:
 _DIALECT: Final = Dialect(
     _EXPRESSIONS, "    {name} = {value}", _number, _entry,
     truth="ifelse({0}, 1.0, 0.0)", is_true="{0} != 0",
-    kernel_call="    symbody_solve_saddle!(work, {n}, {m}, {arguments}, {results})",
+    kernel_call="    symbody_saddle!(work, {n}, {m}, {arguments}, {results})",
 )  # fmt: skip
 
 
@@ -123,7 +124,7 @@ def generate(
     """
     layout = Layout.of(sequence, name, _LANGUAGE, arguments, piece_size)
     lines = [*_head(layout), *_functions(layout), *_FUNCTIONS.rstrip("\n").split("\n")]
-    lines += SADDLE_JULIA.rstrip("\n").split("\n") if layout.plan.results else []
+    lines += saddle_text(JULIA, SADDLE_CALL).rstrip("\n").split("\n") if layout.plan.results else []
     return "\n".join([*lines, "", "end"]) + "\n"
 
 

@@ -108,7 +108,7 @@ class Layout:
         return cls(sequence, plan, name, sizes, labels, tuple(words[count:]), tuple(words[:count]))
 
     def heading(self, entry: Callable[[str, int], str], call: str) -> Iterator[str]:
-        """Yield what the head of the text tells: the call, arguments and results with places and names.
+        """Yield the lines at the head of the text: the call, arguments and results with places and names.
 
         Parameters
         ----------
@@ -122,8 +122,8 @@ class Layout:
         yield "Written by symbody from a model; all numbers are doubles."
         if self.plan.results:
             yield "Where a linear system has no solution, what depends on it is nan."
-        told = (f"{group} {WORDS[group]} ({size})" for group, size in self.sizes.items() if group != "t")
-        yield f"Arguments: t time, {', '.join(told)}"
+        sizes = (f"{group} {WORDS[group]} ({size})" for group, size in self.sizes.items() if group != "t")
+        yield f"Arguments: t time, {', '.join(sizes)}"
         yield "Entries: place, identifier (- if not read), name"
         read = {(i.group, i.position): word for i, word in zip(sequence.inputs, self.words, strict=True)}
         for group, names in self.labels.items():
@@ -172,5 +172,5 @@ def _check_name(name: str, language: Language) -> None:
     if not _FUNCTION_NAME.fullmatch(name) or language.is_reserved(name):
         raise CompileError(
             Problem("compile.name", "", f"{quoted(name)} cannot be the name of a {language.title} function",
-                    "it is no identifier, longer than 41 letters, or taken", "choose another, such as 'f'")
+                    "not an identifier, longer than 41 letters, or taken", "choose another, such as 'f'")
         )  # fmt: skip

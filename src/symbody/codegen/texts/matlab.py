@@ -10,9 +10,10 @@ from collections.abc import Iterator
 from collections.abc import Sequence as Items
 from typing import Final
 
+from symbody.codegen.kernels.dialect import saddle_text
+from symbody.codegen.kernels.matlab_kernels import MATLAB, SADDLE_CALL
 from symbody.codegen.texts.layout import Arguments, Language, Layout
 from symbody.codegen.texts.lists import filled
-from symbody.codegen.texts.saddle_matlab import SADDLE_MATLAB
 from symbody.codegen.texts.statements import Dialect, Statements
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Output, Sequence
@@ -115,7 +116,7 @@ def _target(word: str, indices: tuple[int, ...]) -> str:
 
 
 def _kernel(name: str, n: int, m: int, operands: Items[str]) -> list[str]:
-    return [f"{name} = symbody_solve_saddle({n}, {m}, [ ...", *filled(operands, "    ", " ..."), "]);"]
+    return [f"{name} = symbody_saddle({n}, {m}, [ ...", *filled(operands, "    ", " ..."), "]);"]
 
 
 _DIALECT: Final = Dialect(_EXPRESSIONS, "{name} = {value};", _number, _entry, kernel=_kernel)
@@ -141,7 +142,7 @@ def generate(sequence: Sequence, name: str = "f", arguments: Arguments | None = 
     lines = [*_function(layout)]
     body = "\n".join(lines)
     lines += [text.rstrip("\n") for called, text in _FUNCTIONS.items() if f" {called}(" in body]
-    lines += [SADDLE_MATLAB.rstrip("\n")] if layout.plan.results else []
+    lines += [saddle_text(MATLAB, SADDLE_CALL).rstrip("\n")] if layout.plan.results else []
     return "\n".join(lines) + "\n"
 
 

@@ -13,9 +13,10 @@ from collections.abc import Iterator, Mapping
 from typing import Final
 
 from symbody.codegen.identifiers import assign_identifiers, quoted
+from symbody.codegen.kernels.dialect import saddle_text
+from symbody.codegen.kernels.python_kernels import PYTHON, SADDLE_CALL
 from symbody.codegen.lowering import power_products, whole_exponent
 from symbody.codegen.pieces import Plan, plan_pieces
-from symbody.codegen.texts.saddle_python import SADDLE_PYTHON
 from symbody.errors import CompileError, Problem
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Operation, Sequence
@@ -90,17 +91,17 @@ def generate(sequence: Sequence, name: str = "f", names: Mapping[str, str] | Non
     Raises
     ------
     CompileError
-        If `name` is no identifier of Python, the sequence calls functions the user supplied, or a constant
+        If `name` is not a Python identifier, the sequence calls functions the user supplied, or a constant
         is beyond the doubles.
     """
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,40}", name) or _is_reserved(name):
         raise CompileError(
             Problem("compile.name", "", f"{quoted(name)} cannot be the name of a Python function",
-                    "it is no identifier, longer than 41 letters, or taken", "choose another, such as 'f'")
+                    "not an identifier, longer than 41 letters, or taken", "choose another, such as 'f'")
         )  # fmt: skip
     plan = plan_pieces(sequence)
     module = _Module(sequence, plan, name, names or {})
-    kernel = ["", *SADDLE_PYTHON.rstrip("\n").split("\n")] if plan.results else []
+    kernel = ["", "", *saddle_text(PYTHON, SADDLE_CALL).rstrip("\n").split("\n")] if plan.results else []
     return "\n".join([*module.head(), *kernel, "", "", *module.function()]) + "\n"
 
 
@@ -268,6 +269,6 @@ class _Statements:
         names = ", ".join(self._names[j] for j in operands)
         filled = textwrap.wrap(names, WIDTH - 8, break_long_words=False, break_on_hyphens=False)
         self._names[k] = f"z{k}"
-        self._lines.append(f"    z{k} = _saddle({kernel.n}, {kernel.m}, [")
+        self._lines.append(f"    z{k} = symbody_saddle({kernel.n}, {kernel.m}, [")
         self._lines += [f"        {line}" for line in filled]
         self._lines.append("    ])")

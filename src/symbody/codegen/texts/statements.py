@@ -1,6 +1,6 @@
 """The statements of a text: one for every operation, in the order of the sequence.
 
-A language says in a `Dialect` how it writes numbers, entries and operations; the walk is the same for all.
+A `Dialect` holds how a language writes numbers, entries and operations; the walk is the same for all.
 """
 
 from __future__ import annotations

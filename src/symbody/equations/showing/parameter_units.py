@@ -63,7 +63,10 @@ def _combine(name: str, operands: list[frozenset[str] | Fraction | None]) -> fro
     numbers = [each for each in operands if isinstance(each, Fraction)]
     names = [each for each in operands if isinstance(each, frozenset)]
     if len(numbers) == len(operands):
-        value = fold(name, *numbers)
+        try:
+            value = fold(name, *numbers)
+        except (ArithmeticError, ValueError):  # in a branch that is never taken
+            return None
         return None if value is None else Fraction(value)
     if len(numbers) + len(names) < len(operands):
         return None

@@ -1,4 +1,4 @@
-"""What an operation demands of its operands, as far as the text alone can tell.
+"""Checks of an operation's operands that need the text alone.
 
 Conditions and numbers must not be mixed, whole exponents stay small, and arithmetic on plain
 numbers must have a finite real result.
@@ -19,28 +19,51 @@ _SIGNS: Final = {"div": "the division", "power": "the power", "add": "the sum", 
 
 
 class Value(NamedTuple):
-    """What is known of a part of the expression: where it begins, and its value if it has one yet."""
+    """What is known of a part of the expression: where it begins, and its value if it has one yet.
+
+    Attributes
+    ----------
+    constant : number or bool, optional
+        A bool if it is a condition.
+    faults : tuple of Problem
+        Where numbers in it have no value; they count unless no condition ever chooses them.
+    """
 
     column: int
     is_condition: bool = False
     constant: Constant | None = None
+    faults: tuple[Problem, ...] = ()
 
 
 def applied(source: Source, name: str, column: int, operands: list[Value]) -> tuple[Value, Problem | None]:
-    """Return what is known of the operation `name`, written at `column`, and what is wrong with it."""
+    """Return the value of the operation `name`, written at `column`, if known, and its problem."""
     start = min(column, operands[0].column)
-    result = Value(start, name in COMPARISONS or name in CONNECTIVES)
+    is_condition = name in COMPARISONS or name in CONNECTIVES
+    faults = tuple(fault for operand in operands for fault in operand.faults)
+    result = Value(start, is_condition, faults=faults)
     problem = _type_problem(source, name, operands)
-    if problem is not None or result.is_condition or name == "if":
-        return result, problem
-    problem = _operand_problem(source, name, column, operands)
+    if problem is None and name == "if":
+        return _chosen(start, *operands), None
+    if problem is None and not is_condition:
+        problem = _operand_problem(source, operands, name)
     constants = [value.constant for value in operands if value.constant is not None]
-    if problem is not None or len(constants) < len(operands):
+    if problem is not None:
         return result, problem
     try:
-        return Value(start, False, fold(name, *constants)), None
+        if name in ("div", "mod") and operands[-1].constant == 0:
+            raise ZeroDivisionError
+        known = fold(name, *constants) if len(constants) == len(operands) else None
+        return result._replace(constant=known), None
     except (ArithmeticError, ValueError) as fault:
-        return result, _undefined(source, name, column, fault)
+        return result._replace(faults=(*faults, _undefined(source, name, column, fault))), None
+
+
+def _chosen(start: int, condition: Value, then: Value, otherwise: Value) -> Value:
+    """Return what is known of a choice; where its condition has numbers alone, the other branch is out."""
+    if condition.constant is None:
+        return Value(start, faults=(*condition.faults, *then.faults, *otherwise.faults))
+    taken = then if condition.constant else otherwise
+    return Value(start, False, taken.constant, (*condition.faults, *taken.faults))
 
 
 def condition_problem(source: Source, column: int) -> Problem:
@@ -79,12 +102,9 @@ def _type_problem(source: Source, name: str, operands: list[Value]) -> Problem |
     return None
 
 
-def _operand_problem(source: Source, name: str, column: int, operands: list[Value]) -> Problem | None:
-    last = operands[-1]
+def _operand_problem(source: Source, operands: list[Value], name: str) -> Problem | None:
     if name == "power":
-        return _exponent_problem(source, last)
-    if name in ("div", "mod") and last.constant == 0:
-        return _undefined(source, name, column, ZeroDivisionError())
+        return _exponent_problem(source, operands[-1])
     if name == "smoothstep":
         return _knot_problem(source, operands[1:])
     if name == "interp1":
@@ -120,12 +140,15 @@ def _knot_problem(source: Source, knots: list[Value]) -> Problem | None:
 
 
 def _undefined(source: Source, name: str, column: int, fault: Exception) -> Problem:
+    branches = (
+        "; a branch of if(...) counts unless its condition has numbers alone" if "if(" in source.text else ""
+    )
     if isinstance(fault, ZeroDivisionError):
         return source.problem(
             "expression.division_by_zero",
             column,
             "a number is divided by 0",
-            "the divisor is zero as it is written",
+            "the divisor is zero as it is written" + branches,
             "remove the division, or mend the divisor",
         )
     if isinstance(fault, OverflowError):
@@ -140,6 +163,7 @@ def _undefined(source: Source, name: str, column: int, fault: Exception) -> Prob
         "expression.undefined",
         column,
         f"{_SIGNS.get(name, name)} has no real value for the number given",
-        "roots, logarithms and powers of negative numbers are not real, nor asin and acos beyond 1",
+        "roots, logarithms and powers of negative numbers are not real, nor asin and acos beyond 1"
+        + branches,
         "mend the number, or the sign before it",
     )

@@ -24,7 +24,7 @@ from symbody.expr.language.tokens import is_name, normalize
 class Formula:
     """An expression as text and as postfix program; hashable, and free of any graph.
 
-    Made by `parse` or `Formula.of`, not by hand: the program is what the text says.
+    Made by `parse` or `Formula.of`, not by hand: the program is made from the text.
 
     Attributes
     ----------
@@ -41,14 +41,14 @@ class Formula:
     def of(cls, value: FormulaLike, *, where: str = "", has_outputs: bool = False) -> Formula:
         """Return `value` as a formula: text is parsed, a number becomes its decimal text.
 
-        A float is what its shortest text says: up to 15 digits it is that exact decimal, as if it
+        A float has the value of its shortest text: up to 15 digits it is that exact decimal, as if it
         stood in a file; with 16 or 17 it stays a float. Where `has_outputs`, names in single quotes are
         outputs: ``'reaction A Fx' / m``.
 
         Raises
         ------
         ExpressionError
-            For text that is no expression, for bool, complex, NaN, infinity and other objects.
+            For text that is not an expression, for bool, complex, NaN, infinity and other objects.
         """
         if isinstance(value, Formula):
             return value
@@ -130,7 +130,7 @@ def build(
     ----------
     lookup : callable
         Takes a name and the column of its first appearance, returns a node of `graph`; called once
-        for each name. It knows what ``pi`` and ``t`` are, and raises for unknown names.
+        for each name. ``pi`` and ``t`` are predefined; unknown names raise.
     where : str
         Object path for faults that only show once the names have values.
     outputs : callable, optional
@@ -143,7 +143,7 @@ def build(
     """
     nodes: dict[tuple[str, str], int] = {}
     look_up = {"name": lookup, "output": outputs or lookup}
-    stack: list[int] = []
+    stack: list[int | ExpressionError] = []
     for step in formula.program:
         if not isinstance(step.payload, str):
             stack.append(constant(graph, step.payload))
@@ -156,17 +156,27 @@ def build(
             operands = stack[-step.arity :]
             del stack[-step.arity :]
             stack.append(_applied(formula, graph, step, operands, where))
+    if isinstance(stack[0], ExpressionError):
+        raise stack[0]
     return stack[0]
 
 
-def _applied(formula: Formula, graph: Graph, step: Instruction, operands: list[int], where: str) -> int:
+def _applied(
+    formula: Formula, graph: Graph, step: Instruction, operands: list[int | ExpressionError], where: str
+) -> int | ExpressionError:
+    """Return the node of an operation, or what is wrong; a branch that is never taken may be wrong."""
+    name, nodes = str(step.payload), [operand for operand in operands if isinstance(operand, int)]
+    if name == "if" and isinstance(operands[0], int) and (decided := graph.number(operands[0])) is not None:
+        return operands[1] if decided else operands[2]
+    if len(nodes) < len(operands):
+        return next(operand for operand in operands if isinstance(operand, ExpressionError))
     try:
-        return applied_node(graph, str(step.payload), operands)
-    except ExpressionError as error:  # the graph knows the fault but not the text
+        return applied_node(graph, name, nodes)
+    except ExpressionError as error:  # the graph has the fault, the formula has the text
         problems = [
             formula.problem(p.code, step.column, p.what, p.why, p.fix, where=where) for p in error.problems
         ]
-        raise ExpressionError(*problems) from error
+        return ExpressionError(*problems)
 
 
 def _numeral(value: object, where: str) -> str:

@@ -96,6 +96,8 @@ class _Reader:
                 wants_operand = self._operand(token, following)
             else:
                 wants_operand = self._operator(tokens[k - 1], token, following)
+        for fault in self._values[-1].faults:
+            self._report(fault)
         if self._problems:
             self._stop()
         if self._values[-1].is_condition:
@@ -194,7 +196,8 @@ class _Reader:
         if problem is not None:
             self._report(problem)
         if problem is not None or name not in FUNCTIONS:
-            self._values[bracket.base :] = [Value(column)]
+            faults = tuple(fault for value in self._values[bracket.base :] for fault in value.faults)
+            self._values[bracket.base :] = [Value(column, faults=faults)]
         elif name in FOLDED:
             for _ in range(count - 1):
                 self._apply(name, column, 2)

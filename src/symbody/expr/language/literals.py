@@ -115,5 +115,7 @@ _OPERATIONS: Final = MappingProxyType[str, Callable[..., Constant]](
         "mod": _remainder, "min": min, "max": max, "sin": math.sin, "cos": math.cos, "tan": math.tan,
         "asin": math.asin, "acos": math.acos, "atan": math.atan, "atan2": math.atan2, "sinh": math.sinh,
         "cosh": math.cosh, "tanh": math.tanh, "exp": math.exp, "log": math.log, "sqrt": math.sqrt,
+        "lt": operator.lt, "le": operator.le, "gt": operator.gt, "ge": operator.ge, "eq": operator.eq,
+        "ne": operator.ne, "not": operator.not_, "and": operator.and_, "or": operator.or_,
     }
 )  # fmt: skip

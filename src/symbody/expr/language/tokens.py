@@ -21,7 +21,7 @@ _TOKEN: Final = re.compile(
     r"(?P<space>[ \t\r\n]+)"
     r"|(?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
     r"|(?P<name>[A-Za-z_\u0080-\U0010ffff][0-9A-Za-z_\u0080-\U0010ffff]*)"
-    r"|(?P<mark>//|<<|>>|<>|->|=>|=<|&&|\|\||:=)"  # never legal; told as one
+    r"|(?P<mark>//|<<|>>|<>|->|=>|=<|&&|\|\||:=)"  # never legal; reported as one token
     r"|(?P<operator>\*\*|<=|>=|==|!=|[-+*/^()<>,])"
     r"|(?P<other>.)",
     re.DOTALL,
@@ -161,7 +161,7 @@ def _is_prime(text: str, place: int) -> bool:
 
 
 def _quoted(text: str, start: int) -> tuple[str, int]:
-    """Return what a quotation mark is (``"string"`` or ``"prime"``) and where it ends."""
+    """Return the kind of a quotation mark (``"string"`` or ``"prime"``) and where it ends."""
     word = start
     while word > 0 and (text[word - 1].isalnum() or text[word - 1] in "_)"):
         word -= 1

@@ -12,7 +12,7 @@ from symbody.expr.rewrite import node_cost, symbols_of
 
 EXPAND_LIMIT: Final = 20_000  # operations of a formula written out
 _UNNAMED: Final = CONDITIONS | {NEG, SADDLE}  # no numbers by themselves, or nothing to name
-_MANY: Final = 1 << 62  # sizes and uses beyond this are not told apart
+_MANY: Final = 1 << 62  # sizes and uses beyond this count as equal
 
 
 def definitions(graph: Graph, roots: Sequence[int], limit: int = EXPAND_LIMIT) -> dict[int, str]:

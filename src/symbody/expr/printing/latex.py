@@ -60,7 +60,7 @@ def to_latex(graph: Graph, node: int, names: Mapping[Symbol, str] | None = None)
     ----------
     names : mapping of Symbol to LaTeX, optional
         How symbols are written, derivatives by their dots if not named themselves; taken as it is.
-        By default as `latex_name` says.
+        `latex_name` by default.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 """Formulas as text, whatever the notation: from the root inwards, in time linear in the text.
 
-A notation says for one node which pieces it consists of; brackets, names of shared parts and the order
+A notation splits one node into its pieces; brackets, names of shared parts and the order
 of writing are dealt with here, without recursion.
 """
 

@@ -29,7 +29,7 @@ from symbody.expr.printing.textbook import Factor, Style, textbook
 
 _APPLY: Final = "<mo>\u2061</mo>"  # what stands, unseen, between a function and its bracket
 _COMMA: Final = "<mo>,</mo>"
-# Over a letter, one to four. They are no accents, which touch the letter where there is no mathematical font.
+# Over a letter, one to four. Not accents: those touch the letter where there is no mathematical font.
 _DOTS: Final = ("\u02d9", "\u00a8", "...", "....")
 _NAMES: Final = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "sign": "sgn"}
 _AROUND: Final = {"abs": ("|", "|"), "floor": ("\u230a", "\u230b")}

@@ -69,7 +69,7 @@ class Style(ABC):
 
     @abstractmethod
     def number(self, value: Constant) -> str:
-        """Return a number >= 0 that is no ratio."""
+        """Return a number >= 0 that is not a ratio."""
 
     @abstractmethod
     def ratio(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
@@ -124,7 +124,7 @@ class SortKey(NamedTuple):
     is_function : bool
         Whether there is a function in it.
     size : int
-        Operations; large ones are not told apart.
+        Operations; large numbers count as equal.
     low, high : tuple
         First and last of the names in it; empty without names.
     """
@@ -147,7 +147,7 @@ def textbook(graph: Graph, roots: Sequence[int], style: Style) -> NotationFor:
 
 
 def name_key(name: str) -> NameKey:
-    """Return what names are sorted by: conventional letters first, then the alphabet, numbers by value."""
+    """Return the sorting key of a name: conventional letters first, then the alphabet, numbers by value."""
     parts: list[int | str] = []
     for word, digits in re.findall(r"(\D*)(\d*)", name):
         parts += [word.casefold(), word, int(digits or -1)]

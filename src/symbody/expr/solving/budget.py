@@ -44,7 +44,7 @@ def solve_within(
 def _answered(
     rows: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol], seconds: float
 ) -> list[dict[sp.Symbol, sp.Expr]]:
-    """Return what the process answers."""
+    """Return the answer of the process."""
     question = pickle.dumps((rows, unknowns))
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     command = [sys.executable, "-m", "symbody.expr.solving.worker"]

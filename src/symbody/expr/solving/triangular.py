@@ -52,19 +52,19 @@ def solve_triangular(
     loop, turned = _opened(equations, unknowns)
     if loop is None:
         return None
-    waiting, found = [loop], []
+    waiting, solved = [loop], []
     while waiting:
         loop = waiting.pop()
         loop = replace(loop, equations=_reduced(loop))
         if not loop.lengths and not loop.angles:
             if not loop.equations:  # else what is left contradicts, or depends on numbers
-                found.append(_back(loop, turned))
+                solved.append(_back(loop, turned))
             continue
         branches = _step(loop)
         if branches is None:
             return None
         waiting.extend(reversed(branches))
-    return found
+    return solved
 
 
 def _opened(
@@ -199,18 +199,20 @@ def _one_angle(loop: Loop) -> Iterator[list[Loop]]:
             ]
 
 
-def _turned(a: sp.Expr, b: sp.Expr, rest: sp.Expr, square: sp.Expr) -> list[tuple[sp.Expr, sp.Expr, sp.Expr]]:
-    """Return both angles of ``a cos + b sin + rest = 0`` with cosine and sine; `square` is a^2 + b^2."""
+def _turned(
+    a: sp.Expr, b: sp.Expr, constant: sp.Expr, square: sp.Expr
+) -> list[tuple[sp.Expr, sp.Expr, sp.Expr]]:
+    """Return both angles of ``a cos + b sin + constant = 0`` with cosine and sine; `square` is a^2 + b^2."""
     if a == 0:
-        angle = sp.asin(sp.cancel(-rest / b))
+        angle = sp.asin(sp.cancel(-constant / b))
         return [(angle, sp.cos(angle), sp.sin(angle)), (sp.pi - angle, -sp.cos(angle), sp.sin(angle))]
     if b == 0:
-        angle = sp.acos(sp.cancel(-rest / a))
+        angle = sp.acos(sp.cancel(-constant / a))
         return [(angle, sp.cos(angle), sp.sin(angle)), (-angle, sp.cos(angle), -sp.sin(angle))]
-    if rest == 0:
+    if constant == 0:
         values = [sp.atan2(-a, b), sp.atan2(a, -b)]
     else:
-        turn = sp.acos(-rest / sp.sqrt(square))
+        turn = sp.acos(-constant / sp.sqrt(square))
         values = [sp.atan2(b, a) + turn, sp.atan2(b, a) - turn]
     return [(value, sp.cos(value), sp.sin(value)) for value in values]
 

@@ -14,18 +14,18 @@ from symbody.expr.solving.turned_rows import shortest_rows
 
 def solutions(equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]) -> list[dict[sp.Symbol, sp.Expr]]:
     """Return all solutions found for the unknowns, each with a value for every one of them."""
-    found = solve_triangular(equations, unknowns)
-    if found is None:
-        found = solve_triangular(shortest_rows(equations, unknowns), unknowns)
-    if found is None:
+    solved = solve_triangular(equations, unknowns)
+    if solved is None:
+        solved = solve_triangular(shortest_rows(equations, unknowns), unknowns)
+    if solved is None:
         try:
-            found = sp.solve(equations, unknowns, dict=True)
-        except NotImplementedError:  # what SymPy raises where it knows no method
-            found = []
+            solved = sp.solve(equations, unknowns, dict=True)
+        except NotImplementedError:  # SymPy has no method for these
+            solved = []
     wanted = set(unknowns)
     complete = [
         {x: solution[x] for x in unknowns}
-        for solution in found
+        for solution in solved
         if wanted <= solution.keys()
         and not any(solution[x].free_symbols & wanted or solution[x].has(sp.I) for x in unknowns)
     ]

@@ -161,7 +161,7 @@ class _Collector:
 
 
 def _shared(p: Polynomial, members: list[Monomial]) -> tuple[Monomial, Exact]:
-    """Return what all `members` hold to the same power, and their coefficient if it is one up to sign."""
+    """Return the common factor of all `members`, and their coefficient if it is the same up to sign."""
     factors = set(members[0]).intersection(*members[1:])
     size = abs(Fraction(p[members[0]]))
     same = all(abs(p[monomial]) == size for monomial in members)

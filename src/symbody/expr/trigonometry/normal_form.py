@@ -1,10 +1,10 @@
 """The trigonometric normal form: formulas as a textbook prints them, without a simplifier.
 
 A root is written as a polynomial in the sines and cosines of independent angles and in everything else
-that is no sum, product or whole power (symbols, quotients, roots, other functions). With sin**2 + cos**2 = 1
-equal polynomials become the same. The coefficient of each product of the others is then written in
-the shortest of the forms of `harmonics`, and the sum collected by `collecting`. Arguments of functions,
-numerators and denominators are treated in the same way, each by itself.
+that is not a sum, product or whole power (symbols, quotients, roots, other functions). With
+sin**2 + cos**2 = 1 equal polynomials become the same. The coefficient of each product of the
+others is then written in the shortest of the forms of `harmonics`, and the sum collected by `collecting`.
+Arguments of functions, numerators and denominators are treated in the same way, each by itself.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ class _Writer:
         self.form = self._new[root]
 
     def _written_by_themselves(self, nodes: Sequence[int]) -> set[int]:
-        """Return what angles are linear in, and all operands but those of sums.
+        """Return the symbols in which angles are linear, and all operands but those of sums.
 
         Factors of a product are among them because it may be best not to multiply out.
         """

@@ -113,7 +113,8 @@ class Path:
             row = left[k] / np.linalg.norm(left[k])
             left = left - np.outer(left @ row, row)
         count, driven = basis.shape[1], ", ".join(self.follower.driven) or "nothing"
-        generic = redundancy(self.eqs, self.parameters, dict(zip(self.eqs.coordinate_names, q, strict=True)))
+        near = dict(zip(self.eqs.coordinate_names, q, strict=True))
+        generic = redundancy(self.eqs, self.parameters, near, scales=self.scales.sizes)
         if len(self.follower.driven) >= generic.degrees_of_freedom:
             why = "the mechanism stands in a singular position, at which the driven coordinates do not tell"
             fix = "ask for times beside it, or drive another coordinate"

@@ -55,6 +55,10 @@ _LEFT: Final = (
     "at t = {:.6g} s constraints become dependent (change point), where {} leaves the branch of the motion: "
     "leave constraints out, or use sb.Partition()"
 )
+_ENDS: Final = (
+    "the motion breaks off near a change point, where constraints become dependent and {} finds no way on: "
+    "leave constraints out, or use sb.Partition()"
+)
 _STARTS: Final = (
     "the start is a change point, where constraints become dependent and {} finds no way on: leave "
     "constraints out, use sb.Partition(), or start a little beside it"
@@ -174,7 +178,33 @@ def _end_of_branch(task: Task, first: State, t: float, moved: Moved) -> _BranchE
         return None
     if raw.reached == t and is_change_point(task, first, t):
         return _BranchEnd(None, _STARTS)
-    return _BranchEnd(None, _LOCKED) if is_overconstrained(task, first, t) else None
+    if is_overconstrained(task, first, t):
+        return _BranchEnd(None, _LOCKED)
+    return _breaking_off(task, first, t, raw, passages)
+
+
+def _breaking_off(
+    task: Task, first: State, t: float, raw: RawRun, passages: _Passages | None
+) -> _BranchEnd | None:
+    """Return where a motion breaks off beside a change point, if it does: there steps become ever smaller.
+
+    One that reached the change point and never came away from it may be on any branch since then.
+    """
+    if raw.status not in _COLLAPSES or raw.dense_output is None:
+        return None
+    loops = LoopConstraints(task)
+    x = np.array([*first.u.values(), *first.q.values()])
+    branch = motion_branch(loops, t, x)
+    q = raw.dense_output(raw.reached)[loops.places]
+    if (
+        not branch.speeds
+        or not loops.singular_values(raw.reached, q)[branch.speeds - 1] < _STUCK * branch.reference
+    ):
+        return None
+    apart = np.abs((q - x[loops.places]) / loops.sizes).max()
+    if apart < _BESIDE and is_change_point(task, first, t):
+        return _BranchEnd(None, _STARTS)
+    return _BranchEnd(None if passages is None else passages.last_clear(), _ENDS)
 
 
 def _ended(moved: Moved, end: _BranchEnd, chosen: Constraints) -> Moved:
@@ -250,6 +280,14 @@ class _Passages:
         if before is None or after is None or not self._differs(before, after, happened):
             return None
         return before
+
+    def last_clear(self) -> float | None:
+        """Return the last time before the change point at which a motion ends; None if it came to none."""
+        start, end = self.dense.breaks[[0, -1]].tolist()
+        for at in self.times():
+            if self._beside(at, end) is None:
+                return self._beside(at, start)
+        return None
 
     def _differs(self, near: float, far: float, happened: list[float]) -> bool:
         """Return whether velocities at one time are not those to which they lead from beyond another one."""

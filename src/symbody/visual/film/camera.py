@@ -119,7 +119,7 @@ def _axes_of(scene: Scene, view: Any, up: Floats | None) -> Floats:
 
 
 def _home_axes(up: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return what is to the right, ahead and above for one who stands in front of the mechanism."""
+    """Return the directions right, ahead and up of a viewer in front of the mechanism."""
     x, y = np.eye(3)[:2]
     side = x if abs(up @ x) < 0.9 else y
     right = unit(side - (side @ up) * up)

@@ -13,7 +13,7 @@ from typing import Final
 from symbody.errors import EnvironmentFault, Problem
 from symbody.visual.film.drawing import Bytes
 
-# yuv420p is what every player knows; it needs even sizes.
+# yuv420p plays everywhere; it needs even sizes.
 _SHARED: Final = ("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p")
 _CODECS: Final = {
     ".mp4": ("-c:v", "libx264", "-crf", "18", "-preset", "medium", "-movflags", "+faststart"),

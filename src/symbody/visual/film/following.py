@@ -26,7 +26,7 @@ def centre_of(scene: Scene, pose: BodyPlaces) -> Floats:
 
 
 def carried_extent(stage: Stage, poses: Sequence[BodyPlaces]) -> tuple[Floats, Floats | None]:
-    """Return points (N, 3) between which a mechanism lies for one who goes along with it.
+    """Return points (N, 3) around the mechanism, relative to the point that the camera follows.
 
     Returns
     -------

@@ -35,7 +35,7 @@ class ItemBuffer:
 
 
 def rasterize(points: Floats, triangles: Ints, shape: tuple[int, int]) -> ItemBuffer:
-    """Return what is seen of triangles, of equally deep ones the first.
+    """Return the visible parts of triangles, of equally deep ones the first.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ import numpy as np
 
 from symbody.visual.film.facets import Floats
 
-# Soft relatives of the palette of Okabe and Ito: told apart by readers with any colour vision, and in print.
+# Soft relatives of the palette of Okabe and Ito: distinct to readers with any colour vision, and in print.
 BODIES: Final = ("#4f8fc4", "#e08a3c", "#4da887", "#c987ad", "#d8b13a", "#79b8dd", "#8f7fc0", "#b9705c")
 GROUND: Final = "#a9b0b8"
 CONNECTORS: Final[Mapping[str, str]] = {

@@ -70,7 +70,7 @@ def draw_scene(
     samples : int or sequence of int
         Which samples of the motion: of several the last is solid.
     look : Look, optional
-        View, size and whatever else is shown. The size says how large letters are beside the mechanism.
+        View, size and whatever else is shown. The size sets how large letters are beside the mechanism.
     """
     chosen = [samples] if isinstance(samples, int) else list(samples)
     draw_on_axes(ax, vector_drawing(scene, motion, chosen, Look() if look is None else look))

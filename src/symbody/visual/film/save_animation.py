@@ -173,7 +173,7 @@ def _pixels(size: tuple[int, int]) -> tuple[int, int]:
 def _check(run: Trajectory, fps: float, speed: float, ghosts: float) -> None:
     if not isinstance(run, Trajectory):
         raise UsageError(
-            Problem("film.not_a_motion", "run", f"{run!r} is no motion",
+            Problem("film.not_a_motion", "run", f"{run!r} is not a motion",
                     fix="give what simulate returns; of a sweep, one case: sweep.trajectory(3)")
         )  # fmt: skip
     if run.t.size == 0:

@@ -112,7 +112,7 @@ def make_stage(scene: Scene, motion: SceneMotion) -> Stage:
 
 
 def stage_at(stage: Stage, pose: BodyPlaces) -> Instant:
-    """Return what moves at one time, connectors drawn anew."""
+    """Return the moving parts at one time, connectors drawn anew."""
     solids, lines = _connectors(stage, pose)
     moving = join_facets([stage.moving.to_ground(pose.rotations, pose.positions), *solids])
     panes = [

@@ -169,7 +169,7 @@ def make_studio(
     tone_width: float = 0.0,
     track: SceneMotion | None = None,
 ) -> Studio:
-    """Return what makes pictures of a motion.
+    """Return the studio that makes pictures of a motion.
 
     Parameters
     ----------
@@ -213,7 +213,7 @@ def _points(look: Look) -> tuple[float, float]:
 
 
 def _decimals(times: Floats) -> int:
-    """Return how many decimals tell times apart: two at least."""
+    """Return the number of decimals that distinguishes times: two at least."""
     steps = np.diff(np.unique(times))
     return 2 if not len(steps) or steps.min() >= 0.01 else min(6, int(np.ceil(-np.log10(steps.min()))))
 

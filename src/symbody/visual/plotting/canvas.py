@@ -26,7 +26,7 @@ _ROWS_SMALL: Final = 23 / SIZE[1]
 _LETTERS: Final = 10.5  # of a label, in an inch
 _PANELS: Final = "symbody panels"  # the label, which is not drawn, of a figure whose axes are named by units
 
-# The palette of Okabe and Ito, told apart by readers with any colour vision; yellow is too pale for lines.
+# The palette of Okabe and Ito, distinct to readers with any colour vision; yellow is too pale for lines.
 COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 DASHES: Final = ("-", "--", ":", "-.")
 

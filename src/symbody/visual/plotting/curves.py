@@ -116,10 +116,10 @@ def path_of(run: Trajectory, expressions: Sequence[str]) -> Path:
     """
     curves = [curve for expression in expressions for curve in curves_of(run, expression)]
     if not 2 <= len(curves) <= 3:
-        told = ", ".join(curve.name for curve in curves)
+        names = ", ".join(curve.name for curve in curves)
         raise UsageError(
             Problem("plot.path", repr(tuple(expressions)), f"a path has 2 or 3 components, not {len(curves)}",
-                    f"they are {told}", "name two or three numbers, or one vector: ('frame r P',)")
+                    f"they are {names}", "name two or three numbers, or one vector: ('frame r P',)")
         )  # fmt: skip
     stem = _common_stem([curve.name for curve in curves])
     name = stem or ", ".join(curve.name for curve in curves)
@@ -151,7 +151,7 @@ def named(drawn: list[Drawn], labels: Sequence[str] | None) -> list[Drawn]:
 
 
 def shared_quantity(labels: Sequence[str]) -> str:
-    """Return what all labels measure, such as "angle [rad]", or nothing if that differs or is unknown."""
+    """Return the quantity of all labels, such as "angle [rad]", or nothing if they differ."""
     units = {at_end[1] if (at_end := UNIT.search(label)) else "" for label in labels}
     unit = units.pop() if len(units) == 1 else ""
     return with_unit(QUANTITIES.get(typed_unit(unit), ""), unit)
@@ -180,7 +180,7 @@ def _short(name: str) -> str:
 
 
 def _unit(run: Trajectory, expression: str, name: str) -> str:
-    """Return the unit of a component, or nothing if its name does not tell."""
+    """Return the unit of a component, or nothing if its name does not determine it."""
     unit = Units(run.units).get(expression)
     if unit is not None:
         return unit

@@ -46,10 +46,10 @@ def plot(
     Parameters
     ----------
     *expressions : str or tuple of str
-        Whatever ``run[...]`` knows, ``"0.5*m*x_dot^2"`` and ``"sqrt('reaction A Fx'^2 + 'reaction A Fy'^2)"``
-        too; all coordinates if none is given. A vector makes three curves. A tuple makes a path of its two or
-        three components, in the plane or in space: ``("X", "Y")``, or ``("frame r P",)`` for the way of a
-        frame. Curves and paths do not mix.
+        Any name or formula of ``run[...]``, such as ``"0.5*m*x_dot^2"`` and
+        ``"sqrt('reaction A Fx'^2 + 'reaction A Fy'^2)"``; all coordinates if none is given.
+        A vector makes three curves. A tuple makes a path of its two or three components, in the plane or in
+        space: ``("X", "Y")``, or ``("frame r P",)`` for the way of a frame. Curves and paths do not mix.
     ax : Axes, optional
         Where to draw, for instance from ``matplotlib.pyplot.subplots()`` to see a window. By default a new
         figure that belongs to no window: ``ax.figure``, or `save_plot`. What is given takes all curves,
@@ -62,7 +62,7 @@ def plot(
         Whether a unit is equally long on all axes; by default it is for paths of lengths.
     panels : bool
         Whether each unit has a panel of its own, in the order in which they come, below each other over one
-        horizontal axis; outputs whose unit nobody knows share one too. The uppermost axes are returned,
+        horizontal axis; outputs of unknown unit share one too. The uppermost axes are returned,
         ``ax.figure.axes`` are all. By default all curves share a pair of axes.
     events : bool
         Whether the events of the motion are marked by thin lines with their names, over time.
@@ -74,7 +74,7 @@ def plot(
     """
     if not isinstance(run, Trajectory):
         fix = "give what simulate returns; of a sweep, one case: sweep.trajectory(3)"
-        raise UsageError(Problem("plot.not_a_motion", "run", f"{run!r} is no motion", fix=fix))
+        raise UsageError(Problem("plot.not_a_motion", "run", f"{run!r} is not a motion", fix=fix))
     chosen = expressions or run.coordinate_names
     curves = [item for item in chosen if isinstance(item, str)]
     if len(curves) == len(chosen):
@@ -162,7 +162,7 @@ def save_plot(ax: Axes, path: str | PathLike[str]) -> None:
     Raises
     ------
     UsageError
-        A suffix that is no picture format.
+        A suffix that is not a picture format.
     EnvironmentFault
         If the file cannot be written.
     """
@@ -170,7 +170,7 @@ def save_plot(ax: Axes, path: str | PathLike[str]) -> None:
     suffix = pathlib.Path(path).suffix.lstrip(".").lower()
     known = canvas.get_supported_filetypes()
     if suffix not in known:
-        what = f"{suffix!r} is no picture format" if suffix else "the name has no suffix"
+        what = f"{suffix!r} is not a picture format" if suffix else "the name has no suffix"
         fix = f"end the name with one of {', '.join(sorted(known))}"
         raise UsageError(Problem("plot.format", str(path), what, fix=fix))
     try:

@@ -205,7 +205,7 @@ def _placed_bodies(
 
 
 def _links(model: Model, freedoms: Mapping[str, JointFreedoms]) -> tuple[Link, ...]:
-    """Return what connects two frames, except the joints of bodies that move freely."""
+    """Return the elements that connect two frames, except the joints of bodies that move freely."""
     kinds = (Joint, Contact, SpringDamper, TorsionSpring, Bushing)
     return tuple(
         element

@@ -31,7 +31,7 @@ _LARGEST, _SMALLEST = 0.17, 0.07
 _WIDEST, _WIDE = 0.7, 0.35
 # Massless bodies are this much thinner.
 _THIN: Final = 0.6
-# A body reaches to so many frames that nothing is connected to; more are no shape.
+# A body reaches to so many frames that nothing is connected to; more are not a shape.
 _MOST_LOOSE: Final = 2
 # Points off a line, or off a plane, by this share of the extent are on it.
 _OFF: Final = 0.03
@@ -84,7 +84,7 @@ def inertia_box(basis: SceneBasis, body: Body) -> tuple[tuple[float, float, floa
 
 
 def _compact(basis: SceneBasis, body: Body, mass: float) -> FixedShape:
-    """Return what stands for a body without extent: a block if it slides, else a solid of its inertia."""
+    """Return the shape of a body without extent: a block if it slides, else a solid of its inertia."""
     edges, _ = inertia_box(basis, body)
     slides = _slide_axes(basis, body)
     if slides is not None or sum(edge > 0.0 for edge in edges) < 2:

@@ -157,7 +157,7 @@ def bushing_shapes(basis: SceneBasis, element: Bushing) -> list[FixedShape]:
 
 
 def _kinds(stiffness: Formula, damping: Formula, applied: Formula, law: Law) -> list[ConnectorKind]:
-    """Return what a law is drawn as; a law of its own is a spring if nothing else is there."""
+    """Return the kind of connector that draws a law; a formula is a spring if nothing else is there."""
     kinds: list[ConnectorKind] = []
     if stiffness.constant() != 0:
         kinds.append("spring")

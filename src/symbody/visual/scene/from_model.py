@@ -83,7 +83,7 @@ def make_scene(
     Raises
     ------
     ModelError
-        If names are no parameters, values no formulas, or formulas depend on each other in a circle.
+        If names are not parameters, values not formulas, or formulas depend on each other in a circle.
     """
     numbers = model_numbers(model, parameters)
     courses = {name: np.asarray(values, dtype=np.float64) for name, values in motion.items()}
@@ -110,7 +110,7 @@ def make_scene(
 
 
 def _notes(numbers: ModelNumbers) -> tuple[str, ...]:
-    """Return what was assumed of parameters."""
+    """Return the notes on assumed parameters."""
     if not numbers.assumed:
         return ()
     verb = "has" if len(numbers.assumed) == 1 else "have"
@@ -189,11 +189,11 @@ def _bodies(basis: SceneBasis, solids: Mapping[str, list[Solid]]) -> tuple[Scene
 
 
 def _type_of(joint: Joint) -> str:
-    """Return what a joint is called in a model file."""
+    """Return the type of a joint in a model file."""
     return "".join(f"_{c.lower()}" if c.isupper() else c for c in type(joint).__name__).lstrip("_")
 
 
-# What elements that are no joints are drawn as.
+# Shapes of elements other than joints.
 _SHAPES: Final[Mapping[type, Callable[..., list[FixedShape]]]] = MappingProxyType(
     {
         Bushing: bushing_shapes,

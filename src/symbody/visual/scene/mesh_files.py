@@ -24,7 +24,7 @@ def read_mesh(path: Path) -> SceneMesh:
     Raises
     ------
     FormatError
-        If there is no such file, or it is no mesh of a format that is read.
+        If there is no such file, or it is not a mesh of a format that is read.
     EnvironmentFault
         If the packages that read it are not installed.
     """
@@ -32,7 +32,7 @@ def read_mesh(path: Path) -> SceneMesh:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise FormatError(
-            Problem("scene.mesh_format", where, f"{suffix or 'no suffix'} is no format of meshes", "",
+            Problem("scene.mesh_format", where, f"{suffix or 'no suffix'} is not a format of meshes", "",
                     "convert the file to stl, obj, glb, gltf or dae")
         )  # fmt: skip
     _check_file(path, where)

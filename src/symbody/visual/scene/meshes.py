@@ -82,7 +82,7 @@ def prism(outline: Floats, thickness: float) -> SceneMesh:
 
 
 def cone_prism(outline: Floats, height: float, share: float) -> SceneMesh:
-    """Return what is between an outline (N, 2) in the plane z = 0 and a tip above, or below, up to a share.
+    """Return the solid between an outline (N, 2) in the plane z = 0 and a tip, truncated at a share.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def cone_prism(outline: Floats, height: float, share: float) -> SceneMesh:
 
 
 def hollow_prism(inner: Floats, outer: Floats, thickness: float) -> SceneMesh:
-    """Return what is between two outlines (N, 2) of as many points in the plane z = 0."""
+    """Return the plate between two outlines (N, 2) of equally many points in the plane z = 0."""
     count = len(inner)
     half = 0.5 * thickness
     levels = [np.column_stack([each, np.full(count, z)]) for z in (-half, half) for each in (inner, outer)]

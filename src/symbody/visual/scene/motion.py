@@ -147,7 +147,7 @@ class _Source:
 
 
 def _interpolate(run: Trajectory, name: str, times: Floats) -> Floats:
-    """Return what is stored and nowhere else, along lines between its samples."""
+    """Return the stored values, interpolated linearly between samples."""
     values = run.stored[name].reshape(-1, run.t.size)
     order = np.argsort(run.t, kind="stable")
     rows = np.array([np.interp(times, run.t[order], row[order]) for row in values])
@@ -176,7 +176,7 @@ def _inside(run: Trajectory, every: Floats, span: tuple[float, float] | None) ->
     first, last = span
     if not every[0] <= first < last <= every[-1]:
         raise _times(
-            f"{first:g} to {last:g} s is no part of the motion",
+            f"{first:g} to {last:g} s is not part of the motion",
             f"it runs from {every[0]:g} to {every[-1]:g} s",
         )
     between = every[(every >= first) & (every <= last)]
@@ -191,7 +191,7 @@ def _chosen_times(run: Trajectory, times: ArrayLike) -> Floats:
     except (TypeError, ValueError):
         chosen = np.empty(0)
     if chosen.size == 0 or not np.isfinite(chosen).all():
-        raise _times(f"{times!r} are no times", "give times [s], as by numpy.linspace(0, 2, 50)")
+        raise _times(f"{times!r} are not times", "give times [s], as by numpy.linspace(0, 2, 50)")
     if run.dense_output is None and not np.isin(chosen, run.t).all():
         raise _times("the motion between the samples was not kept", "name times among run.t")
     return chosen

@@ -97,8 +97,8 @@ def model_numbers(model: Model, parameters: Mapping[str, Value]) -> ModelNumbers
     Raises
     ------
     ModelError
-        With all names that are no parameters and values that are no formulas, or formulas that depend on each
-        other in a circle.
+        With all names that are not parameters, values that are not formulas, and formulas that depend on
+        each other in a circle.
     """
     door = Door("parameters")
     changed: dict[str, Formula | None] = dict(model.parameters)

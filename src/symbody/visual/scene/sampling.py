@@ -20,7 +20,7 @@ CURVE_SHARE: Final = 1 / 300  # of a curve's range: about a pixel of its height
 _HALVING: Final = 1.0
 _LEAVING_OUT: Final = 0.7
 
-_ROUNDING: Final = 1e-12  # what a curve varies by less is no motion
+_ROUNDING: Final = 1e-12  # smaller variations of a curve are rounding
 _ROUNDS: Final = 14  # halvings of an interval: a jump is not followed any further
 _FEWEST: Final = 16  # intervals at the start
 
@@ -64,22 +64,22 @@ def sample(compute: Callable[[Floats], Sampled], starts: Floats, size: float, mo
         Samples at most; where they do not suffice, the largest errors are reduced first.
     """
     samples = compute(_starts(starts, most))
-    rest = np.arange(samples.times.size - 1)  # intervals whose midpoint has not been computed
+    intervals = np.arange(samples.times.size - 1)  # intervals whose midpoint has not been computed
     for k in range(_ROUNDS):
-        rest = rest[: max(2 * most - samples.times.size, 0)]
-        middles = (samples.times[rest] + samples.times[rest + 1]) / 2.0
-        inside = (middles > samples.times[rest]) & (middles < samples.times[rest + 1])
-        rest, middles = rest[inside], middles[inside]
-        if rest.size == 0:
+        intervals = intervals[: max(2 * most - samples.times.size, 0)]
+        middles = (samples.times[intervals] + samples.times[intervals + 1]) / 2.0
+        inside = (middles > samples.times[intervals]) & (middles < samples.times[intervals + 1])
+        intervals, middles = intervals[inside], middles[inside]
+        if intervals.size == 0:
             break
         between = compute(middles)
-        errors = _errors(samples, rest, rest + 1, between, size)
+        errors = _errors(samples, intervals, intervals + 1, between, size)
         # Steps of high order may take half a turn, of which a midpoint alone shows nothing.
         is_large = (errors > _HALVING) | (k == 0 and 4 * samples.times.size < most)
         worst = middles[is_large][np.argsort(-errors[is_large], kind="stable")]
         samples = samples.merge(between)
         places = np.searchsorted(samples.times, worst)
-        rest = np.stack([places - 1, places], axis=1).ravel()
+        intervals = np.stack([places - 1, places], axis=1).ravel()
     return thin(samples, size, most)
 
 

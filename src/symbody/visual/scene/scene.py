@@ -172,7 +172,7 @@ class Scene:
     connectors, joints, meshes
         What else there is; solids refer to meshes by their place.
     notes : tuple of str
-        What was assumed, and what could not be drawn as the model says.
+        Assumptions, and elements that could not be drawn as the model describes them.
     """
 
     name: str

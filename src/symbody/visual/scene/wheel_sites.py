@@ -38,7 +38,7 @@ class WheelSite:
 def wheel_sites(
     basis: SceneBasis, coordinates: Sequence[str], values: Sequence[float]
 ) -> tuple[WheelSite, WheelSite] | None:
-    """Return what two coordinates move, seen from a body that both have in common, where they have values."""
+    """Return the wheels that two coordinates move, seen from their common body, where they have values."""
     joints = [_joint_of(basis, name) for name in coordinates[:2]]
     if joints[0] is None or joints[1] is None:
         return None
@@ -61,7 +61,7 @@ def wheel_sites(
 def _site(
     basis: SceneBasis, joint: Joint, case: str, value: float, home: RigidTransform, seen_from: str
 ) -> WheelSite:
-    """Return what a joint moves, seen from a body that stands so in another."""
+    """Return the wheel that a joint moves, seen from a body with a given pose."""
     freedoms = basis.freedoms[joint.name]
     step = joint_transform(joint, basis.numbers, dict.fromkeys(joint.coordinates, value))
     start, end = basis.frames[joint.start], basis.frames[joint.end]

@@ -1,0 +1,246 @@
+"""Kernels as trees: what the reader makes of a file and the writers print.
+
+Every expression has a type; conversions between them are nodes of their own, so a writer decides nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from enum import Enum
+
+
+class Type(Enum):
+    """The types of values: arrays hold reals."""
+
+    REAL = "float"
+    INTEGER = "int"
+    TRUTH = "bool"
+    ARRAY = "Reals"
+
+
+# Expressions
+
+
+@dataclass(frozen=True, slots=True)
+class Literal:
+    """A number; infinities and NaN are literals, too."""
+
+    value: float | int
+    type: Type
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A parameter or local variable."""
+
+    name: str
+    type: Type
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One real of an array."""
+
+    array: Expression
+    index: Expression
+    type: Type = Type.REAL
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """Some entries of an array, from an offset on."""
+
+    array: Expression
+    offset: Expression
+    size: Expression
+    type: Type = Type.ARRAY
+
+
+@dataclass(frozen=True, slots=True)
+class Apply:
+    """An operator or word of the language applied to operands.
+
+    `operator` is one of ``+ - * / < <= > >= == != and or not neg``, or a word: ``abs sqrt min max is_finite
+    exponent power_of_two half real integer``.
+    """
+
+    operator: str
+    operands: tuple[Expression, ...]
+    type: Type
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A call of another kernel."""
+
+    kernel: str
+    arguments: tuple[Expression, ...]
+    type: Type | None
+
+
+Expression = Literal | Variable | Entry | Part | Apply | Call
+
+# Statements
+
+
+@dataclass(frozen=True, slots=True)
+class Assign:
+    """A local variable becomes a value."""
+
+    name: str
+    value: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Store:
+    """An entry of an array becomes a value."""
+
+    array: Expression
+    index: Expression
+    value: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class Count:
+    """``for name in range(start, stop)``, or downwards from `start` to above `stop`."""
+
+    name: str
+    start: Expression
+    stop: Expression
+    is_downwards: bool
+    body: tuple[Statement, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Repeat:
+    """``while condition``."""
+
+    condition: Expression
+    body: tuple[Statement, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Choose:
+    """``if`` and ``else``."""
+
+    condition: Expression
+    body: tuple[Statement, ...]
+    otherwise: tuple[Statement, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Leave:
+    """``break``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Return:
+    """``return``, with a value unless the kernel has no result."""
+
+    value: Expression | None
+
+
+@dataclass(frozen=True, slots=True)
+class Perform:
+    """A call of a kernel for its effect on arrays."""
+
+    call: Call
+
+
+Statement = Assign | Store | Count | Repeat | Choose | Leave | Return | Perform
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One parameter; `is_changed` if the kernel, or one that it calls, stores into the array."""
+
+    name: str
+    type: Type
+    is_changed: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class KernelTree:
+    """One kernel.
+
+    Attributes
+    ----------
+    parameters : sequence of Parameter
+    result : Type or None
+        REAL, INTEGER or nothing.
+    variables : mapping of name to Type
+        Local variables in the order of their first assignment, counters of loops among them.
+    body : sequence of statements
+    summary : str
+        First line of the docstring.
+    """
+
+    name: str
+    parameters: Sequence[Parameter]
+    result: Type | None
+    variables: Mapping[str, Type]
+    body: tuple[Statement, ...]
+    summary: str
+
+
+# Contents
+
+
+def walk(node: object) -> Iterator[object]:
+    """Yield a node of a tree, or each of several, and all nodes below."""
+    if isinstance(node, tuple):
+        for item in node:
+            yield from walk(item)
+    elif is_dataclass(node):
+        yield node
+        for entry in fields(node):
+            yield from walk(getattr(node, entry.name))
+
+
+def variable_names(node: object) -> set[str]:
+    """Return the names of the variables that expressions read."""
+    return {part.name for part in walk(node) if isinstance(part, Variable)}
+
+
+def assigned_names(body: tuple[Statement, ...]) -> set[str]:
+    """Return the names of the variables that statements assign, counters among them."""
+    return {part.name for part in walk(body) if isinstance(part, Assign | Count)}
+
+
+def called_kernels(body: tuple[Statement, ...]) -> set[str]:
+    """Return the names of the kernels that statements call."""
+    return {part.kernel for part in walk(body) if isinstance(part, Call)}
+
+
+def changed_arrays(body: tuple[Statement, ...], kernels: Mapping[str, KernelTree]) -> set[str]:
+    """Return the names of the arrays into which statements store, by themselves or through calls."""
+    changed: set[str] = set()
+    parts = {part.name: part.value for part in walk(body) if isinstance(part, Assign)}
+    for part in walk(body):
+        if isinstance(part, Store):
+            changed |= variable_names(_whole_array(part.array))
+        elif isinstance(part, Call):
+            for argument, parameter in zip(part.arguments, kernels[part.kernel].parameters, strict=True):
+                if parameter.is_changed:
+                    changed |= variable_names(_whole_array(argument))
+    for name, value in reversed(parts.items()):  # a part of an array is that array
+        if name in changed and isinstance(value, Part):
+            changed |= variable_names(_whole_array(value))
+    return changed
+
+
+def _whole_array(array: Expression) -> Expression:
+    while isinstance(array, Part):
+        array = array.array
+    return array
+
+
+def always_returns(body: tuple[Statement, ...]) -> bool:
+    """Return whether statements end with a return on every way."""
+    if not body:
+        return False
+    last = body[-1]
+    if isinstance(last, Choose):
+        return always_returns(last.body) and always_returns(last.otherwise)
+    return isinstance(last, Return)

@@ -1,0 +1,238 @@
+"""Bodies are dragged in the picture: loops stay closed, one gesture is one step, and the view can still be turned."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from symbody.formats.model_files import examples_folder
+
+from .builder_page import BuilderPage, running_builder
+from .builder_visits import visits
+
+POSE = """(() => {
+  const { source, player } = symbodyPicture.shown;
+  const { bodies, joints } = player.viewer.scene;
+  const pose = { positions: new Float64Array(3 * bodies.length), quaternions: new Float64Array(4 * bodies.length) };
+  pose.quaternions[0] = 1; // the ground
+  source.poseAt(0, pose);
+  return { names: bodies.map(b => b.name), at: Array.from(pose.positions), turned: Array.from(pose.quaternions),
+           joints: joints.map(j => ({ type: j.type, start: j.start, end: j.end })) };
+})()"""
+
+
+@pytest.fixture(scope="module")
+def settings(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    with running_builder(tmp_path_factory.mktemp("builder")) as settings:
+        yield settings
+
+
+@pytest.fixture
+def visit(chromium: Any, settings: Any) -> Iterator[Any]:
+    with visits(chromium, settings) as visit:
+        yield visit
+
+
+def opened(visit: Any, name: str, **options: Any) -> BuilderPage:
+    builder: BuilderPage = visit(**options)
+    builder.open_example(name)
+    builder.wait("window.symbodyPicture && window.symbodyPicture.shown")
+    builder.page.wait_for_timeout(500)  # the camera has come to rest
+    return builder
+
+
+def points(builder: BuilderPage, body: str) -> dict[str, Any]:
+    """Return where bodies are seen in the page, by name, and how far joints that hold points are open [m]."""
+    pose = builder.page.evaluate(POSE)
+    at = np.array(pose["at"]).reshape(-1, 3)
+    turned = np.array(pose["turned"]).reshape(-1, 4)
+    axes = Rotation.from_quat(np.roll(turned, -1, axis=1)).as_matrix()
+
+    def place(anchor: Any) -> Any:
+        return at[anchor["body"]] + axes[anchor["body"]] @ np.array(anchor["at"])
+
+    gaps = [
+        float(np.linalg.norm(place(joint["start"]) - place(joint["end"])))
+        for joint in pose["joints"]
+        if joint["type"] in ("revolute", "spherical", "universal")
+    ]
+    centre = at[pose["names"].index(body)].tolist()
+    seen = builder.page.evaluate(f"symbodyPicture.shown.player.viewer.pagePlace({centre})")
+    return {"centre": centre, "seen": tuple(seen), "gaps": gaps}
+
+
+def hold(builder: BuilderPage, body: str) -> tuple[float, float]:
+    """Press on the middle of a body."""
+    x, y = points(builder, body)["seen"]
+    builder.page.mouse.move(x, y)
+    builder.page.mouse.down()
+    return float(x), float(y)
+
+
+def camera(builder: BuilderPage) -> Any:
+    return builder.page.evaluate("symbodyPicture.shown.player.viewer.rig.camera.position.toArray()")
+
+
+@pytest.mark.parametrize(("example", "body"), [("slider_crank", "Crank"), ("spatial_four_bar", "Crank")])
+def test_a_body_is_dragged_and_the_loop_follows(visit: Any, example: str, body: str) -> None:
+    builder = opened(visit, example)
+    page, before = builder.page, builder.state("check.values")
+    under_way, most, count = set(), 0, 0
+
+    def begin(request: Any) -> None:
+        nonlocal most, count
+        if request.url.endswith("/api/drag"):
+            under_way.add(request)
+            most, count = max(most, len(under_way)), count + 1
+
+    page.on("request", begin)
+    page.on("requestfinished", lambda request: under_way.discard(request))
+    first, view = points(builder, body), camera(builder)
+    x, y = hold(builder, body)
+    open_gaps = []
+    for step in range(1, 13):
+        page.mouse.move(x - 5 * step, y - 3 * step)
+        page.wait_for_timeout(30)
+        open_gaps += points(builder, body)["gaps"]
+    builder.wait("s.posed !== null && s.posed.moved")
+    page.wait_for_timeout(400)
+    last = points(builder, body)
+    assert len(last["gaps"]) >= 3 and max([*open_gaps, *last["gaps"]]) < 1e-8
+    assert np.linalg.norm(np.array(last["centre"]) - first["centre"]) > 0.02
+    assert camera(builder) == pytest.approx(view, abs=1e-9)
+    assert builder.steps() == 0 and builder.state("selection") == ["body/0"]
+    posed = builder.state("posed.values")
+    shown = page.get_by_test_id("positions").get_by_label(next(iter(before)), exact=True)
+    assert float(shown.input_value()) == pytest.approx(posed[next(iter(before))], abs=1e-6)
+    page.mouse.up()
+    builder.wait("s.data.initial.theta !== undefined && s.posed !== null && s.posed.of !== s.data")
+    builder.wait_checked()
+    assert builder.steps() == 1
+    assert builder.state("check.values") == pytest.approx(posed, abs=2e-5)
+    assert max(points(builder, body)["gaps"]) < 1e-6  # in single precision, as pictures are sent
+    assert (most, under_way) == (1, set()) and count >= 2
+    builder.keys("Control+z")
+    builder.wait_checked()
+    assert builder.state("check.values") == pytest.approx(before, abs=1e-9)
+
+
+def test_the_point_that_is_held_follows_the_pointer(visit: Any) -> None:
+    builder = opened(visit, "stewart_platform")
+    x, y = hold(builder, "Platform")
+    for step in range(1, 7):
+        builder.page.mouse.move(x + 4 * step, y - 2 * step)
+        builder.page.wait_for_timeout(60)
+    builder.wait("s.posed !== null && s.posed.moved")
+    builder.page.wait_for_timeout(900)
+    line = builder.page.get_by_test_id("thread").locator("line")
+    ends = [float(line.get_attribute(name) or "nan") for name in ("x1", "y1", "x2", "y2")]
+    assert np.hypot(ends[0] - ends[2], ends[1] - ends[3]) < 1.5
+    assert max(points(builder, "Platform")["gaps"]) < 1e-8
+    assert builder.state("pictureNote") == ""
+    builder.page.mouse.up()
+
+
+def test_escape_puts_the_mechanism_back(visit: Any) -> None:
+    builder = opened(visit, "slider_crank")
+    before, first = builder.state("data"), points(builder, "Crank")
+    x, y = hold(builder, "Crank")
+    builder.page.mouse.move(x - 40, y - 10, steps=6)
+    builder.wait("s.posed !== null && s.posed.moved")
+    builder.keys("Escape")
+    builder.page.wait_for_timeout(400)
+    assert points(builder, "Crank")["centre"] == pytest.approx(first["centre"], abs=1e-6)
+    builder.page.mouse.move(x - 60, y - 30, steps=3)
+    builder.page.mouse.up()
+    builder.page.wait_for_timeout(200)
+    assert (builder.steps(), builder.state("data"), builder.state("posed")) == (0, before, None)
+    assert builder.state("dragged") is None
+
+
+def test_the_view_turns_beside_the_bodies_and_with_alt(visit: Any) -> None:
+    builder = opened(visit, "spatial_four_bar")
+    page = builder.page
+    box = page.get_by_test_id("picture").bounding_box()
+    views = [camera(builder)]
+    page.mouse.move(box["x"] + 20, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 80, box["y"] + box["height"] / 2 + 10, steps=5)
+    page.mouse.up()
+    page.wait_for_timeout(600)
+    views.append(camera(builder))
+    page.keyboard.down("Alt")
+    x, y = hold(builder, "Rocker")
+    page.mouse.move(x + 30, y, steps=4)
+    page.mouse.up()
+    page.keyboard.up("Alt")
+    page.wait_for_timeout(600)
+    views.append(camera(builder))
+    assert all(np.linalg.norm(np.subtract(a, b)) > 0.05 for a, b in zip(views, views[1:], strict=False))
+    assert (builder.steps(), builder.state("posed")) == (0, None)
+    # what the user chose stays when the start changes
+    x, y = hold(builder, "Crank")
+    page.mouse.move(x + 15, y + 10, steps=4)
+    builder.wait("s.posed !== null && s.posed.moved")
+    page.mouse.up()
+    builder.wait("s.posed !== null && s.posed.of !== s.data")
+    builder.wait_checked()
+    page.wait_for_timeout(600)
+    assert camera(builder) == pytest.approx(views[-1], abs=0.02)  # damping was still going on
+
+
+def test_a_click_selects_and_changes_nothing(visit: Any) -> None:
+    builder = opened(visit, "slider_crank")
+    hold(builder, "Piston")
+    builder.page.mouse.up()
+    assert builder.state("selection") == ["body/2"]
+    assert (builder.steps(), builder.state("posed")) == (0, None)
+
+
+def test_what_cannot_be_assembled_stays_at_the_last_pose_and_says_so(visit: Any) -> None:
+    builder = opened(visit, "slider_crank", expected=("422",))
+    page = builder.page
+    x, y = hold(builder, "Crank")
+    page.mouse.move(x - 30, y - 10, steps=4)
+    builder.wait("s.posed !== null && s.posed.moved")
+    page.wait_for_timeout(300)
+    good = points(builder, "Crank")["centre"]
+    refusal = {"problems": [{"severity": "error", "pointer": "", "element": "", "code": "assembly.open",
+               "what": "joint B stays open by 0.1 m", "why": "", "fix": "drag another way", "line": None, "repair": None}]}  # fmt: skip
+    page.route("**/api/drag", lambda route: route.fulfill(status=422, json=refusal))
+    page.mouse.move(x - 60, y - 40, steps=4)
+    builder.wait("s.posed.problem !== ''")
+    assert points(builder, "Crank")["centre"] == pytest.approx(good, abs=1e-12)
+    assert (
+        page.get_by_test_id("picture-note").inner_text() == "Joint B stays open by 0.1 m; drag another way."
+    )
+    page.mouse.up()
+    builder.wait("s.data !== s.saved")
+    assert builder.steps() == 1
+    page.unroute("**/api/drag")
+
+
+def test_a_body_whose_motion_is_prescribed_says_why_it_stays(visit: Any, settings: Any) -> None:
+    text = (examples_folder() / "slider_crank" / "slider_crank.toml").read_text(encoding="utf-8")
+    path = settings.roots[0] / "driven.toml"
+    driven = text.partition("[initial]")[0].replace(
+        'coordinate = "theta"', 'coordinate = "theta"\nmotion = "pi/6"'
+    )
+    path.write_text(driven, encoding="utf-8")
+    builder = visit(expected=("422",))
+    page = builder.page
+    page.evaluate(f"location.hash = 'open={path}'")
+    page.reload()
+    page.get_by_test_id("node-Crank").wait_for()
+    builder.wait_checked()
+    builder.wait("window.symbodyPicture && window.symbodyPicture.shown")
+    page.wait_for_timeout(500)
+    x, y = hold(builder, "Piston")
+    page.mouse.move(x - 30, y - 10, steps=4)
+    builder.wait("s.pictureNote !== ''")
+    assert page.get_by_test_id("picture-note").inner_text().startswith("Nothing moves this point of Piston")
+    page.mouse.up()
+    page.wait_for_timeout(300)
+    assert (builder.steps(), builder.state("data") == builder.state("saved")) == (0, True)
