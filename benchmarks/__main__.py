@@ -22,6 +22,7 @@ from benchmarks import (
     operations,
     pages,
     robots,
+    rooms,
     sweep,
     trajectories,
 )
@@ -43,6 +44,7 @@ BENCHMARKS: Final[Mapping[str, Callable[[Settings], Iterator[Table]]]] = Mapping
         "robots": robots.tables,
         "sweep": sweep.tables,
         "pages": pages.tables,
+        "rooms": rooms.tables,
     }
 )
 

@@ -16,6 +16,7 @@ CODE = re.compile(r"[a-z]+\.[a-z][a-z0-9_]*")
 CALLS = {
     "Problem",
     "refuse",
+    "add",
     "problem",
     "fault",
     "fail",

@@ -13,7 +13,7 @@ import pytest
 import sympy
 from rich.console import Console
 
-from benchmarks import derivation, evaluation, expressions, motion, nodes, trajectories
+from benchmarks import derivation, evaluation, expressions, motion, nodes, rooms, trajectories
 from benchmarks.__main__ import BENCHMARKS, main
 from benchmarks.engines import moving
 from benchmarks.engines.algebra import Floats, Scalar
@@ -276,6 +276,16 @@ def test_command_names_the_benchmarks_there_are(capsys: pytest.CaptureFixture[st
     for wrong in (["--rounds", "0"], ["--limit", "0"]):
         with pytest.raises(SystemExit):
             main(wrong)
+
+
+def test_rooms_table_counts_files_and_functions() -> None:
+    (table,) = rooms.tables(ONCE)
+    assert table.columns == ("", "Model", "form_equations", "mass_matrix", "compile", "simulate")
+    (_, *functions), (_, *files), *counts = table.rows
+    assert all(0 < int(few) <= int(many) for few, many in zip(files, functions, strict=True))
+    for k, total in enumerate(files, 1):
+        assert sum(int(row[k] or 0) for row in counts) == int(total)
+    assert not any("benchmarks" in row[0] for row in counts)
 
 
 def test_evaluation_table_compares_lanes_with_points_one_by_one() -> None:

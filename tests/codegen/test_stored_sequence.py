@@ -88,7 +88,7 @@ def test_small_ones_and_those_without_a_key_are_not_kept(place: Path) -> None:
 def test_the_second_time_nothing_is_formed(monkeypatch: pytest.MonkeyPatch) -> None:
     eqs = sb.form_equations(chain())
     first = sb.compile(eqs, ["udot", "kinetic_energy"], {"m": 2.0}, free=["l"])
-    monkeypatch.setattr(forming, "form", refused)
+    monkeypatch.setattr(forming, "derive", refused)
     again = sb.form_equations(chain())
     second = sb.compile(again, ["udot", "kinetic_energy"], {"m": 2.0}, free=["l"])
     assert second.sequence == first.sequence and second.signature == first.signature
@@ -190,7 +190,7 @@ def test_folders_open_to_others_are_not_read(place: Path, monkeypatch: pytest.Mo
         pytest.skip("folders have no such modes there")
     sb.compile(sb.form_equations(chain()), "udot")
     place.chmod(0o777)
-    monkeypatch.setattr(forming, "form", refused)
+    monkeypatch.setattr(forming, "derive", refused)
     with pytest.raises(AssertionError, match="were formed"):
         sb.form_equations(chain())
 
@@ -210,7 +210,7 @@ def test_the_next_process_forms_nothing() -> None:
         "import sys, symbody as sb\n"
         "from symbody.equations import form as forming\n"
         "from tests.codegen.test_stored_sequence import chain, refused, values\n"
-        "forming.form = refused\n"
+        "forming.derive = refused\n"
         "print(values(sb.compile(sb.form_equations(chain()), 'udot')))\n"
     )
     command = [sys.executable, "-c", program]
@@ -231,5 +231,5 @@ def test_kernels_and_loops_are_read_too(monkeypatch: pytest.MonkeyPatch) -> None
 
     first = made()
     assert first.kernels
-    monkeypatch.setattr(forming, "form", refused)
+    monkeypatch.setattr(forming, "derive", refused)
     assert made() == first

@@ -10,9 +10,9 @@ import pytest
 import symbody as sb
 from symbody.analysis.derivatives import with_outputs
 from symbody.codegen.compile import form_sequence
+from symbody.equations.formulations.recursive import RecursiveDynamics
 from symbody.equations.recursive.chains import TOGETHER, chains
-from symbody.equations.recursive.recursion import Recursion
-from symbody.equations.solving.columns import FEWEST_SPEEDS
+from symbody.equations.recursive.udot_derivatives import FEWEST_SPEEDS
 from symbody.equations.solving.slopes import acceleration_slopes
 from symbody.expr import opcodes as op
 from symbody.expr.program import written_out
@@ -196,9 +196,9 @@ def test_what_is_no_tree_of_single_joints_goes_one_by_one() -> None:
 def test_small_branches_go_together() -> None:
     eqs = sb.form_equations(random_tree(13, 24, floating=True, long=0.2), sb.Recursive())
     formed = eqs.formed
-    assert isinstance(formed.projection, Recursion)
+    assert isinstance(formed.dynamics, RecursiveDynamics)
     rates = {q.index: formed.variables.rates[q.index] for q in formed.expressions(formed.q)}
-    found = chains(formed.graph, formed.projection.light, rates)
+    found = chains(formed.graph, formed.dynamics.recursion.light, rates)
     assert found is not None and found.base
     assert sorted(found.links) == list(range(1, 24))
     for segment in found.segments:

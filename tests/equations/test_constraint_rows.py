@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.projection import velocity_residual
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr
@@ -60,7 +60,7 @@ def test_rates_and_gammas_are_derivatives(condition: Condition) -> None:
     assert np.abs(first).max() > 1e-2
 
 
-def evaluated(formed: Formed, pairs: list[tuple[Expr, Expr]]) -> tuple[np.ndarray, np.ndarray]:
+def evaluated(formed: EquationsOfMotion, pairs: list[tuple[Expr, Expr]]) -> tuple[np.ndarray, np.ndarray]:
     """Return both sides of pairs at a random state."""
     graph = formed.graph
     symbols = [symbol for symbol in graph.symbols if symbol.kind is not Kind.TIME]

@@ -11,7 +11,7 @@ import pytest
 import symbody as sb
 from symbody.analysis.derivatives import with_outputs
 from symbody.codegen.compile import form_sequence
-from symbody.equations.recursive.recursion import Recursion
+from symbody.equations.formulations.recursive import RecursiveDynamics
 from symbody.equations.solving.slopes import acceleration_slopes, inverse_dynamics
 from symbody.expr.folding import fold_constants
 from symbody.expr.rewrite import substitute
@@ -145,8 +145,8 @@ def test_forming_is_linear_in_the_length_of_a_chain() -> None:
     for links in (40, 80):
         eqs = sb.form_equations(chain(links))
         eqs.roots("udot")
-        recursion = eqs.formed.projection
-        assert isinstance(recursion, Recursion) and recursion.chosen == "articulated"
+        dynamics = eqs.formed.dynamics
+        assert isinstance(dynamics, RecursiveDynamics) and dynamics.recursion.chosen == "articulated"
         sizes.append(len(eqs.formed.graph))
     assert sizes[1] < 2.1 * sizes[0]
     # The ratio of two fillings of the graph; a mass matrix alone would make it 4.
@@ -226,5 +226,5 @@ def test_inverse_dynamics_is_what_the_equations_lack() -> None:
 def test_different_trees_are_left_to_virtual_work() -> None:
     trees = sb.Trees(rotation=["J0", "J1"], translation=["J0"])
     eqs = sb.form_equations(chain(2), sb.Recursive(), tree=trees)
-    assert not isinstance(eqs.formed.projection, Recursion)
+    assert eqs.formed.formulation == sb.VirtualWork()
     assert any("virtual work takes the place of recursion" in note for note in eqs.notes)

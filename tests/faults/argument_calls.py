@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import symbody as sb
+from symbody.model.model import KINDS
+from symbody.model.registry import element_types, shape_types
 
 ROOT = Path(__file__).parents[2]
 
@@ -22,14 +24,13 @@ ELEMENT: dict[str, Any] = {
     "translation": (), "pitch": 1, "step": 0.1, "expression": "x", "t": [0, 1], "values": [0, 1],
     "law": "uniform", "first": 0, "second": 1, "size": (1, 1, 1), "length": 1, "path": "part.stl",
 }  # fmt: skip
+ELEMENTS = [each.__name__ for kind in KINDS for each in element_types(kind).values()]
 CONSTRUCTORS = (
-    "Angle Baumgarte Bearing Belt Body Box Bushing Capsule Cartesian Cone ConstantVelocity Constraint Curve "
-    "Cylinder Cylindrical Mesh Sphere "
-    "Differential Distance Drive Event Explicit FixedStep Force Frame Free Friction Gear Gimbal KnifeEdge "
-    "Model Parallel Partition Perpendicular PinSlot Planar PointOnCurve PointOnLine PointOnPlane "
-    "PointOnSurface Prismatic Projection RackPinion Rectangular Recursive Revolute Rolling Samples Screw "
-    "Spherical SpringDamper Stiff Table Telescoping Torque TorsionSpring Trees Universal Weld"
-).split()
+    *ELEMENTS,
+    *(each.__name__ for each in shape_types().values()),
+    *"Baumgarte Curve Drive Event Explicit FixedStep Frame Friction Model Partition Projection Recursive".split(),
+    *"Samples Stiff Table Trees".split(),
+)
 # Classes that take nothing, are made by functions, or are faults; and functions whose words are variadic.
 NOT_CALLED = {
     "GGL", "Lagrange", "NewtonEuler", "VirtualWork", "CompiledFunction", "EquationSet", "Equilibrium",

@@ -6,9 +6,9 @@ import pytest
 
 from symbody.errors import SymbodyError
 from symbody.formats import model_from_toml, model_to_toml
-from symbody.formats.entries import CONSTRAINTS
 from symbody.formats.native import from_data, to_data
 from symbody.model.constraints import Angle, Gear, Rolling
+from symbody.model.registry import element_types
 
 HEAD = """
 name = "constrained"
@@ -69,15 +69,15 @@ def text(word: str, own: str) -> str:
 
 
 def test_every_type_is_here() -> None:
-    assert set(WORDS) == set(CONSTRAINTS)
+    assert set(WORDS) == set(element_types("constraint"))
 
 
-@pytest.mark.parametrize("word", CONSTRAINTS)
+@pytest.mark.parametrize("word", element_types("constraint"))
 def test_what_is_written_is_read_again(word: str) -> None:
     for own in WORDS[word]:
         model = model_from_toml(text(word, own))
         (condition,) = model.constraints
-        assert type(condition) is CONSTRAINTS[word]
+        assert type(condition) is element_types("constraint")[word]
         written = model_to_toml(model)
         assert model_from_toml(written) == model
         assert from_data(to_data(model)) == model

@@ -12,55 +12,45 @@ from pydantic import ValidationError
 
 from symbody import formats
 from symbody.errors import FormatError
-from symbody.formats import checking, schema, schema_joints
-from symbody.formats.entries import CONSTRAINTS, ELEMENTS, JOINTS
+from symbody.formats import checking, schema
 from symbody.formats.schema import ModelFile
-from symbody.model import Drive, Frame, Model
+from symbody.model import Model, elements
 from symbody.model.model import KINDS
+from symbody.model.registry import definition_name, element_types
 
 PUBLISHED = Path(formats.__file__).with_name("schema.json")
 
 
 def test_published_schema_is_current() -> None:
-    cure = (
-        "python -c 'from symbody.formats import schema; print(schema.schema_text(), end=\"\")' > schema.json"
-    )
-    assert PUBLISHED.read_text(encoding="utf-8") == schema.schema_text(), f"write it anew: {cure}"
+    assert PUBLISHED.read_text(encoding="utf-8") == schema.schema_text(), "run: python docs/list_elements.py"
     assert json.loads(schema.schema_text())["additionalProperties"] is False
 
 
-def words(entry: type) -> set[str]:
-    return set(entry.model_fields)
+def section_types() -> list[tuple[str, str]]:
+    return [(kind, word) for kind in KINDS for word in element_types(kind)]
 
 
-def arguments(make: object) -> set[str]:
-    names = set(inspect.signature(make).parameters)
-    kept = {"shape" if name == "shapes" else name for name in names - {"start", "end"}}
-    return kept | ({"between"} if "start" in names else set())
+@pytest.mark.parametrize(("kind", "word"), section_types())
+def test_keys_of_elements_are_their_arguments(kind: str, word: str) -> None:
+    names = set(inspect.signature(element_types(kind)[word]).parameters)
+    keys = {"shape" if name == "shapes" else name for name in names - {"start", "end"}}
+    keys |= ({"between"} if "start" in names else set()) | ({"type"} if word else set())
+    definition = schema.ModelFile.model_json_schema()["$defs"][definition_name(word or kind)]
+    assert set(definition["properties"]) == keys
 
 
-def class_word(word: str) -> str:
-    return word.title().replace("_", "")
+def test_every_element_is_listed_with_its_fields() -> None:
+    listed = {(each["section"], each["type"]): each for each in elements()}
+    assert list(listed) == section_types() and json.loads(json.dumps(elements())) == elements()
+    pitch = next(field for field in listed["joint", "screw"]["fields"] if field["name"] == "pitch")
+    assert pitch["required"] and pitch["unit"] == "m" and pitch["role"] == "quantity" and pitch["sentence"]
+    for each in listed.values():
+        assert all(field["sentence"] or field["unit"] for field in each["fields"]), each["type"]
 
 
-@pytest.mark.parametrize("kind", ELEMENTS)
-def test_keys_of_elements_are_their_arguments(kind: str) -> None:
-    assert words(getattr(schema, f"{class_word(kind)}Entry")) == arguments(ELEMENTS[kind])
-
-
-@pytest.mark.parametrize("word", JOINTS)
-def test_keys_of_joints_are_their_arguments(word: str) -> None:
-    assert words(getattr(schema_joints, f"{class_word(word)}Entry")) == arguments(JOINTS[word]) | {"type"}
-
-
-def test_keys_of_parts_and_of_the_model() -> None:
-    assert words(schema.FrameEntry) == arguments(Frame)
-    assert words(schema_joints.DriveEntry) == arguments(Drive)
-    kinds = set(KINDS) & words(ModelFile)
-    assert words(ModelFile) - kinds == (arguments(Model) - {"elements", "ground_shapes", "notes"}) | {
-        "layout",
-        "version",
-    }
+def test_keys_of_the_model() -> None:
+    keys = set(inspect.signature(Model).parameters) - {"elements", "ground_shapes", "notes"}
+    assert set(ModelFile.model_fields) - set(KINDS) == keys | {"layout", "version"}
 
 
 @pytest.mark.parametrize("value", ["m", "", 1, 1.5, Decimal("1.50"), -(10**30)])
@@ -93,7 +83,7 @@ def test_nothing_is_converted(data: object) -> None:
 
 
 def test_names_of_other_programs_lead_to_ours() -> None:
-    known = {*JOINTS, *CONSTRAINTS}
+    known = {*element_types("joint"), *element_types("constraint")}
     assert set(checking._OTHER_NAMES.values()) <= known and not known & set(checking._OTHER_NAMES)
     joint = {"name": "J", "type": "Hinge", "between": ["ground", "A"]}
     data = {"name": "m", "body": [{"name": "A", "mass": 1}], "joint": [joint]}

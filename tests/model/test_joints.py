@@ -143,9 +143,9 @@ def test_every_fault_of_a_joint_is_told() -> None:
         "names.mark",
         "model.not_a_place",
         "model.bad_address",
-        "model.bad_tree",
         "model.axis_letter",
         "names.reserved",
+        "model.bad_tree",
         "model.not_a_drive",
         "expression.missing_operand",
     ]

@@ -14,15 +14,18 @@ from symbody.analysis.scales import mechanism_scales
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.methods.change_point import _Passages, is_overconstrained
 from symbody.simulation.native.dense_output import DenseOutput
-from symbody.simulation.task import Task
+from symbody.simulation.simulation_problem import SimulationProblem
 from tests.faults.test_constraint_rows import parallelogram, shaft, slider_crank
 from tests.problems.mechanisms import model_of
 from tests.problems.test_bennett import GUESS, linkage
 
 
 def overconstrained(eqs: sb.EquationSet, fixed: dict[str, float], guess: dict[str, float]) -> bool:
-    task = Task(eqs, {}, input_laws(eqs.input_names, {}, (0.0, 1.0)), mechanism_scales(eqs, {}))
-    return is_overconstrained(task, assemble(eqs, fixed, guess), 0.0)
+    problem = SimulationProblem(
+        eqs, {}, input_laws(eqs.input_names, {}, (0.0, 1.0)), mechanism_scales(eqs, {})
+    )
+    first = assemble(eqs, fixed, guess)
+    return is_overconstrained(problem, 0.0, np.array([*first.u.values(), *first.q.values()]))
 
 
 def test_bennett_is_overconstrained() -> None:

@@ -15,16 +15,16 @@ from numba.core.caching import FunctionCache
 from symbody.simulation.native import cases as native_cases
 from symbody.simulation.native import interface as native_interface
 from symbody.simulation.native import loop as native_loop
-from symbody.simulation.native.lanes import cases as lane_cases
+from symbody.simulation.native.lanes import lane_cases
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_8
 from tests.simulation.right_hand_sides import nothing, oscillator, pendulum, rational, run
 
 COMPILED_IN = (
     "interface.py",
-    "places.py",
+    "layout.py",
     "projection.py",
     "stages.py",
-    "states.py",
+    "simd.py",
     "step_bounds.py",
     "vectors.py",
 )
@@ -84,6 +84,6 @@ def test_the_cache_is_renewed_with_every_file_compiled_into_the_loop() -> None:
     assert hashlib.sha256(texts.encode()).hexdigest()[:16] == native_loop.SOURCES
     texts += (folder / "loop.py").read_text(encoding="utf-8")
     assert hashlib.sha256(texts.encode()).hexdigest()[:16] == native_cases.SOURCES
-    more = ("cases.py", "lanes/arithmetic.py", "lanes/steps.py", "lanes/projection.py")
+    more = ("cases.py", "lanes/arithmetic.py", "lanes/lane_steps.py", "lanes/lane_projection.py")
     texts += "".join((folder / name).read_text(encoding="utf-8") for name in more)
     assert hashlib.sha256(texts.encode()).hexdigest()[:16] == lane_cases.SOURCES

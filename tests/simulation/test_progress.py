@@ -15,7 +15,7 @@ from numba.core import event
 
 from symbody.errors import UsageError
 from symbody.simulation.native import loop as native_loop
-from symbody.simulation.progress import COMPILING, StagedProgress, told
+from symbody.simulation.progress import COMPILING, StagedProgress, show_progress
 from symbody.simulation.simulate import simulate
 from symbody.simulation.sweeps.sweep import sweep
 from tests.simulation.loops import example
@@ -59,7 +59,7 @@ THEIRS = function_of("elsewhere")
 
 def test_the_compilation_of_the_loop_is_a_stage_from_its_begin_to_its_end() -> None:
     heard = Heard()
-    with told(heard, "motion") as listener:
+    with show_progress(heard, "motion") as listener:
         assert listener is heard
         compiling(THEIRS)
         assert heard.stages == []
@@ -71,7 +71,7 @@ def test_the_compilation_of_the_loop_is_a_stage_from_its_begin_to_its_end() -> N
 
 def test_numba_tells_of_what_it_compiles_alone() -> None:
     heard, compiled = Heard(), numba.njit(function_of("symbody.simulation.native.loop"))
-    with told(heard, "motion"):
+    with show_progress(heard, "motion"):
         assert compiled(2.0) == 4.0
         assert heard.stages == [COMPILING, ""]
         assert compiled(3.0) == 6.0
@@ -84,7 +84,7 @@ def test_a_bar_on_demand_and_nothing_else(capsys: pytest.CaptureFixture[str]) ->
     eqs = example("spring_mass_damper")
     for silent in (None, False):
         simulate(eqs, SECOND, progress=silent)
-        with told(silent, "motion") as listener:
+        with show_progress(silent, "motion") as listener:
             assert listener is None
             compiling(OURS)
     shown = capsys.readouterr()
@@ -96,11 +96,11 @@ def test_a_bar_on_demand_and_nothing_else(capsys: pytest.CaptureFixture[str]) ->
 
 
 def test_the_bar_says_that_the_loop_is_compiled(capsys: pytest.CaptureFixture[str]) -> None:
-    with told(True, "motion") as bar:
+    with show_progress(True, "motion") as bar:
         assert isinstance(bar, StagedProgress)
         bar.wait_for(COMPILING)
     assert COMPILING in capsys.readouterr().err
-    with told(True, "motion") as bar:
+    with show_progress(True, "motion") as bar:
         compiling(OURS)
     shown = capsys.readouterr().err
     assert (
@@ -112,7 +112,9 @@ def test_what_cannot_be_told_is_an_error() -> None:
     eqs = example("spring_mass_damper")
     wrong: Any = 3
     for call in (lambda: simulate(eqs, SECOND, progress=wrong), lambda: sweep(eqs, SECOND, progress=wrong)):
-        with pytest.raises(UsageError, match="progress = 3 can be told nothing\n.*give True for a bar"):
+        with pytest.raises(
+            UsageError, match="progress = 3 is neither a switch nor a function\n.*give True for a bar"
+        ):
             call()
 
 

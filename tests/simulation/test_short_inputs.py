@@ -13,7 +13,7 @@ from symbody.analysis.scales import Scales
 from symbody.simulation.inputs.breakpoints import find_breakpoints
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.inputs.time_functions import time_functions
-from symbody.simulation.task import Task
+from symbody.simulation.simulation_problem import SimulationProblem
 
 Floats = NDArray[np.float64]
 
@@ -137,8 +137,8 @@ def test_points_of_a_smooth_table_do_not_bound_the_steps() -> None:
 def _sequence(law: str):  # type: ignore[no-untyped-def]
     laws = input_laws(["F"], {} if law == "F" else {"F": law}, (0.0, 10.0))
     formulas = {} if law == "F" else laws.formulas
-    task = Task(cart(), {}, type(laws)(formulas, {}, (), {}), Scales())
-    return task.compiled(("xdot", "power")).sequence
+    task = SimulationProblem(cart(), {}, type(laws)(formulas, {}, (), {}), Scales())
+    return task.compile_outputs(("xdot", "power")).sequence
 
 
 @pytest.mark.parametrize("kind", ["linear", "cubic"])

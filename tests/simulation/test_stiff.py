@@ -10,10 +10,10 @@ import pytest
 import symbody as sb
 from symbody.analysis.scales import Scales
 from symbody.simulation.inputs.input_laws import input_laws
-from symbody.simulation.methods import choice
+from symbody.simulation.methods import integration
 from symbody.simulation.methods.explicit import integrate
 from symbody.simulation.methods.state_jacobian import STATE_JACOBIAN, with_state_jacobian
-from symbody.simulation.task import Task
+from symbody.simulation.simulation_problem import SimulationProblem
 from tests.simulation.loops import damped_slider, example, held_pendulum, pushed_mass, turning_pendulum
 
 # Global errors of backward differentiation over some hundred steps: 1e-8 each, of one sign.
@@ -78,8 +78,8 @@ def test_the_jacobian_is_that_of_differences() -> None:
     eqs = example("slider_crank")
     inputs = {"F": "-20*s_dot"}
     wider = with_state_jacobian(eqs, inputs)
-    task = Task(wider, {}, input_laws(("F",), inputs, (0.0, 1.0)), Scales())
-    rates, slopes = task.compiled("xdot"), task.compiled(STATE_JACOBIAN)
+    task = SimulationProblem(wider, {}, input_laws(("F",), inputs, (0.0, 1.0)), Scales())
+    rates, slopes = task.compile_outputs("xdot"), task.compile_outputs(STATE_JACOBIAN)
     start = sb.assemble(eqs, inputs=inputs)
     x = np.array([*start.u.values(), *start.q.values()])
     step = 1e-6
@@ -182,7 +182,7 @@ def test_ctrl_c_at_the_change_keeps_what_came_before(monkeypatch: pytest.MonkeyP
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(choice, "run_stiff", interrupted)
+    monkeypatch.setattr(integration, "run_stiff", interrupted)
     run = sb.simulate(damped_slider(), 5.0)
     assert run.status is sb.Status.INTERRUPTED and 0.0 < run.t[-1] < 1.0
     assert "known up to" in run.notes[-1] and np.abs(run["x"] - slider_at(run.t)).max() < 1e-8

@@ -12,7 +12,7 @@ from symbody.analysis.scales import mechanism_scales
 from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.native.run import RawRun, Statistics
 from symbody.simulation.results.stop_note import stop_note
-from symbody.simulation.task import Task
+from symbody.simulation.simulation_problem import SimulationProblem
 
 
 def slider_crank(crank_mass: float, rod: float = 3.0) -> sb.EquationSet:
@@ -32,14 +32,14 @@ def slider_crank(crank_mass: float, rod: float = 3.0) -> sb.EquationSet:
 
 def stopped(eqs: sb.EquationSet, q: list[float], status: sb.Status) -> str:
     """Return the note of a run of two samples that ended at q."""
-    task = Task(eqs, {}, input_laws((), {}, (0.0, 1.0)), mechanism_scales(eqs, {}))
+    problem = SimulationProblem(eqs, {}, input_laws((), {}, (0.0, 1.0)), mechanism_scales(eqs, {}))
     n_u = len(eqs.speed_names)
     start = np.array([*np.zeros(n_u), 0.3, -0.4, 3.9, 0.0])
     end = np.array([*np.zeros(n_u), *q, 0.0])
     raw = RawRun(
         np.array([0.0, 0.5]), np.array([start, end]).T, status, Statistics(1, 0, 1, 0.0), 0.5, 0, None, None
     )
-    return stop_note(task, raw)
+    return stop_note(problem, raw)
 
 
 def test_at_a_dead_centre_no_mass_resists_a_massless_crank() -> None:

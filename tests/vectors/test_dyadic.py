@@ -11,7 +11,7 @@ from symbody.expr.rewrite import operation_count
 from symbody.vectors.dyadic import Dyadic, apply, gyroscopic, quadratic, symmetric_split
 from symbody.vectors.euler_angles import euler_turns
 from symbody.vectors.frame import FrameTree
-from symbody.vectors.matrix import Matrix
+from symbody.vectors.matrix import Matrix, symmetric_tensor
 from symbody.vectors.rotation import Rotation, Turn, rotation_of
 from symbody.vectors.vector import Vector, components, vector
 from tests.vectors.numbers import matrix_of, matrix_values, named, names_in, triple, values
@@ -88,7 +88,7 @@ def test_symmetry_is_seen_on_the_graph() -> None:
     assert symmetric_split("F", tensor(graph, "0 0 C")) == Dyadic("F", zero, (c, z))
     for moments, products in (("A B C", "0 0 0"), ("A A C", "p 0 0")):
         plain = tensor(graph, moments, products)
-        assert symmetric_split("F", plain) == Dyadic("F", zero, rest=plain)
+        assert symmetric_split("F", plain) == Dyadic("F", zero, unresolved=symmetric_tensor(plain))
 
 
 def test_tensors_rest_where_they_stay_the_same() -> None:
@@ -101,7 +101,7 @@ def test_tensors_rest_where_they_stay_the_same() -> None:
         ("C A A", "F3"),
         ("A B C", "F3"),
     ):
-        assert symmetric_split("CoM", tensor(graph, moments)).resting_frame(tree) == frame
+        assert symmetric_split("CoM", tensor(graph, moments)).simplest_frame(tree) == frame
 
 
 def test_turning_axes_may_point_either_way_but_not_elsewhere() -> None:
@@ -112,9 +112,9 @@ def test_turning_axes_may_point_either_way_but_not_elsewhere() -> None:
         graph, {"A": ("ground", four), "B": ("A", rotation_of([Turn(triple(graph, 1, 0, 0), a)]))}
     )
     split = symmetric_split("A", tensor(graph, "A A C"))
-    assert split.resting_frame(tree) == "ground"
-    assert symmetric_split("B", tensor(graph, "A A C")).resting_frame(tree) == "B"
-    assert symmetric_split("B", tensor(graph, "C A A")).resting_frame(tree) == "A"
+    assert split.simplest_frame(tree) == "ground"
+    assert symmetric_split("B", tensor(graph, "A A C")).simplest_frame(tree) == "B"
+    assert symmetric_split("B", tensor(graph, "C A A")).simplest_frame(tree) == "A"
 
 
 def spinning_top(graph: Graph) -> tuple[FrameTree, Vector, Dyadic]:
@@ -186,7 +186,7 @@ def test_moments_of_rounded_numbers_split_too() -> None:
     graph = Graph()
     plain = matrix_of(graph, np.diag([0.25, 0.25, 2.0]).tolist())
     # Products given as 0.0 are rounded zeros, so nothing is taken for granted.
-    assert symmetric_split("F", plain).rest is not None
+    assert symmetric_split("F", plain).unresolved is not None
     exact = number(graph, 0)
     clean = ((plain[0][0], exact, exact), (exact, plain[1][1], exact), (exact, exact, plain[2][2]))
     split = symmetric_split("F", clean)

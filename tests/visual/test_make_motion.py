@@ -123,7 +123,7 @@ def test_times_are_taken_as_they_are() -> None:
 
 
 def test_runs_without_dense_output_show_their_samples(tmp_path: Path) -> None:
-    eqs = run_of("slider_crank").evaluate.task.eqs  # type: ignore[union-attr]
+    eqs = run_of("slider_crank").evaluate.problem.eqs  # type: ignore[union-attr]
     times = np.linspace(0.0, 0.3, 7)
     case = sb.sweep(eqs, 0.3, times=times, parameters={"L1": [0.3, 0.4]}).trajectory(0)
     assert case.dense_output is None
@@ -232,6 +232,6 @@ def test_two_hundred_bodies_are_computed_by_one_function() -> None:
     state = sb.assemble(sb.form_equations(model), {f"q{k}": 0.01 * k for k in range(200)})
     run = run_of_state(state)
     motion = make_motion(run, scene_of(run), curves=())
-    functions = run.evaluate.task._functions  # type: ignore[union-attr]
+    functions = run.evaluate.problem._functions  # type: ignore[union-attr]
     assert len(functions) == 1
     np.testing.assert_allclose(motion.positions[0, -1], run["frame r B199"][:, 0], atol=1e-10)

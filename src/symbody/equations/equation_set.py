@@ -8,14 +8,13 @@ from functools import partial
 from typing import Final
 
 from symbody.arguments import checked_arguments
-from symbody.equations.formed import Formed
-from symbody.equations.forming import form
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.freedoms.always_undetermined import always_undetermined
 from symbody.equations.freedoms.mobility import Mobility, mobility
 from symbody.equations.known import Deferred
 from symbody.equations.showing.derivative_outputs import asked_derivative
 from symbody.equations.showing.outputs import code_roots, evaluable_roots
-from symbody.equations.showing.textbook import MOST_SPEEDS, Reaction, Textbook
+from symbody.equations.showing.textbook import Reaction, Textbook
 from symbody.equations.showing.units import Units, output_units
 from symbody.equations.solving.idle import check_idle
 from symbody.equations.solving.noise import noise_program, without_noise
@@ -43,7 +42,7 @@ class EquationSet(Displayed):
     ----------
     model : Model
         What the equations belong to.
-    formed : Formed
+    formed : EquationsOfMotion
         The equations in the expression graph. Those that were formed before, as `known` tells, are formed
         when this is read.
     notes : tuple of str
@@ -55,7 +54,7 @@ class EquationSet(Displayed):
     """
 
     model: Model
-    _given: Formed | Deferred
+    _given: EquationsOfMotion | Deferred
     notes: tuple[str, ...] = ()
     further: Mapping[str, Roots] = field(default_factory=dict, repr=False)
     # Roots and formulas already made; pure functions of `formed`, so they cannot go stale.
@@ -86,7 +85,7 @@ class EquationSet(Displayed):
         return f"EquationSet of {self.model.name!r}: {sizes}"
 
     @property
-    def formed(self) -> Formed:
+    def formed(self) -> EquationsOfMotion:
         """The equations in the expression graph."""
         return self._given.formed if isinstance(self._given, Deferred) else self._given
 
@@ -311,17 +310,8 @@ class EquationSet(Displayed):
 
     @property
     def textbook(self) -> Textbook:
-        """The equations as formulas: short ones are formed anew for reading, in the same graph."""
-        return self._textbook.get(None, self._for_reading)
-
-    def _for_reading(self) -> Textbook:
-        formed = self.formed
-        if len(formed.u) <= MOST_SPEEDS and formed.formed_again is not None:
-            formed = formed.formed_again(formed.graph, spread=True)
-        elif len(formed.u) <= MOST_SPEEDS:
-            graph, how, dependent = formed.graph, formed.formulation, formed.dependent_names
-            formed = form(formed.topology, graph, how, spread=True, dependent=dependent)
-        return Textbook(formed)
+        """The same equations as formulas."""
+        return self._textbook.get(None, partial(Textbook, self.formed))
 
     @checked_arguments
     def operation_count(self, *outputs: str) -> int:

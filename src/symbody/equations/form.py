@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
 from symbody.arguments import checked_arguments
+from symbody.equations.derivation import default_formulation, derive
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.formed import Formed
-from symbody.equations.forming import form
-from symbody.equations.formulations.choice import chosen_formulation
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.freedoms.chosen_speeds import chosen_speeds
 from symbody.equations.known import Deferred, identity, known_notes
 from symbody.errors import Problem, UsageError
 from symbody.expr.deadline import begin, check_limit, in_time
 from symbody.expr.graph import Graph
-from symbody.graph.topology import Topology, choose_topology
+from symbody.graph.topology import choose_topology
 from symbody.graph.trees import TreeChoice
 from symbody.model.model import Model
 
@@ -45,7 +45,7 @@ def form_equations(
     formulation : VirtualWork, Recursive, NewtonEuler or Lagrange, optional
         How the equations are formed; by default recursively where one tree gives all coordinates, else by
         virtual work. All give the same equations: Newton-Euler with every reaction an unknown, Lagrange from
-        energies; formulas of short ones are shown by virtual work.
+        energies.
     tree : Trees, "joints", "absolute" or None
         Which joints give the coordinates: those named; those of spanning trees, whatever the model's flags
         say; none, so that all bodies are free and all joints constraints; by default the flags of the
@@ -75,18 +75,19 @@ def form_equations(
     """
     if not isinstance(model, Model):
         raise UsageError(_no_model(model))
-    equations = identity(model, formulation, tree, dependent_speeds)
+    check_limit(time_limit)
+    choices = (model, formulation, tree, dependent_speeds)
+    equations = identity(*choices)
     notes = known_notes(equations)
-
-    def formed() -> tuple[Formed, tuple[str, ...]]:
-        make = partial(_formed, model, formulation, tree, dependent_speeds)
-        return in_time(time_limit, "forming the equations", _LESS, make)
-
+    form = partial(in_time, time_limit, "forming the equations", _LESS, partial(_form, *choices))
+    given: EquationsOfMotion | Deferred
+    if notes is None:
+        given = form()
+        notes = given.notes
+    else:  # nothing was wrong with them, so they can wait
+        given = Deferred(form)
     again = partial(form_equations, model, formulation, tree=tree, dependent_speeds=dependent_speeds)
-    if notes is not None:  # nothing was wrong with them, so they can wait
-        check_limit(time_limit)
-        return EquationSet(model, Deferred(lambda: formed()[0]), notes, identity=equations, _again=again)
-    return EquationSet(model, *formed(), identity=equations, _again=again)
+    return EquationSet(model, given, notes, identity=equations, _again=again)
 
 
 def _no_model(given: object) -> Problem:
@@ -94,38 +95,37 @@ def _no_model(given: object) -> Problem:
     return Problem("equations.not_a_model", "model", f"{given!r} is no model", fix=cure)
 
 
-def _formed(
+def _form(
     model: Model,
     formulation: Formulation | None,
     tree: TreeChoice,
     dependent_speeds: Sequence[str] | None,
-) -> tuple[Formed, tuple[str, ...]]:
-    """Return the equations and all notes."""
+) -> EquationsOfMotion:
+    """Return the equations with all notes: trees first, then dependent speeds, then the derivation."""
     begin("trees")
     topology = choose_topology(model, tree)
-    how = chosen_formulation(topology, formulation, dependent_speeds is not None)
+    notes = model.notes + topology.notes
+    if dependent_speeds is not None and formulation is None:
+        formulation = default_formulation(topology, eliminates=True)
+    dependent = _names(dependent_speeds)
     if dependent_speeds == "auto":
-        begin("equations to choose dependent speeds by", model.notes + topology.notes)
-        dependent, told = _chosen(topology, how)
-    else:
-        dependent, told = _named(dependent_speeds), ()
-    begin("coordinates", told if told else model.notes + topology.notes)
-    formed = form(topology, Graph(), how, dependent=dependent)
-    return formed, model.notes + topology.notes + told + formed.notes
+        begin("equations to choose dependent speeds by", notes)
+        dependent = chosen_speeds(derive(topology, Graph(), formulation))
+        notes = (*notes, _choice_note(dependent))
+    begin("coordinates", notes)
+    formed = derive(topology, Graph(), formulation, dependent=dependent)
+    return replace(formed, notes=notes + formed.notes)
 
 
-def _named(wanted: Sequence[str] | None) -> tuple[str, ...]:
-    if wanted is None:
+def _names(speeds: Sequence[str] | None) -> tuple[str, ...]:
+    if speeds is None:
         return ()
-    return (wanted,) if isinstance(wanted, str) else tuple(wanted)
+    return (speeds,) if isinstance(speeds, str) else tuple(speeds)
 
 
-def _chosen(topology: Topology, how: Formulation) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return dependent speeds, and what is said of the choice."""
-    chosen = chosen_speeds(form(topology, Graph(), how))
-    note = (
-        f"dependent speeds {', '.join(chosen)}: chosen by column pivoting at several assembled "
+def _choice_note(dependent: Sequence[str]) -> str:
+    return (
+        f"dependent speeds {', '.join(dependent)}: chosen by column pivoting at several assembled "
         "configurations, farthest from where they do not follow from the others; dependent_speeds=(...) "
         "names others"
     )
-    return chosen, (note,)

@@ -15,7 +15,7 @@ from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from typing import Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.model.content import content_of
 from symbody.model.model import Model
 from symbody.single_flight import SingleFlight, once
@@ -30,11 +30,11 @@ _PACKAGES: Final = ("networkx", "sympy")
 class Deferred:
     """Equations that are formed when they are first asked for."""
 
-    form: Callable[[], Formed]
-    _made: SingleFlight[None, Formed] = field(default_factory=SingleFlight, repr=False)
+    form: Callable[[], EquationsOfMotion]
+    _made: SingleFlight[None, EquationsOfMotion] = field(default_factory=SingleFlight, repr=False)
 
     @property
-    def formed(self) -> Formed:
+    def formed(self) -> EquationsOfMotion:
         """The equations; two threads that ask at once get the same."""
         return self._made.get(None, self.form)
 

@@ -21,8 +21,8 @@ from symbody.expr.sympy_bridge import (
 from symbody.expr.trigonometry.normal_form import trigonometric_form
 
 # Operations of a formula that somebody will read, and of all such formulas together.
-_READABLE: Final = 500
-_READABLE_TOGETHER: Final = 1_500
+_READABLE: Final = 1_000
+_READABLE_TOGETHER: Final = 2_000
 _MERGED: Final = 5_000
 
 
@@ -47,11 +47,16 @@ def equated(left: SympyMatrix, right: SympyMatrix) -> list[SympyEquation]:
     return [sp.Eq(a, b, evaluate=False) for a, b in zip(left, right, strict=True)]
 
 
-def readable(graph: Graph, nodes: Sequence[int]) -> list[int]:
+def readable(graph: Graph, nodes: Sequence[int], quaternions: Sequence[tuple[int, ...]] = ()) -> list[int]:
     """Return nodes in the trigonometric normal form, as far as they are short enough to be read.
 
     What is equal is merged first, so that nothing that is zero is printed. Shorter nodes come first; together
-    they may have `_READABLE_TOGETHER` operations written out, which bounds the time to about a second.
+    they may have `_READABLE_TOGETHER` operations written out, which bounds the time to a few seconds.
+
+    Parameters
+    ----------
+    quaternions : sequence of four nodes
+        Symbols whose squares add up to 1.
     """
     result = dict(zip(nodes, nodes, strict=True))
     short = [node for node, size in zip(nodes, tree_sizes(graph, nodes), strict=True) if size <= _MERGED]
@@ -65,7 +70,7 @@ def readable(graph: Graph, nodes: Sequence[int]) -> list[int]:
         left -= size
         if size > _READABLE or left < 0:
             break
-        (forms[node],) = trigonometric_form(graph, [node])
+        (forms[node],) = trigonometric_form(graph, [node], quaternions)
     return [forms.get(result[node], result[node]) for node in nodes]
 
 

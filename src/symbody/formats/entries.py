@@ -2,60 +2,24 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, is_dataclass
-from types import MappingProxyType
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar
 
 from symbody.errors import ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula
-from symbody.formats.places import words
-from symbody.model.body import Body
-from symbody.model.constraint import Condition
-from symbody.model.constraints import (
-    Angle,
-    Belt,
-    Constraint,
-    Differential,
-    Distance,
-    Gear,
-    KnifeEdge,
-    Parallel,
-    Perpendicular,
-    PointOnCurve,
-    PointOnLine,
-    PointOnPlane,
-    PointOnSurface,
-    RackPinion,
-    Rolling,
-)
+from symbody.model.body import Body, Frames
+from symbody.model.declaration import Declared, Field
 from symbody.model.element import Address, Element
 from symbody.model.frame import Frame
 from symbody.model.joint import InTrees, Joint
-from symbody.model.joints import (
-    Bearing,
-    Cartesian,
-    ConstantVelocity,
-    Cylindrical,
-    Free,
-    Gimbal,
-    PinSlot,
-    Planar,
-    Prismatic,
-    Rectangular,
-    Revolute,
-    Screw,
-    Spherical,
-    Telescoping,
-    Universal,
-    Weld,
-)
+from symbody.model.joint_fields import CoordinateDrive, CoordinateDrives, DryFriction
 from symbody.model.loads.curve import Curve
-from symbody.model.loads.forces import Drive, Force, SpringDamper, Torque
+from symbody.model.loads.forces import Drive
 from symbody.model.loads.friction import Friction
-from symbody.model.loads.springs import Bushing, TorsionSpring
-from symbody.model.shapes import BodyShape, Box, Capsule, Cone, Cylinder, Mesh, Sphere
+from symbody.model.registry import TYPED, element_types, shape_types, snake_case, type_word
+from symbody.model.shapes.mesh import Mesh
+from symbody.model.shapes.shape import BodyShape, Shapes
 from symbody.model.table import Table
 
 T = TypeVar("T")
@@ -63,68 +27,8 @@ T = TypeVar("T")
 # What a model file consists of; formulas become text or numbers when it is written.
 Node = Formula | str | bool | list["Node"] | dict[str, "Node"]
 
-ELEMENTS: Final = MappingProxyType[str, Callable[..., Element]](
-    {
-        "body": Body,
-        "spring": SpringDamper,
-        "torsion_spring": TorsionSpring,
-        "force": Force,
-        "torque": Torque,
-    }
-)
-JOINTS: Final = MappingProxyType[str, Callable[..., Element]](
-    {
-        "weld": Weld,
-        "revolute": Revolute,
-        "prismatic": Prismatic,
-        "screw": Screw,
-        "cylindrical": Cylindrical,
-        "universal": Universal,
-        "constant_velocity": ConstantVelocity,
-        "pin_slot": PinSlot,
-        "planar": Planar,
-        "rectangular": Rectangular,
-        "cartesian": Cartesian,
-        "spherical": Spherical,
-        "gimbal": Gimbal,
-        "bearing": Bearing,
-        "telescoping": Telescoping,
-        "free": Free,
-        "bushing": Bushing,  # no joint of the trees, but a file lists it among them
-    }
-)
-CONSTRAINTS: Final = MappingProxyType[str, Callable[..., Condition]](
-    {
-        "distance": Distance,
-        "point_on_line": PointOnLine,
-        "point_on_plane": PointOnPlane,
-        "point_on_curve": PointOnCurve,
-        "point_on_surface": PointOnSurface,
-        "parallel": Parallel,
-        "perpendicular": Perpendicular,
-        "angle": Angle,
-        "knife_edge": KnifeEdge,
-        "rolling": Rolling,
-        "gear": Gear,
-        "rack_pinion": RackPinion,
-        "belt": Belt,
-        "differential": Differential,
-        "equation": Constraint,
-    }
-)
-SHAPES: Final = MappingProxyType[str, Callable[..., BodyShape]](
-    {"box": Box, "cylinder": Cylinder, "sphere": Sphere, "capsule": Capsule, "cone": Cone, "mesh": Mesh}
-)
-_TYPES: Final = MappingProxyType[str, Mapping[str, Callable[..., Element]]](
-    {"joint": JOINTS, "constraint": CONSTRAINTS}
-)
-_TYPE_WORDS: Final = MappingProxyType(
-    {maker: word for types in (*_TYPES.values(), SHAPES) for word, maker in types.items()}
-)
 # Written even where they have their default: a reader looks for them, or other defaults depend on them.
 _ALWAYS: Final = frozenset({"angles", "axes", "axis"})
-# Keyed by coordinate in the model; in the file too, unless the joint has only one.
-_BY_COORDINATE: Final = frozenset({"armature", "force", "motion", "torque"})
 
 
 def element_from(kind: str, entry: Mapping[str, object], folder: str = "") -> Element:
@@ -136,30 +40,36 @@ def element_from(kind: str, entry: Mapping[str, object], folder: str = "") -> El
         With everything in it that is not a name, a place or a formula.
     """
     arguments = dict(entry)
-    make = _TYPES[kind][str(arguments.pop("type"))] if kind in _TYPES else ELEMENTS[kind]
+    make: Callable[..., Element] = element_types(kind)[str(arguments.pop("type", ""))]
     between = arguments.pop("between", None)
     if isinstance(between, list):
         arguments["start"], arguments["end"] = between
     problems: list[Problem] = []
     label = f"{kind} {entry['name']}"
-    if kind == "body":
-        arguments["frames"] = _frames(arguments.get("frames", {}), label, ("frames",), problems)
-        shapes = arguments.pop("shape", [])
-        arguments["shapes"] = shapes_from_entries(shapes, f"{label}, shape", folder, problems)
-    if kind == "joint":
-        for word in {"force", "torque"} & set(arguments):
-            arguments[word] = _drives(arguments[word], f"{label}, {word}", problems)
-        if "friction" in arguments:
-            arguments["friction"] = _nested(Friction, arguments["friction"], f"{label}, friction", problems)
+    for name, field in element_types(kind)[str(entry.get("type", ""))].fields.items():
+        key = field.place or name
+        if key in arguments:
+            arguments[name] = _value(field, arguments.pop(key), f"{label}, {key}", folder, problems)
     element = _attempt(lambda: make(**arguments), problems)
     if element is None or problems:
         raise ModelError(*problems)
     return element
 
 
+def _value(field: Field[Any, Any], entry: object, where: str, folder: str, problems: list[Problem]) -> object:
+    """Return an argument from its entry: parts of elements are tables there."""
+    if isinstance(field, Frames):
+        return _frames(entry, where, problems)
+    if isinstance(field, Shapes):
+        return shapes_from_entries(entry, where, folder, problems)
+    if isinstance(field, CoordinateDrive | CoordinateDrives):
+        return _drives(entry, where, problems)
+    return _nested(Friction, entry, where, problems) if isinstance(field, DryFriction) else entry
+
+
 def ground_frames(entry: object, problems: list[Problem]) -> dict[str, Frame]:
     """Return the frames of the ground; faults are added to `problems`."""
-    return _frames(entry, "model", ("ground", "frames"), problems)
+    return _frames(entry, "model, ground.frames", problems)
 
 
 def shapes_from_entries(entries: object, where: str, folder: str, problems: list[Problem]) -> list[BodyShape]:
@@ -167,7 +77,7 @@ def shapes_from_entries(entries: object, where: str, folder: str, problems: list
     shapes = []
     for k, entry in enumerate(entries if isinstance(entries, list) else []):
         arguments = dict(entry)
-        make = SHAPES[arguments.pop("type")]
+        make: Callable[..., BodyShape] = shape_types()[arguments.pop("type")]
         if make is Mesh:
             arguments["folder"] = folder
         shape = _nested(make, arguments, f"{where}[{k}]", problems)
@@ -186,9 +96,8 @@ def shape_entries(shapes: Iterable[BodyShape], folder: str | None = None) -> lis
     entries: list[Node] = []
     for shape in shapes:
         values = _values(shape)
-        values.pop("folder", None)
         plain = type(shape)(**{name: getattr(shape, name) for name in _needed(shape)})
-        entry: dict[str, Node] = {"type": _TYPE_WORDS[type(shape)]}
+        entry: dict[str, Node] = {"type": snake_case(type(shape).__name__)}
         for name, value in values.items():
             if value is not None and (name in _needed(shape) or value != getattr(plain, name)):
                 entry[name] = node_of(value)
@@ -203,9 +112,8 @@ def shape_entries(shapes: Iterable[BodyShape], folder: str | None = None) -> lis
 def entry_of(element: Element, folder: str | None = None) -> dict[str, Node]:
     """Return the table of an element, without what has its default; `folder` as in `shape_entries`."""
     entry: dict[str, Node] = {"name": element.name}
-    word = _TYPE_WORDS.get(type(element))
-    if word is not None:
-        entry["type"] = word
+    if element.kind in TYPED:
+        entry["type"] = type_word(type(element))
     values = _values(element)
     shapes = values.pop("shapes", ())
     if "start" in values:
@@ -215,7 +123,7 @@ def entry_of(element: Element, folder: str | None = None) -> dict[str, Node]:
     defaults = {name: value for name, value in _values(plainest).items() if name not in given}
     for name, value in values.items():
         if name not in entry and value is not None and (name not in defaults or value != defaults[name]):
-            entry[name] = node_of(_alone(element, value) if name in _BY_COORDINATE else value)
+            entry[name] = node_of(_alone(element, value))
     if isinstance(element, Body) and shapes:
         entry["shape"] = shape_entries(element.shapes, folder)
     return entry
@@ -243,9 +151,10 @@ def node_of(value: object) -> Node:
 
 
 def _values(value: object) -> dict[str, object]:
-    """Return the fields of an element or of a part of one, in the order of its constructor."""
-    names = {field.name for field in fields(value)} if is_dataclass(value) else set()
-    return {name: getattr(value, name) for name in inspect.signature(type(value)).parameters if name in names}
+    """Return the content of an element or of a part of one, in the order of its constructor."""
+    if isinstance(value, Declared):
+        return {name: getattr(value, name) for name, field in value.fields.items() if field.is_content}
+    return {field.name: getattr(value, field.name) for field in fields(value)} if is_dataclass(value) else {}
 
 
 def _alone(element: Element, value: object) -> object:
@@ -255,10 +164,9 @@ def _alone(element: Element, value: object) -> object:
     return value
 
 
-def _needed(element: Element | BodyShape) -> list[str]:
+def _needed(value: Declared) -> list[str]:
     """Return the arguments without default of a constructor."""
-    arguments = inspect.signature(type(element)).parameters.items()
-    return [name for name, argument in arguments if argument.default is argument.empty]
+    return [name for name, field in value.fields.items() if field.is_required]
 
 
 def _drives(entry: object, where: str, problems: list[Problem]) -> object:
@@ -271,12 +179,12 @@ def _drives(entry: object, where: str, problems: list[Problem]) -> object:
     return _nested(Drive, entry, where, problems)
 
 
-def _frames(entries: object, label: str, path: tuple[str, ...], problems: list[Problem]) -> dict[str, Frame]:
+def _frames(entries: object, where: str, problems: list[Problem]) -> dict[str, Frame]:
     if not isinstance(entries, Mapping):
         return {}
     frames: dict[str, Frame] = {}
     for name, entry in entries.items():
-        frame = _nested(Frame, entry, f"{label}, {words((*path, str(name)))}", problems)
+        frame = _nested(Frame, entry, f"{where}.{name}", problems)
         frames[name] = Frame() if frame is None else frame
     return frames
 

@@ -8,22 +8,13 @@ from types import MappingProxyType
 from typing import Final
 
 from symbody.expr.language.formula import Formula
-from symbody.formats.entries import (
-    CONSTRAINTS,
-    ELEMENTS,
-    JOINTS,
-    SHAPES,
-    Node,
-    entry_of,
-    node_of,
-    shape_entries,
-)
+from symbody.formats.entries import Node, entry_of, node_of, shape_entries
 from symbody.model.element import Element
 from symbody.model.model import Model
+from symbody.model.registry import shape_types
 
 _WIDTH: Final = 100
 _NUMBER: Final = re.compile(r"-?(0|[1-9][0-9]*)(\.[0-9]+)?")
-_TYPES: Final = MappingProxyType({"joint": JOINTS, "constraint": CONSTRAINTS})
 # Values that are parts of their own, by the key they stand under.
 _PARTS: Final = MappingProxyType({"force": "Drive", "torque": "Drive", "friction": "Friction"})
 _INDENT: Final = "    "
@@ -58,9 +49,7 @@ def _title(name: str) -> str:
 
 def _element(element: Element) -> str:
     entry = entry_of(element)
-    word = entry.pop("type", None)
-    makers = _TYPES.get(element.kind)
-    maker = makers[str(word)] if makers is not None else ELEMENTS[element.kind]
+    entry.pop("type", None)
     arguments = [_value(entry.pop("name"))]
     between = entry.pop("between", None)
     if isinstance(between, list):
@@ -68,7 +57,7 @@ def _element(element: Element) -> str:
     for key, node in entry.items():
         name = "shapes" if key == "shape" else key
         arguments.append(f"{name}={_argument(element.kind, key, node)}")
-    return _call(f"sb.{maker.__name__}", arguments)
+    return _call(f"sb.{type(element).__name__}", arguments)
 
 
 def _argument(kind: str, key: str, node: Node) -> str:
@@ -106,7 +95,7 @@ def _shapes(node: Node) -> str:
     calls = []
     for entry in node:
         assert isinstance(entry, dict)
-        maker = SHAPES[str(entry["type"])]
+        maker = shape_types()[str(entry["type"])]
         calls.append(_part(maker.__name__, {key: item for key, item in entry.items() if key != "type"}))
     return _list(calls)
 

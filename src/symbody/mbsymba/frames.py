@@ -11,7 +11,7 @@ from symbody.expr.sympy_bridge import SympyExpr, SympyMatrix
 from symbody.mbsymba.arguments import as_frame
 from symbody.mbsymba.objects import FRAME, VECTOR
 from symbody.mbsymba.workplace import WORKPLACE, read, triple
-from symbody.vectors.matrix import Triple, inner
+from symbody.vectors.matrix import Triple, Vector3
 from symbody.vectors.moving import turned_by
 from symbody.vectors.placed import GROUND_FRAME, PlacedFrame, Shift
 
@@ -57,8 +57,8 @@ def _axis(axis: str | VECTOR) -> Triple:
             Problem("mbsymba.axis", "rotate", f"{axis!r} is no axis", "",
                     "write 'X', 'Y', 'Z' or give a VECTOR")
         )  # fmt: skip
-    x, y, z = axis.placed.components
-    square = inner((x, y, z), (x, y, z))
+    direction = Vector3(axis.placed.components)
+    square = direction.dot(direction)
     null, unit = vanishing(square.graph, [square.index, (square - 1).index])
     if null:
         raise FrameError(
@@ -66,6 +66,7 @@ def _axis(axis: str | VECTOR) -> Triple:
                     "give a vector of some length")
         )  # fmt: skip
     if unit:
-        return (x, y, z)
+        return direction
+    x, y, z = direction
     length = sqrt(square)
     return (x / length, y / length, z / length)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Final
 
 from symbody.errors import ExpressionError, Problem
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
 from symbody.model.numbers import as_float, value_of
+
+_UNIT: Final = 1e-9
 
 
 class Checker:
@@ -60,3 +63,66 @@ class Checker:
     def remark(self, text: str) -> None:
         """Note something legal but unusual."""
         self.notes.append(text)
+
+
+def need_value(check: Checker, formula: Formula, where: str) -> None:
+    """Refuse a formula whose value is not finite."""
+    check.value(formula, where)
+
+
+def check_axis(check: Checker, axis: Sequence[Formula], where: str) -> None:
+    """Refuse a direction of length zero; remark on one that is normalized."""
+    values = check.values(axis, where)
+    if values is None:
+        return
+    length = math.hypot(*values)
+    if length == 0:
+        check.refuse(
+            "model.zero_axis",
+            where,
+            "the axis has length zero",
+            "all its components are 0",
+            'give a direction, for instance "z" or [0, 0, 1]',
+        )
+    elif abs(length - 1) > _UNIT:
+        check.remark(f"{where}: the axis of length {length:g} is normalized")
+
+
+def check_angle(check: Checker, angle: Formula, where: str) -> None:
+    """Remark on an angle of more than a turn, which may be in degrees."""
+    value = check.value(angle, where)
+    if value is not None and abs(value) > 2 * math.pi:
+        check.remark(f'{where}: {value:g} rad is more than a turn; degrees are written "{value:g} deg"')
+
+
+def positive_length(why: str) -> Callable[[Checker, Formula, str], None]:
+    """Return the check of a length that has to be above zero; `why` is the cause of the fault."""
+
+    def check_length(check: Checker, length: Formula, where: str) -> None:
+        value = check.value(length, where)
+        if value is not None and value <= 0:
+            check.refuse(
+                "model.no_length", where, f"{length} is {value:g} m", why, "give a length above zero"
+            )
+
+    return check_length
+
+
+def refuse_zero_ratio(check: Checker, ratio: Formula, where: str) -> None:
+    """Refuse a ratio of zero."""
+    if check.value(ratio, where) == 0:
+        check.refuse(
+            "model.no_ratio",
+            where,
+            f"{ratio} is 0",
+            "the first coordinate would stand still, whatever the second does",
+            "give a number other than zero; a joint without this freedom holds the first",
+        )
+
+
+def remark_negative(check: Checker, coefficient: Formula, where: str) -> None:
+    """Remark on a negative stiffness or damping; the last word of its place is what it is."""
+    value = check.value(coefficient, where)
+    if value is not None and value < 0:
+        label, _, path = where.partition(", ")
+        check.remark(f"{label}: the {path.rpartition('.')[2]} {coefficient} is negative ({value:g})")

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import ClassVar
 
-from symbody.model.element import Address, Element
-from symbody.model.turn import Axis
-from symbody.model.uses import Scope, Use, triple_uses
+from symbody.model.element import Element
+from symbody.model.element_fields import Connection, element
 
 
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class Condition(Element):
     """Equations that a motion fulfils beside those of the joints; each has a multiplier.
 
@@ -19,12 +16,15 @@ class Condition(Element):
     ----------
     multiplier_unit : str
         Of its multipliers, "" where it depends on what users write.
+    rows, holds, multiplier : str
+        For the documentation: how many equations, what they say, and what a multiplier is.
     """
 
     kind: ClassVar[str] = "constraint"
     multiplier_unit: ClassVar[str] = ""
-
-    name: str
+    rows: ClassVar[str]
+    holds: ClassVar[str]
+    multiplier: ClassVar[str]
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -32,31 +32,6 @@ class Condition(Element):
         return ()
 
 
-@dataclass(frozen=True, slots=True, init=False)
-class Contact(Condition):
-    """A condition between two frames: its multipliers are a wrench on end and its opposite on start.
-
-    Attributes
-    ----------
-    start, end : Address
-        The frames.
-    """
-
-    start: Address
-    end: Address
-
-    @property
-    def directions(self) -> Mapping[str, Axis]:
-        """Each direction it names, by place in the file."""
-        return {}
-
-    def uses(self) -> Iterator[Use]:
-        """Return where the formulas stand."""
-        for path, axis in self.directions.items():
-            if not isinstance(axis, str):
-                yield from triple_uses(path, axis, Scope.CONSTANT)
-        yield from self.own_uses()
-
-    def own_uses(self) -> Iterable[Use]:
-        """Return where the formulas beside the directions stand."""
-        return ()
+@element
+class Contact(Condition, Connection):
+    """A condition between two frames: its multipliers are a wrench on end and its opposite on start."""

@@ -2,34 +2,45 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import ClassVar
 
+from symbody.model.checker import Checker
+from symbody.model.declaration import Declared
+from symbody.model.fields import ElementName, part
 from symbody.model.naming import CENTRE, GROUND
 from symbody.model.uses import Use
 
 
-class Element(ABC):
+@part
+class Element(Declared):
     """A named part of a mechanism; frozen data.
 
     Attributes
     ----------
     kind : str
         The word for it in messages and model files: ``"joint"``.
-    name : str
-        Unique among the elements of a model.
+    word : str
+        The type in model files, where the kind has several; by default the name of the class.
     """
 
-    __slots__ = ()
-
     kind: ClassVar[str]
-    name: str
+    word: ClassVar[str] = ""
 
-    @abstractmethod
+    name: ElementName = ElementName("Unique among the elements of the model.")
+
+    def label(self) -> str:
+        """Return kind and name."""
+        return f"{self.kind} {self.name}"
+
     def uses(self) -> Iterator[Use]:
         """Return where its formulas stand."""
+        return self._sites()
+
+    def check_numbers(self, check: Checker, label: str) -> None:
+        """Note numbers that cannot be, as far as parameters have values; `label` begins their places."""
+        self._check_numbers(check, f"{label}, ")
 
 
 @dataclass(frozen=True, slots=True)

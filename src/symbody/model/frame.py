@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from typing import ClassVar
 
 from symbody.expr.language.formula import Formula
+from symbody.model.declaration import ElementPart, Field
 from symbody.model.door import ZERO, Door, Value
 from symbody.model.euler_angles import euler_turns
+from symbody.model.fields import AxisLike, VectorQuantity, part
 from symbody.model.turn import Axis, Turn, axis_from, unit_axis
 from symbody.model.uses import Scope, Triple, Use, triple_uses
 
@@ -15,23 +17,45 @@ Matrix = tuple[Triple, Triple, Triple]
 Rotation = tuple[tuple[Axis, Formula], ...]
 
 
-@dataclass(frozen=True, slots=True, init=False)
-class Frame:
+class Turns(Field[Iterable[tuple[AxisLike, Value]], Rotation]):
+    """Successive rotations."""
+
+    role: ClassVar[str] = "turns"
+    takes: ClassVar[str] = "iterable of (axis, angle)"
+    annotation: ClassVar[str] = "Iterable[tuple[str | Iterable[Value], Value]]"
+
+    def read(self, owner: object, door: Door, value: object, path: str) -> Rotation:
+        """Return pairs of an axis and an angle [rad]."""
+        return tuple(_turn(door, turn, f"{path}[{k}]") for k, turn in enumerate(door.items(value, path)))
+
+    def formula_sites(self, owner: object, value: Rotation, path: str) -> Iterator[Use]:
+        """Return where the formulas stand."""
+        for k, (axis, angle) in enumerate(value):
+            if not isinstance(axis, str):
+                yield from triple_uses(f"{path}[{k}][0]", axis, Scope.CONSTANT)
+            yield Use(f"{path}[{k}][1]", angle, Scope.CONSTANT)
+
+
+class RotationMatrix(Field[Sequence[Iterable[Value]] | None, Matrix | None]):
+    """The rows of a rotation matrix, or None."""
+
+    role: ClassVar[str] = "matrix"
+    takes: ClassVar[str] = "(3, 3) number or formula"
+    annotation: ClassVar[str] = "Sequence[Iterable[Value]] | None"
+
+    def read(self, owner: object, door: Door, value: object, path: str) -> Matrix | None:
+        """Return three rows of formulas."""
+        return None if value is None else _matrix(door, value)
+
+    def formula_sites(self, owner: object, value: Matrix | None, path: str) -> Iterator[Use]:
+        """Return where the entries stand."""
+        for k, row in enumerate(value or ()):
+            yield from triple_uses(f"{path}[{k}]", row, Scope.CONSTANT)
+
+
+@part
+class Frame(ElementPart):
     """Axes with an origin, placed on a body by constants.
-
-    Parameters
-    ----------
-    at : (3,) number or formula
-        Origin [m], measured from the body's centre of mass in the body's axes.
-    rotate : iterable of (axis, angle)
-        Successive body-fixed turns; axis "x", "y", "z" or three components, angle [rad].
-    matrix : (3, 3) number or formula, optional
-        Rotation matrix instead of turns; it takes components in this frame to components in the body.
-
-    Raises
-    ------
-    ModelError
-        If an entry is not a formula, or both `rotate` and `matrix` are given.
 
     Examples
     --------
@@ -39,29 +63,17 @@ class Frame:
     'L'
     """
 
-    at: Triple
-    rotate: Rotation
-    matrix: Matrix | None
+    at: VectorQuantity = VectorQuantity(
+        "Origin, in the body's axes from its centre of mass.", unit="m", default=(0, 0, 0)
+    )
+    rotate: Turns = Turns("Successive body-fixed turns: axis and angle.", default=())
+    matrix: RotationMatrix = RotationMatrix(
+        "Rotation matrix instead of turns; takes components in the frame to the body.", default=None
+    )
 
-    def __init__(
-        self,
-        at: Iterable[Value] = (0, 0, 0),
-        rotate: Iterable[tuple[str | Iterable[Value], Value]] = (),
-        matrix: Sequence[Iterable[Value]] | None = None,
-    ) -> None:
-        door = Door("frame")
-        object.__setattr__(self, "at", door.triple(at, "at"))
-        object.__setattr__(self, "rotate", _rotation(door, rotate))
-        object.__setattr__(self, "matrix", None if matrix is None else _matrix(door, matrix))
-        if self.matrix is not None and self.rotate:
-            door.refuse(
-                "model.two_rotations",
-                "",
-                "the frame has both turns and a matrix",
-                "each of them alone says how the frame is turned",
-                "leave one of them out",
-            )
-        door.close()
+    def check(self, door: Door) -> None:
+        """Note turns beside a matrix."""
+        check_rotation(door, self.rotate, self.matrix)
 
     def turns(self) -> tuple[Turn, ...]:
         """Return the simple rotations from the body's axes to this frame's."""
@@ -69,19 +81,17 @@ class Frame:
             return euler_turns(self.matrix)
         return tuple(Turn(unit_axis(axis), angle) for axis, angle in self.rotate)
 
-    def uses(self, path: str) -> Iterator[Use]:
-        """Return where the formulas stand, below `path`."""
-        yield from triple_uses(f"{path}.at", self.at, Scope.CONSTANT)
-        for k, (axis, angle) in enumerate(self.rotate):
-            if not isinstance(axis, str):
-                yield from triple_uses(f"{path}.rotate[{k}][0]", axis, Scope.CONSTANT)
-            yield Use(f"{path}.rotate[{k}][1]", angle, Scope.CONSTANT)
-        for k, row in enumerate(self.matrix or ()):
-            yield from triple_uses(f"{path}.matrix[{k}]", row, Scope.CONSTANT)
 
-
-def _rotation(door: Door, turns: object) -> Rotation:
-    return tuple(_turn(door, turn, f"rotate[{k}]") for k, turn in enumerate(door.items(turns, "rotate")))
+def check_rotation(door: Door, rotate: Rotation, matrix: Matrix | None) -> None:
+    """Note turns beside a matrix."""
+    if matrix is not None and rotate:
+        door.refuse(
+            "model.two_rotations",
+            "",
+            "the frame has both turns and a matrix",
+            "each of them alone says how the frame is turned",
+            "leave one of them out",
+        )
 
 
 def _turn(door: Door, turn: object, path: str) -> tuple[Axis, Formula]:

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Final, Literal
 
+from symbody.errors import nearest
 from symbody.expr.language.formula import Formula
-from symbody.model.door import ZERO
-from symbody.model.element import Address, Element
+from symbody.model.checker import Checker
+from symbody.model.door import ZERO, Door
+from symbody.model.element_fields import Connection, element
+from symbody.model.fields import Quantity
 from symbody.model.loads.forces import Drive
 from symbody.model.loads.friction import Friction
 from symbody.model.naming import symbol_from
 from symbody.model.table import Table
-from symbody.model.turn import Axis, Turn
-from symbody.model.uses import Scope, Triple, Use, triple_uses
+from symbody.model.turn import Turn
+from symbody.model.uses import Triple
 
 __all__ = ["ORIGIN", "RATES", "InTrees", "Joint", "QuasiSpeeds", "Turn"]
 
@@ -50,43 +52,41 @@ class QuasiSpeeds:
     resolved_in: Literal["start", "end"]
 
 
-@dataclass(frozen=True, slots=True, init=False)
-class Joint(Element):
+@element
+class Joint(Connection):
     """A connection of two frames; `end` moves relative to `start`.
 
-    A concrete joint states its law: the turns from start to end and the shift of the origin, in its
-    coordinates. What it has besides is a field called like a property below that says "nothing", whose
-    place it takes. Everything else is derived here.
+    A concrete joint declares its arguments and states its law: the turns from start to end and the shift of
+    the origin, in its coordinates. Its fields take the place of the properties below that say "nothing".
+    Everything else is derived here.
 
     Attributes
     ----------
-    start, end : Address
-        The frames it connects.
-    tree : InTrees
-        The user's choice of coordinates.
+    letters : tuple of str
+        What the documentation calls the coordinates.
+    law : str
+        The law in the letters of the documentation.
     """
 
     kind: ClassVar[str] = "joint"
-
-    name: str
-    start: Address
-    end: Address
-    tree: InTrees
+    letters: ClassVar[tuple[str, ...]] = ()
+    law: ClassVar[str] = ""
 
     # The law.
 
     @property
-    @abstractmethod
     def suffixes(self) -> tuple[str, ...]:
         """What follows the joint's name in the name of each coordinate without one of its own."""
+        count = len(self.letters)
+        return ("",) if count == 1 else tuple(f"_{k}" for k in range(1, count + 1))
 
-    @abstractmethod
     def turns(self) -> tuple[Turn, ...]:
         """Return the successive simple rotations from the start frame to the end frame."""
+        return ()
 
-    @abstractmethod
     def shift(self) -> Triple:
         """Return the position of end's origin from start's, in axes of `shift_in` [m]."""
+        return ORIGIN
 
     # What a joint may have besides.
 
@@ -101,14 +101,15 @@ class Joint(Element):
         return tuple(self.coordinate or name for name in self.default_coordinates)
 
     @property
-    def directions(self) -> Mapping[str, Axis]:
-        """Each axis by the place where it stands."""
-        return {}
+    def tree(self) -> InTrees:
+        """The user's choice of coordinates."""
+        return InTrees()
 
     @property
     def constants(self) -> Mapping[str, Formula]:
-        """Each further constant of the law by its word."""
-        return {}
+        """Each constant of the law by its word."""
+        fields = self.fields.items()
+        return {name: getattr(self, name) for name, field in fields if isinstance(field, Quantity)}
 
     @property
     def shift_in(self) -> Literal["start", "end"]:
@@ -263,18 +264,70 @@ class Joint(Element):
             for coordinate, drive in drives.items():
                 yield self.path_of(word, coordinate), coordinate, drive
 
-    def uses(self) -> Iterator[Use]:
-        """Return where the formulas stand."""
-        for path, axis in self.directions.items():
-            if not isinstance(axis, str):
-                yield from triple_uses(path, axis, Scope.CONSTANT)
-        for path, constant in self.constants.items():
-            yield Use(path, constant, Scope.CONSTANT)
-        for path, _, drive in self.placed_drives():
-            yield from drive.uses(path)
-        for coordinate, motion in self.motion.items():
-            yield Use(self.path_of("motion", coordinate), motion, Scope.PRESCRIBED)
-        for coordinate, inertia in self.armature.items():
-            yield Use(self.path_of("armature", coordinate), inertia, Scope.CONSTANT)
-        if self.friction is not None:
-            yield from self.friction.uses("friction")
+    def check_numbers(self, check: Checker, label: str) -> None:
+        """Note numbers that cannot be, and a choice without effect."""
+        Connection.check_numbers(self, check, label)
+        if self.as_constraint and not self.motion:
+            check.remark(f"{label}: as_constraint says nothing, because no motion is prescribed")
+
+    def check(self, door: Door) -> None:
+        """Note drives and motions of coordinates that cannot have them."""
+        if not (self.force or self.torque or self.motion):
+            return
+        angles, displacements = self.angle_coordinates, self.translation_coordinates
+        for word, keys, fitting in (
+            ("force", self.force, displacements),
+            ("torque", self.torque, angles),
+            ("motion", self.motion, (*displacements, *angles)),
+        ):
+            for key in keys:
+                if key not in fitting:
+                    _refuse_key(self, door, word, key, fitting)
+        if not self.as_constraint:
+            _check_motions(self, door)
+
+
+def _refuse_key(joint: Joint, door: Door, word: str, key: str, fitting: Iterable[str]) -> None:
+    path = joint.path_of(word, key)
+    if key in (joint.quaternion or ()):
+        door.refuse(
+            "model.quaternion_component",
+            path,
+            f"{key} is a component of a quaternion, which nothing can drive by itself",
+            "the four components depend on each other",
+            'choose angles, for instance angles = "313"; or let a [[torque]] act on the body',
+        )
+    elif key in joint.coordinates:
+        other = "torque" if word == "force" else "force"
+        door.refuse(
+            "model.wrong_drive",
+            path,
+            f"{key} is {'an angle' if word == 'force' else 'a displacement'}",
+            "force holds displacements, torque holds angles",
+            f"write {other} instead of {word}",
+        )
+    else:
+        door.refuse(
+            "model.unknown_coordinate",
+            path,
+            f"the joint has no coordinate {key!r}",
+            "",
+            nearest(key, fitting),
+        )
+
+
+def _check_motions(joint: Joint, door: Door) -> None:
+    """Note prescribed coordinates whose rates are no speeds, so that they cannot leave the unknowns."""
+    for names, speeds in (
+        (joint.rotation_coordinates, joint.rotation_speeds),
+        (joint.translation_coordinates, joint.translation_speeds),
+    ):
+        for name in joint.motion:
+            if name in names and speeds is not None and name not in (joint.quaternion or ()):
+                door.refuse(
+                    "model.motion_without_rate",
+                    joint.path_of("motion", name),
+                    f"the rate of {name} is not among the speeds of the joint",
+                    f"its speeds are {', '.join(speeds.names)}",
+                    'write speeds = "rates", or as_constraint = true',
+                )

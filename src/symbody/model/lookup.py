@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields, is_dataclass, replace
-from types import MappingProxyType
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Any
 
 from symbody.errors import Problem, nearest
 from symbody.model.body import Body
@@ -17,13 +16,8 @@ from symbody.model.naming import CENTRE, GROUND
 
 def addresses(element: Element) -> dict[str, Address]:
     """Return the addresses an element holds, by field name."""
-    names: list[str] = [field.name for field in fields(element)] if is_dataclass(element) else []
-    values = ((name, getattr(element, name)) for name in names)
+    values = ((name, getattr(element, name)) for name in element.fields)
     return {name: value for name, value in values if isinstance(value, Address)}
-
-
-# Field -> its place in the model file, where the words differ.
-_PATHS: Final = MappingProxyType({"start": "between[0]", "end": "between[1]"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,9 +98,10 @@ def with_places(
                 found[name] = place
             else:
                 what, fix = place
-                where = f"{labels[k]}, {_PATHS.get(name, name)}"
+                where = f"{labels[k]}, {element.fields[name].place or name}"
                 problems.append(Problem("model.unknown_place", where, what, "", fix))
-        result.append(_replaced(element, found) if found else element)
+        changes: dict[str, Any] = dict(found)
+        result.append(replace(element, **changes) if found else element)
     return result, problems
 
 
@@ -115,7 +110,3 @@ def element_labels(elements: Iterable[Element]) -> dict[int, str]:
     plain = [f"{element.kind} {element.name}" for element in elements]
     count = Counter(plain)
     return {k: label if count[label] == 1 else f"{label} (element {k + 1})" for k, label in enumerate(plain)}
-
-
-def _replaced(element: Element, changes: Mapping[str, Address]) -> Element:
-    return replace(element, **changes) if is_dataclass(element) else element

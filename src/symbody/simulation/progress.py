@@ -1,4 +1,4 @@
-"""Who is told how far the work has come: a bar on the screen, or what the caller gives."""
+"""Progress of long work: a bar on the screen, or a function of the caller."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ COMPILING: Final = "compiling the integration loop (once)"
 
 
 class StagedProgress(ABC):
-    """A progress that is also told when the work waits for something else."""
+    """A progress that also shows stages in which the work waits for something else."""
 
     @abstractmethod
     def __call__(self, share: float) -> bool | None:
@@ -47,25 +47,26 @@ class ProgressBar(StagedProgress):
 
 
 @contextmanager
-def told(progress: Progress | bool | None, name: str) -> Iterator[Progress | None]:
-    """Yield whom to tell the share that is done, if anybody; True shows a bar under a name.
+def show_progress(progress: Progress | bool | None, name: str) -> Iterator[Progress | None]:
+    """Yield the function to call with the share that is done, if any; True shows a bar under a name.
 
-    Who can be told stages hears when the integration loop is compiled, which happens once on a computer.
+    A `StagedProgress` also shows that the integration loop is compiled, which happens once on a computer.
 
     Raises
     ------
     UsageError
-        If it cannot be told anything.
+        If it cannot be called.
     """
     if not (progress is None or isinstance(progress, bool) or callable(progress)):
         raise UsageError(
-            Problem("simulation.progress", "progress", f"progress = {progress!r} can be told nothing", "",
+            Problem("simulation.progress", "progress",
+                    f"progress = {progress!r} is neither a switch nor a function", "",
                     "give True for a bar, or a function of the share that is done, from 0 to 1")
         )  # fmt: skip
     if progress is None or progress is False:
         yield None
     elif progress is not True:
-        with _watched(progress):
+        with _report_compilation(progress):
             yield progress
     else:
         columns = (
@@ -77,13 +78,13 @@ def told(progress: Progress | bool | None, name: str) -> Iterator[Progress | Non
         )
         with Bar(*columns, console=Console(stderr=True)) as bar:
             shown = ProgressBar(bar, name)
-            with _watched(shown):
+            with _report_compilation(shown):
                 yield shown
             shown(1.0)
 
 
 @contextmanager
-def _watched(progress: Progress) -> Iterator[None]:
+def _report_compilation(progress: Progress) -> Iterator[None]:
     if not isinstance(progress, StagedProgress):
         yield
         return

@@ -2,49 +2,37 @@
 
 from __future__ import annotations
 
-import math
-import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from numbers import Real
+from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from symbody.analysis.assembly import assemble
+from symbody.analysis.named_values import checked_mappings
 from symbody.analysis.redundancy import undetermined_at
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
-from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.undetermined import identically_undetermined, share_notes
-from symbody.simulation.events.events import Event, checked_events
-from symbody.simulation.events.watching import EventWatch
-from symbody.simulation.inputs.input_laws import AskingFunction, InputLaws, Law, input_laws
-from symbody.simulation.methods.change_point import run_held
-from symbody.simulation.methods.choice import Constraints, Integrator, run_chosen
-from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Projection, projector_of
-from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, Progress, RawRun, integrate
-from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.methods.question import checked_question
-from symbody.simulation.methods.request import Request
-from symbody.simulation.modes.dependent_speeds import pivot_events, pivots_judged
-from symbody.simulation.modes.impulses import run_struck
-from symbody.simulation.modes.painleve import judged
-from symbody.simulation.modes.switching import run_switching, switches
-from symbody.simulation.native.dense_output import DenseOutput
-from symbody.simulation.native.interface import Projector
-from symbody.simulation.progress import told
+from symbody.errors import Problem, UsageError
+from symbody.simulation.events.events import Event, check_events
+from symbody.simulation.hybrid.rate_jumps import run_with_jumps
+from symbody.simulation.hybrid.switching import run_switching, switches
+from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
+from symbody.simulation.methods.constraints import Baumgarte
+from symbody.simulation.methods.integration import Constraints, Integrator, MotionPlan
+from symbody.simulation.methods.integration_problem import IntegrationProblem
+from symbody.simulation.native.run import Progress
+from symbody.simulation.progress import show_progress
 from symbody.simulation.results.provenance import provenance_of
-from symbody.simulation.results.singular_angles import singular_passages
 from symbody.simulation.results.start_notes import start_notes
-from symbody.simulation.results.stop_note import stop_note
 from symbody.simulation.results.trajectory import Trajectory
-from symbody.simulation.status import Status
-from symbody.simulation.task import Evaluator, EventFunctions, Task
-from symbody.tolerances import CLOSED
+from symbody.simulation.simulation_problem import SimulationProblem
 
 
 @checked_arguments
@@ -94,31 +82,55 @@ def simulate(
         If names, values, times, tables or events make no sense, initial values do not fit, or a function
         given as input fails. Other failures on the way stand in `status`.
     """
-    checked_question(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
+    _check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
-    chosen, laws = checked_events(events, eqs), input_laws(eqs.input_names, inputs or {}, span)
-    held = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
+    watched, laws = check_events(events, eqs), input_laws(eqs.input_names, inputs or {}, span)
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
-    known = mechanism_scales(eqs, dict(parameters or {}), scales, first.q).over(*span)
-    task = Task(held, dict(parameters or {}), laws, known)
-    notes = (*_notes(eqs, inputs or {}, laws), *known.notes(eqs, atol), *start_notes(task, first))
-    move = partial(_moved, integrator=integrator, constraints=constraints, notes=notes)
-    go = partial(run_switching if switches(eqs.formed) else run_struck, move=move)
-    with told(progress, "motion") as tell:
-        wanted = partial(Request, times=times, rtol=rtol, atol=atol, max_steps=max_steps, progress=tell)
-        run = go(task, first, span, wanted, chosen)
-    return _annotate(run, eqs, task, first)
+    problem = _pose(eqs, span, parameters or {}, laws, scales, constraints, first)
+    notes = (*_input_notes(eqs, inputs or {}, laws), *problem.scales.notes(eqs, atol))
+    notes += start_notes(problem, first)
+    x0 = np.array([*first.u.values(), *first.q.values(), 0.0])
+    with show_progress(progress, "motion") as report:
+        integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
+        plan = MotionPlan(integration, integrator, constraints)
+        run = run_switching(plan) if switches(eqs.formed) else run_with_jumps(plan)
+    return _annotate(run, eqs, problem, first, notes)
 
 
-def _annotate(run: Trajectory, eqs: EquationSet, task: Task, first: State) -> Trajectory:
-    """Return a run with what it was computed from, and what is noted of its reactions."""
-    source = provenance_of(eqs, task.parameters, task.laws, switches=switches(eqs.formed))
-    further = _undetermined(eqs, first, run) if run.t.size else ()
-    return replace(run, notes=(*run.notes, *further), provenance=source)
+def _annotate(
+    run: Trajectory, eqs: EquationSet, problem: SimulationProblem, first: State, notes: tuple[str, ...]
+) -> Trajectory:
+    """Return a run with notes on its start and its reactions, and with what it was computed from."""
+    further = _undetermined_notes(eqs, first, run) if run.t.size else ()
+    source = provenance_of(eqs, problem.parameters, problem.laws, switches=switches(eqs.formed))
+    return replace(run, notes=(*notes, *run.notes, *further), provenance=source)
 
 
-def _undetermined(eqs: EquationSet, first: State, run: Trajectory) -> tuple[str, ...]:
-    """Return what is noted of reactions that do not follow from a motion with these values of parameters."""
+def _pose(
+    eqs: EquationSet,
+    span: tuple[float, float],
+    parameters: Mapping[str, Value],
+    laws: InputLaws,
+    scales: Mapping[str, float] | None,
+    constraints: Constraints | None,
+    first: State,
+) -> SimulationProblem:
+    """Return the equations to integrate, with all that they depend on besides the state."""
+    sizes = mechanism_scales(eqs, dict(parameters), scales, first.q).over(*span)
+    stabilized = constraints.stabilize(eqs) if isinstance(constraints, Baumgarte) else eqs
+    return SimulationProblem(stabilized, dict(parameters), laws, sizes)
+
+
+def _input_notes(eqs: EquationSet, inputs: Mapping[str, Law], laws: InputLaws) -> tuple[str, ...]:
+    silent = sorted(set(eqs.input_names).difference(inputs))
+    notes = [f"input {name} has no value and is 0" for name in silent]
+    if not eqs.speed_names:
+        notes.append("every coordinate is prescribed: only efforts and reactions are computed")
+    return (*notes, *laws.notes)
+
+
+def _undetermined_notes(eqs: EquationSet, first: State, run: Trajectory) -> tuple[str, ...]:
+    """Return notes on reactions that do not follow from a motion with these values of parameters."""
     if not (first.has_dependent_constraints or eqs.formed.friction):
         return ()
     always = identically_undetermined(eqs.formed)
@@ -129,163 +141,34 @@ def _undetermined(eqs: EquationSet, first: State, run: Trajectory) -> tuple[str,
     return share_notes(eqs.formed, [name for name in names if name not in always], " in this motion")
 
 
-def _moved(
-    task: Task,
-    first: State,
-    span: tuple[float, float],
-    wanted: Callable[..., Request],
-    events: tuple[Event, ...],
-    *,
-    integrator: Integrator | None,
-    constraints: Constraints | None,
-    notes: tuple[str, ...],
-) -> Trajectory:
-    """Return the motion of equations that stay the same."""
-    pivots = pivot_events(task, first, span[0])
-    run = partial(_run, task, first, span, wanted, integrator, events=(*events, *pivots))
-    raw, found, watch = run_held(task, first, span[0], integrator, constraints, run)
-    raw, blamed = judged(task, raw)
-    raw, lost = pivots_judged(raw, watch, pivots)
-    return _trajectory(task, raw, (*notes, *found, *blamed, *lost), watch)
-
-
-def _run(
-    task: Task,
-    first: State,
-    span: tuple[float, float],
-    wanted: Callable[..., Request],
-    integrator: Integrator | None,
-    constraints: Constraints,
-    events: tuple[Event, ...],
-) -> tuple[RawRun, tuple[str, ...], EventWatch | None]:
-    """Return the run by the integrator chosen, what to note about it, and what looked for events."""
-    x = np.array([*first.u.values(), *first.q.values(), 0.0])
-    bounds = task.breakpoints(span, [str(event.expression) for event in events])
-    request = wanted(task=task, x0=x, span=span, watch=None, breakpoints=bounds)
-    projector, closing = _projector(task, constraints, request.atol)
-    if isinstance(integrator, FixedStep):  # however far a step went, there is no shorter one
-        projector = projector._replace(limit=math.inf)
-    watch = _watch(task, events, projector if closing else None, abs(span[1] - span[0]))
-    request = replace(request, watch=watch)
-    run = partial(integrate, t_span=span, times=request.times, projector=projector, watch=watch)
-    atol = [*request.tolerances, _work_tolerance(task, first, span[0], request)]
-    run = partial(run, rtol=request.rtol, atol=atol, max_steps=request.max_steps, breakpoints=bounds)
-
-    def explicit(method: Explicit | FixedStep, stop: bool) -> RawRun:
-        return _integrated(
-            task, partial(run, method=method, stop_when_stiff=stop, progress=request.progress), first
-        )
-
-    raw, notes = run_chosen(request, integrator, constraints, explicit)
-    del closing  # it had to live as long as the loop that calls it
-    return raw, (*notes, *bounds.notes(integrator.step if isinstance(integrator, FixedStep) else None)), watch
-
-
-def _work_tolerance(task: Task, first: State, t: float, request: Request) -> float:
-    """Return how large a local error of the work may be.
-
-    Work starts at zero, but energies are known to `rtol` at best: to ask for `atol` alone of work done on a
-    mechanism in fast motion would ask for steps without end.
-    """
-    kinetic = task.interpreted("kinetic_energy", t, first.q.values(), first.u.values())
-    own = CLOSED * task.scales.energy if request.atol is None else request.atol
-    return min(max(own, request.rtol * kinetic), sys.float_info.max)
-
-
-def _watch(
-    task: Task, events: tuple[Event, ...], projector: Projector | None, length: float
-) -> EventWatch | None:
-    """Return what looks for events, if there are any."""
-    if not events:
-        return None
-    functions = EventFunctions(task, events, None if projector is None else projector.scales)
-    return EventWatch(events, functions, functions.wrapping, length)
-
-
-def _notes(eqs: EquationSet, inputs: Mapping[str, Law], laws: InputLaws) -> tuple[str, ...]:
-    silent = sorted(set(eqs.input_names).difference(inputs))
-    notes = [f"input {name} has no value and is 0" for name in silent]
-    if not eqs.speed_names:
-        notes.append("every coordinate is prescribed: only efforts and reactions are computed")
-    return (*notes, *laws.notes)
-
-
-def _projector(
-    task: Task, constraints: Constraints, atol: float | None
-) -> tuple[Projector, CompiledFunction | None]:
-    """Return what projects, and the function it calls by address."""
-    if isinstance(constraints, Baumgarte) or not task.is_closed:
-        return NOTHING_TO_PROJECT, None
-    # Other ways to hold constraints project only after events.
-    method = constraints if isinstance(constraints, Projection) else Projection()
-    closing = task.compiled(PROJECTED)
-    return projector_of(closing, task.eqs, task.scales, method, atol), closing
-
-
-def _integrated(task: Task, run: Callable[..., RawRun], first: State) -> RawRun:
-    """Return the run from a state; the compiled functions live until it ends.
+def _check_arguments(
+    eqs: object, t_end: object, integrator: object, constraints: object, **by_name: object
+) -> None:
+    """Refuse arguments of `simulate` of other kinds than it takes; those `by_name` are mappings.
 
     Raises
     ------
-    SimulationError
-        If the law of an input fails.
+    UsageError
+        With every such argument.
     """
-    n_u, n_q = len(task.eqs.speed_names), len(task.eqs.coordinate_names)
-    # The work is one more state: the function writes its rate, the power, behind xdot.
-    function = task.compiled(("xdot", "power"))
-    asking = AskingFunction(function, task.laws) if task.laws.asked else None
-    call = partial(
-        run,
-        function.address if asking is None else asking.address,
-        function.work_size,
-        n_u,
-        n_q + 1,
-        [*first.u.values(), *first.q.values(), 0.0],
-        inputs=np.zeros(len(task.laws.asked)),
-        constants=function.constants(),
-    )
-    if asking is None:
-        return call()
-    with asking.interruptible():
-        raw = call()
-    if asking.error is None:
-        return raw
-    if isinstance(asking.error, KeyboardInterrupt):
-        return replace(raw, status=Status.INTERRUPTED, kernel=None, state=None)
-    raise asking.error
-
-
-def _trajectory(task: Task, raw: RawRun, notes: tuple[str, ...], watch: EventWatch | None) -> Trajectory:
-    """Return the run with its names."""
-    eqs = task.eqs
-    n_u, n = len(eqs.speed_names), len(eqs.state_names)
-    states, work = _divided(raw.dense_output, n)
-    passages = [] if states is None else list(singular_passages(eqs, states))
-    notes = (*notes, *(told for _, told in passages))
-    stop = stop_note(task, raw)
-    if raw.status is Status.CHATTERING and watch is not None:
-        stop += f"; there event {watch.chattering!r} happens again and again"
-    return Trajectory(
-        t=raw.t,
-        q=raw.x[n_u:n],
-        u=raw.x[:n_u],
-        coordinate_names=eqs.coordinate_names,
-        speed_names=eqs.speed_names,
-        status=raw.status,
-        statistics=raw.statistics,
-        evaluate=Evaluator(task, work),
-        dense_output=states,
-        stored={"work": raw.x[-1]},
-        units=eqs.units,
-        notes=(*notes, stop) if stop else notes,
-        name=eqs.model.name,
-        events=(*(() if watch is None else watch.occurrences), *(event for event, _ in passages)),
-    )
-
-
-def _divided(dense: DenseOutput | None, n: int) -> tuple[DenseOutput | None, DenseOutput | None]:
-    """Return the dense output of the first `n` states, and of the rest."""
-    if dense is None:
-        return None, None
-    first, rest = dense.pieces[:, :, :n], dense.pieces[:, :, n:]
-    return DenseOutput(dense.breaks, first), DenseOutput(dense.breaks, rest)
+    problems = []
+    if not isinstance(eqs, EquationSet):
+        what = f"{type(eqs).__name__} is not a set of equations"
+        problems.append(Problem("simulation.not_equations", "eqs", what, "", "write form_equations(model)"))
+    ends = t_end if isinstance(t_end, tuple) and len(t_end) == 2 else (t_end,)
+    if not all(isinstance(end, Real) for end in ends):
+        what = f"{t_end!r} is not a time"
+        problems.append(
+            Problem("simulation.not_a_time", "t_end", what, "", "give seconds: 10.0, or (2.0, 10.0)")
+        )
+    for name, given, kinds in [
+        ("integrator", integrator, get_args(Integrator)),
+        ("constraints", constraints, get_args(Constraints)),
+    ]:
+        if given is not None and not isinstance(given, kinds):
+            known = ", ".join(f"{kind.__name__}(..)" for kind in kinds)
+            what = f"{given!r} means nothing"
+            problems.append(Problem("simulation.not_a_method", name, what, "", f"write one of {known}"))
+    if problems:
+        raise UsageError(*problems)
+    checked_mappings(**by_name)

@@ -7,7 +7,7 @@ from enum import Enum, unique
 
 @unique
 class Status(Enum):
-    """The verdict on a run; the value says what happened and what to try."""
+    """The verdict on a run; the value names what happened and what to try."""
 
     SUCCESS = "the motion was computed to its end"
     STOPPED = "a stopping event ended the motion"
@@ -53,5 +53,5 @@ class Status(Enum):
 
     @property
     def success(self) -> bool:
-        """Whether the motion was computed as far as was asked."""
+        """Whether the motion reached its end, or an event that stops it."""
         return self in (Status.SUCCESS, Status.STOPPED)

@@ -1,4 +1,4 @@
-"""Symmetric tensors fixed in a frame, kept so that their symmetry is used and not discovered again.
+"""Symmetric tensors fixed in a frame, split by their symmetry, which saves operations.
 
 A body with two equal principal moments has ``I = A 1 + (C - A) n n^T``: its products with vectors
 need one scalar product, and a turn about n leaves it as it is.
@@ -9,16 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from symbody.expr.expression import Expr, number
-from symbody.expr.graph import Graph
 from symbody.vectors.frame import FrameTree
-from symbody.vectors.matrix import Matrix, Triple, apply_matrix, opposite, outer, vanishes
+from symbody.vectors.matrix import Matrix, SymmetricTensor, Triple, Vector3, identity, symmetric_tensor
 from symbody.vectors.rotation import Turn
 from symbody.vectors.vector import NULL, Vector, components, cross, dot, vector
 
 
 @dataclass(frozen=True, slots=True)
 class Dyadic:
-    """``isotropic 1 + factor axis axis^T + rest``, of which unneeded parts are left out.
+    """``isotropic 1 + factor axis axis^T + unresolved``, of which unneeded parts are left out.
 
     Attributes
     ----------
@@ -28,26 +27,26 @@ class Dyadic:
         Factor of the unit tensor.
     axial : (Expr, (3,) Expr) or None
         Factor, and unit vector of the symmetry.
-    rest : (3, 3) Expr or None
-        What has no symmetry.
+    unresolved : SymmetricTensor or None
+        The part without symmetry.
     """
 
     frame: str
     isotropic: Expr
     axial: tuple[Expr, Triple] | None = None
-    rest: Matrix | None = None
+    unresolved: SymmetricTensor[Expr] | None = None
 
-    def resting_frame(self, tree: FrameTree) -> str:
+    def simplest_frame(self, tree: FrameTree) -> str:
         """Return the frame nearest the root in which the tensor has the same constant components.
 
-        An isotropic tensor rests in the root. One with an axis is passed up across turns about this axis.
+        For an isotropic tensor it is the root. One with an axis is passed up across turns about this axis.
         """
-        if self.rest is not None:
+        if self.unresolved is not None:
             return tree.home(self.frame)
         if self.axial is None:
             return tree.path(self.frame)[-1]
         frame, axis = self.frame, self.axial[1]
-        back = opposite(axis)
+        back = -Vector3(axis)
         while tree.depth(frame):
             parent, rotation = tree.parents[frame]
             for step in rotation.turns:
@@ -56,9 +55,9 @@ class Dyadic:
             frame = parent
         return frame
 
-    def at_rest(self, tree: FrameTree) -> Dyadic:
-        """Return the same tensor in its resting frame."""
-        return replace(self, frame=self.resting_frame(tree))
+    def in_simplest_frame(self, tree: FrameTree) -> Dyadic:
+        """Return the same tensor in the frame nearest the root in which its components are constant."""
+        return replace(self, frame=self.simplest_frame(tree))
 
 
 def symmetric_split(frame: str, tensor: Matrix) -> Dyadic:
@@ -68,43 +67,34 @@ def symmetric_split(frame: str, tensor: Matrix) -> Dyadic:
     body, two of its moments 0, has an axis and no isotropic part.
     """
     graph = tensor[0][0].graph
-    zero = number(graph, 0)
-    moments = (tensor[0][0], tensor[1][1], tensor[2][2])
-    products = (tensor[0][1], tensor[0][2], tensor[1][2])
-    if not vanishes(products):
-        xy, xz, yz = products
-        full = ((moments[0], xy, xz), (xy, moments[1], yz), (xz, yz, moments[2]))
-        return Dyadic(frame, zero, rest=full)
-    if moments[0] == moments[1] == moments[2]:
-        return Dyadic(frame, moments[0])
-    for k in range(3):
-        across = moments[k - 2]
-        if across == moments[k - 1]:
-            return Dyadic(frame, across, (moments[k] - across, _unit(graph, k)))
-    diagonal = (
-        (moments[0], zero, zero),
-        (zero, moments[1], zero),
-        (zero, zero, moments[2]),
-    )
-    return Dyadic(frame, zero, rest=diagonal)
+    whole = symmetric_tensor(tensor)
+    moments = whole[:3]
+    if all(product.is_zero for product in whole[3:]):
+        if moments[0] == moments[1] == moments[2]:
+            return Dyadic(frame, moments[0])
+        for k in range(3):
+            across = moments[k - 2]
+            if across == moments[k - 1]:
+                return Dyadic(frame, across, (moments[k] - across, identity(graph)[k]))
+    return Dyadic(frame, number(graph, 0), unresolved=whole)
 
 
 def apply(tree: FrameTree, dyadic: Dyadic, a: Vector) -> Vector:
     """Return ``D a``; terms stay in their frames as far as the symmetry allows."""
-    here = dyadic.at_rest(tree)
+    here = dyadic.in_simplest_frame(tree)
     result = a * here.isotropic
     if here.axial is not None:
         factor, axis = here.axial
         n = vector(here.frame, axis)
         result = result + n * (factor * dot(tree, n, a))
-    if here.rest is not None:
-        result = result + vector(here.frame, apply_matrix(here.rest, components(tree, a, here.frame)))
+    if here.unresolved is not None:
+        result = result + vector(here.frame, here.unresolved @ components(tree, a, here.frame))
     return result
 
 
 def quadratic(tree: FrameTree, a: Vector, dyadic: Dyadic, b: Vector) -> Expr:
     """Return ``a . D b`` as a sum of products of scalar products."""
-    here = dyadic.at_rest(tree)
+    here = dyadic.in_simplest_frame(tree)
     total = number(tree.graph, 0)
     if not here.isotropic.is_zero:
         total = here.isotropic * dot(tree, a, b)
@@ -112,42 +102,39 @@ def quadratic(tree: FrameTree, a: Vector, dyadic: Dyadic, b: Vector) -> Expr:
         factor, axis = here.axial
         n = vector(here.frame, axis)
         total = total + factor * (dot(tree, n, a) * dot(tree, n, b))
-    if here.rest is not None:
+    if here.unresolved is not None:
         p, q = components(tree, a, here.frame), components(tree, b, here.frame)
-        total = total + _bilinear(here.rest, p, q)
+        total = total + _bilinear(here.unresolved, p, q)
     return total
 
 
 def gyroscopic(tree: FrameTree, w: Vector, dyadic: Dyadic) -> Vector:
     """Return ``w x D w``; the isotropic part, whose product is zero, is never formed."""
-    here = dyadic.at_rest(tree)
+    here = dyadic.in_simplest_frame(tree)
     result = NULL
     if here.axial is not None:
         factor, axis = here.axial
         n = vector(here.frame, axis)
         result = cross(tree, w, n) * (factor * dot(tree, n, w))
-    if here.rest is not None:
+    if here.unresolved is not None:
         p = components(tree, w, here.frame)
-        result = result + vector(here.frame, _swirl(here.rest, p))
+        result = result + vector(here.frame, _gyroscopic(here.unresolved, p))
     return result
 
 
-def _bilinear(matrix: Matrix, p: Triple, q: Triple) -> Expr:
+def _bilinear(tensor: SymmetricTensor[Expr], p: Triple, q: Triple) -> Expr:
     """Return ``p . M q``, symmetric in p and q: each product of inertia is multiplied once."""
-    diagonal = (matrix[0][0] * (p[0] * q[0]), matrix[1][1] * (p[1] * q[1]), matrix[2][2] * (p[2] * q[2]))
+    diagonal = [moment * (x * y) for moment, x, y in zip(tensor, p, q, strict=False)]
     total = diagonal[0] + diagonal[1] + diagonal[2]
     for i, j in ((0, 1), (0, 2), (1, 2)):
-        total = total + matrix[i][j] * (p[i] * q[j] + p[j] * q[i])
+        total = total + tensor.entry(i, j) * (p[i] * q[j] + p[j] * q[i])
     return total
 
 
-def _swirl(matrix: Matrix, p: Triple) -> Triple:
-    """Return ``p x M p``; without products of inertia in Euler's form ``(C - B) p_y p_z``."""
-    if vanishes((matrix[0][1], matrix[0][2], matrix[1][2])):
-        a, b, c = matrix[0][0], matrix[1][1], matrix[2][2]
-        return ((c - b) * (p[1] * p[2]), (a - c) * (p[2] * p[0]), (b - a) * (p[0] * p[1]))
-    return outer(p, apply_matrix(matrix, p))
-
-
-def _unit(graph: Graph, k: int) -> Triple:
-    return (number(graph, int(k == 0)), number(graph, int(k == 1)), number(graph, int(k == 2)))
+def _gyroscopic(tensor: SymmetricTensor[Expr], w: Vector3[Expr]) -> Vector3[Expr]:
+    """Return ``w x M w``; without products of inertia in Euler's form ``(C - B) w_y w_z``."""
+    if not all(product.is_zero for product in tensor[3:]):
+        return w.cross(tensor @ w)
+    a, b, c = tensor[:3]
+    x, y, z = w
+    return Vector3(((c - b) * (y * z), (a - c) * (z * x), (b - a) * (x * y)))

@@ -10,10 +10,10 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.errors import FrameError, Problem
-from symbody.expr.expression import Expr, atan2, cos, number, sin
+from symbody.expr.expression import Expr, atan2, cos, sin
 from symbody.expr.graph import Graph
 from symbody.vectors.euler_parameters import Side
-from symbody.vectors.matrix import Matrix, Triple, apply_matrix, inner, outer, transpose
+from symbody.vectors.matrix import Matrix, Triple, Vector3, identity
 from symbody.vectors.rotation import Turn, turn_matrix
 
 _LETTERS: Final = {"1": "x", "2": "y", "3": "z", "x": "x", "y": "y", "z": "z"}
@@ -32,17 +32,22 @@ def sequence_axes(sequence: str) -> tuple[tuple[str, str, str], bool]:
     written = sequence.removeprefix(_SPACE).strip()
     letters = [_LETTERS.get(sign, "") for sign in written]
     if len(letters) != 3 or not all(letters):
-        raise _refused(sequence, "does not name three axes", "its signs must be x y z or 1 2 3, lower case")
+        raise _sequence_error(
+            sequence, "does not name three axes", "its signs must be x y z or 1 2 3, lower case"
+        )
     first, second, third = letters
     if second in (first, third):
-        raise _refused(sequence, "turns twice about one axis", "two such turns are only one, by their sum")
+        raise _sequence_error(
+            sequence, "turns twice about one axis", "two such turns are only one, by their sum"
+        )
     return (first, second, third), is_space
 
 
 def euler_turns(graph: Graph, sequence: str, angles: Triple) -> tuple[Turn, Turn, Turn]:
     """Return the turns from start to end, about body axes; `angles` in the order of the written axes."""
     axes, is_space = sequence_axes(sequence)
-    first, second, third = (Turn(_unit(graph, axis), angle) for axis, angle in zip(axes, angles, strict=True))
+    units = dict(zip("xyz", identity(graph), strict=True))
+    first, second, third = (Turn(units[axis], angle) for axis, angle in zip(axes, angles, strict=True))
     return (third, second, first) if is_space else (first, second, third)
 
 
@@ -70,27 +75,29 @@ def angle_rates(
     FrameError
         Unless there are three turns.
     """
-    first, second, third = _three(turns)
-    middle = turn_matrix(graph, second)
+    first, second, third = _check_three(turns)
+    middle, w = turn_matrix(graph, second), Vector3(omega)
+    axes = [Vector3(turn.axis) for turn in (first, second, third)]
     if resolved_in == "start":
-        a1, a2, a3 = first.axis, second.axis, apply_matrix(middle, third.axis)
-        w = apply_matrix(transpose(turn_matrix(graph, first)), omega)
+        a1, a2, a3 = axes[0], axes[1], middle @ axes[2]
+        seen = turn_matrix(graph, first).transposed @ w
     else:
-        a1, a2, a3 = apply_matrix(transpose(middle), first.axis), second.axis, third.axis
-        w = apply_matrix(turn_matrix(graph, third), omega)
-    if not (inner(a1, a2).is_zero and inner(a2, a3).is_zero):
-        determinant = inner(outer(a1, a2), a3)
-        dual = (outer(a2, a3), outer(a3, a1), outer(a1, a2))
-        return _divided((inner(dual[0], w), inner(dual[1], w), inner(dual[2], w)), determinant), determinant
+        a1, a2, a3 = middle.transposed @ axes[0], axes[1], axes[2]
+        seen = turn_matrix(graph, third) @ w
+    if not (a1.dot(a2).is_zero and a2.dot(a3).is_zero):
+        determinant = a1.cross(a2).dot(a3)
+        dual = (a2.cross(a3), a3.cross(a1), a1.cross(a2))
+        x, y, z = (axis.dot(seen) / determinant for axis in dual)
+        return (x, y, z), determinant
     # The middle axis stands on both others: its rate is a component. One of the outer rates comes from
     # the dual vector of constant axes, the other from the component of omega along its own axis.
     if resolved_in == "start":
-        determinant = inner(outer(a1, a2), a3)
-        rate3 = inner(outer(a1, a2), w) / determinant
-        return (inner(first.axis, omega) - inner(a1, a3) * rate3, inner(a2, w), rate3), determinant
-    determinant = inner(a1, outer(a2, a3))
-    rate1 = inner(outer(a2, a3), w) / determinant
-    return (rate1, inner(a2, w), inner(third.axis, omega) - inner(a1, a3) * rate1), determinant
+        determinant = a1.cross(a2).dot(a3)
+        rate3 = a1.cross(a2).dot(seen) / determinant
+        return (axes[0].dot(w) - a1.dot(a3) * rate3, a2.dot(seen), rate3), determinant
+    determinant = a1.dot(a2.cross(a3))
+    rate1 = a2.cross(a3).dot(seen) / determinant
+    return (rate1, a2.dot(seen), axes[2].dot(w) - a1.dot(a3) * rate1), determinant
 
 
 def measured_angles(matrix: Matrix, sequence: str) -> Triple:
@@ -120,7 +127,7 @@ def measured_angles(matrix: Matrix, sequence: str) -> Triple:
     return (first, second, atan2(sine, row[j]))
 
 
-def _three(turns: tuple[Turn, ...]) -> tuple[Turn, Turn, Turn]:
+def _check_three(turns: tuple[Turn, ...]) -> tuple[Turn, Turn, Turn]:
     if len(turns) != 3:
         raise FrameError(
             Problem("frame.three_turns", "angles",
@@ -131,16 +138,7 @@ def _three(turns: tuple[Turn, ...]) -> tuple[Turn, Turn, Turn]:
     return (turns[0], turns[1], turns[2])
 
 
-def _divided(a: Triple, divisor: Expr) -> Triple:
-    return (a[0] / divisor, a[1] / divisor, a[2] / divisor)
-
-
-def _unit(graph: Graph, axis: str) -> Triple:
-    x, y, z = (number(graph, int(axis == letter)) for letter in "xyz")
-    return (x, y, z)
-
-
-def _refused(sequence: str, what: str, why: str) -> FrameError:
+def _sequence_error(sequence: str, what: str, why: str) -> FrameError:
     return FrameError(
         Problem("frame.sequence", "angles", f"the sequence {sequence!r} {what}", why,
                 'write three axes of which neighbours differ, as "313", "zyx" or "space 123"')

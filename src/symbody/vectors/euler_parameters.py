@@ -10,7 +10,7 @@ from typing import Literal
 
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph
-from symbody.vectors.matrix import Matrix, Triple
+from symbody.vectors.matrix import Matrix3, Triple, Vector3, matrix3
 
 Four = tuple[Expr, Expr, Expr, Expr]
 Side = Literal["start", "end"]
@@ -32,6 +32,11 @@ class EulerParameters:
     e3: Expr
 
     @property
+    def vector(self) -> Vector3[Expr]:
+        """The vector part, e1 to e3."""
+        return Vector3((self.e1, self.e2, self.e3))
+
+    @property
     def inverse(self) -> EulerParameters:
         """The conjugate."""
         return EulerParameters(self.e0, -self.e1, -self.e2, -self.e3)
@@ -46,11 +51,11 @@ class EulerParameters:
         back = other.inverse
         return self == back or self == EulerParameters(-back.e0, -back.e1, -back.e2, -back.e3)
 
-    def matrix(self, graph: Graph) -> Matrix:
+    def matrix(self, graph: Graph) -> Matrix3[Expr]:
         """Return ``R`` with quadratic entries: off the unit sphere the norm squared times a rotation."""
         e0, e1, e2, e3 = self.e0, self.e1, self.e2, self.e3
         s0, s1, s2, s3 = e0 * e0, e1 * e1, e2 * e2, e3 * e3
-        return (
+        return matrix3(
             (s0 + s1 - s2 - s3, 2 * (e1 * e2 - e0 * e3), 2 * (e1 * e3 + e0 * e2)),
             (2 * (e1 * e2 + e0 * e3), s0 - s1 + s2 - s3, 2 * (e2 * e3 - e0 * e1)),
             (2 * (e1 * e3 - e0 * e2), 2 * (e2 * e3 + e0 * e1), s0 - s1 - s2 + s3),
@@ -62,32 +67,19 @@ def euler_parameter_rates(parameters: EulerParameters, omega: Triple, resolved_i
 
     In end axes ``q' = q (0, omega) / 2``, in start axes ``q' = (0, omega) q / 2``.
     """
-    e0, e1, e2, e3 = parameters.e0, parameters.e1, parameters.e2, parameters.e3
-    x, y, z = omega
-    if resolved_in == "start":  # the factors change places: their vector product changes its sign
-        x_part, y_part, z_part = y * e3 - z * e2, z * e1 - x * e3, x * e2 - y * e1
-    else:
-        x_part, y_part, z_part = e2 * z - e3 * y, e3 * x - e1 * z, e1 * y - e2 * x
-    return (
-        -(e1 * x + e2 * y + e3 * z) / 2,
-        (e0 * x + x_part) / 2,
-        (e0 * y + y_part) / 2,
-        (e0 * z + z_part) / 2,
-    )
+    e0, e, w = parameters.e0, parameters.vector, Vector3(omega)
+    x, y, z = w * e0 + (w.cross(e) if resolved_in == "start" else e.cross(w))
+    return (-e.dot(w) / 2, x / 2, y / 2, z / 2)
 
 
-def euler_parameter_omega(parameters: EulerParameters, rates: Four, resolved_in: Side = "end") -> Triple:
+def euler_parameter_omega(
+    parameters: EulerParameters, rates: Four, resolved_in: Side = "end"
+) -> Vector3[Expr]:
     """Return the angular velocity from q': the vector part of ``2 q* q'`` (end) or ``2 q' q*`` (start).
 
     Off the unit sphere, too, this is the one linear in q' with these coefficients.
     """
-    e0, e1, e2, e3 = parameters.e0, parameters.e1, parameters.e2, parameters.e3
-    r0, r1, r2, r3 = rates
-    x, y, z = e2 * r3 - e3 * r2, e3 * r1 - e1 * r3, e1 * r2 - e2 * r1
-    if resolved_in == "end":
-        x, y, z = -x, -y, -z
-    return (
-        2 * (e0 * r1 - e1 * r0 + x),
-        2 * (e0 * r2 - e2 * r0 + y),
-        2 * (e0 * r3 - e3 * r0 + z),
-    )
+    e0, e = parameters.e0, parameters.vector
+    r0, r = rates[0], Vector3(rates[1:])
+    across = e.cross(r)
+    return (r * e0 - e * r0 + (-across if resolved_in == "end" else across)) * 2

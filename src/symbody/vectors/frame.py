@@ -1,7 +1,6 @@
-"""A tree of frames: who stands in whom, and the rotation between any two along the tree.
+"""A tree of frames, each in its parent, and the rotation between any two along the tree.
 
-Frames remember nothing. A `FrameTree` is a value made from a model and a choice of trees; another
-choice makes another FrameTree.
+A `FrameTree` follows from a model and a choice of trees; another choice makes another FrameTree.
 """
 
 from __future__ import annotations
@@ -9,8 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from symbody.errors import FrameError, Problem, nearest
+from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph
-from symbody.vectors.matrix import Matrix, transpose
+from symbody.vectors.matrix import Matrix3
 from symbody.vectors.rotation import Rotation
 from symbody.vectors.step_products import StepProducts, Word, backwards
 
@@ -52,10 +52,10 @@ class FrameTree:
 
     graph: Graph
     parents: dict[str, tuple[str, Rotation]]
-    # What was found already. Each entry follows from the entries of `parents` on its way to the
+    # Results kept for the next call. Each follows from the entries of `parents` on its way to the
     # root, and those stay, so none can go stale.
     _places: dict[str, Place] = field(default_factory=dict, init=False, compare=False, repr=False)
-    _matrices: dict[tuple[str, str], Matrix] = field(
+    _matrices: dict[tuple[str, str], Matrix3[Expr]] = field(
         default_factory=dict, init=False, compare=False, repr=False
     )
     _products: StepProducts = field(init=False, compare=False, repr=False)
@@ -72,8 +72,8 @@ class FrameTree:
         FrameError
             If the frame is unknown, or stands in itself by way of others.
         """
-        found = self._places.get(frame)
-        return self._entered(frame) if found is None else found
+        place = self._places.get(frame)
+        return self._enter(frame) if place is None else place
 
     def path(self, frame: str) -> Path:
         """Return the frames from `frame` to the root."""
@@ -86,14 +86,14 @@ class FrameTree:
         """Return the rotation from frame `a` to frame `b` along the tree."""
         return self._products.rotation(self._word(a, b))
 
-    def matrix(self, a: str, b: str) -> Matrix:
+    def matrix(self, a: str, b: str) -> Matrix3[Expr]:
         """Return ``R_ab``: components in `b` to components in `a`."""
-        found = self._matrices.get((a, b))
-        if found is None:
-            found = self._products.matrix(self._word(a, b))
-            self._matrices[(a, b)] = found
-            self._matrices[(b, a)] = transpose(found)
-        return found
+        matrix = self._matrices.get((a, b))
+        if matrix is None:
+            matrix = self._products.matrix(self._word(a, b))
+            self._matrices[(a, b)] = matrix
+            self._matrices[(b, a)] = matrix.transposed
+        return matrix
 
     def is_parallel(self, a: str, b: str) -> bool:
         """Return whether several turns lead from frame `a` to frame `b`, all about parallel axes."""
@@ -135,17 +135,17 @@ class FrameTree:
             up.extend(word)
         return self._products.reduced(up)
 
-    def _entered(self, frame: str) -> Place:
+    def _enter(self, frame: str) -> Place:
         """Enter the places of a frame and of all it stands in."""
         missing = [frame]
         while missing[-1] in self.parents and missing[-1] not in self._places:
             if len(missing) > len(self.parents):
                 raise _circle(frame)
             missing.append(self.parents[missing[-1]][0])
-        nearest_known = missing.pop()
-        if nearest_known not in self._places:
-            raise _unknown(nearest_known, frame, [ROOT, *self.parents])
-        place = self._places[nearest_known]
+        ancestor = missing.pop()
+        if ancestor not in self._places:
+            raise _unknown_frame(ancestor, frame, [ROOT, *self.parents])
+        place = self._places[ancestor]
         for name in reversed(missing):
             parent, rotation = self.parents[name]
             word = self._products.reduced(self._products.word(rotation))
@@ -154,10 +154,10 @@ class FrameTree:
         return place
 
 
-def _unknown(name: str, frame: str, known: list[str]) -> FrameError:
+def _unknown_frame(name: str, frame: str, frames: list[str]) -> FrameError:
     why = "" if name == frame else f"frame {frame!r} stands in it"
     return FrameError(
-        Problem("frame.unknown", frame, f"there is no frame {name!r}", why, nearest(name, known))
+        Problem("frame.unknown", frame, f"there is no frame {name!r}", why, nearest(name, frames))
     )
 
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from symbody.expr.calculus import time_derivative
-from symbody.expr.expression import Expr, common_graph, number
+from symbody.expr.expression import Expr, common_graph
 from symbody.expr.graph import Graph, Kind
 from symbody.expr.rewrite import dependence
-from symbody.vectors.matrix import Matrix, Triple, apply_matrix, inner, transpose
+from symbody.vectors.matrix import Triple, Vector3, matrix3, zero_vector
 from symbody.vectors.placed import (
     GROUND_FRAME,
     PlacedFrame,
@@ -14,16 +14,15 @@ from symbody.vectors.placed import (
     PlacedStep,
     PlacedVector,
     Shift,
-    plus,
 )
-from symbody.vectors.rotation import DirectionCosines, Turn, turn_matrix
+from symbody.vectors.rotation import DirectionCosines, Turn, spin, turn_matrix
 
 
-def rate(x: Triple) -> Triple:
+def rate(x: Triple) -> Vector3[Expr]:
     """Return the time derivatives of three expressions."""
     graph, nodes = common_graph(x)
     a, b, c = (Expr(graph, node) for node in time_derivative(graph, nodes))
-    return (a, b, c)
+    return Vector3((a, b, c))
 
 
 def velocity(point: PlacedPoint) -> PlacedVector:
@@ -38,10 +37,10 @@ def acceleration(point: PlacedPoint) -> PlacedVector:
 
 def angular_velocity(graph: Graph, frame: PlacedFrame, other: PlacedFrame = GROUND_FRAME) -> PlacedVector:
     """Return the angular velocity of a frame relative to another, in the first [rad/s]."""
-    own = PlacedVector(frame, _spin_of(graph, frame))
+    absolute = PlacedVector(frame, _angular_velocity(graph, frame))
     if not other.steps:
-        return own
-    return own + -PlacedVector(other, _spin_of(graph, other))
+        return absolute
+    return absolute + -PlacedVector(other, _angular_velocity(graph, other))
 
 
 def turned_by(graph: Graph, axis: Triple, angle: Expr) -> PlacedStep:
@@ -53,7 +52,7 @@ def turned_by(graph: Graph, axis: Triple, angle: Expr) -> PlacedStep:
     return DirectionCosines(turn_matrix(graph, turn))
 
 
-def spin_of_step(step: PlacedStep) -> Triple | None:
+def spin_of_step(step: PlacedStep) -> Vector3[Expr] | None:
     """Return the angular velocity of a step's end relative to its start, in the end's axes; None for a shift.
 
     Of a matrix it is read from ``R^T R' = w~``, above the diagonal: where the columns are no unit vectors, as
@@ -63,21 +62,14 @@ def spin_of_step(step: PlacedStep) -> Triple | None:
         return None
     if isinstance(step, Turn):
         (speed, _, _) = rate((step.angle, step.angle, step.angle))
-        x, y, z = step.axis
-        return (x * speed, y * speed, z * speed)
-    columns, rates = transpose(step.cosines), transpose(_rates(step.cosines))
-    return (inner(columns[2], rates[1]), inner(columns[0], rates[2]), inner(columns[1], rates[0]))
+        return Vector3(step.axis) * speed
+    return spin(step.cosines, matrix3(*(rate(row) for row in step.cosines)))
 
 
-def _rates(a: Matrix) -> Matrix:
-    return (rate(a[0]), rate(a[1]), rate(a[2]))
-
-
-def _spin_of(graph: Graph, frame: PlacedFrame) -> Triple:
-    zero = number(graph, 0)
-    total = (zero, zero, zero)
+def _angular_velocity(graph: Graph, frame: PlacedFrame) -> Vector3[Expr]:
+    total = zero_vector(graph)
     for step in frame.steps:
-        own = spin_of_step(step)
-        if own is not None and not isinstance(step, Shift):
-            total = plus(apply_matrix(transpose(step.matrix(graph)), total), own)
+        spin = spin_of_step(step)
+        if spin is not None and not isinstance(step, Shift):
+            total = step.matrix(graph).transposed @ total + spin
     return total

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from symbody.expr.expression import Expr, number
 from symbody.expr.graph import Graph
-from symbody.vectors.matrix import Matrix, Triple, apply_matrix, identity, inner, opposite, outer
+from symbody.vectors.matrix import Matrix3, Triple, Vector3, identity, zero_vector
 from symbody.vectors.rotation import DirectionCosines, Turn, rotation_matrix, rotation_of
 
 
@@ -25,7 +25,7 @@ class Shift:
     @property
     def inverse(self) -> Shift:
         """The displacement back."""
-        return Shift(opposite(self.by))
+        return Shift(-Vector3(self.by))
 
 
 PlacedStep = Turn | DirectionCosines | Shift
@@ -65,31 +65,30 @@ class PlacedFrame:
             else:
                 yield from (entry for row in step.cosines for entry in row)
 
-    def rotation(self, graph: Graph) -> Matrix:
+    def rotation(self, graph: Graph) -> Matrix3[Expr]:
         """Return R: components in this frame to components in ground."""
         return rotation_matrix(graph, rotation_of(_turns(self.steps)))
 
-    def origin(self, graph: Graph) -> Triple:
+    def origin(self, graph: Graph) -> Vector3[Expr]:
         """Return the position of the origin, in ground axes [m]."""
-        zero = number(graph, 0)
-        return self.place((zero, zero, zero))
+        return self.place(zero_vector(graph))
 
-    def place(self, x: Triple) -> Triple:
-        """Return the ground coordinates of the point with coordinates `x` in this frame."""
-        graph = x[0].graph
+    def place(self, point: Triple) -> Vector3[Expr]:
+        """Return the ground coordinates of a point given by its coordinates in this frame."""
+        graph, x = point[0].graph, Vector3(point)
         for k in range(len(self.steps) - 1, -1, -1):
             step = self.steps[k]
             if isinstance(step, Shift):
-                x = plus(step.by, x)
+                x = x + step.by
             elif k == 0 or isinstance(self.steps[k - 1], Shift):
                 # A run of turns is one matrix, so that parallel ones add up first.
-                run = rotation_of(_turns(_run(self.steps, k)))
-                x = apply_matrix(rotation_matrix(graph, run), x)
+                run = rotation_of(_turns(_run_of_turns(self.steps, k)))
+                x = rotation_matrix(graph, run) @ x
         return x
 
-    def turn(self, x: Triple) -> Triple:
+    def turn(self, x: Triple) -> Vector3[Expr]:
         """Return the ground components of the vector with components `x` in this frame."""
-        return x if not self.steps else apply_matrix(self.rotation(x[0].graph), x)
+        return Vector3(x) if not self.steps else self.rotation(x[0].graph) @ x
 
 
 GROUND_FRAME = PlacedFrame()
@@ -107,7 +106,7 @@ class PlacedPoint:
         return PlacedPoint(frame, self.frame.seen_from(frame).place(self.coordinates))
 
     @property
-    def position(self) -> Triple:
+    def position(self) -> Vector3[Expr]:
         """The coordinates in ground."""
         return self.frame.place(self.coordinates)
 
@@ -124,43 +123,36 @@ class PlacedVector:
         return PlacedVector(frame, self.frame.seen_from(frame).turn(self.components))
 
     def __add__(self, other: PlacedVector) -> PlacedVector:
-        return PlacedVector(self.frame, plus(self.components, other.projected(self.frame).components))
+        return PlacedVector(self.frame, self._own + other.projected(self.frame).components)
 
     def __neg__(self) -> PlacedVector:
-        return PlacedVector(self.frame, opposite(self.components))
+        return PlacedVector(self.frame, -self._own)
 
     def __mul__(self, factor: Expr) -> PlacedVector:
-        x, y, z = self.components
-        return PlacedVector(self.frame, (x * factor, y * factor, z * factor))
+        return PlacedVector(self.frame, self._own * factor)
 
     def dot(self, other: PlacedVector) -> Expr:
         """Return the scalar product."""
-        return inner(self.components, other.projected(self.frame).components)
+        return self._own.dot(other.projected(self.frame).components)
 
     def cross(self, other: PlacedVector) -> PlacedVector:
         """Return the vector product, in the frame of the first factor."""
-        return PlacedVector(self.frame, outer(self.components, other.projected(self.frame).components))
+        return PlacedVector(self.frame, self._own.cross(other.projected(self.frame).components))
 
     @property
-    def in_ground(self) -> Triple:
+    def _own(self) -> Vector3[Expr]:
+        return Vector3(self.components)
+
+    @property
+    def in_ground(self) -> Vector3[Expr]:
         """The components in ground."""
         return self.frame.turn(self.components)
 
 
 def joined(start: PlacedPoint, end: PlacedPoint) -> PlacedVector:
     """Return the vector from one point to another, in the frame of the first."""
-    there = end.projected(start.frame).coordinates
-    return PlacedVector(start.frame, minus(there, start.coordinates))
-
-
-def plus(a: Triple, b: Triple) -> Triple:
-    """Return ``a + b`` of components in one frame."""
-    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
-
-
-def minus(a: Triple, b: Triple) -> Triple:
-    """Return ``a - b`` of components in one frame."""
-    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+    there = Vector3(end.projected(start.frame).coordinates)
+    return PlacedVector(start.frame, there - start.coordinates)
 
 
 def homogeneous(frame: PlacedFrame, graph: Graph) -> tuple[tuple[Expr, ...], ...]:
@@ -175,7 +167,7 @@ def _turns(steps: Iterable[PlacedStep]) -> list[Turn | DirectionCosines]:
     return [step for step in steps if not isinstance(step, Shift)]
 
 
-def _run(steps: Sequence[PlacedStep], start: int) -> Sequence[PlacedStep]:
+def _run_of_turns(steps: Sequence[PlacedStep], start: int) -> Sequence[PlacedStep]:
     """Return the turns from `start` up to the next shift."""
     end = start
     while end < len(steps) and not isinstance(steps[end], Shift):

@@ -8,26 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import reduce
 
 from symbody.expr.expression import Expr, cos, number, sin
 from symbody.expr.graph import Graph
 from symbody.vectors.angle_sum import angle_sum
-from symbody.vectors.euler_parameters import EulerParameters, euler_parameter_rates
-from symbody.vectors.matrix import (
-    Matrix,
-    Triple,
-    apply_matrix,
-    identity,
-    opposite,
-    product,
-    transpose,
-)
-
-__all__ = [
-    "DirectionCosines", "EulerParameters", "Matrix", "Rotation", "RotationStep", "Triple", "Turn",
-    "apply_matrix", "euler_parameter_rates", "identity", "merged", "product", "rotation_matrix",
-    "rotation_of", "transpose", "turn_matrix",
-]  # fmt: skip
+from symbody.vectors.euler_parameters import EulerParameters
+from symbody.vectors.matrix import Matrix, Matrix3, Triple, Vector3, identity, matrix3, transpose
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +42,7 @@ class Turn:
         """True if the angle is exactly 0."""
         return self.angle.is_zero
 
-    def matrix(self, graph: Graph) -> Matrix:
+    def matrix(self, graph: Graph) -> Matrix3[Expr]:
         """Return ``1 cos + (1 - cos) a a^T + sin a~``."""
         return turn_matrix(graph, self)
 
@@ -76,9 +63,9 @@ class DirectionCosines:
         """True if the matrix is exactly the unit matrix."""
         return self.cosines == identity(self.cosines[0][0].graph)
 
-    def matrix(self, graph: Graph) -> Matrix:
+    def matrix(self, graph: Graph) -> Matrix3[Expr]:
         """Return the cosines."""
-        return self.cosines
+        return matrix3(*self.cosines)
 
 
 RotationStep = Turn | EulerParameters | DirectionCosines
@@ -126,41 +113,45 @@ def merged(first: RotationStep, second: RotationStep) -> tuple[RotationStep, ...
     return () if second == first.inverse else None
 
 
-def rotation_matrix(graph: Graph, rotation: Rotation) -> Matrix:
+def rotation_matrix(graph: Graph, rotation: Rotation) -> Matrix3[Expr]:
     """Return ``R_AB``, whose columns are B's axes in A."""
     matrices = [step.matrix(graph) for step in rotation.turns]
-    if not matrices:
-        return identity(graph)
-    result = matrices[0]
-    for matrix in matrices[1:]:
-        result = product(result, matrix)
-    return result
+    return reduce(lambda a, b: a @ b, matrices) if matrices else identity(graph)
 
 
-def turn_matrix(graph: Graph, turn: Turn) -> Matrix:
+def turn_matrix(graph: Graph, turn: Turn) -> Matrix3[Expr]:
     """Return ``1 cos + (1 - cos) a a^T + sin a~`` (Euler, Rodrigues)."""
-    one = number(graph, 1)
-    c, s = cos(turn.angle), sin(turn.angle)
-    a = turn.axis
-    skew = ((0, -1, 2), (1, 0, -3), (-2, 3, 0))  # +-(k + 1) with k the axis not involved
-    place = {1: a[2], 2: a[1], 3: a[0]}
-    rows = []
-    for i in range(3):
-        row = []
-        for j in range(3):
-            entry = c * (1 - a[i] * a[i]) + a[i] * a[i] if i == j else (one - c) * a[i] * a[j]
-            code = skew[i][j]
-            if code:
-                entry = entry + place[abs(code)] * s if code > 0 else entry - place[abs(code)] * s
-            row.append(entry)
-        rows.append((row[0], row[1], row[2]))
-    return (rows[0], rows[1], rows[2])
+    c, s, one = cos(turn.angle), sin(turn.angle), number(graph, 1)
+    x, y, z = turn.axis
+
+    def square(a: Expr) -> Expr:
+        return c * (1 - a * a) + a * a
+
+    def product(a: Expr, b: Expr) -> Expr:
+        return (one - c) * a * b
+
+    return matrix3(
+        (square(x), product(x, y) - z * s, product(x, z) + y * s),
+        (product(y, x) + z * s, square(y), product(y, z) - x * s),
+        (product(z, x) - y * s, product(z, y) + x * s, square(z)),
+    )
+
+
+def spin(R: Matrix, rate: Matrix) -> Vector3[Expr]:
+    """Return the angular velocity in the turning frame's axes, from ``R^T R' = w~``.
+
+    Off the unit sphere of Euler parameters it is ``2 G(q) q'`` times a power of their norm, a smooth
+    extension of the angular velocity. The symmetric part is on the diagonal, which is not read.
+    """
+    x, y, z = transpose(R)
+    dx, dy, dz = transpose(rate)
+    return Vector3((z.dot(dy), x.dot(dz), y.dot(dx)))
 
 
 def _merged_turns(first: Turn, second: Turn) -> tuple[Turn, ...] | None:
     if first.axis == second.axis:
         angle = angle_sum(first.angle, second.angle)
-    elif first.axis == opposite(second.axis):
+    elif first.axis == -Vector3(second.axis):
         angle = angle_sum(first.angle, -second.angle)
     else:
         return None

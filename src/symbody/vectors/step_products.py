@@ -1,4 +1,4 @@
-"""Matrices of successive steps, each formed from a shorter sequence that is already known.
+"""Matrices of successive steps, each formed from the longest part of its sequence that has one.
 
 A step is coded by a whole number, its inverse by the opposite one, and a sequence of steps by the
 tuple of codes, a *word*. Two ways through a tree that come to the same word share one matrix.
@@ -10,8 +10,9 @@ from collections.abc import Iterable
 from itertools import count
 from typing import Any
 
+from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph
-from symbody.vectors.matrix import Matrix, identity, product, transpose
+from symbody.vectors.matrix import Matrix3, identity
 from symbody.vectors.rotation import Rotation, RotationStep, merged
 
 Word = tuple[int, ...]
@@ -32,7 +33,7 @@ class StepProducts:
         self._codes: dict[RotationStep, int] = {}
         self._steps: dict[int, RotationStep] = {}
         self._merged: dict[tuple[int, int], Word | None] = {}
-        self._matrices: dict[Word, Matrix] = {(): identity(graph)}
+        self._matrices: dict[Word, Matrix3[Expr]] = {(): identity(graph)}
 
     def __getstate__(self) -> tuple[object, ...]:
         """Return what a copy needs; a counter cannot be pickled from Python 3.14 on."""
@@ -61,44 +62,41 @@ class StepProducts:
         """Return the rotation of a reduced word."""
         return Rotation(tuple(self._steps[code] for code in word))
 
-    def matrix(self, word: Word) -> Matrix:
+    def matrix(self, word: Word) -> Matrix3[Expr]:
         """Return the product of the step matrices of a reduced word."""
-        found = self._matrices.get(word)
-        if found is not None:
-            return found
+        if word in self._matrices:
+            return self._matrices[word]
         for length in range(len(word) - 1, 0, -1):
             if word[-length:] in self._matrices:
-                return self._extended_left(word, length)
+                return self._extend_left(word, length)
             # A short beginning is left alone: from the end, which is deep in the tree, more is shared.
             if 2 * length >= len(word) > 2 and word[:length] in self._matrices:
-                return self._extended_right(word, length)
+                return self._extend_right(word, length)
         self._step_matrix(word[-1])
-        return self._extended_left(word, 1)
+        return self._extend_left(word, 1)
 
-    def _extended_right(self, word: Word, length: int) -> Matrix:
+    def _extend_right(self, word: Word, length: int) -> Matrix3[Expr]:
         result = self._matrices[word[:length]]
         for end in range(length + 1, len(word) + 1):
-            result = product(result, self._step_matrix(word[end - 1]))
+            result = result @ self._step_matrix(word[end - 1])
             self._keep(word[:end], result)
         return result
 
-    def _extended_left(self, word: Word, length: int) -> Matrix:
+    def _extend_left(self, word: Word, length: int) -> Matrix3[Expr]:
         result = self._matrices[word[-length:]]
         for start in range(len(word) - length - 1, -1, -1):
-            result = product(self._step_matrix(word[start]), result)
+            result = self._step_matrix(word[start]) @ result
             self._keep(word[start:], result)
         return result
 
-    def _step_matrix(self, code: int) -> Matrix:
-        found = self._matrices.get((code,))
-        if found is None:
-            found = self._steps[code].matrix(self._graph)
-            self._keep((code,), found)
-        return found
+    def _step_matrix(self, code: int) -> Matrix3[Expr]:
+        if (code,) not in self._matrices:
+            self._keep((code,), self._steps[code].matrix(self._graph))
+        return self._matrices[code,]
 
-    def _keep(self, word: Word, matrix: Matrix) -> None:
+    def _keep(self, word: Word, matrix: Matrix3[Expr]) -> None:
         self._matrices[word] = matrix
-        self._matrices[backwards(word)] = transpose(matrix)
+        self._matrices[backwards(word)] = matrix.transposed
 
     def _together(self, first: int, second: int) -> Word | None:
         """Return the code of two merged steps, no code if they cancel, None if they stay two."""
@@ -111,14 +109,13 @@ class StepProducts:
         return self._merged[pair]
 
     def _code(self, step: RotationStep) -> int:
-        found = self._codes.get(step)
-        if found is None:
+        if step not in self._codes:
             code = next(self._next)
             self._steps[code], self._steps[-code] = step, step.inverse
             self._codes.setdefault(self._steps[-code], -code)
-            # What another thread entered meanwhile is kept; either code is right.
-            found = self._codes.setdefault(step, code)
-        return found
+            # The code that another thread entered meanwhile is kept; either is right.
+            self._codes.setdefault(step, code)
+        return self._codes[step]
 
 
 def backwards(word: Word) -> Word:

@@ -12,7 +12,7 @@ from typing import Final
 
 from symbody.expr.expression import Expr
 from symbody.vectors.frame import FrameTree
-from symbody.vectors.matrix import Triple, apply_matrix, inner, outer, vanishes
+from symbody.vectors.matrix import Triple, Vector3, vanishes
 from symbody.vectors.rotation import Turn
 
 Rank = tuple[int, str]  # depth and name of a frame: an order that begins at the root
@@ -22,31 +22,31 @@ Rank = tuple[int, str]  # depth and name of a frame: an order that begins at the
 class Vector:
     """A sum of terms: components (x, y, z) in each of several frames; no terms is the zero vector."""
 
-    terms: Mapping[str, Triple]
+    terms: Mapping[str, Vector3[Expr]]
 
     def __add__(self, other: Vector) -> Vector:
         terms = dict(self.terms)
         for frame, b in other.terms.items():
-            a = terms.get(frame)
-            terms[frame] = b if a is None else (a[0] + b[0], a[1] + b[1], a[2] + b[2])
-        return _without_zeros(terms)
+            terms[frame] = terms[frame] + b if frame in terms else b
+        return _nonzero(terms)
 
     def __sub__(self, other: Vector) -> Vector:
         return self + -other
 
     def __neg__(self) -> Vector:
-        return self.map(lambda x: -x)
+        return Vector({frame: -parts for frame, parts in self.terms.items()})
 
     def __mul__(self, factor: Expr | int) -> Vector:
-        return self.map(lambda x: x * factor)
+        return _nonzero({frame: parts * factor for frame, parts in self.terms.items()})
 
     __rmul__ = __mul__
 
     def map(self, function: Callable[[Expr], Expr]) -> Vector:
         """Return the vector with `function` applied to every component."""
-        return _without_zeros(
-            {f: (function(c[0]), function(c[1]), function(c[2])) for f, c in self.terms.items()}
-        )
+        terms = {
+            frame: Vector3((function(x), function(y), function(z))) for frame, (x, y, z) in self.terms.items()
+        }
+        return _nonzero(terms)
 
     @property
     def is_zero(self) -> bool:
@@ -59,21 +59,21 @@ NULL: Final = Vector({})
 
 def vector(frame: str, components: Triple) -> Vector:
     """Return the vector with `components` in `frame`."""
-    return _without_zeros({frame: components})
+    return _nonzero({frame: Vector3(components)})
 
 
 def express(tree: FrameTree, a: Vector, frame: str) -> Vector:
     """Return the vector with all its components in one frame."""
     result = NULL
-    for home, components in a.terms.items():
-        result = result + vector(frame, _moved(tree, components, home, frame))
+    for home, parts in a.terms.items():
+        result = result + vector(frame, _in_frame(tree, parts, home, frame))
     return result
 
 
-def components(tree: FrameTree, a: Vector, frame: str) -> Triple:
+def components(tree: FrameTree, a: Vector, frame: str) -> Vector3[Expr]:
     """Return the components of the vector in `frame`."""
     zero = Expr(tree.graph, 0)
-    return express(tree, a, frame).terms.get(frame, (zero, zero, zero))
+    return express(tree, a, frame).terms.get(frame, Vector3((zero, zero, zero)))
 
 
 def drawn_near(tree: FrameTree, a: Vector, frame: str) -> Vector:
@@ -101,7 +101,7 @@ def lifted(tree: FrameTree, a: Vector, kept: Collection[str] = ()) -> Vector:
         while frame in tree.parents and frame not in kept:
             parent, rotation = tree.parents[frame]
             (step,) = rotation.turns if len(rotation.turns) == 1 else (None,)
-            if not isinstance(step, Turn) or not vanishes(outer(step.axis, parts)):
+            if not isinstance(step, Turn) or not vanishes(Vector3(step.axis).cross(parts)):
                 break
             frame = tree.home(parent)
         result = result + Vector({frame: parts})
@@ -117,8 +117,8 @@ def dot(tree: FrameTree, a: Vector, b: Vector) -> Expr:
             if first[0] > second[0]:
                 first, second = second, first
             pair = (first[0], second[0])
-            found = _product_of_terms(tree, pair, first[1], second[1])
-            totals[pair] = totals[pair] + found if pair in totals else found
+            term = _product_of_terms(tree, pair, first[1], second[1])
+            totals[pair] = totals[pair] + term if pair in totals else term
     total = Expr(tree.graph, 0)
     for pair in sorted(totals):
         total = total + totals[pair]
@@ -131,8 +131,8 @@ def cross(tree: FrameTree, a: Vector, b: Vector) -> Vector:
     for home, x in a.terms.items():
         for other, y in b.terms.items():
             frame = home if tree.depth(home) >= tree.depth(other) else other
-            p, q = _moved(tree, x, home, frame), _moved(tree, y, other, frame)
-            result = result + vector(frame, outer(p, q))
+            p, q = _in_frame(tree, x, home, frame), _in_frame(tree, y, other, frame)
+            result = result + vector(frame, p.cross(q))
     return result
 
 
@@ -140,22 +140,24 @@ def _rank(tree: FrameTree, frame: str) -> Rank:
     return (tree.depth(frame), frame)
 
 
-def _product_of_terms(tree: FrameTree, frames: tuple[Rank, Rank], x: Triple, y: Triple) -> Expr:
+def _product_of_terms(tree: FrameTree, frames: tuple[Rank, Rank], x: Vector3[Expr], y: Vector3[Expr]) -> Expr:
     """Return ``x . R y`` with R from the frame nearer the root; rows that x does not need are not formed."""
     (_, home), (_, other) = frames
     if home == other:
-        return inner(x, y)
+        return x.dot(y)
     total = Expr(tree.graph, 0)
     for component, row in zip(x, tree.matrix(home, other), strict=True):
         if not component.is_zero:
-            total = total + component * inner(row, y)
+            total = total + component * row.dot(y)
     return total
 
 
-def _moved(tree: FrameTree, x: Triple, home: str, frame: str) -> Triple:
-    return x if home == frame else apply_matrix(tree.matrix(frame, home), x)
+def _in_frame(tree: FrameTree, x: Vector3[Expr], home: str, frame: str) -> Vector3[Expr]:
+    return x if home == frame else tree.matrix(frame, home) @ x
 
 
-def _without_zeros(terms: Mapping[str, Triple]) -> Vector:
-    gone = [frame for frame, parts in terms.items() if vanishes(parts)]
-    return Vector({frame: parts for frame, parts in terms.items() if frame not in gone} if gone else terms)
+def _nonzero(terms: Mapping[str, Vector3[Expr]]) -> Vector:
+    """Return the vector of the terms that are not the constant 0."""
+    if not any(map(vanishes, terms.values())):
+        return Vector(terms)
+    return Vector({frame: parts for frame, parts in terms.items() if not vanishes(parts)})

@@ -10,8 +10,8 @@ from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.provenance import provenance_of
 from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
 from symbody.simulation.status import Status
-from symbody.simulation.task import Evaluator, Task
 
 
 def run_of_state(state: State) -> Trajectory:
@@ -27,7 +27,7 @@ def run_of_state(state: State) -> Trajectory:
         speed_names=eqs.speed_names,
         status=Status.SUCCESS,
         statistics=Statistics(0, None, 0, 0.0),
-        evaluate=Evaluator(Task(eqs, state.parameters, laws, scales), None),
+        evaluate=Evaluator(SimulationProblem(eqs, state.parameters, laws, scales), None),
         units=eqs.units,
         name=eqs.model.name,
         provenance=provenance_of(eqs, state.parameters, laws),

@@ -13,9 +13,9 @@ import symbody as sb
 from symbody.codegen.function import CompiledFunction
 from symbody.codegen.llvm.machine import lanes
 from symbody.simulation.native.cases import run_cases
-from symbody.simulation.native.lanes.cases import run_cases_in_lanes
+from symbody.simulation.native.lanes.lane_cases import run_cases_in_lanes
 from symbody.simulation.sweeps import first_states
-from symbody.simulation.sweeps.plan import CASES_THAT_PAY
+from symbody.simulation.sweeps.loop_job import CASES_THAT_PAY
 from tests.simulation.sweeps.test_sweep import equations, same_bits
 
 WIDTH = lanes()

@@ -363,7 +363,7 @@ def test_all_faults_of_a_call_are_told_at_once() -> None:
     with pytest.raises(sb.AssemblyError) as unknown:
         sb.sweep(eqs, 1.0, {"m": [1.0]}, {"etta": [1.0], "zeto_dot": 0.1})
     assert len(unknown.value.problems) == 2
-    with pytest.raises(sb.UsageError, match="no Executor"):
+    with pytest.raises(sb.UsageError, match="not an Executor"):
         sb.sweep(eqs, 1.0, {"m": [1.0]}, executor="dask")  # type: ignore[arg-type]
 
 

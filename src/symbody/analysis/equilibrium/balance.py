@@ -182,7 +182,7 @@ def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], di
     pulls = {f"rest lambda {k}": Symbol(f"rest lambda {k}", Kind.INPUT) for k in range(len(formed.rows))}
     rows, multipliers = formed.jacobian, formed.expressions(tuple(pulls.values()))
     totals = []
-    for i, force in enumerate(formed.projection.forcing):
+    for i, force in enumerate(formed.dynamics.forcing):
         total = force
         for row, pull in zip(rows, multipliers, strict=True):
             total = total + row[i] * pull

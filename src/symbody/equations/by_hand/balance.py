@@ -14,9 +14,9 @@ from symbody.equations.by_hand.mechanism import (
 from symbody.expr.expression import Expr, common_graph, number
 from symbody.expr.fingerprint import vanishing
 from symbody.expr.graph import Graph
-from symbody.vectors.matrix import apply_matrix, outer
+from symbody.vectors.matrix import Vector3, matrix3
 from symbody.vectors.moving import acceleration, angular_velocity, rate
-from symbody.vectors.placed import GROUND_FRAME, PlacedPoint, PlacedVector, joined, plus
+from symbody.vectors.placed import GROUND_FRAME, PlacedPoint, PlacedVector, joined
 
 
 def newton(graph: Graph, objects: Sequence[PlacedObject], gravity: PlacedVector | None) -> PlacedVector:
@@ -71,9 +71,8 @@ def is_weight(force: PlacedForce, gravity: PlacedVector) -> bool:
 
 def _swirl(graph: Graph, body: PlacedBody) -> PlacedVector:
     """Return ``I alpha + w x I w`` in the body's axes."""
-    w = angular_velocity(graph, body.centre.frame).components
-    turning = plus(apply_matrix(body.tensor, rate(w)), outer(w, apply_matrix(body.tensor, w)))
-    return PlacedVector(body.centre.frame, turning)
+    w, I = Vector3(angular_velocity(graph, body.centre.frame).components), matrix3(*body.tensor)
+    return PlacedVector(body.centre.frame, I @ rate(w) + w.cross(I @ w))
 
 
 def _bodies(objects: Iterable[PlacedObject]) -> list[PlacedBody]:

@@ -14,9 +14,9 @@ from symbody.expr.calculus import gradient, time_derivative
 from symbody.expr.expression import Expr, number
 from symbody.expr.graph import Graph, Kind, Symbol, copy_nodes
 from symbody.expr.rewrite import symbols_of
-from symbody.vectors.matrix import Matrix, Triple, apply_matrix, inner, outer, transpose
+from symbody.vectors.matrix import Triple, Vector3, matrix3
 from symbody.vectors.moving import angular_velocity, rate
-from symbody.vectors.placed import PlacedVector, minus, plus
+from symbody.vectors.placed import PlacedVector
 
 
 def kinetic_energy(graph: Graph, bodies: Iterable[PlacedBody], natural: bool = False) -> Expr:
@@ -32,12 +32,12 @@ def kinetic_energy(graph: Graph, bodies: Iterable[PlacedBody], natural: bool = F
     total = number(graph, 0)
     for body in bodies:
         v = rate(body.centre.position)
-        total = total + body.mass * inner(v, v)
+        total = total + body.mass * v.dot(v)
         if natural:
             total = total + _stretching(graph, body)
         else:
-            w = angular_velocity(graph, body.centre.frame).components
-            total = total + inner(w, apply_matrix(body.tensor, w))
+            w = Vector3(angular_velocity(graph, body.centre.frame).components)
+            total = total + w.dot(matrix3(*body.tensor) @ w)
     return total / 2
 
 
@@ -48,7 +48,7 @@ def gravitational_energy(graph: Graph, bodies: Iterable[PlacedBody], gravity: Pl
         return total
     g = gravity.in_ground
     for body in bodies:
-        total = total - body.mass * inner(g, body.centre.position)
+        total = total - body.mass * g.dot(body.centre.position)
     return total
 
 
@@ -99,7 +99,7 @@ def generalized_forces(
             acting = load.vector.in_ground
             columns = [gradient(graph, node, rates) for node in nodes]
             yield [
-                inner(acting, (Expr(graph, x), Expr(graph, y), Expr(graph, z))) * sign
+                acting.dot((Expr(graph, x), Expr(graph, y), Expr(graph, z))) * sign
                 for x, y, z in zip(*columns, strict=True)
             ]
 
@@ -116,21 +116,20 @@ def _material(graph: Graph, load: PlacedLoad, body: PlacedBody) -> Triple:
     w = frame.turn(angular_velocity(graph, frame).components)
     if not isinstance(load, PlacedForce):
         return w
-    arm = minus(load.point.position, body.centre.position)
-    return plus(rate(body.centre.position), outer(w, arm))
+    arm = load.point.position - body.centre.position
+    return rate(body.centre.position) + w.cross(arm)
 
 
 def _stretching(graph: Graph, body: PlacedBody) -> Expr:
     """Return ``tr(R' E R'^T)``, twice the energy of turning and stretching."""
     R = body.centre.frame.rotation(graph)
-    rows: Matrix = (rate(R[0]), rate(R[1]), rate(R[2]))
-    columns = transpose(rows)
+    columns = matrix3(*map(rate, R)).transposed
     half = (body.tensor[0][0] + body.tensor[1][1] + body.tensor[2][2]) / 2
     total = number(graph, 0)
     for i in range(3):
         for j in range(3):
             moment = half - body.tensor[i][i] if i == j else -body.tensor[i][j]
-            total = total + moment * inner(columns[i], columns[j])
+            total = total + moment * columns[i].dot(columns[j])
     return total
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from symbody.equations.by_hand.forming import ByHand
+from symbody.equations.by_hand.derivation_by_hand import derive_by_hand
 from symbody.equations.by_hand.mechanism import HandPlaced, PlacedBody, check_coordinates
 from symbody.equations.by_hand.restated import Restated
 from symbody.equations.equation_set import EquationSet
@@ -13,7 +13,7 @@ from symbody.equations.formulations.lagrange import Lagrange
 from symbody.equations.formulations.virtual_work import VirtualWork
 from symbody.errors import FormulationError, ModelError, Problem, nearest
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Kind, Symbol
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import dependence
 from symbody.model.body import Body
@@ -59,13 +59,13 @@ def equations_by_hand(
     restated, inputs = _by_kind(mechanism, coordinates, reactions)
     model = _outline(name, restated, inputs, parameters or {})
     how = formulation or (Lagrange() if natural else VirtualWork())
-    formed = ByHand(model, restated, tuple(coordinates), how, natural).formed(Graph())
+    formed = derive_by_hand(model, restated, coordinates, how, natural=natural)
     return EquationSet(model, formed, (*_notes(mechanism, inputs, reactions), *formed.notes))
 
 
 def check_formulation(formulation: Formulation | None, natural: bool) -> None:
-    """Refuse a formulation that knows nothing of the energy asked for."""
-    if natural and not isinstance(formulation, Lagrange | None):
+    """Refuse a formulation that takes no kinetic energy, where natural coordinates need theirs."""
+    if natural and formulation is not None and not formulation.takes_kinetic_energy:
         raise FormulationError(
             Problem("by_hand.natural_energy", "nat_coords",
                     f"{type(formulation).__name__} takes no kinetic energy",

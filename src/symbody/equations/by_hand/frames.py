@@ -5,15 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from symbody.equations.by_hand.mechanism import HandPlaced, PlacedBody, PlacedForce
-from symbody.equations.kinematics.motion import (
-    Kinematics,
-    Shifting,
-    Turning,
-    enter_axes,
-    enter_origin,
-    enter_turning,
-)
-from symbody.vectors.matrix import apply_matrix
+from symbody.equations.kinematics.frame_steps import RotationStep, TranslationStep
+from symbody.equations.kinematics.motion import Kinematics
+from symbody.expr.graph import Graph
 from symbody.vectors.moving import spin_of_step
 from symbody.vectors.placed import PlacedFrame, PlacedPoint, PlacedStep, PlacedVector, Shift
 from symbody.vectors.rotation import Turn
@@ -31,20 +25,26 @@ def frame_names(mechanism: HandPlaced) -> dict[Chain, str]:
     return names
 
 
-def place_frames(kinematics: Kinematics, names: Mapping[Chain, str]) -> Kinematics:
-    """Enter all frames, each after the one it stands in; return the kinematics they were entered in."""
+def frame_steps(
+    graph: Graph, names: Mapping[Chain, str], bodies: Iterable[PlacedBody]
+) -> tuple[list[RotationStep], list[TranslationStep]]:
+    """Return the steps to all frames, each after the one it stands in, and to those of the bodies.
+
+    The frame of a body has its origin in the centre of mass and the axes of the frame that it was placed in.
+    """
+    rotations, translations = [], []
     for steps, name in names.items():
         if steps:
-            _enter(kinematics, name, names[steps[:-1]], steps[-1])
-    return kinematics
-
-
-def body_frames(kinematics: Kinematics, names: Mapping[Chain, str], bodies: Iterable[PlacedBody]) -> None:
-    """Enter the frame of each body: its centre of mass, with the axes of the frame that it was placed in."""
+            near, step = names[steps[:-1]], steps[-1]
+            rotations.append(_rotation(graph, name, near, step))
+            shift = vector(near, step.by) if isinstance(step, Shift) else NULL
+            translations.append(TranslationStep(name, near, near, shift))
     for body in bodies:
         near = names[body.centre.frame.steps]
-        enter_turning(kinematics, Turning(body.name, near, ()))
-        enter_origin(kinematics, Shifting(body.name, near, near, vector(near, body.centre.coordinates)))
+        rotations.append(RotationStep(body.name, near, ()))
+        place = vector(near, body.centre.coordinates)
+        translations.append(TranslationStep(body.name, near, near, place))
+    return rotations, translations
 
 
 def arm_to(
@@ -71,15 +71,11 @@ def _frames(mechanism: HandPlaced) -> Iterator[PlacedFrame]:
         yield mechanism.gravity.frame
 
 
-def _enter(kinematics: Kinematics, name: str, near: str, step: PlacedStep) -> None:
+def _rotation(graph: Graph, name: str, near: str, step: PlacedStep) -> RotationStep:
     if isinstance(step, Shift):
-        enter_turning(kinematics, Turning(name, near, ()))
-        enter_origin(kinematics, Shifting(name, near, near, vector(near, step.by)))
-        return
+        return RotationStep(name, near, ())
     if isinstance(step, Turn):
-        enter_turning(kinematics, Turning(name, near, (step,)))
-    else:
-        own = spin_of_step(step)
-        assert own is not None
-        enter_axes(kinematics, name, near, step.cosines, vector(near, apply_matrix(step.cosines, own)))
-    enter_origin(kinematics, Shifting(name, near, near, NULL))
+        return RotationStep(name, near, (step,))
+    spin = spin_of_step(step)
+    assert spin is not None
+    return RotationStep(name, near, (step,), vector(near, step.matrix(graph) @ spin))

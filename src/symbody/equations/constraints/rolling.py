@@ -7,17 +7,20 @@ A disc of radius R with axle a touches the plane with normal n in ``C = P - R e`
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from symbody.equations.constraints.pairs import pair_row
 from symbody.equations.constraints.points import direction
+from symbody.equations.kinematics.frame_steps import RotationStep, TranslationStep
 from symbody.equations.kinematics.joint_axes import perpendiculars
-from symbody.equations.kinematics.motion import Kinematics, Shifting, enter_axes, enter_origin
+from symbody.equations.kinematics.motion import Kinematics, add_frames
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.row import Row
 from symbody.expr.expression import sqrt
+from symbody.model.constraint import Contact
 from symbody.model.constraints import KnifeEdge, Rolling
-from symbody.vectors.matrix import transpose
+from symbody.vectors.matrix import matrix3
+from symbody.vectors.rotation import DirectionCosines
 from symbody.vectors.vector import Vector, components, cross, dot, vector
 
 
@@ -38,18 +41,32 @@ def rolling_rows(names: Names, kinematics: Kinematics, wheel: Rolling) -> Iterat
         yield pair_row(kinematics, wheel, value=value, force=force, moment=cross(tree, spoke, force))
 
 
-def enter_contact(names: Names, kinematics: Kinematics, wheel: Rolling) -> None:
-    """Enter a frame called like the constraint: origin in the point of contact, z normal, x forward."""
-    if wheel.name in kinematics.velocities:
-        return
+def add_contact_frames(names: Names, kinematics: Kinematics, contacts: Iterable[Contact]) -> Kinematics:
+    """Return the kinematics with a frame for each rolling contact; its velocities are computed when read.
+
+    It is called like the constraint. Its origin is the point of contact, z the normal, x forward.
+    """
+    wheels = [contact for contact in contacts if isinstance(contact, Rolling)]
+    if not wheels:
+        return kinematics
+    steps = [_contact_steps(names, kinematics, wheel) for wheel in wheels]
+    return add_frames(kinematics, [step for step, _ in steps], [step for _, step in steps], lazy=True)
+
+
+def _contact_steps(
+    names: Names, kinematics: Kinematics, wheel: Rolling
+) -> tuple[RotationStep, TranslationStep]:
     tree, start = kinematics.tree, wheel.start.frame
     normal, forward, spoke = contact_axes(names, kinematics, wheel)
     left = cross(tree, normal, forward)
     x, y, z = (components(tree, axis, start) for axis in (forward, left, normal))
-    turning = dot(tree, left, kinematics.derivative(forward, start))
-    enter_axes(kinematics, wheel.name, start, transpose((x, y, z)), normal * turning)
+    spin = dot(tree, left, kinematics.derivative(forward, start))
+    cosines = DirectionCosines(matrix3(x, y, z).transposed)
     arm = kinematics.arm(start, wheel.end.frame)
-    enter_origin(kinematics, Shifting(wheel.name, start, start, arm + spoke))
+    return (
+        RotationStep(wheel.name, start, (cosines,), normal * spin),
+        TranslationStep(wheel.name, start, start, arm + spoke),
+    )
 
 
 def contact_axes(names: Names, kinematics: Kinematics, wheel: Rolling) -> tuple[Vector, Vector, Vector]:

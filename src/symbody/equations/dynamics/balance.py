@@ -8,21 +8,15 @@ motions of the joints, the equations of motion: a body is met once, however many
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.graph.spanning_tree import SpanningTree
 from symbody.graph.topology import Topology
+from symbody.vectors import twist
 from symbody.vectors.vector import NULL, Vector, cross, drawn_near
 
-
-@dataclass(frozen=True, slots=True)
-class Wrench:
-    """A force in a point and a moment about it."""
-
-    force: Vector
-    moment: Vector
-
+# A force in a point and a moment about it, as sums of terms in their own frames.
+Wrench = twist.Wrench[Vector]
 
 NOTHING = Wrench(NULL, NULL)
 
@@ -72,8 +66,7 @@ def _carry(
         carried = rest.get(branch.child, NULL)
         if carried.is_zero:
             continue
-        if not kinematics.spread:
-            carried = drawn_near(kinematics.tree, carried, kinematics.tree.home(branch.parent))
+        carried = drawn_near(kinematics.tree, carried, kinematics.tree.home(branch.parent))
         rest[branch.parent] = rest.get(branch.parent, NULL) + carried
         name = branch.edge.name
         found[name] = found.get(name, NULL) + (carried if branch.forward else -carried)

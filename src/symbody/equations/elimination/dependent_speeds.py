@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from symbody.equations.dynamics.projection import Projection
 from symbody.equations.elimination.dependent_block import Block, Pivot, solvable
 from symbody.equations.elimination.elimination import Elimination
+from symbody.equations.formulations.formulation import Dynamics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.placements import without_zeros
 from symbody.equations.kinematics.row import Row
@@ -27,7 +27,7 @@ def eliminated(
     names: Names,
     speeds: Sequence[Symbol],
     rows: Sequence[Row],
-    projection: Projection,
+    dynamics: Dynamics,
     dependent: Sequence[str],
 ) -> Elimination:
     """Return the elimination of dependent speeds by the rows that are not holonomic.
@@ -36,7 +36,7 @@ def eliminated(
     ----------
     names : Names
         With every name that the model knows.
-    speeds, rows, projection
+    speeds, rows, dynamics
         Of the equations with multipliers.
     dependent : sequence of str
         Names of speeds, as many as there are rows.
@@ -73,8 +73,8 @@ def eliminated(
         bias=dict.fromkeys(columns, zero),
         inverse=tuple(inverse),
         block=block,
-        pivots=_pivots(graph, speeds, tied, chosen, block, projection),
-        full=projection,
+        pivots=_pivots(graph, speeds, tied, chosen, block, dynamics),
+        full=dynamics,
     )
     return slow.with_bias([row.gamma for row in tied])
 
@@ -145,14 +145,14 @@ def _pivots(
     rows: Sequence[Row],
     chosen: Sequence[Symbol],
     block: Block,
-    projection: Projection,
+    dynamics: Dynamics,
 ) -> dict[str, Expr]:
     """Return determinants that vary over what they could be at most, by the names of their speeds.
 
     Speeds are measured by their share of the kinetic energy, the determinant by the lengths of its rows
     (Hadamard's inequality), so that the result does not depend on units.
     """
-    weights = {graph.symbol(u): projection.mass_matrix[k][k] for k, u in enumerate(speeds)}
+    weights = {graph.symbol(u): dynamics.mass_matrix[k][k] for k, u in enumerate(speeds)}
     sizes = {u: 1 / sqrt(maximum(m, _TINY)) for u, m in weights.items() if not m.is_zero}
     one = number(graph, 1)
     found: dict[str, Expr] = {}

@@ -12,14 +12,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from symbody.equations.dynamics.projection import Projection
 from symbody.equations.elimination.dependent_block import Block
+from symbody.equations.formulations.formulation import Dynamics
+from symbody.equations.formulations.projection import projected_dynamics
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.placements import without_zeros
 from symbody.equations.kinematics.row import Row
 from symbody.equations.kinematics.variables import Variables
 from symbody.equations.kinematics.velocity import Velocity
+from symbody.equations.system import MultibodySystem
 from symbody.expr.expression import Expr, number, symbol
 from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.expr.rewrite import substitute
@@ -47,7 +49,7 @@ class Elimination:
         J_d and how it is solved.
     pivots : mapping of name to Expr
         ``<speed>_pivot``, from -1 to 1: where it is 0, this dependent speed does not follow from the others.
-    full : Projection
+    full : Dynamics
         Mass matrix and forcing in all speeds.
     """
 
@@ -62,7 +64,7 @@ class Elimination:
     inverse: tuple[tuple[Expr, ...], ...]
     block: Block
     pivots: Mapping[str, Expr]
-    full: Projection
+    full: Dynamics
 
     def with_bias(self, gamma: Sequence[Expr]) -> Elimination:
         """Return the elimination with s, from the right-hand sides of the rows eliminated."""
@@ -133,8 +135,8 @@ class Elimination:
             result.append(replace(row, slopes=slopes, gamma=Expr(self.graph, node)))
         return result
 
-    def projection(self) -> Projection:
-        """Return ``T^T M T`` and ``T^T (F - M s)``."""
+    def dynamics(self, system: MultibodySystem) -> Dynamics:
+        """Return ``T^T M T`` and ``T^T (F - M s)`` for a system that moves with the independent speeds."""
         n = len(self.speeds)
         zero = number(self.graph, 0)
         nodes = [self.graph.symbol(u) for u in self.speeds]
@@ -157,7 +159,7 @@ class Elimination:
         for i, u in enumerate(own):
             for j in range(i + 1):
                 matrix[i][j] = matrix[j][i] = gathered(columns[j], u)
-        return Projection(tuple(map(tuple, matrix)), tuple(gathered(forcing, u) for u in own))
+        return projected_dynamics(system, matrix, [gathered(forcing, u) for u in own])
 
     def multipliers(self, others: Sequence[str]) -> dict[str, Expr]:
         """Return the multipliers of the rows eliminated, in u', the other multipliers and friction efforts.

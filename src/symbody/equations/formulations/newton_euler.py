@@ -10,26 +10,29 @@ motions are found together (Haug 1989, chapter 11, where the bodies have no join
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import ClassVar, Final, NamedTuple
 
-from symbody.equations.dynamics.balance import NOTHING, Wrench
-from symbody.equations.dynamics.inertia import Inertia, Rotor
-from symbody.equations.dynamics.load import Effort, Load
+from symbody.equations.dynamics.balance import NOTHING, Wrench, balanced
+from symbody.equations.dynamics.inertia import Rotor
+from symbody.equations.dynamics.load import Effort
 from symbody.equations.dynamics.needs import without_loads
-from symbody.equations.kinematics.motion import Kinematics
+from symbody.equations.dynamics.reactions import row_wrenches, summed
+from symbody.equations.formulations.formulation import Dynamics, Formulation, ProjectedDynamics
+from symbody.equations.formulations.projection import project_bodies
 from symbody.equations.kinematics.placements import flow, moved, moved_matrix, spin, unit, without_zeros
-from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.placing import joint_shift
 from symbody.equations.kinematics.variables import Use
 from symbody.equations.kinematics.velocity import Velocity
+from symbody.equations.measured_wrenches import coupling_wrenches, unit_coupling_wrenches, unit_wrenches
+from symbody.equations.system import MultibodySystem
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr, number, saddle_entry
 from symbody.expr.graph import Kernel
-from symbody.graph.topology import Topology
 from symbody.vectors.dyadic import apply, gyroscopic
-from symbody.vectors.matrix import Triple, apply_matrix
-from symbody.vectors.vector import NULL, Vector, components, cross
+from symbody.vectors.matrix import Triple
+from symbody.vectors.vector import NULL, components, cross
 
 _AXES: Final = range(3)
 # Coefficients of the unknown accelerations by column; zeros may be left out.
@@ -37,51 +40,61 @@ _Column = dict[int, Expr]
 
 
 @dataclass(frozen=True, slots=True)
-class NewtonEuler:
+class NewtonEuler(Formulation):
     """Formulation with free bodies and unknown reactions; any trees, any coordinates."""
 
+    differentiates_placements: ClassVar[bool] = True
+
+    def derive(self, system: MultibodySystem) -> Dynamics:
+        """Return the equations of motion; M and F are the free bodies projected on the partial velocities."""
+        projected = project_bodies(system)
+        return NewtonEulerDynamics(
+            projected.mass_matrix, projected.forcing, projected.kinetic_energy, projected.potential_energy
+        )
+
 
 @dataclass(frozen=True, slots=True)
-class FreeBodies:
-    """Bodies with what acts on them, cut free of each other.
+class NewtonEulerDynamics(ProjectedDynamics):
+    """Dynamics in which accelerations and all reactions solve one system.
 
-    Attributes
-    ----------
-    kinematics : Kinematics
-        Differentiated placements.
-    shifts : mapping of joint to Vector
-        From start to end in the joint's own coordinates, in the start frame.
-    within : mapping of coordinate to (joint, Wrench)
-        What a unit effort along a measured coordinate does to the end of its joint.
-    coupled : mapping of row name to ((joint, Wrench), ...)
-        The same for a unit multiplier of rows written in measured coordinates.
+    With friction, or without joints, the accelerations follow from M and F, and the balance of the bodies
+    follows the accelerations.
     """
 
-    topology: Topology
-    kinematics: Kinematics
-    uses: tuple[Use, ...]
-    shifts: Mapping[str, Vector]
-    bodies: tuple[Inertia, ...]
-    loads: tuple[Load, ...]
-    rotors: tuple[Rotor, ...]
-    rows: tuple[Row, ...]
-    within: Mapping[str, tuple[str, Wrench]]
-    coupled: Mapping[str, tuple[tuple[str, Wrench], ...]]
+    def accelerations(self, system: MultibodySystem) -> tuple[list[Expr], list[Expr]] | None:
+        """Return u' and the multipliers."""
+        if system.friction or not system.uses:
+            return None
+        solution = solve_free_bodies(system)
+        return solution.udot, solution.multipliers
 
-    def solved(self) -> Solution:
-        """Return accelerations, multipliers and wrenches of branches as entries of one kernel node."""
-        return _System(self, number(self.kinematics.graph, 0)).solved()
+    def solved_wrenches(
+        self, system: MultibodySystem, cut: Sequence[tuple[str, Wrench]]
+    ) -> dict[str, Wrench] | None:
+        """Return the total wrenches, those of branches from the solution."""
+        if system.friction or not system.uses:
+            return None
+        solution = solve_free_bodies(system)
+        more = _difference(system, solution.multipliers)
+        idle = dict.fromkeys((joint.name for joint in system.topology.joints), NOTHING)
+        return idle | summed([*cut, *solution.wrenches.items(), *more])
 
 
-@dataclass(frozen=True, slots=True)
-class Solution:
-    """What the saddle system gives.
+def _difference(system: MultibodySystem, multipliers: Sequence[Expr]) -> Iterator[tuple[str, Wrench]]:
+    """Return how the wrenches of branches change where multipliers differ from those of the solution."""
+    pairs = system.bearing_rows
+    values = [*multipliers, *(number(system.graph, 0) for _ in system.redundant)]
+    more = [(row, symbol - value) for (row, symbol), value in zip(pairs, values, strict=True)]
+    cut = summed([*row_wrenches(more), *coupling_wrenches(system, more)])
+    for name, wrench in balanced(system.topology, system.kinematics, {}, cut).items():
+        share = cut.get(name, NOTHING)
+        yield name, Wrench(wrench.force - share.force, wrench.moment - share.moment)
 
-    Attributes
-    ----------
-    udot, multipliers : list of Expr
-    wrenches : mapping of joint to Wrench
-        On the end body at the end's origin, as far as the joint is in a tree.
+
+class FreeBodySolution(NamedTuple):
+    """Entries of one kernel node: accelerations, multipliers, and wrenches by the joint of their branch.
+
+    A wrench acts on the end body at the origin of the end frame, as far as the joint is in a tree.
     """
 
     udot: list[Expr]
@@ -89,24 +102,36 @@ class Solution:
     wrenches: dict[str, Wrench]
 
 
-@dataclass(frozen=True, slots=True)
-class _System:
-    """The saddle system being put together; columns are six a body, then the speeds."""
+def solve_free_bodies(system: MultibodySystem) -> FreeBodySolution:
+    """Return what the saddle system of the bodies, cut free of each other, gives."""
+    return _FreeBodies(system, dict(unit_wrenches(system)), number(system.graph, 0)).solve()
 
-    free: FreeBodies
+
+@dataclass(frozen=True, slots=True)
+class _FreeBodies:
+    """The saddle system being put together; columns are six a body, then the speeds.
+
+    Attributes
+    ----------
+    measured : mapping of coordinate to (joint, Wrench)
+        The wrench of a unit effort along each measured coordinate that is loaded, on the end of its joint.
+    """
+
+    system: MultibodySystem
+    measured: Mapping[str, tuple[str, Wrench]]
     zero: Expr
 
     @property
     def speeds(self) -> tuple[int, ...]:
-        return self.free.kinematics.speeds
+        return self.system.kinematics.speeds
 
     @property
     def first(self) -> int:
         """The column of the first speed."""
-        return 6 * len(self.free.bodies)
+        return 6 * len(self.system.bodies)
 
-    def solved(self) -> Solution:
-        graph = self.free.kinematics.graph
+    def solve(self) -> FreeBodySolution:
+        graph = self.system.graph
         branches = list(self._branches())
         matrix, gamma = [], []
         for row, right in (*((row, right) for _, _, row, right in branches), *self._constraints()):
@@ -119,100 +144,100 @@ class _System:
         operands += [*(forcing.get(i, self.zero) for i in range(n)), *gamma]
         nodes = tuple(x.index for x in without_zeros(graph, operands))
         kernel = graph.kernel(Kernel(n, m))
-        found = [saddle_entry(graph, kernel, nodes, k) for k in range(n + m)]
+        solution = [saddle_entry(graph, kernel, nodes, k) for k in range(n + m)]
         wrenches: dict[str, Wrench] = {}
-        for (joint, share, _, _), value in zip(branches, found[n:], strict=False):
+        for (joint, share, _, _), value in zip(branches, solution[n:], strict=False):
             total = wrenches.get(joint, NOTHING)
             wrenches[joint] = Wrench(total.force + share.force * value, total.moment + share.moment * value)
-        return Solution(found[self.first : n], found[n + len(branches) :], wrenches)
+        return FreeBodySolution(solution[self.first : n], solution[n + len(branches) :], wrenches)
 
     # Rows
 
     def _branches(self) -> Iterator[tuple[str, Wrench, _Column, Expr]]:
         """Return (joint, unit wrench, row, right-hand side) for all that joints transmit as branches."""
-        graph = self.free.kinematics.graph
-        for use in self.free.uses:
+        graph = self.system.kinematics.graph
+        for use in self.system.uses:
             name = use.joint.name
             parts: list[tuple[Wrench, _Column]] = []
             if use.in_translation:
-                frame, rate = self._slide(use)
+                frame, rate = self._shift_rate(use)
                 slides = self._free_motion(use, frame, rate)
-                parts += [(self._push(use, frame, k), slides[k]) for k in _AXES]
+                parts += [(self._unit_force(use, frame, k), slides[k]) for k in _AXES]
             if use.in_rotation:
-                turns = self._free_motion(use, *self._turn(use))
+                turns = self._free_motion(use, *self._relative_angular_velocity(use))
                 parts += [(Wrench(NULL, unit(graph, "ground", k)), turns[k]) for k in _AXES]
-            for share, own in parts:
-                row = self._transmitted(name, share)
-                yield name, share, {**row, **own}, self._bias(row)
+            for share, speeds in parts:
+                row = self._body_columns(name, share)
+                yield name, share, {**row, **speeds}, self._bias(row)
 
-    def _slide(self, use: Use) -> tuple[str, Triple]:
+    def _shift_rate(self, use: Use) -> tuple[str, Triple]:
         """Return the frame and the components of the rate of a joint's shift."""
-        kinematics, shift = self.free.kinematics, self.free.shifts[use.joint.name]
+        kinematics, shift = self.system.kinematics, joint_shift(self.system.names, use.joint)
         frame = next(iter(shift.terms), use.joint.start.frame)
         x, y, z = moved(kinematics.graph, components(kinematics.tree, shift, frame), flow(kinematics))
         return frame, (x, y, z)
 
-    def _push(self, use: Use, frame: str, k: int) -> Wrench:
+    def _unit_force(self, use: Use, frame: str, k: int) -> Wrench:
         """Return a unit force of a joint; if its shift turns with the end, through the start's origin."""
-        tree, joint = self.free.kinematics.tree, use.joint
+        tree, joint = self.system.kinematics.tree, use.joint
         force = unit(tree.graph, "ground", k)
         if frame != joint.end.frame or frame == joint.start.frame:
             return Wrench(force, NULL)
-        return Wrench(force, -cross(tree, self.free.kinematics.arm(joint.start.frame, frame), force))
+        return Wrench(force, -cross(tree, self.system.kinematics.arm(joint.start.frame, frame), force))
 
-    def _turn(self, use: Use) -> tuple[str, Triple]:
+    def _relative_angular_velocity(self, use: Use) -> tuple[str, Triple]:
         """Return the end frame and the angular velocity of a joint's end relative to its start."""
-        kinematics = self.free.kinematics
+        kinematics = self.system.kinematics
         R = kinematics.tree.matrix(use.joint.start.frame, use.joint.end.frame)
         return use.joint.end.frame, spin(R, moved_matrix(kinematics.graph, R, flow(kinematics)))
 
     def _free_motion(self, use: Use, frame: str, rate: Triple) -> list[_Column]:
         """Return -S for a joint's own speeds, one row for each axis of ground."""
-        kinematics = self.free.kinematics
+        kinematics = self.system.kinematics
         graph, R = kinematics.graph, kinematics.tree.matrix("ground", frame)
-        own = [graph.symbol(symbol) for symbol in use.speeds]
-        slopes = jacobian(graph, [x.index for x in rate], own)
-        found: list[_Column] = [{}, {}, {}]
-        for j, u in enumerate(own):
+        speeds = [graph.symbol(symbol) for symbol in use.speeds]
+        slopes = jacobian(graph, [x.index for x in rate], speeds)
+        rows: list[_Column] = [{}, {}, {}]
+        for j, u in enumerate(speeds):
             x, y, z = (Expr(graph, slopes[k][j]) for k in _AXES)
-            for k, entry in enumerate(apply_matrix(R, (x, y, z))):
-                found[k][self.first + self.speeds.index(u)] = -entry
-        return found
+            for k, entry in enumerate(R @ (x, y, z)):
+                rows[k][self.first + self.speeds.index(u)] = -entry
+        return rows
 
     def _constraints(self) -> Iterator[tuple[_Column, Expr]]:
         """Return the rows of the constraints on the accelerations of bodies; on speeds what is left.
 
         A row that was silenced, all its slopes gone, stays silent.
         """
-        kinematics = self.free.kinematics
-        for row in self.free.rows:
+        kinematics = self.system.kinematics
+        for row in self.system.rows:
             if not row.slopes:
                 yield {}, row.gamma
                 continue
-            column = self._transmitted(row.element, Wrench(row.force, row.moment))
-            for joint, share in self.free.coupled.get(row.name, ()):
-                for k, entry in self._transmitted(joint, share).items():
+            column = self._body_columns(row.element, Wrench(row.force, row.moment))
+            for joint, share in unit_coupling_wrenches(self.system, row):
+                for k, entry in self._body_columns(joint, share).items():
                     column[k] = column.get(k, self.zero) + entry
-            rest = [row.slopes.get(u, self.zero) - self._along(column, u) for u in self.speeds]
+            rest = [row.slopes.get(u, self.zero) - self._speed_coefficient(column, u) for u in self.speeds]
             clean = without_zeros(kinematics.graph, rest)
-            own = {self.first + j: entry for j, entry in enumerate(clean) if not entry.is_zero}
-            yield {**column, **own}, row.gamma + self._bias(column)
+            speeds = {self.first + j: entry for j, entry in enumerate(clean) if not entry.is_zero}
+            yield {**column, **speeds}, row.gamma + self._bias(column)
 
-    def _transmitted(self, element: str, share: Wrench) -> _Column:
-        """Return what a wrench at a joint does to its two bodies: the coefficients of V' in its row."""
-        found: _Column = {}
-        ends = self.free.topology.link(element)
+    def _body_columns(self, element: str, share: Wrench) -> _Column:
+        """Return the coefficients of V' in the row of a unit wrench at a joint, for both of its bodies."""
+        columns: _Column = {}
+        ends = self.system.topology.link(element)
         if ends is None:
-            return found
+            return columns
         for body, sign in ((ends.end.body, 1), (ends.start.body, -1)):
-            for column, entry in self._applied(body, ends.end.frame, share).items():
-                found[column] = found.get(column, self.zero) + entry * sign
-        return found
+            for column, entry in self._wrench_columns(body, ends.end.frame, share).items():
+                columns[column] = columns.get(column, self.zero) + entry * sign
+        return columns
 
-    def _applied(self, body: str, frame: str, share: Wrench) -> _Column:
+    def _wrench_columns(self, body: str, frame: str, share: Wrench) -> _Column:
         """Return a wrench at a frame's origin as the six components that act on a body; none on ground."""
-        kinematics, tree = self.free.kinematics, self.free.kinematics.tree
-        place = {inertia.frame: k for k, inertia in enumerate(self.free.bodies)}
+        kinematics, tree = self.system.kinematics, self.system.kinematics.tree
+        place = {inertia.frame: k for k, inertia in enumerate(self.system.bodies)}
         if body not in place:
             return {}
         moment = share.moment + cross(tree, kinematics.arm(body, frame), share.force)
@@ -221,16 +246,16 @@ class _System:
 
     def _bias(self, row: _Column) -> Expr:
         """Return ``X b``."""
-        kinematics, total = self.free.kinematics, self.zero
+        kinematics, total = self.system.kinematics, self.zero
         for column, entry in row.items():
             body, k = divmod(column, 6)
             velocity, axes = self._velocity(body, k)
             total = total + entry * components(kinematics.tree, velocity.bias, axes)[k % 3]
         return total
 
-    def _along(self, row: _Column, u: int) -> Expr:
+    def _speed_coefficient(self, row: _Column, u: int) -> Expr:
         """Return ``X A`` for one speed, A its partial velocities."""
-        kinematics, total = self.free.kinematics, self.zero
+        kinematics, total = self.system.kinematics, self.zero
         for column, entry in row.items():
             body, k = divmod(column, 6)
             velocity, axes = self._velocity(body, k)
@@ -239,7 +264,7 @@ class _System:
 
     def _velocity(self, body: int, k: int) -> tuple[Velocity, str]:
         """Return the velocity of which a body's component k is one, and its axes."""
-        kinematics, frame = self.free.kinematics, self.free.bodies[body].frame
+        kinematics, frame = self.system.kinematics, self.system.bodies[body].frame
         if k < 3:
             return kinematics.velocities[frame], "ground"
         return kinematics.angular_velocities[frame], frame
@@ -247,35 +272,35 @@ class _System:
     # Inertia and loads
 
     def _inertia(self) -> tuple[dict[tuple[int, int], Expr], _Column]:
-        """Return the mass matrix and what acts, without reactions."""
-        free = self.free
-        kinematics, tree = free.kinematics, free.kinematics.tree
+        """Return the mass matrix and the forces, without reactions."""
+        system = self.system
+        kinematics, tree = system.kinematics, system.kinematics.tree
         mass: dict[tuple[int, int], Expr] = {}
         forcing: _Column = {}
-        swirl = {}
-        for place, body in enumerate(free.bodies):
+        gyroscopic_wrenches = {}
+        for place, body in enumerate(system.bodies):
             w = kinematics.angular_velocities[body.frame].value
-            swirl[body.frame] = Wrench(NULL, gyroscopic(tree, w, body.tensor))
+            gyroscopic_wrenches[body.frame] = Wrench(NULL, gyroscopic(tree, w, body.tensor))
             for k in _AXES:
                 mass[6 * place + k, 6 * place + k] = body.mass
                 column = apply(tree, body.tensor, unit(tree.graph, body.frame, k))
                 for i, entry in enumerate(components(tree, column, body.frame)):
                     mass[6 * place + 3 + i, 6 * place + 3 + k] = entry
-        needed = without_loads(free.topology, kinematics, swirl, free.loads)
-        for body in free.bodies:
-            wrench = needed[body.frame]
-            self._add(forcing, self._applied(body.frame, body.frame, wrench), number(tree.graph, -1))
-        for load in free.loads:
+        missing = without_loads(system.topology, kinematics, gyroscopic_wrenches, system.loads.loads)
+        for body in system.bodies:
+            wrench = missing[body.frame]
+            self._add(forcing, self._wrench_columns(body.frame, body.frame, wrench), number(tree.graph, -1))
+        for load in system.loads.loads:
             if isinstance(load, Effort):
-                self._add(forcing, self._along_rate(load), load.effort)
-        for rotor in free.rotors:
+                self._add(forcing, self._effort_columns(load), load.effort)
+        for rotor in system.armatures.values():
             self._add_rotor(rotor, mass, forcing)
         return mass, forcing
 
     def _add_rotor(self, rotor: Rotor, mass: dict[tuple[int, int], Expr], forcing: _Column) -> None:
-        """Add what turns with a rate; inside a cut joint it acts on the joint's bodies."""
-        row = self._along_rate(rotor)
-        (rest,) = moved(self.zero.graph, [rotor.rate], flow(self.free.kinematics))
+        """Add a rotor; inside a cut joint it acts on the joint's bodies."""
+        row = self._effort_columns(rotor)
+        (rest,) = moved(self.zero.graph, [rotor.rate], flow(self.system.kinematics))
         bodies = {column: entry for column, entry in row.items() if column < self.first}
         rest = rest - self._bias(bodies)
         self._add(forcing, row, -rotor.inertia * rest)
@@ -283,12 +308,12 @@ class _System:
             for j, b in row.items():
                 mass[i, j] = mass.get((i, j), self.zero) + rotor.inertia * a * b
 
-    def _along_rate(self, along: Effort | Rotor) -> _Column:
+    def _effort_columns(self, along: Effort | Rotor) -> _Column:
         """Return where a unit effort along a rate acts: on speeds, or on bodies where it is measured."""
-        inside = self.free.within.get(along.coordinate)
-        if inside is not None:
-            return self._transmitted(*inside)
-        slopes = self.free.kinematics.slopes(along.rate)
+        joint_and_wrench = self.measured.get(along.coordinate)
+        if joint_and_wrench is not None:
+            return self._body_columns(*joint_and_wrench)
+        slopes = self.system.kinematics.slopes(along.rate)
         return {self.first + self.speeds.index(u): slope for u, slope in slopes.items()}
 
     def _add(self, forcing: _Column, column: _Column, factor: Expr) -> None:

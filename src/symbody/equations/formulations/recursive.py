@@ -2,15 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar, Literal
 
 from symbody.arguments import checked_fields
+from symbody.equations.dynamics.balance import Wrench
+from symbody.equations.dynamics.linear_solve import Solution
+from symbody.equations.dynamics.reactions import summed
+from symbody.equations.formulations.formulation import Dynamics, Formulation
+from symbody.equations.recursive.energies import kinetic_energy, potential_energy
+from symbody.equations.recursive.reactions import joint_wrenches
+from symbody.equations.recursive.recursion import Recursion
+from symbody.equations.recursive.tree import base_tree, form_tree, ground_inertia
+from symbody.equations.recursive.udot_derivatives import acceleration_slopes
+from symbody.equations.system import MultibodySystem
+from symbody.expr.deadline import begin
+from symbody.expr.expression import Expr, number, symbol
+from symbody.expr.graph import Symbol
+from symbody.graph.topology import Topology
+from symbody.vectors.matrix import Vector3
 
 
 @checked_fields
 @dataclass(frozen=True, slots=True)
-class Recursive:
+class Recursive(Formulation):
     """Formulation by recursive Newton-Euler, composite and articulated bodies along one tree.
 
     Where the rotation tree is not the translation tree, or speeds are eliminated, virtual work takes its
@@ -27,6 +43,84 @@ class Recursive:
         Whether the mass that a parent can carry as well is reckoned to it: base parameters.
     """
 
+    has_lazy_velocities: ClassVar[bool] = True
+    has_weights_in_loads: ClassVar[bool] = False
+
     method: Literal["", "articulated", "composite"] = ""
     aligned: bool = True
     regrouped: bool = True
+
+    def obstacle(self, topology: Topology, *, eliminates: bool) -> str:
+        """Return the reason why recursion is impossible."""
+        if eliminates:
+            return "recursion: speeds are eliminated"
+        if topology.turning != topology.sliding:
+            return "recursion: the rotation tree is not the translation tree"
+        return "" if topology.joints else "recursion: there are no joints"
+
+    def derive(self, system: MultibodySystem) -> Dynamics:
+        """Return mass matrix, forcing and accelerations by recursion, each formed on request."""
+        names, kinematics, topology = system.names, system.kinematics, system.topology
+        tree = form_tree(topology, names, kinematics.rates, system.uses, align=self.aligned)
+        gravity = Vector3(names.triple(topology.model.gravity, "gravity"))
+        on_ground = ground_inertia(names, topology.model.bodies, tree)
+        light = tree
+        if self.regrouped:
+            light, to_ground = base_tree(names.graph, tree)
+            on_ground = on_ground + to_ground
+        rotors = tuple(system.armatures.values())
+        recursion = Recursion(
+            topology=topology,
+            kinematics=kinematics,
+            tree=tree,
+            light=light,
+            gravity=gravity,
+            loads=system.loads.loads,
+            rotors=rotors,
+            method=self.method,
+        )
+        begin("energy")
+        potential = system.loads.potential_energy + potential_energy(light, on_ground, gravity)
+        return RecursiveDynamics(recursion, kinetic_energy(light, rotors, number(names.graph, 0)), potential)
+
+
+@dataclass(frozen=True, slots=True)
+class RecursiveDynamics(Dynamics):
+    """The dynamics of a tree by recursion; M by composite bodies, inverse dynamics by Newton-Euler."""
+
+    recursion: Recursion
+    kinetic_energy: Expr = field()
+    potential_energy: Expr = field()
+
+    @property
+    def mass_matrix(self) -> tuple[tuple[Expr, ...], ...]:
+        """M in the order of the speeds."""
+        return self.recursion.mass_matrix
+
+    @property
+    def forcing(self) -> tuple[Expr, ...]:
+        """F in the order of the speeds."""
+        return self.recursion.forcing
+
+    def solve(self, system: MultibodySystem, forces: Sequence[Expr]) -> Solution:
+        """Return u' by articulated bodies or the factors of M, and the pivots."""
+        return self.recursion.solve(forces)
+
+    def inverse_dynamics(self, udot: Sequence[Expr]) -> list[Expr]:
+        """Return ``M u' - F`` by the recursive Newton-Euler algorithm."""
+        return self.recursion.inverse_dynamics(udot)
+
+    def acceleration_slopes(
+        self, system: MultibodySystem, udot: Sequence[Expr], by: Sequence[Symbol], *, side_by_side: bool
+    ) -> list[list[Expr]]:
+        """Return the derivatives of u' from those of the inverse dynamics."""
+        return acceleration_slopes(system, self.recursion, udot, by, side_by_side=side_by_side)
+
+    def wrenches(self, system: MultibodySystem, cut: Sequence[tuple[str, Wrench]]) -> dict[str, Wrench]:
+        """Return the total wrenches, summed from the leaves inward."""
+        graph = system.graph
+        udot = {
+            node: symbol(graph, graph.symbols[graph.left[node]].derivative)
+            for node in system.kinematics.speeds
+        }
+        return joint_wrenches(self.recursion, system.names, udot, summed(cut))

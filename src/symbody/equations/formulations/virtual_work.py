@@ -1,4 +1,4 @@
-"""Virtual work: the wrenches that bodies need, times the free motions of the joints that carry them.
+"""Virtual work: the inertial wrenches of the bodies, times the free motions of the joints inward of them.
 
 ``sum over bodies of  dv_j . (m a - F) + dw_j . (I alpha + w x I w - T) = 0``  for every speed u_j, with
 partial velocities dv_j, dw_j (Kane & Levinson 1985, section 6.1; Roberson & Schwertassek 1988, chapter 8).
@@ -10,80 +10,58 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
 
 from symbody.equations.dynamics.balance import NOTHING, Wrench, balanced
-from symbody.equations.dynamics.inertia import Inertia, Rotor
-from symbody.equations.dynamics.load import Effort, Load
+from symbody.equations.dynamics.inertia import Inertia
+from symbody.equations.dynamics.load import Effort
 from symbody.equations.dynamics.needs import inertial, without_loads
-from symbody.equations.dynamics.projection import Projection, add_rotor
+from symbody.equations.formulations.formulation import Dynamics, Formulation, ProjectedDynamics
+from symbody.equations.formulations.projection import add_rotor, project_bodies, projected_dynamics
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.variables import Use
+from symbody.equations.system import MultibodySystem
 from symbody.expr.expression import Expr, number
 from symbody.graph.topology import Topology
-from symbody.vectors.dyadic import apply, quadratic
+from symbody.vectors.dyadic import apply
 from symbody.vectors.vector import NULL, Vector, cross, dot
 
 
 @dataclass(frozen=True, slots=True)
-class VirtualWork:
+class VirtualWork(Formulation):
     """Formulation by virtual work; any trees, any coordinates."""
 
+    def derive(self, system: MultibodySystem) -> Dynamics:
+        """Return the equations of motion, joint by joint; body by body where there are no joints."""
+        return _project(system) if system.uses else project_bodies(system)
 
-VIRTUAL_WORK: Final = VirtualWork()
 
-
-def project(
-    topology: Topology,
-    kinematics: Kinematics,
-    uses: Sequence[Use],
-    bodies: Sequence[Inertia],
-    loads: Sequence[Load],
-    armatures: Mapping[str, Rotor],
-) -> Projection:
-    """Return the equations of motion in the speeds.
-
-    Parameters
-    ----------
-    armatures : mapping of coordinate to Rotor
-        What turns with the rates of joints.
-    """
+def _project(system: MultibodySystem) -> ProjectedDynamics:
+    topology, kinematics, loads = system.topology, system.kinematics, system.loads.loads
     speeds, zero = kinematics.speeds, number(kinematics.graph, 0)
     place = {u: j for j, u in enumerate(speeds)}
     mass = [[zero] * len(speeds) for _ in speeds]
     forcing = [zero] * len(speeds)
-    free = _free_motions(topology, kinematics, uses)
+    motions = _free_motions(topology, kinematics, system.uses)
     for u, j in place.items():
-        needed = {
-            body.frame: _unit_wrench(kinematics, body, u) for body in bodies if _moves(kinematics, body, u)
+        inertial = {
+            body.frame: _unit_wrench(kinematics, body, u)
+            for body in system.bodies
+            if _moves(kinematics, body, u)
         }
-        for other, force in _generalized(topology, kinematics, free, needed).items():
+        for other, force in _generalized_forces(topology, kinematics, motions, inertial).items():
             if place[other] >= j:
                 mass[j][place[other]] = mass[place[other]][j] = force
-    biases = {body.frame: _bias_wrench(kinematics, body) for body in bodies}
-    needed = without_loads(topology, kinematics, biases, loads)
-    for u, force in _generalized(topology, kinematics, free, needed).items():
+    biases = {body.frame: _bias_wrench(kinematics, body) for body in system.bodies}
+    missing = without_loads(topology, kinematics, biases, loads)
+    for u, force in _generalized_forces(topology, kinematics, motions, missing).items():
         forcing[place[u]] = forcing[place[u]] - force
     for load in loads:
         if isinstance(load, Effort):
             for u, slope in kinematics.slopes(load.rate).items():
                 forcing[place[u]] = forcing[place[u]] + slope * load.effort
-    for rotor in armatures.values():
+    for rotor in system.armatures.values():
         add_rotor(kinematics, rotor, mass, forcing)
-    return Projection(tuple(map(tuple, mass)), tuple(forcing))
-
-
-def kinetic_energy(kinematics: Kinematics, bodies: Sequence[Inertia], armatures: Mapping[str, Rotor]) -> Expr:
-    """Return the kinetic energy of the bodies relative to ground, and of rotors along their rates [J]."""
-    tree = kinematics.tree
-    total = number(tree.graph, 0)
-    for body in bodies:
-        v = kinematics.velocities[body.frame].value
-        w = kinematics.angular_velocities[body.frame].value
-        total = total + body.mass * dot(tree, v, v) + quadratic(tree, w, body.tensor, w)
-    for rotor in armatures.values():
-        total = total + rotor.inertia * rotor.rate**2
-    return total / 2
+    return projected_dynamics(system, mass, forcing)
 
 
 def _free_motions(
@@ -99,30 +77,30 @@ def _free_motions(
         arm = kinematics.arm(start, end)
         for symbol in use.speeds:
             u = kinematics.graph.symbol(symbol)
-            turn = w.partial(u) - w_start.partial(u) if use.in_rotation else NULL
-            slide = NULL
+            angular = w.partial(u) - w_start.partial(u) if use.in_rotation else NULL
+            linear = NULL
             if use.in_translation:
-                slide = v.partial(u) - v_start.partial(u) - cross(tree, w_start.partial(u), arm)
-            motions.append((use.joint.name, u, slide, turn))
+                linear = v.partial(u) - v_start.partial(u) - cross(tree, w_start.partial(u), arm)
+            motions.append((use.joint.name, u, linear, angular))
     return motions
 
 
-def _generalized(
+def _generalized_forces(
     topology: Topology,
     kinematics: Kinematics,
-    free: Iterable[tuple[str, int, Vector, Vector]],
-    needed: Mapping[str, Wrench],
+    motions: Iterable[tuple[str, int, Vector, Vector]],
+    wrenches: Mapping[str, Wrench],
 ) -> dict[int, Expr]:
-    """Return the generalized force of each speed that gives the bodies what they need."""
+    """Return the generalized force of each speed, from wrenches about the bodies' centres of mass."""
     tree = kinematics.tree
-    carried = balanced(topology, kinematics, needed, {})
-    found = {}
-    for joint, u, slide, turn in free:
-        wrench = carried.get(joint, NOTHING)
-        force = dot(tree, slide, wrench.force) + dot(tree, turn, wrench.moment)
+    transmitted = balanced(topology, kinematics, wrenches, {})
+    forces = {}
+    for joint, u, linear, angular in motions:
+        wrench = transmitted.get(joint, NOTHING)
+        force = dot(tree, linear, wrench.force) + dot(tree, angular, wrench.moment)
         if not force.is_zero:
-            found[u] = force
-    return found
+            forces[u] = force
+    return forces
 
 
 def _moves(kinematics: Kinematics, body: Inertia, u: int) -> bool:
@@ -131,11 +109,12 @@ def _moves(kinematics: Kinematics, body: Inertia, u: int) -> bool:
 
 
 def _unit_wrench(kinematics: Kinematics, body: Inertia, u: int) -> Wrench:
-    """Return what a body needs for a unit acceleration u' from rest."""
+    """Return the inertial wrench of a body for a unit acceleration u' from rest."""
     v, w = kinematics.velocities[body.frame], kinematics.angular_velocities[body.frame]
     return Wrench(v.partial(u) * body.mass, apply(kinematics.tree, body.tensor, w.partial(u)))
 
 
 def _bias_wrench(kinematics: Kinematics, body: Inertia) -> Wrench:
+    """Return the inertial wrench of a body with all u' = 0."""
     v, w = kinematics.velocities[body.frame], kinematics.angular_velocities[body.frame]
     return inertial(kinematics, body, v.bias, w.bias)

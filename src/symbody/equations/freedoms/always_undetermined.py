@@ -5,8 +5,9 @@ from __future__ import annotations
 from random import Random
 from typing import Final
 
-from symbody.equations.formed import Formed
-from symbody.equations.forming import form
+from symbody.equations.derivation import derive
+from symbody.equations.equations_of_motion import EquationsOfMotion
+from symbody.equations.formulations.virtual_work import VirtualWork
 from symbody.equations.freedoms.mobility import assembled_values
 from symbody.equations.solving.noise import random_point
 from symbody.equations.solving.undetermined import generic, identically_undetermined, in_order, undetermined
@@ -19,14 +20,14 @@ from symbody.tolerances import TYPED
 _POINTS: Final = 2
 
 
-def always_undetermined(formed: Formed) -> tuple[str, ...]:
+def always_undetermined(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return the outputs that do not follow from the motion, whatever the values of the parameters.
 
     They are those that share constraints which hold identically in the coordinates of the joints, and those
     that share constraints which depend on each other for random values and, where the loops close with the
     values of the model, there too.
     """
-    if formed.formed_again is not None or not (formed.rows or formed.redundant):
+    if not formed.uses or not (formed.rows or formed.redundant):
         return ()
     formed = _by_joints(formed)
     certain = identically_undetermined(formed)
@@ -46,9 +47,9 @@ def always_undetermined(formed: Formed) -> tuple[str, ...]:
     return in_order(formed, {*certain, *(everywhere & generic(found).names)})
 
 
-def _by_joints(formed: Formed) -> Formed:
+def _by_joints(formed: EquationsOfMotion) -> EquationsOfMotion:
     """Return equations of the same mechanism in coordinates of joints."""
     topology, own = choose_topology(formed.topology.model, "joints"), formed.topology
     if (topology.rotation, topology.translation) == (own.rotation, own.translation):
         return formed
-    return form(topology, Graph())
+    return derive(topology, Graph(), VirtualWork())

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from symbody.equations.elimination.dependent_speeds import nothing_to_eliminate
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.freedoms.mobility import assembled_values
 from symbody.errors import FormulationError, Problem
 from symbody.manifold import column_volume, pivot_order
@@ -24,7 +24,7 @@ Rows = list[list[float]]
 _LEAST_MASS: Final = 1e-12  # of the largest: what is lighter counts as this, so that it is taken first
 
 
-def chosen_speeds(formed: Formed) -> tuple[str, ...]:
+def chosen_speeds(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return the names of speeds to eliminate, one for each constraint on velocities.
 
     Raises
@@ -49,7 +49,9 @@ def chosen_speeds(formed: Formed) -> tuple[str, ...]:
     return tuple(formed.u[k].label for k in sorted(best))
 
 
-def _scaled(formed: Formed, places: Sequence[int], slopes: Sequence[float], mass: Sequence[float]) -> Rows:
+def _scaled(
+    formed: EquationsOfMotion, places: Sequence[int], slopes: Sequence[float], mass: Sequence[float]
+) -> Rows:
     """Return the rows in speeds of equal kinetic energy, each of unit length."""
     n = len(formed.u)
     weights = [mass[k * n + k] for k in range(n)]
@@ -68,7 +70,7 @@ def _pivots(rows: Rows) -> tuple[int, ...]:
     return tuple(sorted(int(k) for k in order[: int((pivots > RANK).sum())]))
 
 
-def _dependent(formed: Formed, places: Sequence[int], rows: Rows) -> Problem:
+def _dependent(formed: EquationsOfMotion, places: Sequence[int], rows: Rows) -> Problem:
     """Say which row depends on those before it."""
     kept: Rows = []
     name = formed.rows[places[-1]].name

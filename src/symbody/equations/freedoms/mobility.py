@@ -15,7 +15,7 @@ from functools import cached_property
 from random import Random
 from typing import Any, Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.showing.outputs import output_roots
 from symbody.equations.showing.units import output_units
 from symbody.equations.solving.idle import check_idle
@@ -64,7 +64,7 @@ class Mobility:
     notes: tuple[str, ...] = ()
 
 
-def mobility(formed: Formed) -> Mobility:
+def mobility(formed: EquationsOfMotion) -> Mobility:
     """Return how a mechanism can move, with the model's values of the parameters.
 
     Raises
@@ -86,7 +86,9 @@ def mobility(formed: Formed) -> Mobility:
     return count_freedoms(formed, explore_branch(loops.manifold, q), loops.velocity_rows)
 
 
-def count_freedoms(formed: Formed, branch: Branch, velocity_rows: Callable[[Any], Any]) -> Mobility:
+def count_freedoms(
+    formed: EquationsOfMotion, branch: Branch, velocity_rows: Callable[[Any], Any]
+) -> Mobility:
     """Return the freedoms on a branch of configurations.
 
     Parameters
@@ -125,7 +127,7 @@ def _notes(branch: Branch, taken: int, instantaneous: int) -> Iterator[str]:
         )
 
 
-def assembled_values(formed: Formed, outputs: Sequence[str]) -> list[list[list[float]]]:
+def assembled_values(formed: EquationsOfMotion, outputs: Sequence[str]) -> list[list[list[float]]]:
     """Return outputs that depend on positions alone at assembled configurations, near the start and far away.
 
     Raises
@@ -146,7 +148,7 @@ def assembled_values(formed: Formed, outputs: Sequence[str]) -> list[list[list[f
 class _Loops:
     """The constraints of a mechanism with values of its parameters; q is a list of numbers or an array."""
 
-    formed: Formed
+    formed: EquationsOfMotion
     resolved: Mapping[str, float]
 
     @cached_property
@@ -217,11 +219,11 @@ class _Loops:
         return max(map(abs, lengths), default=0.0) or max(moved, default=0.0) or 1.0
 
 
-def _resolved(formed: Formed) -> dict[str, float]:
+def _resolved(formed: EquationsOfMotion) -> dict[str, float]:
     return {name: float(value) for name, value in resolve_parameters(formed.topology.model).items()}
 
 
-def _open(formed: Formed) -> AssemblyError:
+def _open(formed: EquationsOfMotion) -> AssemblyError:
     return AssemblyError(
         Problem("equations.not_assembled", formed.topology.model.name,
                 "the degrees of freedom cannot be counted, because the loops close from none of the starts",
@@ -230,12 +232,12 @@ def _open(formed: Formed) -> AssemblyError:
     )  # fmt: skip
 
 
-def _program(formed: Formed, names: Sequence[str]) -> Program:
+def _program(formed: EquationsOfMotion, names: Sequence[str]) -> Program:
     roots = [output_roots(formed, name) for name in names]
     return build_sequence(formed.graph, roots, _places(formed))
 
 
-def _places(formed: Formed) -> dict[int, Input]:
+def _places(formed: EquationsOfMotion) -> dict[int, Input]:
     graph = formed.graph
     places = {graph.symbol(q): Input(q.label, "q", k) for k, q in enumerate(formed.q)}
     places |= {graph.symbol(p): Input(p.name, "p", k) for k, p in enumerate(formed.parameters)}
@@ -244,7 +246,7 @@ def _places(formed: Formed) -> dict[int, Input]:
     return places
 
 
-def _start(formed: Formed) -> list[float]:
+def _start(formed: EquationsOfMotion) -> list[float]:
     """Return the initial values of the model as far as they are numbers, 0 otherwise, as `assemble` does."""
     given = {name: formula.constant() for name, formula in formed.topology.model.initial.items()}
     start = [float(given.get(q.name) or 0) for q in formed.q]

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.index_reduction.separation import written
 from symbody.equations.solving.projection import velocity_residual
 from symbody.errors import FormulationError, Problem
@@ -50,7 +50,7 @@ class IndexReduction:
         return len(self.algebraic)
 
 
-def reduced_mechanism(formed: Formed) -> IndexReduction:
+def reduced_mechanism(formed: EquationsOfMotion) -> IndexReduction:
     """Return the reduction of equations whose structure is known; see `reduce_index`."""
     _check_no_friction(formed)
     graph = formed.graph
@@ -58,7 +58,7 @@ def reduced_mechanism(formed: Formed) -> IndexReduction:
     multipliers = formed.expressions(formed.multipliers)
     jacobian = formed.jacobian
     columns = [[row[i] for row in jacobian] for i in range(len(udot))]
-    mass, forcing = formed.projection.mass_matrix, formed.projection.forcing
+    mass, forcing = formed.dynamics.mass_matrix, formed.dynamics.forcing
     balance = [
         _product(mass[i], udot, -forcing[i]) - _product(columns[i], multipliers, Expr(graph, 0))
         for i in range(len(udot))
@@ -82,7 +82,7 @@ def reduced_mechanism(formed: Formed) -> IndexReduction:
     )
 
 
-def _kinematic(formed: Formed) -> list[int]:
+def _kinematic(formed: EquationsOfMotion) -> list[int]:
     """Return ``q' - N u - nu``, where it is not 0 by the names of things."""
     graph, rates = formed.graph, formed.variables.rates
     rows = [Expr(graph, graph.symbol(q.derivative)) - Expr(graph, rates[graph.symbol(q)]) for q in formed.q]
@@ -95,7 +95,7 @@ def _product(row: Sequence[Expr], column: Sequence[Expr], start: Expr) -> Expr:
     return start
 
 
-def _check_no_friction(formed: Formed) -> None:
+def _check_no_friction(formed: EquationsOfMotion) -> None:
     if formed.friction:
         names = ", ".join(dict.fromkeys(law.joint.name for law in formed.friction))
         raise FormulationError(

@@ -12,7 +12,7 @@ from symbody.expr.expression import Expr, number, sqrt
 from symbody.expr.graph import Graph
 from symbody.model.joint import Joint
 from symbody.vectors.frame import FrameTree
-from symbody.vectors.matrix import Triple, apply_matrix, outer
+from symbody.vectors.matrix import Triple, Vector3
 from symbody.vectors.rotation import Turn, rotation_matrix, rotation_of
 from symbody.vectors.vector import NULL, Vector, cross, vector
 
@@ -76,7 +76,7 @@ def _axis(tree: FrameTree, joint: Joint, turns: Sequence[Turn], k: int) -> Vecto
     """Return the axis of one of several successive turns."""
     if 0 < k < len(turns) - 1:
         before = rotation_matrix(tree.graph, rotation_of(turns[:k]))
-        return vector(tree.home(joint.start.frame), apply_matrix(before, turns[k].axis))
+        return vector(tree.home(joint.start.frame), before @ turns[k].axis)
     return vector(tree.home((joint.start if k == 0 else joint.end).frame), turns[k].axis)
 
 
@@ -86,7 +86,7 @@ def completed(graph: Graph, directions: Sequence[Triple]) -> list[Triple]:
         return list(unit_axes(graph))
     if len(directions) == 1:
         return list(perpendiculars(graph, directions[0]))
-    return [outer(directions[0], directions[1])] if len(directions) == 2 else []
+    return [Vector3(directions[0]).cross(directions[1])] if len(directions) == 2 else []
 
 
 def perpendiculars(graph: Graph, axis: Triple) -> tuple[Triple, Triple]:
@@ -104,6 +104,6 @@ def perpendiculars(graph: Graph, axis: Triple) -> tuple[Triple, Triple]:
     first = units[k]
     if sizes[k] != 0:
         length = sqrt(1 - axis[k] * axis[k])
-        x, y, z = (part / length for part in outer(axis, units[k]))
+        x, y, z = (part / length for part in Vector3(axis).cross(units[k]))
         first = (x, y, z)
-    return first, outer(axis, first)
+    return first, Vector3(axis).cross(first)

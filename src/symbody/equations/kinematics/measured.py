@@ -10,7 +10,7 @@ from symbody.expr.expression import Expr, atan2, cos, sin, sqrt
 from symbody.model.joint import Joint, QuasiSpeeds
 from symbody.vectors.euler_angles import measured_angles
 from symbody.vectors.frame import FrameTree
-from symbody.vectors.matrix import Triple, identity, outer
+from symbody.vectors.matrix import Triple, Vector3, identity
 from symbody.vectors.vector import Vector, cross, dot, vector
 
 
@@ -102,7 +102,7 @@ def _two_angles(kinematics: Kinematics, joint: Joint, a: Triple, b: Triple) -> d
     tree = kinematics.tree
     start, end = tree.home(joint.start.frame), tree.home(joint.end.frame)
     first, second = vector(start, a), vector(end, b)
-    across = outer(a, b)
+    across = Vector3(a).cross(b)
     turning = _turning(kinematics, joint)
     found = {}
     for name, axis, seen, line, side in (

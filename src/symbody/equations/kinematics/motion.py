@@ -6,61 +6,21 @@ Levinson 1985, section 2.14), ``rest`` what does not depend on them, ``bias`` th
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 
+from symbody.equations.kinematics.frame_steps import RotationStep, TranslationStep
+from symbody.equations.kinematics.lazy_mapping import LazyMapping, Rule
 from symbody.equations.kinematics.velocity import AT_REST, Velocity
-from symbody.equations.kinematics.waiting import Waiting
 from symbody.expr.calculus import gradient, time_derivative
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph, Kind
 from symbody.expr.opcodes import SYMBOL
 from symbody.expr.rewrite import substitute, symbols_of
-from symbody.vectors.euler_parameters import EulerParameters
 from symbody.vectors.frame import FrameTree
-from symbody.vectors.rotation import DirectionCosines, Matrix, Rotation, Turn, rotation_of
+from symbody.vectors.rotation import DirectionCosines, Rotation, Turn, rotation_of
 from symbody.vectors.vector import NULL, Vector, cross, drawn_near, lifted, vector
-
-
-@dataclass(frozen=True, slots=True)
-class Turning:
-    """How one frame is turned in another.
-
-    Attributes
-    ----------
-    steps : tuple of Turn or EulerParameters
-        From the parent's axes to the child's.
-    angular_velocity : Vector or None
-        Of the child relative to the parent, in speeds, with components in frames that are entered by this
-        step or stood before; None: that of the turns.
-    """
-
-    child: str
-    parent: str
-    steps: tuple[Turn | EulerParameters, ...]
-    angular_velocity: Vector | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Shifting:
-    """Where one origin stands from another.
-
-    Attributes
-    ----------
-    axes : str
-        The frame in which terms far away are expressed.
-    shift : Vector
-        From the parent's origin to the child's.
-    velocity : (frame, Vector) or None
-        The rate of the shift as seen from a frame, in speeds; None: that of its components.
-    """
-
-    child: str
-    parent: str
-    axes: str
-    shift: Vector
-    velocity: tuple[str, Vector] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,31 +35,26 @@ class Kinematics:
         q' in terms of u, as `time_derivative` takes it.
     speeds : tuple of int
         Nodes of u.
-    spread : bool
-        Whether vectors stay sums of terms in their own frames, however far away: products then read as in a
-        book, but their number grows with the square of the length of a chain.
     shifts : mapping of frame to (frame, Vector)
         From the origin of a frame nearer to ground to each frame's origin.
-    steered : set of frame
-        Frames whose angular velocity is given in speeds: those before them turn at less simple rates.
     depths : mapping of frame to int
         Number of shifts from ground.
-    arms : mapping of (frame, frame) to Vector
-        What `arm` found; it follows from the shifts.
     velocities, angular_velocities : mapping of frame
         Of each frame's origin, and of the frame.
+    driven_frames : set of frame
+        Frames whose angular velocity is given in speeds: those before them turn at less simple rates.
     """
 
     tree: FrameTree
     rates: Mapping[int, int]
     speeds: tuple[int, ...]
-    spread: bool
-    shifts: dict[str, tuple[str, Vector]]
-    steered: set[str]
-    depths: dict[str, int]
-    arms: dict[tuple[str, str], Vector]
-    velocities: dict[str, Velocity]
-    angular_velocities: dict[str, Velocity]
+    shifts: Mapping[str, tuple[str, Vector]]
+    depths: Mapping[str, int]
+    velocities: Mapping[str, Velocity]
+    angular_velocities: Mapping[str, Velocity]
+    driven_frames: frozenset[str] = frozenset()
+    # Results of `arm`, kept for the next call; they follow from the shifts.
+    _arms: dict[tuple[str, str], Vector] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     @property
     def graph(self) -> Graph:
@@ -108,18 +63,18 @@ class Kinematics:
 
     def arm(self, start: str, end: str) -> Vector:
         """Return the vector from the origin of one frame to that of another."""
-        found = self.arms.get((start, end))
-        if found is None:
-            outward, inward = self._apart(end, start)
-            found = NULL
+        arm = self._arms.get((start, end))
+        if arm is None:
+            outward, inward = self._paths(end, start)
+            arm = NULL
             for frame in reversed(outward):
-                found = found + self.shifts[frame][1]
+                arm = arm + self.shifts[frame][1]
             for frame in inward:
-                found = found - self.shifts[frame][1]
-            self.arms[(start, end)] = found
-        return found
+                arm = arm - self.shifts[frame][1]
+            self._arms[(start, end)] = arm
+        return arm
 
-    def _apart(self, a: str, b: str) -> tuple[list[str], list[str]]:
+    def _paths(self, a: str, b: str) -> tuple[list[str], list[str]]:
         """Return the frames from each of two frames to the last that both stand on, which is left out."""
         from_a, from_b = [], []
         while a != b:
@@ -158,8 +113,8 @@ class Kinematics:
     def slopes(self, x: Expr) -> dict[int, Expr]:
         """Return the coefficient of each speed in a scalar, zeros left out."""
         by = [u for u in self.speeds if u <= x.index]
-        found = gradient(self.graph, x.index, by) if by else []
-        return {u: Expr(self.graph, slope) for u, slope in zip(by, found, strict=True) if slope}
+        partials = gradient(self.graph, x.index, by) if by else []
+        return {u: Expr(self.graph, partial) for u, partial in zip(by, partials, strict=True) if partial}
 
     def affine(self, value: Vector, bias: Vector) -> Velocity:
         """Return a velocity from its value in speeds and its bias."""
@@ -177,147 +132,141 @@ class Kinematics:
 
 def form_kinematics(
     graph: Graph,
-    turnings: Iterable[Turning],
-    shiftings: Iterable[Shifting],
+    rotations: Iterable[RotationStep],
+    translations: Iterable[TranslationStep],
     rates: Mapping[int, int],
     speeds: Sequence[int],
     *,
-    spread: bool,
-    waiting: bool = False,
+    lazy: bool = False,
 ) -> Kinematics:
     """Return the kinematics of frames given outward from ground, each by a step from an earlier one.
 
-    All turnings come before all shiftings, because the two trees need not be the same.
+    All rotations come before all translations, because the two trees need not be the same.
 
     Parameters
     ----------
-    waiting : bool
-        Whether velocities are formed only when they are asked for: along a chain they are many.
+    lazy : bool
+        Whether velocities are computed only when they are read: along a chain they are many.
     """
-    parents: dict[str, tuple[str, Rotation]] = {}
-    tree = FrameTree(graph, parents)
-    kinematics = Kinematics(
-        tree=tree,
-        rates=rates,
-        speeds=tuple(speeds),
-        spread=spread,
-        shifts={},
-        steered=set(),
-        depths={"ground": 0},
-        arms={},
-        velocities=Waiting({"ground": AT_REST}) if waiting else {"ground": AT_REST},
-        angular_velocities=Waiting({"ground": AT_REST}) if waiting else {"ground": AT_REST},
+    ground = {"ground": AT_REST}
+    empty = Kinematics(FrameTree(graph, {}), rates, tuple(speeds), {}, {"ground": 0}, ground, ground)
+    return add_frames(empty, rotations, translations, lazy=lazy)
+
+
+def add_frames(
+    kinematics: Kinematics,
+    rotations: Iterable[RotationStep],
+    translations: Iterable[TranslationStep],
+    *,
+    lazy: bool = False,
+) -> Kinematics:
+    """Return the kinematics with further frames; arguments as of `form_kinematics`."""
+    rotations, translations = tuple(rotations), tuple(translations)
+    tree = FrameTree(kinematics.graph, {**kinematics.tree.parents, **_orientations(rotations)})
+    given = {tree.home(rotation.child) for rotation in rotations if rotation.angular_velocity is not None}
+    kinematics = replace(kinematics, tree=tree, driven_frames=kinematics.driven_frames | given)
+    rules = _angular_rules(kinematics, rotations)
+    angular = LazyMapping(kinematics.angular_velocities, rules)
+    kinematics = replace(kinematics, angular_velocities=angular if lazy else dict(angular))
+    return _add_origins(kinematics, translations, lazy)
+
+
+def _add_origins(kinematics: Kinematics, translations: Sequence[TranslationStep], lazy: bool) -> Kinematics:
+    shifts, depths = dict(kinematics.shifts), dict(kinematics.depths)
+    rules: dict[str, Rule[Velocity]] = {}
+    for step in translations:
+        # Frames that are not turned share one set of components, so that terms can add up.
+        shift = lifted(kinematics.tree, step.shift, kinematics.driven_frames)
+        shifts[step.child] = (step.parent, shift)
+        depths[step.child] = depths[step.parent] + 1
+        rules[step.child] = (step.parent, partial(_origin_velocity, kinematics, step, shift))
+    velocities = LazyMapping(kinematics.velocities, rules)
+    return replace(
+        kinematics, shifts=shifts, depths=depths, velocities=velocities if lazy else dict(velocities)
     )
-    for turning in turnings:
-        enter_turning(kinematics, turning)
-    for shifting in shiftings:
-        enter_origin(kinematics, shifting)
-    return kinematics
 
 
-def enter_axes(
-    kinematics: Kinematics, child: str, parent: str, cosines: Matrix, angular_velocity: Vector
-) -> None:
-    """Enter a frame by its rotation matrix, child components to parent components.
-
-    Parameters
-    ----------
-    angular_velocity : Vector
-        Of the child relative to the parent, in coordinates and speeds.
-    """
-    near = kinematics.angular_velocities[parent]
-    kinematics.tree.parents[child] = (parent, Rotation((DirectionCosines(cosines),)))
-    bias = kinematics.derivative(angular_velocity).map(kinematics.resting)
-    kinematics.angular_velocities[child] = near.combined(kinematics.affine(angular_velocity, bias))
+def _orientations(rotations: Iterable[RotationStep]) -> dict[str, tuple[str, Rotation]]:
+    """Return each frame's parent and rotation, one frame more for each step of several."""
+    parents: dict[str, tuple[str, Rotation]] = {}
+    for rotation in rotations:
+        frame = rotation.parent
+        for following, step in rotation.frames:
+            parents[following] = (frame, rotation_of((step,)))
+            frame = following
+        if not rotation.steps:
+            parents[rotation.child] = (frame, Rotation())
+    return parents
 
 
-def enter_turning(kinematics: Kinematics, turning: Turning) -> None:
-    """Enter the frames of a step, one more for each turn, with their angular velocities."""
-    parents, frame = kinematics.tree.parents, turning.parent
-    for following, step in _frames(turning):
-        parents[following] = (frame, rotation_of((step,)))
-        frame = following
-    if not turning.steps:
-        parents[turning.child] = (frame, Rotation())
-    if turning.angular_velocity is not None:
-        kinematics.steered.add(kinematics.tree.home(turning.child))
-    if isinstance(kinematics.angular_velocities, Waiting):
-        find = partial(_enter_spins, kinematics, turning)
-        for child in {turning.child, *(name for name, _ in _frames(turning))}:
-            kinematics.angular_velocities.wait(child, turning.parent, find)
-    else:
-        _enter_spins(kinematics, turning)
+def _angular_rules(kinematics: Kinematics, rotations: Iterable[RotationStep]) -> dict[str, Rule[Velocity]]:
+    """Return how the angular velocity of each frame follows from that of the frame before it."""
+    rules: dict[str, Rule[Velocity]] = {}
+    for rotation in rotations:
+        frame, child = rotation.parent, rotation.child
+        for following, step in rotation.frames:
+            if isinstance(step, Turn):
+                rules[following] = (
+                    frame,
+                    partial(_add_turn, kinematics, following, step, following == child),
+                )
+            frame = following
+        if rotation.angular_velocity is not None:
+            rules[child] = (
+                rotation.parent,
+                partial(_add_angular_velocity, kinematics, rotation, rotation.angular_velocity),
+            )
+        elif not rotation.steps:
+            rules[child] = (rotation.parent, partial(_express_near, kinematics, child))
+    return rules
 
 
-def _frames(turning: Turning) -> Iterator[tuple[str, Turn | EulerParameters]]:
-    """Return the frame that each step leads to."""
-    last = len(turning.steps) - 1
-    for k, step in enumerate(turning.steps):
-        yield turning.child if k == last else f"{turning.child}#{k + 1}", step
-
-
-def _enter_spins(kinematics: Kinematics, turning: Turning) -> None:
-    angular, frame = kinematics.angular_velocities, turning.parent
-    for following, step in _frames(turning):
-        if isinstance(step, Turn):
-            angular[following] = _turned(kinematics, angular[frame], following, step)
-        frame = following
-    if not turning.steps:
-        angular[turning.child] = angular[frame]
-    if turning.angular_velocity is not None:
-        near = angular[turning.parent]
-        swing = cross(kinematics.tree, near.value, turning.angular_velocity)
-        relative = kinematics.affine(turning.angular_velocity, swing)
-        angular[turning.child] = near.combined(relative)
-    angular[turning.child] = _short(kinematics, angular[turning.child], turning.child)
-
-
-def _turned(kinematics: Kinematics, near: Velocity, frame: str, turn: Turn) -> Velocity:
-    """Return the angular velocity of a frame turned about an axis that is fixed in both."""
+def _add_turn(kinematics: Kinematics, frame: str, turn: Turn, is_last: bool, near: Velocity) -> Velocity:
+    """Return the angular velocity of a frame turned about an axis that is fixed in both frames."""
     speed = kinematics.rate(turn.angle)
-    if speed.is_zero:
-        return near
-    axis = vector(kinematics.tree.home(frame), turn.axis)
-    spin = axis * speed
-    bias = axis * kinematics.bias(speed) + cross(kinematics.tree, near.value, spin)
-    return near.combined(kinematics.affine(spin, bias))
+    if not speed.is_zero:
+        axis = vector(kinematics.tree.home(frame), turn.axis)
+        spin = axis * speed
+        bias = axis * kinematics.bias(speed) + cross(kinematics.tree, near.value, spin)
+        near = near + kinematics.affine(spin, bias)
+    return _express_near(kinematics, frame, near) if is_last else near
 
 
-def enter_origin(kinematics: Kinematics, shifting: Shifting) -> None:
-    """Enter the origin of a frame."""
-    parent, child = shifting.parent, shifting.child
-    # Frames that are not turned share one set of components, so that terms can add up.
-    shift = lifted(kinematics.tree, shifting.shift, kinematics.steered)
-    kinematics.shifts[child] = (parent, shift)
-    kinematics.depths[child] = kinematics.depths[parent] + 1
-    if isinstance(kinematics.velocities, Waiting):
-        kinematics.velocities.wait(child, parent, partial(_enter_velocity, kinematics, shifting))
-    else:
-        _enter_velocity(kinematics, shifting)
+def _add_angular_velocity(
+    kinematics: Kinematics, rotation: RotationStep, relative: Vector, near: Velocity
+) -> Velocity:
+    """Return the angular velocity of a frame from that relative to the frame before it."""
+    bias = relative.map(kinematics.bias) + cross(kinematics.tree, near.value, relative)
+    total = near + kinematics.affine(relative, bias)
+    if isinstance(rotation.steps[0], DirectionCosines):
+        return total  # products with a matrix of formulas cost more than terms far away
+    return _express_near(kinematics, rotation.child, total)
 
 
-def _enter_velocity(kinematics: Kinematics, shifting: Shifting) -> None:
-    tree, parent, child = kinematics.tree, shifting.parent, shifting.child
-    shift = kinematics.shifts[child][1]
-    if shifting.velocity is None:
-        moved = kinematics.velocities[parent]
+def _origin_velocity(
+    kinematics: Kinematics, step: TranslationStep, shift: Vector, near: Velocity
+) -> Velocity:
+    """Return the velocity of an origin from that of the origin it is shifted from."""
+    tree, angular = kinematics.tree, kinematics.angular_velocities
+    if step.velocity is None:
         for frame, parts in shift.terms.items():
             term = Vector({frame: parts})
             slide = term.map(kinematics.rate)
-            moved = moved.combined(_carried(kinematics, frame, term, slide, slide.map(kinematics.bias)))
-    else:
-        frame, slide = shifting.velocity
-        homes = kinematics.angular_velocities
-        seen = NULL
-        for home, parts in slide.terms.items():
-            term = Vector({home: parts})
-            seen = seen + cross(tree, homes[home].value - homes[frame].value, term)
-        moved = kinematics.velocities[parent].combined(_carried(kinematics, frame, shift, slide, seen))
-    kinematics.velocities[child] = _short(kinematics, moved, shifting.axes)
+            near = near + _relative_velocity(kinematics, frame, term, slide, slide.map(kinematics.bias))
+        return _express_near(kinematics, step.axes, near)
+    frame, slide = step.velocity
+    change = NULL
+    for home, parts in slide.terms.items():
+        spin = angular[home].value - angular[frame].value
+        change = change + cross(tree, spin, Vector({home: parts}))
+    relative = _relative_velocity(kinematics, frame, shift, slide, change)
+    return _express_near(kinematics, step.axes, near + relative)
 
 
-def _carried(kinematics: Kinematics, frame: str, arm: Vector, slide: Vector, change: Vector) -> Velocity:
-    """Return the velocity of an arm's end relative to its origin, the arm carried by a turning frame.
+def _relative_velocity(
+    kinematics: Kinematics, frame: str, arm: Vector, slide: Vector, change: Vector
+) -> Velocity:
+    """Return the velocity of an arm's end relative to its origin, the arm in a turning frame.
 
     Parameters
     ----------
@@ -329,26 +278,20 @@ def _carried(kinematics: Kinematics, frame: str, arm: Vector, slide: Vector, cha
     swing = cross(tree, w.value, arm)
     centripetal = cross(tree, w.value, swing + slide * 2)
     sliding = kinematics.affine(slide, change + cross(tree, w.bias, arm) + centripetal)
-    turning = {u: cross(tree, partial, arm) for u, partial in w.partials.items()}
-    swinging = Velocity(_nonzero(turning), cross(tree, w.rest, arm), swing, NULL)
-    return swinging.combined(sliding)
+    swings = {u: cross(tree, partial, arm) for u, partial in w.partials.items()}
+    nonzero = {u: partial for u, partial in swings.items() if not partial.is_zero}
+    return Velocity(nonzero, cross(tree, w.rest, arm), swing, NULL) + sliding
 
 
-def _short(kinematics: Kinematics, a: Velocity, frame: str) -> Velocity:
-    """Return the velocity with what is far away expressed in a frame, unless vectors are spread."""
-    if kinematics.spread:
-        return a
-
-    def short(x: Vector) -> Vector:
-        return drawn_near(kinematics.tree, x, kinematics.tree.home(frame))
-
+def _express_near(kinematics: Kinematics, frame: str, velocity: Velocity) -> Velocity:
+    """Return the velocity with terms in frames far away expressed in a frame."""
+    tree, axes = kinematics.tree, kinematics.tree.home(frame)
     return Velocity(
-        {u: short(x) for u, x in a.partials.items()}, short(a.rest), short(a.value), short(a.bias)
+        {u: drawn_near(tree, partial, axes) for u, partial in velocity.partials.items()},
+        drawn_near(tree, velocity.rest, axes),
+        drawn_near(tree, velocity.value, axes),
+        drawn_near(tree, velocity.bias, axes),
     )
-
-
-def _nonzero(partials: Mapping[int, Vector]) -> dict[int, Vector]:
-    return {u: partial for u, partial in partials.items() if not partial.is_zero}
 
 
 def _unit(graph: Graph, k: int, x: Expr) -> tuple[Expr, Expr, Expr]:

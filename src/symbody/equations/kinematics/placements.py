@@ -19,7 +19,8 @@ from symbody.expr.expression import Expr, number
 from symbody.expr.fingerprint import fingerprints
 from symbody.expr.graph import TIME, Graph
 from symbody.expr.rewrite import substitute
-from symbody.vectors.matrix import Matrix, Triple, inner, transpose
+from symbody.vectors.matrix import Matrix, Triple
+from symbody.vectors.rotation import spin as spin
 from symbody.vectors.vector import NULL, Vector, components, vector
 
 
@@ -51,17 +52,6 @@ def flow(kinematics: Kinematics) -> dict[int, int]:
     """Return the tangents of time with u' = 0: q' = N u + nu, and t' = 1."""
     graph = kinematics.graph
     return {**kinematics.rates, graph.symbol(TIME): graph.constant(1)}
-
-
-def spin(R: Matrix, rate: Matrix) -> Triple:
-    """Return the angular velocity in the turning frame's axes, from ``R^T R' = w~``.
-
-    Off the unit sphere of Euler parameters it is ``2 G(q) q'`` times a power of their norm, a smooth
-    extension of the angular velocity. The symmetric part is on the diagonal, which is not read.
-    """
-    x, y, z = transpose(R)
-    dx, dy, dz = transpose(rate)
-    return (inner(z, dy), inner(x, dz), inner(y, dx))
 
 
 def moved(graph: Graph, values: Sequence[Expr], tangents: Mapping[int, int]) -> list[Expr]:

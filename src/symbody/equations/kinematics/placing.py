@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from symbody.equations.kinematics.motion import Shifting, Turning
+from symbody.equations.kinematics.frame_steps import RotationStep, TranslationStep
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import Use, joint_steps, quasi_vector, turns_of
 from symbody.graph.spanning_tree import Branch
@@ -25,7 +25,7 @@ def predicted(joint: str) -> str:
     return f"{joint}|predicted"
 
 
-def turnings(topology: Topology, names: Names, uses: Sequence[Use]) -> Iterator[Turning]:
+def turnings(topology: Topology, names: Names, uses: Sequence[Use]) -> Iterator[RotationStep]:
     """Return how all frames are turned, outward from ground along the rotation tree."""
     model = topology.model
     yield from _fixed_turnings(names, "ground", model.ground.items())
@@ -36,10 +36,10 @@ def turnings(topology: Topology, names: Names, uses: Sequence[Use]) -> Iterator[
     for use in uses:
         if use.turns and use.joint.name not in topology.turning:
             steps = joint_steps(names, use.joint)
-            yield Turning(predicted(use.joint.name), use.joint.start.frame, steps)
+            yield RotationStep(predicted(use.joint.name), use.joint.start.frame, steps)
 
 
-def shiftings(topology: Topology, names: Names) -> Iterator[Shifting]:
+def shiftings(topology: Topology, names: Names) -> Iterator[TranslationStep]:
     """Return where all origins stand, outward from ground along the translation tree."""
     model = topology.model
     yield from _fixed_shiftings(names, "ground", model.ground.items())
@@ -55,56 +55,59 @@ def joint_shift(names: Names, joint: Joint) -> Vector:
     return vector(home, names.triple(joint.shift(), f"joint {joint.name}"))
 
 
-def _fixed_turnings(names: Names, body: str, frames: Iterable[tuple[str, Frame]]) -> Iterator[Turning]:
+def _fixed_turnings(names: Names, body: str, frames: Iterable[tuple[str, Frame]]) -> Iterator[RotationStep]:
     for name, frame in frames:
-        yield Turning(f"{body}.{name}", body, turns_of(names, frame.turns(), f"frame {body}.{name}"))
+        yield RotationStep(f"{body}.{name}", body, turns_of(names, frame.turns(), f"frame {body}.{name}"))
 
 
-def _fixed_shiftings(names: Names, body: str, frames: Iterable[tuple[str, Frame]]) -> Iterator[Shifting]:
+def _fixed_shiftings(
+    names: Names, body: str, frames: Iterable[tuple[str, Frame]]
+) -> Iterator[TranslationStep]:
     for name, frame in frames:
         at = names.triple(frame.at, f"frame {body}.{name}")
-        yield Shifting(f"{body}.{name}", body, body, vector(body, at))
+        yield TranslationStep(f"{body}.{name}", body, body, vector(body, at))
 
 
-def _branch_turnings(topology: Topology, names: Names, branch: Branch) -> Iterator[Turning]:
+def _branch_turnings(topology: Topology, names: Names, branch: Branch) -> Iterator[RotationStep]:
     """Return the steps from the near frame of a joint to its far frame and to the body there.
 
     A joint walked against its direction has its rotation reversed.
     """
     joint = topology.joint(branch.edge.name)
-    near, far = _ends(joint, branch)
+    near, far = joint_ends(joint, branch)
     steps = joint_steps(names, joint)
     other = _far(joint)
     frames = {"start": near.frame, "end": other} if branch.forward else {"start": other, "end": near.frame}
     quasi = joint.rotation_speeds
     w = None if quasi is None else vector(frames[quasi.resolved_in], quasi_vector(names, quasi))
     if branch.forward:
-        yield Turning(other, near.frame, steps, w)
+        yield RotationStep(other, near.frame, steps, w)
     else:
-        yield Turning(other, near.frame, _reversed(steps), None if w is None else -w)
-    turns = _reversed(turns_of(names, _place(topology.model, far).turns(), far.frame))
-    yield Turning(far.body, other, turns)
+        yield RotationStep(other, near.frame, reverse_steps(steps), None if w is None else -w)
+    turns = reverse_steps(turns_of(names, frame_of(topology.model, far).turns(), far.frame))
+    yield RotationStep(far.body, other, turns)
 
 
-def _branch_shiftings(topology: Topology, names: Names, branch: Branch) -> Iterator[Shifting]:
+def _branch_shiftings(topology: Topology, names: Names, branch: Branch) -> Iterator[TranslationStep]:
     joint = topology.joint(branch.edge.name)
-    near, far = _ends(joint, branch)
+    near, far = joint_ends(joint, branch)
     sign = 1 if branch.forward else -1
     shift = joint_shift(names, joint) * sign
     quasi = joint.translation_speeds
     other = _far(joint)
     start, end = joint.start.frame, joint.end.frame
     if quasi is None:
-        yield Shifting(other, near.frame, far.body, shift)
+        yield TranslationStep(other, near.frame, far.body, shift)
     else:
         home = start if quasi.resolved_in == "start" else end
         slide = vector(home, quasi_vector(names, quasi)) * sign
-        yield Shifting(other, near.frame, far.body, shift, (start, slide))
-    at = names.triple(_place(topology.model, far).at, far.frame)
-    yield Shifting(far.body, other, far.body, -vector(far.body, at))
+        yield TranslationStep(other, near.frame, far.body, shift, (start, slide))
+    at = names.triple(frame_of(topology.model, far).at, far.frame)
+    yield TranslationStep(far.body, other, far.body, -vector(far.body, at))
 
 
-def _ends(joint: Joint, branch: Branch) -> tuple[Address, Address]:
+def joint_ends(joint: Joint, branch: Branch) -> tuple[Address, Address]:
+    """Return the near end of a joint, on the parent of its branch, and the far end."""
     return (joint.start, joint.end) if branch.forward else (joint.end, joint.start)
 
 
@@ -112,12 +115,14 @@ def _far(joint: Joint) -> str:
     return f"{joint.name}|far"
 
 
-def _place(model: Model, address: Address) -> Frame:
+def frame_of(model: Model, address: Address) -> Frame:
+    """Return a frame of a body or of ground; without a name, that of the body itself."""
     if not address.point:
         return Frame()
     frames = model.ground if address.body == "ground" else model.body(address.body).frames
     return frames[address.point]
 
 
-def _reversed(steps: Steps) -> Steps:
+def reverse_steps(steps: Steps) -> Steps:
+    """Return the rotation back."""
     return tuple(step.inverse for step in reversed(steps))

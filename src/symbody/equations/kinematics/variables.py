@@ -12,7 +12,6 @@ from symbody.model.joint import Joint, QuasiSpeeds
 from symbody.model.turn import Turn as JointTurn
 from symbody.vectors.euler_angles import angle_rates
 from symbody.vectors.euler_parameters import EulerParameters, euler_parameter_rates
-from symbody.vectors.matrix import apply_matrix
 from symbody.vectors.rotation import Turn, rotation_matrix, rotation_of
 
 
@@ -171,7 +170,7 @@ def _rates_of(
     steps = joint_steps(names, joint)
     if part == "translation":
         if quasi.resolved_in == "end":
-            speeds = apply_matrix(rotation_matrix(graph, rotation_of(steps)), speeds)
+            speeds = rotation_matrix(graph, rotation_of(steps)) @ speeds
         return _paired(names, joint.translation_coordinates, speeds), None
     if joint.quaternion is not None:
         (parameters,) = steps

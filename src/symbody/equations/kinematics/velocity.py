@@ -11,14 +11,14 @@ from symbody.vectors.vector import NULL, Vector
 
 @dataclass(frozen=True, slots=True)
 class Velocity:
-    """A velocity or angular velocity, affine in the speeds.
+    """A velocity or angular velocity, affine in the speeds; with ``+`` and ``-``.
 
     Attributes
     ----------
     partials : mapping of node to Vector
         The coefficient of each speed that has one.
     rest : Vector
-        What explicit time contributes.
+        The part that explicit time contributes.
     value : Vector
         The whole.
     bias : Vector
@@ -30,17 +30,18 @@ class Velocity:
     value: Vector
     bias: Vector
 
-    def combined(self, other: Velocity, sign: int = 1) -> Velocity:
-        """Return this velocity plus, or minus, another."""
+    def __add__(self, other: Velocity) -> Velocity:
         partials = dict(self.partials)
         for u, partial in other.partials.items():
-            partials[u] = partials.get(u, NULL) + partial * sign
-        return Velocity(
-            partials,
-            self.rest + other.rest * sign,
-            self.value + other.value * sign,
-            self.bias + other.bias * sign,
-        )
+            partials[u] = partials.get(u, NULL) + partial
+        return Velocity(partials, self.rest + other.rest, self.value + other.value, self.bias + other.bias)
+
+    def __neg__(self) -> Velocity:
+        partials = {u: -partial for u, partial in self.partials.items()}
+        return Velocity(partials, -self.rest, -self.value, -self.bias)
+
+    def __sub__(self, other: Velocity) -> Velocity:
+        return self + -other
 
     def partial(self, u: int) -> Vector:
         """Return the coefficient of a speed."""

@@ -17,7 +17,7 @@ from symbody.model.loads.curve import Law as LawValue
 from symbody.model.loads.forces import SpringDamper
 from symbody.model.loads.springs import Bushing, Spring, TorsionSpring
 from symbody.model.turn import unit_axis
-from symbody.vectors.matrix import Triple, opposite
+from symbody.vectors.matrix import Triple, Vector3
 from symbody.vectors.rotation import Rotation, Turn, rotation_of
 from symbody.vectors.vector import dot, vector
 
@@ -144,7 +144,7 @@ def _angle_about(kinematics: Kinematics, way: Rotation, axis: Triple) -> Expr | 
         return None
     if step.axis == axis:
         return step.angle
-    return -step.angle if step.axis == opposite(axis) else None
+    return -step.angle if step.axis == -Vector3(axis) else None
 
 
 def _measured_angle(kinematics: Kinematics, spring: TorsionSpring, axis: Triple, free: Expr) -> Expr:

@@ -11,13 +11,14 @@ from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
-from symbody.equations.recursive.links import GROUND, Link, Tree
-from symbody.equations.recursive.turned import AxisTurn
+from symbody.equations.recursive.item_programs import flatten
+from symbody.equations.recursive.links import GROUND, KinematicTree, TreeLink
 from symbody.expr.canonical import ZERO
+from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph, Kind
 from symbody.expr.rewrite import substitute, symbols_of
 
-# Links of small branches go together until they fill a register; what some do not carry is 0 then.
+# Small branches form one segment until they fill a register; entries of links in different branches are 0.
 TOGETHER: Final = 8
 
 
@@ -45,7 +46,7 @@ class Chains:
         The coordinate of each speed, but for those of the base.
     """
 
-    tree: Tree
+    tree: KinematicTree
     base: bool
     segments: tuple[Segment, ...]
     coordinates: Mapping[int, int]
@@ -57,22 +58,22 @@ class Chains:
 
     def carriers(self, link: int) -> frozenset[int]:
         """Return a link and those that carry it."""
-        found = set()
+        carriers = set()
         while link != GROUND:
-            found.add(link)
+            carriers.add(link)
             link = self.tree.links[link].parent
-        return frozenset(found)
+        return frozenset(carriers)
 
     def inward(self, segment: int) -> list[int]:
         """Return the segments that carry a segment, itself first."""
-        found = []
+        inward = []
         while segment >= 0:
-            found.append(segment)
+            inward.append(segment)
             segment = self.segments[segment].parent
-        return found
+        return inward
 
 
-def chains(graph: Graph, tree: Tree, rates: Mapping[int, int]) -> Chains | None:
+def chains(graph: Graph, tree: KinematicTree, rates: Mapping[int, int]) -> Chains | None:
     """Return the chains of a tree, or None where some link has more than one joint, or is driven by time.
 
     Parameters
@@ -91,86 +92,76 @@ def chains(graph: Graph, tree: Tree, rates: Mapping[int, int]) -> Chains | None:
     return Chains(tree, base, tuple(_segments(tree, base)), coordinates)
 
 
-def _segments(tree: Tree, base: bool) -> list[Segment]:
+def _segments(tree: KinematicTree, base: bool) -> list[Segment]:
     children = tree.children
     size = [1] * len(tree.links)
     for k in reversed(range(len(tree.links))):
         size[k] += sum(size[child] for child in children[k])
     roots = children[0] if base else [k for k, link in enumerate(tree.links) if link.parent == GROUND]
-    found: list[Segment] = []
-    waiting = [(part, -1) for part in reversed(_parts(roots, size))]
-    while waiting:
-        part, parent = waiting.pop()
+    segments: list[Segment] = []
+    pending = [(part, -1) for part in reversed(_parts(roots, size))]
+    while pending:
+        part, parent = pending.pop()
         links = list(part)
         if sum(size[k] for k in part) <= TOGETHER:
             for k in links:  # it grows meanwhile
                 links += children[k]
-            found.append(Segment(tuple(sorted(links)), parent))
+            segments.append(Segment(tuple(sorted(links)), parent))
             continue
         while len(children[links[-1]]) == 1:
             links.append(children[links[-1]][0])
-        found.append(Segment(tuple(links), parent))
-        waiting += [(some, len(found) - 1) for some in reversed(_parts(children[links[-1]], size))]
-    return found
+        segments.append(Segment(tuple(links), parent))
+        last = len(segments) - 1
+        pending += [(part, last) for part in reversed(_parts(children[links[-1]], size))]
+    return segments
 
 
 def _parts(links: Sequence[int], size: Sequence[int]) -> list[list[int]]:
-    """Return links whose all that they carry goes together, and the others one by one."""
-    found: list[list[int]] = []
+    """Return links in parts of whole branches that fit together; those that do not fit stand alone."""
+    parts: list[list[int]] = []
     room = 0
     for k in sorted(links, key=size.__getitem__, reverse=True):
         if size[k] <= room:
-            found[-1].append(k)
+            parts[-1].append(k)
             room -= size[k]
         else:
-            found.append([k])
+            parts.append([k])
             room = TOGETHER - size[k]
-    return found
+    return parts
 
 
-def _is_single(graph: Graph, link: Link, coordinates: Mapping[int, int]) -> bool:
+def _is_single(graph: Graph, link: TreeLink, coordinates: Mapping[int, int]) -> bool:
     """Return whether a link has one column, fixed in it, and moves by its own coordinate alone."""
     columns = link.motion.columns
     if len(columns) != 1 or columns[0].speed not in coordinates or not _is_steady(graph, link):
         return False
-    return _depends_on(graph, _placing(link), {coordinates[columns[0].speed]})
+    return _depends_on(graph, flatten(link.transform), {coordinates[columns[0].speed]})
 
 
-def _is_free(graph: Graph, link: Link) -> bool:
-    """Return whether a link has six columns of numbers, three of which slide along its axes."""
+def _is_free(graph: Graph, link: TreeLink) -> bool:
+    """Return whether a link has six columns of numbers, three of them displacements along its axes."""
     columns = link.motion.columns
-    entries = [(*column.turn, *column.slide) for column in columns]
+    entries = [flatten(column.twist) for column in columns]
     if len(columns) != 6 or link.parent != GROUND or not _is_steady(graph, link):
         return False
     if any(x.number is None for row in entries for x in row):
         return False
-    slides = [tuple(x.number for x in row[3:]) for row in entries if all(x.is_zero for x in row[:3])]
-    return sorted(slides) == [(0, 0, 1), (0, 1, 0), (1, 0, 0)]
+    displacements = [tuple(x.number for x in row[:3]) for row in entries if all(x.is_zero for x in row[3:])]
+    return sorted(displacements) == [(0, 0, 1), (0, 1, 0), (1, 0, 0)]
 
 
-def _is_steady(graph: Graph, link: Link) -> bool:
+def _is_steady(graph: Graph, link: TreeLink) -> bool:
     """Return whether velocities are ``sum of columns times speeds`` with columns fixed in the link."""
     motion = link.motion
-    if not _depends_on(graph, [x.index for c in motion.columns for x in (*c.turn, *c.slide)], set()):
+    if not _depends_on(graph, flatten(tuple(column.twist for column in motion.columns)), set()):
         return False
     still = {column.speed: ZERO for column in motion.columns}
-    return not any(substitute(graph, [x.index for x in (*motion.w, *motion.v)], still))
+    return not any(substitute(graph, [x.index for x in flatten(motion.velocity)], still))
 
 
-def _depends_on(graph: Graph, nodes: Iterable[int], allowed: Set[int]) -> bool:
+def _depends_on(graph: Graph, values: Iterable[Expr], allowed: Set[int]) -> bool:
     """Return whether expressions hold no symbols but parameters and those allowed."""
     return all(
         node in allowed or graph.symbols[graph.left[node]].kind == Kind.PARAMETER
-        for node in symbols_of(graph, nodes)
+        for node in symbols_of(graph, [value.index for value in values])
     )
-
-
-def _placing(link: Link) -> list[int]:
-    """Return the nodes of how a link stands on its parent."""
-    found = [x.index for x in link.arm]
-    for step in link.steps:
-        if isinstance(step, AxisTurn):
-            found += [step.c.index, step.s.index]
-        else:
-            found += [x.index for row in step for x in row]
-    return found

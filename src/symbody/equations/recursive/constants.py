@@ -6,13 +6,13 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from symbody.equations.recursive.turned import AxisTurn
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, cos, number, sin
 from symbody.expr.graph import Graph
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Roots, build_sequence
-from symbody.vectors.matrix import Matrix, Triple
+from symbody.vectors.matrix import Matrix, Matrix3, Triple, matrix3
+from symbody.vectors.transform import CoordinateRotation
 
 # Sines and cosines of an angle typed as 1.570796 are not taken for 0 and 1; those of rounded products are.
 _ROUNDING: Final = 1e-13
@@ -22,35 +22,35 @@ Floats = tuple[float, ...]
 
 def numbers(values: Sequence[Expr]) -> Floats | None:
     """Return constants as floats, -1, 0, 1 exactly if so up to rounding; None if one has a symbol."""
-    known = [value.number for value in values]
-    if any(value is None for value in known):
+    constants = [value.number for value in values]
+    if any(value is None for value in constants):
         graph, nodes = values[0].graph, [value.index for value in values]
         if symbols_of(graph, nodes):
             return None
         sequence = build_sequence(graph, [Roots("", (), tuple(nodes))], {}, merge=False, contract=False)
-        known = evaluate_sequence(sequence, {})[0]
-    return tuple(_cleaned(float(value)) for value in known if value is not None)
+        constants = evaluate_sequence(sequence, {})[0]
+    return tuple(_round(float(value)) for value in constants if value is not None)
 
 
 def matrix_numbers(m: Matrix) -> tuple[Floats, Floats, Floats] | None:
     """Return a constant matrix as floats."""
-    found = numbers([entry for row in m for entry in row])
-    return None if found is None else (found[:3], found[3:6], found[6:])
+    entries = numbers([entry for row in m for entry in row])
+    return None if entries is None else (entries[:3], entries[3:6], entries[6:])
 
 
-def turn_about(axis: int, angle: float, variable: Expr) -> AxisTurn:
+def turn_about(axis: int, angle: float, variable: Expr) -> CoordinateRotation[Expr]:
     """Return the turn by a variable angle plus a constant one; quarter turns cost nothing."""
     quarters = angle / (math.pi / 2)
     whole = round(quarters)
     if abs(quarters - whole) > _ROUNDING:
         total = variable + angle
-        return AxisTurn(axis, cos(total), sin(total))
+        return CoordinateRotation(axis, cos(total), sin(total))
     c, s = cos(variable), sin(variable)
     c, s = ((c, s), (-s, c), (-c, -s), (s, -c))[whole % 4]
-    return AxisTurn(axis, c, s)
+    return CoordinateRotation(axis, c, s)
 
 
-def constant_turn(graph: Graph, axis: int, angle: float) -> AxisTurn:
+def constant_turn(graph: Graph, axis: int, angle: float) -> CoordinateRotation[Expr]:
     """Return the turn by a constant angle."""
     return turn_about(axis, angle, number(graph, 0))
 
@@ -71,14 +71,14 @@ def twist_angles(c: Sequence[Floats]) -> tuple[float, float, float]:
     return a, alpha, math.atan2(math.cos(alpha) * y + math.sin(alpha) * c[2][0], x)
 
 
-def onto_axis(graph: Graph, axis: Triple) -> Matrix | None:
+def onto_axis(graph: Graph, axis: Triple) -> Matrix3[Expr] | None:
     """Return a rotation whose third column is a constant direction; None if it has symbols."""
-    found = numbers(axis)
-    if found is None:
+    direction = numbers(axis)
+    if direction is None:
         return None
-    x, y, z = found
+    x, y, z = direction
     length = math.sqrt(x * x + y * y + z * z)
-    x, y, z = _cleaned(x / length), _cleaned(y / length), _cleaned(z / length)
+    x, y, z = _round(x / length), _round(y / length), _round(z / length)
     if abs(z) > 0.9:  # the first axis is the projection of x, else that of z
         first = (1 - x * x, -x * y, -x * z)
     elif abs(x) == 1:
@@ -88,12 +88,14 @@ def onto_axis(graph: Graph, axis: Triple) -> Matrix | None:
     else:
         first = (-z * x, -z * y, 1 - z * z)
     norm = math.hypot(*first)
-    p, q, r = (_cleaned(part / norm) for part in first)
+    p, q, r = (_round(part / norm) for part in first)
     second = (y * r - z * q, z * p - x * r, x * q - y * p)
-    columns = ((p, q, r), tuple(map(_cleaned, second)), (x, y, z))
-    rows = [tuple(exact(graph, column[i]) for column in columns) for i in range(3)]
-    return ((rows[0][0], rows[0][1], rows[0][2]), (rows[1][0], rows[1][1], rows[1][2]),
-            (rows[2][0], rows[2][1], rows[2][2]))  # fmt: skip
+    columns = ((p, q, r), tuple(map(_round, second)), (x, y, z))
+    a, b, c = (
+        (exact(graph, row[0]), exact(graph, row[1]), exact(graph, row[2]))
+        for row in zip(*columns, strict=True)
+    )
+    return matrix3(a, b, c)
 
 
 def exact(graph: Graph, x: float) -> Expr:
@@ -101,6 +103,6 @@ def exact(graph: Graph, x: float) -> Expr:
     return number(graph, int(x) if x in (-1.0, 0.0, 1.0) else x)
 
 
-def _cleaned(x: float) -> float:
+def _round(x: float) -> float:
     whole = round(x)
     return float(whole) if abs(whole) <= 1 and abs(x - whole) <= _ROUNDING else x

@@ -5,47 +5,44 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from symbody.equations.dynamics.inertia import Rotor
-from symbody.equations.recursive.links import GROUND, Tree
-from symbody.equations.recursive.pseudo_inertia import PseudoInertia, added, scaled
-from symbody.equations.recursive.turned import to_child, to_parent
+from symbody.equations.recursive.links import GROUND, KinematicTree, LinkInertia, LinkTwist
 from symbody.expr.expression import Expr
-from symbody.vectors.matrix import Triple, inner, outer
+from symbody.vectors.matrix import Vector3
+from symbody.vectors.twist import Twist
 
 
-def kinetic_energy(tree: Tree, rotors: Iterable[Rotor], zero: Expr) -> Expr:
-    """Return the kinetic energy of all links and rotors [J]."""
-    still = (zero, zero, zero)
-    velocities: list[tuple[Triple, Triple]] = []
+def kinetic_energy(tree: KinematicTree, rotors: Iterable[Rotor], zero: Expr) -> Expr:
+    """Return the kinetic energy of all links and rotors, ``sum of v . I v / 2`` [J]."""
+    still = Twist(Vector3((zero, zero, zero)), Vector3((zero, zero, zero)))
+    velocities: list[LinkTwist] = []
     total = zero
     for link in tree.links:
-        w, v = (still, still) if link.parent == GROUND else velocities[link.parent]
-        v = added(to_child(link.steps, added(v, outer(w, link.arm))), link.motion.v)
-        w = added(to_child(link.steps, w), link.motion.w)
-        velocities.append((w, v))
-        momentum, spin = link.inertia.wrench(w, v)
-        total = total + inner(v, momentum) + inner(w, spin)
+        parent = still if link.parent == GROUND else velocities[link.parent]
+        v = link.transform.twist_to_child(parent) + link.motion.velocity
+        velocities.append(v)
+        momentum = link.inertia @ v
+        total = total + v.linear.dot(momentum.force) + v.angular.dot(momentum.moment)
     for rotor in rotors:
         total = total + rotor.inertia * rotor.rate**2
     return total / 2
 
 
-def potential_energy(tree: Tree, on_ground: PseudoInertia, gravity: Triple) -> Expr:
+def potential_energy(tree: KinematicTree, on_ground: LinkInertia, gravity: Vector3[Expr]) -> Expr:
     """Return the potential energy of gravity, zero at ground's origin [J].
 
     Parameters
     ----------
-    on_ground : PseudoInertia
-        What ground carries.
+    on_ground : RigidInertia
+        Of the bodies fixed to ground.
     """
     moments = [(link.inertia.first, link.inertia.mass) for link in tree.links]
     first = on_ground.first
-    for k in reversed(range(len(tree.links))):
-        link = tree.links[k]
+    for k, link in reversed(list(enumerate(tree.links))):
         h, mass = moments[k]
-        h = added(to_parent(link.steps, h), scaled(link.arm, mass))
+        h = link.transform.to_parent(h) + link.transform.position * mass
         if link.parent == GROUND:
-            first = added(first, h)
+            first = first + h
         else:
             before, other = moments[link.parent]
-            moments[link.parent] = (added(before, h), other + mass)
-    return -inner(gravity, first)
+            moments[link.parent] = (before + h, other + mass)
+    return -first.dot(gravity)

@@ -1,62 +1,66 @@
-"""`Link`: bodies welded together, and how they move relative to the link that carries them."""
+"""The kinematic tree: links, each of bodies welded together, and how they move relative to their parents."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from symbody.equations.recursive.pseudo_inertia import PseudoInertia
-from symbody.equations.recursive.turned import Steps
-from symbody.vectors.matrix import Matrix, Triple
+from symbody.expr.expression import Expr
+from symbody.vectors.inertia import RigidInertia
+from symbody.vectors.matrix import Vector3
+from symbody.vectors.transform import Transform
+from symbody.vectors.twist import Twist, Wrench
 
 GROUND = -1
 
+LinkTransform = Transform[Expr]
+LinkTwist = Twist[Expr]
+LinkWrench = Wrench[Vector3[Expr]]
+LinkInertia = RigidInertia[Expr]
+
 
 @dataclass(frozen=True, slots=True)
-class Column:
-    """One free motion of a joint.
+class MotionSubspaceColumn:
+    """One free motion of a joint: a column of Featherstone's S.
 
     Attributes
     ----------
     speed : int
         Node of u.
-    turn, slide : (3,) Expr
-        Partial angular velocity, and partial velocity of the link's origin, in the link's axes.
+    twist : Twist
+        Of the link relative to its parent for a unit of the speed, about the link's origin, in its axes.
     """
 
     speed: int
-    turn: Triple
-    slide: Triple
+    twist: LinkTwist
 
 
 @dataclass(frozen=True, slots=True)
-class RelativeMotion:
+class JointMotion:
     """How a link moves relative to its parent link, in its own axes.
 
     Attributes
     ----------
-    columns : tuple of Column
+    columns : tuple of MotionSubspaceColumn
         The free motions.
-    w, v : (3,) Expr
-        Angular velocity, velocity of the origin.
-    alpha, a : (3,) Expr
-        Their rates as seen from the parent with all u' = 0.
-    turning : str
-        "none", "z" or "any": about what it turns.
-    sliding : bool
+    velocity : Twist
+        ``v_J``, of the link's origin.
+    bias : Twist
+        Its rate as seen from the parent with all u' = 0.
+    rotation : str
+        "none", "z" or "any": the axes it turns about.
+    has_displacements : bool
         Whether its origin moves.
     """
 
-    columns: tuple[Column, ...]
-    w: Triple
-    v: Triple
-    alpha: Triple
-    a: Triple
-    turning: str
-    sliding: bool
+    columns: tuple[MotionSubspaceColumn, ...]
+    velocity: LinkTwist
+    bias: LinkTwist
+    rotation: str
+    has_displacements: bool
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class TreeLink:
     """One link of the tree.
 
     Attributes
@@ -65,62 +69,48 @@ class Link:
         The joint inward of it.
     parent : int
         Number of its parent link; -1 is ground.
-    steps : tuple of Step
-        From the parent's axes to its own.
-    arm : (3,) Expr
-        From the parent's origin to its own, in the parent's axes.
-    inertia : PseudoInertia
+    transform : Transform
+        Of its axes in those of the parent.
+    inertia : RigidInertia
         Of its bodies, in its axes about its origin.
     """
 
     joint: str
     parent: int
-    steps: Steps
-    arm: Triple
-    motion: RelativeMotion
-    inertia: PseudoInertia
+    transform: LinkTransform
+    motion: JointMotion
+    inertia: LinkInertia
 
 
 @dataclass(frozen=True, slots=True)
-class Fixed:
-    """Where a body stands on its link.
-
-    Attributes
-    ----------
-    link : int
-        Number of the link; -1 is ground.
-    axes : Matrix
-        Components in the body to components in the link.
-    at : (3,) Expr
-        From the link's origin to the body's center of mass, in the link's axes.
-    """
+class BodyPlacement:
+    """Where a body stands on its link: number of the link, -1 for ground, and the body's frame in it."""
 
     link: int
-    axes: Matrix
-    at: Triple
+    transform: LinkTransform
 
 
 @dataclass(frozen=True, slots=True)
-class Tree:
+class KinematicTree:
     """All links, parents before children, and where the bodies stand on them."""
 
-    links: tuple[Link, ...]
-    bodies: dict[str, Fixed]
+    links: tuple[TreeLink, ...]
+    bodies: dict[str, BodyPlacement]
 
     @property
     def children(self) -> list[list[int]]:
         """The numbers of the links on each link."""
-        found: list[list[int]] = [[] for _ in self.links]
+        children: list[list[int]] = [[] for _ in self.links]
         for k, link in enumerate(self.links):
             if link.parent != GROUND:
-                found[link.parent].append(k)
-        return found
+                children[link.parent].append(k)
+        return children
 
     @property
     def depths(self) -> list[int]:
         """How many speeds each link is carried by, its own ones included."""
-        found: list[int] = []
+        depths: list[int] = []
         for link in self.links:
-            before = 0 if link.parent == GROUND else found[link.parent]
-            found.append(before + len(link.motion.columns))
-        return found
+            before = 0 if link.parent == GROUND else depths[link.parent]
+            depths.append(before + len(link.motion.columns))
+        return depths

@@ -1,4 +1,4 @@
-"""What joints transmit: the wrenches of the bodies as they are, carried inward joint by joint."""
+"""What joints transmit: the wrenches of the bodies as they are, summed inward joint by joint."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ from collections.abc import Iterable, Mapping
 
 from symbody.equations.dynamics.balance import NOTHING, Wrench
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.recursive.applied import applied_to_body, on_link
-from symbody.equations.recursive.forming import body_mass
-from symbody.equations.recursive.links import GROUND, Fixed
-from symbody.equations.recursive.newton_euler import Carried, link_motions
+from symbody.equations.recursive.applied import body_loads, on_link
+from symbody.equations.recursive.links import GROUND, BodyPlacement, LinkWrench
 from symbody.equations.recursive.recursion import Recursion
-from symbody.expr.expression import Expr, number
-from symbody.vectors.matrix import Triple, apply_matrix, outer, transpose
+from symbody.equations.recursive.rnea import link_motions
+from symbody.equations.recursive.tree import body_inertia
+from symbody.expr.expression import Expr
+from symbody.vectors.matrix import zero_vector
+from symbody.vectors.twist import Twist
 from symbody.vectors.vector import components, vector
 
 
@@ -33,79 +34,65 @@ def joint_wrenches(
     """
     topology, kinematics, tree = recursion.topology, recursion.kinematics, recursion.tree
     motions = link_motions(tree, recursion.gravity, udot)
-    needed: dict[str, Carried] = {}
-    for part in topology.model.bodies:
-        place = tree.bodies[part.name]
+    needed: dict[str, LinkWrench] = {}
+    for body in topology.model.bodies:
+        place = tree.bodies[body.name]
+        inertia = body_inertia(names, body).to_parent(place.transform)
         if place.link == GROUND:
-            needed[part.name] = _weight(recursion, names, part.name)
-            continue
-        mass = body_mass(names, part).moved((place.axes,), place.at)
-        motion = motions[place.link]
-        needed[part.name] = Carried(*mass.bias_wrench(motion.u, motion.a))
-    given = applied_to_body(topology, kinematics, tree, recursion.loads)
-    for name, (start, end, frame) in _links(recursion, cut).items():
-        wrench = cut[name]
-        if end != "ground":
-            place = tree.bodies[end]
-            given.append((end, on_link(kinematics, place, end, frame, wrench.force, wrench.moment)))
-        if start != "ground":
-            place = tree.bodies[start]
-            given.append((start, on_link(kinematics, place, start, frame, -wrench.force, -wrench.moment)))
-    for body, own in given:
-        needed[body] = needed[body].plus(own.opposite)
-    return _carried(recursion, needed, cut)
+            needed[body.name] = inertia @ Twist(-recursion.gravity, zero_vector(names.graph))
+        else:
+            motion = motions[place.link]
+            needed[body.name] = inertia.bias_wrench(motion.U, motion.a)
+    loads = body_loads(topology, kinematics, tree, recursion.loads)
+    for name, (start, end, frame) in _cut_links(recursion, cut).items():
+        for body_name, wrench in ((end, cut[name]), (start, -cut[name])):
+            if body_name != "ground":
+                place = tree.bodies[body_name]
+                share = on_link(kinematics, place, body_name, frame, wrench.force, wrench.moment)
+                loads.append((body_name, share))
+    for body_name, load in loads:
+        needed[body_name] = needed[body_name] - load
+    return _transmitted(recursion, needed, cut)
 
 
-def _carried(
-    recursion: Recursion, needed: dict[str, Carried], cut: Mapping[str, Wrench]
+def _transmitted(
+    recursion: Recursion, needed: dict[str, LinkWrench], cut: Mapping[str, Wrench]
 ) -> dict[str, Wrench]:
-    """Return what branches carry, with what they transmit besides."""
+    """Return the wrenches of branches, summed inward, with those that their joints transmit besides."""
     topology, tree = recursion.topology, recursion.tree
-    found = {joint.name: cut.get(joint.name, NOTHING) for joint in topology.joints}
+    total = {joint.name: cut.get(joint.name, NOTHING) for joint in topology.joints}
     for branch in reversed(topology.rotation.branches):
         joint = topology.joint(branch.edge.name)
-        wrench, place, inward = needed[branch.child], tree.bodies[branch.child], tree.bodies[branch.parent]
-        moved = wrench
-        if place.link != inward.link:
-            moved = wrench.moved(tree.links[place.link])
+        outward, inward = tree.bodies[branch.child], tree.bodies[branch.parent]
+        wrench = on_parent = needed[branch.child]
+        if outward.link != inward.link:
+            on_parent = tree.links[outward.link].transform.wrench_to_parent(wrench)
         if branch.parent != "ground":
-            needed[branch.parent] = needed[branch.parent].plus(moved)
+            needed[branch.parent] = needed[branch.parent] + on_parent
         if branch.forward:
-            own = _vectors(recursion, place, branch.child, joint.end.frame, wrench)
+            share = _at_frame(recursion, outward, branch.child, joint.end.frame, wrench)
         else:
-            own = _vectors(recursion, inward, branch.parent, joint.end.frame, moved.opposite)
-        before = found[joint.name]
-        found[joint.name] = Wrench(before.force + own.force, before.moment + own.moment)
-    return found
+            share = _at_frame(recursion, inward, branch.parent, joint.end.frame, -on_parent)
+        total[joint.name] = total[joint.name] + share
+    return total
 
 
-def _vectors(recursion: Recursion, place: Fixed, body: str, frame: str, wrench: Carried) -> Wrench:
+def _at_frame(
+    recursion: Recursion, place: BodyPlacement, body: str, frame: str, wrench: LinkWrench
+) -> Wrench:
     """Return a wrench about the origin of a link as one about the origin of a frame of a body on it."""
-    kinematics = recursion.kinematics
-    back, home = transpose(place.axes), kinematics.tree.home(body)
-    force = apply_matrix(back, wrench.force)
-    at = components(kinematics.tree, kinematics.arm(body, frame), home)
-    lever = tuple(x + y for x, y in zip(apply_matrix(back, place.at), at, strict=True))
-    turned = outer((lever[0], lever[1], lever[2]), force)
-    moment = tuple(x - y for x, y in zip(apply_matrix(back, wrench.moment), turned, strict=True))
-    return Wrench(vector(home, force), vector(home, (moment[0], moment[1], moment[2])))
+    tree, axes, X = recursion.kinematics.tree, recursion.kinematics.tree.home(body), place.transform
+    arm = X.to_child(X.position) + components(tree, recursion.kinematics.arm(body, frame), axes)
+    force = X.to_child(wrench.force)
+    moment = X.to_child(wrench.moment) - arm.cross(force)
+    return Wrench(vector(axes, force), vector(axes, moment))
 
 
-def _weight(recursion: Recursion, names: Names, body: str) -> Carried:
-    """Return what holds a body that is fixed to ground."""
-    place = recursion.tree.bodies[body]
-    mass = body_mass(names, recursion.topology.model.body(body)).moved((place.axes,), place.at)
-    zero = number(recursion.graph, 0)
-    still: Triple = (zero, zero, zero)
-    up = (-recursion.gravity[0], -recursion.gravity[1], -recursion.gravity[2])
-    return Carried(*mass.wrench(still, up))
-
-
-def _links(recursion: Recursion, cut: Iterable[str]) -> dict[str, tuple[str, str, str]]:
-    """Return start body, end body and end frame of what is cut and connects two bodies."""
-    found = {}
-    for name in cut:
-        link = recursion.topology.link(name)
-        if link is not None:
-            found[name] = (link.start.body, link.end.body, link.end.frame)
-    return found
+def _cut_links(recursion: Recursion, cut: Iterable[str]) -> dict[str, tuple[str, str, str]]:
+    """Return start body, end body and end frame of joints and constraints that are cut and connect bodies."""
+    links = {name: recursion.topology.link(name) for name in cut}
+    return {
+        name: (link.start.body, link.end.body, link.end.frame)
+        for name, link in links.items()
+        if link is not None
+    }

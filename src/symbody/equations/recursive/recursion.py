@@ -7,25 +7,21 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from symbody.equations.dynamics.inertia import Rotor
-from symbody.equations.dynamics.linear_solve import Solution
+from symbody.equations.dynamics.linear_solve import Rows, Solution, TreeFactors, factor, solve_factored
 from symbody.equations.dynamics.load import Effort, Load
 from symbody.equations.kinematics.motion import Kinematics
-from symbody.equations.recursive.applied import applied_wrenches
-from symbody.equations.recursive.articulated import Freed, accelerations, freed
-from symbody.equations.recursive.composite import Factors, column_places, factors, mass_rows, solved
-from symbody.equations.recursive.links import Tree
-from symbody.equations.recursive.newton_euler import (
-    Carried,
-    generalized_forces,
-    link_motions,
-    needed_wrenches,
-)
+from symbody.equations.recursive.aba import JointInertia, accelerations, articulated_inertias
+from symbody.equations.recursive.applied import link_loads
+from symbody.equations.recursive.crba import mass_rows, row_numbers
+from symbody.equations.recursive.links import KinematicTree, LinkWrench
+from symbody.equations.recursive.rnea import generalized_forces, inertial_wrenches, link_motions
 from symbody.expr.expression import Expr, number
 from symbody.expr.graph import Graph
 from symbody.expr.rewrite import operation_count
 from symbody.graph.topology import Topology
 from symbody.single_flight import SingleFlight
-from symbody.vectors.matrix import Triple
+from symbody.vectors.matrix import Vector3, zero_vector
+from symbody.vectors.twist import Wrench
 
 # Composite bodies are not even tried where their entries and elimination are estimated to cost this
 # many times what articulated bodies do.
@@ -53,16 +49,18 @@ class Recursion:
 
     topology: Topology
     kinematics: Kinematics
-    tree: Tree
-    light: Tree
-    gravity: Triple
+    tree: KinematicTree
+    light: KinematicTree
+    gravity: Vector3[Expr]
     loads: tuple[Load, ...]
     rotors: tuple[Rotor, ...]
     method: str = ""
     # Made on first request; pure functions of the fields above, so they cannot go stale.
-    _rows: SingleFlight[None, list[dict[int, Expr]]] = field(default_factory=SingleFlight, repr=False)
-    _factors: SingleFlight[None, Factors] = field(default_factory=SingleFlight, repr=False)
-    _freed: SingleFlight[None, list[list[Freed]]] = field(default_factory=SingleFlight, repr=False)
+    _rows: SingleFlight[None, Rows] = field(default_factory=SingleFlight, repr=False)
+    _factors: SingleFlight[None, TreeFactors] = field(default_factory=SingleFlight, repr=False)
+    _joint_inertias: SingleFlight[None, list[list[JointInertia]]] = field(
+        default_factory=SingleFlight, repr=False
+    )
     _forcing: SingleFlight[None, tuple[Expr, ...]] = field(default_factory=SingleFlight, repr=False)
     _chosen: SingleFlight[None, str] = field(default_factory=SingleFlight, repr=False)
 
@@ -74,8 +72,8 @@ class Recursion:
     @property
     def mass_matrix(self) -> tuple[tuple[Expr, ...], ...]:
         """M in the order of the speeds."""
-        rows, place = self._mass_rows(), self._rows_of
-        order = [place[u] for u in self.kinematics.speeds]
+        rows, row = self._mass_rows(), self._row_numbers
+        order = [row[u] for u in self.kinematics.speeds]
         zero = number(self.graph, 0)
 
         def entry(i: int, j: int) -> Expr:
@@ -95,18 +93,17 @@ class Recursion:
             for u, effort in zip(self.kinematics.speeds, self._efforts(), strict=True)
         )
 
-    def _mass_rows(self) -> list[dict[int, Expr]]:
-        return self._rows.get(None, lambda: mass_rows(self.light, self._rows_of, self.rotor_entries()))
+    def _mass_rows(self) -> Rows:
+        return self._rows.get(None, lambda: mass_rows(self.light, self._row_numbers, self.rotor_entries()))
 
     def needed(self, udot: Mapping[int, Expr] | None = None) -> dict[int, Expr]:
         """Return the force along each speed that accelerations need, less loads on bodies; by default u' = 0.
 
         Efforts along coordinates and rotors are not in it.
         """
-        wrenches = needed_wrenches(self.light, link_motions(self.light, self.gravity, udot))
-        applied = applied_wrenches(self.topology, self.kinematics, self.light, self.loads)
-        for k, given in applied.items():
-            wrenches[k] = wrenches[k].plus(given.opposite)
+        wrenches = inertial_wrenches(self.light, link_motions(self.light, self.gravity, udot))
+        for k, load in self._link_loads().items():
+            wrenches[k] = wrenches[k] - load
         return generalized_forces(self.light, wrenches)
 
     def inverse_dynamics(self, udot: Sequence[Expr]) -> list[Expr]:
@@ -117,11 +114,14 @@ class Recursion:
     def beside_links(self, udot: Sequence[Expr]) -> list[Expr]:
         """Return what loads and rotors alone leave of the inverse dynamics."""
         given = dict(zip(self.kinematics.speeds, udot, strict=True))
-        applied = applied_wrenches(self.topology, self.kinematics, self.light, self.loads)
-        zero = number(self.graph, 0)
-        nothing = Carried((zero, zero, zero), (zero, zero, zero))
-        wrenches = [applied[k].opposite if k in applied else nothing for k in range(len(self.light.links))]
+        zero = zero_vector(self.graph)
+        wrenches = [Wrench(zero, zero) for _ in self.light.links]
+        for k, load in self._link_loads().items():
+            wrenches[k] = -load
         return self._with_efforts(generalized_forces(self.light, wrenches), given)
+
+    def _link_loads(self) -> dict[int, LinkWrench]:
+        return link_loads(self.topology, self.kinematics, self.light, self.loads)
 
     def _with_efforts(self, needed: Mapping[int, Expr], given: Mapping[int, Expr]) -> list[Expr]:
         """Return what is missing along each speed, efforts along coordinates and rotors reckoned in."""
@@ -176,20 +176,20 @@ class Recursion:
     def _solve_by(self, method: str, forces: Sequence[Expr]) -> Solution:
         speeds = self.kinematics.speeds
         if method == "articulated":
-            motions = self._freed.get(None, self._free_joints)
-            found = accelerations(self.light, motions, dict(zip(speeds, forces, strict=True)))
-            pivots = {motion.column.speed: motion.pivot for link in motions for motion in link}
-            return Solution([found[u] for u in speeds], [pivots[u] for u in speeds])
-        decomposed, place = self._factors.get(None, lambda: factors(self._mass_rows())), self._rows_of
-        right = [forces[0]] * len(place) if forces else []
+            joints = self._joint_inertias.get(None, self._form_joint_inertias)
+            udot = accelerations(self.light, joints, dict(zip(speeds, forces, strict=True)))
+            pivots = {joint.column.speed: joint.D for link in joints for joint in link}
+            return Solution([udot[u] for u in speeds], [pivots[u] for u in speeds])
+        factors, row = self._factors.get(None, lambda: factor(self._mass_rows())), self._row_numbers
+        right = [forces[0]] * len(row) if forces else []
         for u, force in zip(speeds, forces, strict=True):
-            right[place[u]] = force
-        x = solved(decomposed, right)
-        return Solution([x[place[u]] for u in speeds], [decomposed.pivots[place[u]] for u in speeds])
+            right[row[u]] = force
+        x = solve_factored(factors, right)
+        return Solution([x[row[u]] for u in speeds], [factors.pivots[row[u]] for u in speeds])
 
-    def _free_joints(self) -> list[list[Freed]]:
-        own = {one: inertia for (one, _), inertia in self.rotor_entries().items()}
-        return freed(self.light, own)
+    def _form_joint_inertias(self) -> list[list[JointInertia]]:
+        rotors = {one: inertia for (one, _), inertia in self.rotor_entries().items()}
+        return articulated_inertias(self.light, rotors)
 
     def rotor_entries(self) -> dict[tuple[int, int], Expr]:
         """Return what rotors add to the mass matrix, by pairs of speeds."""
@@ -223,8 +223,8 @@ class Recursion:
         return self.kinematics.slopes(rate)
 
     @property
-    def _rows_of(self) -> dict[int, int]:
-        return column_places(self.light, self.kinematics.speeds)
+    def _row_numbers(self) -> dict[int, int]:
+        return row_numbers(self.light, self.kinematics.speeds)
 
     @property
     def _places(self) -> frozenset[int]:

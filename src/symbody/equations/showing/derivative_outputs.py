@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from itertools import chain
 from typing import Final, NamedTuple
 
-from symbody.equations.formed import Formed
-from symbody.equations.solving.slopes import acceleration_slopes, columns_of_slopes
+from symbody.equations.equations_of_motion import EquationsOfMotion
+from symbody.equations.recursive.udot_derivatives import columns_of_slopes
+from symbody.equations.solving.slopes import acceleration_slopes
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
@@ -40,7 +41,7 @@ def asked_derivative(name: str) -> Asked | None:
 
 
 def derivative_roots(
-    formed: Formed, name: str, asked: Asked, values: Roots, *, side_by_side: bool = False
+    formed: EquationsOfMotion, name: str, asked: Asked, values: Roots, *, side_by_side: bool = False
 ) -> Roots:
     """Return the derivatives of `values`, the roots of the output asked for; the last axis is by what.
 
@@ -64,7 +65,12 @@ def derivative_roots(
 
 
 def differentiated(
-    formed: Formed, output: str, nodes: Sequence[int], by: Sequence[Symbol], *, side_by_side: bool = False
+    formed: EquationsOfMotion,
+    output: str,
+    nodes: Sequence[int],
+    by: Sequence[Symbol],
+    *,
+    side_by_side: bool = False,
 ) -> list[list[Expr]]:
     """Return the derivatives of an output, one row an entry; those of u' by way of the inverse dynamics."""
     graph = formed.graph
@@ -78,7 +84,7 @@ def differentiated(
     return [*slopes, *([Expr(graph, entry) for entry in row] for row in rest)]
 
 
-def _symbols(formed: Formed, name: str, word: str) -> tuple[Symbol, ...]:
+def _symbols(formed: EquationsOfMotion, name: str, word: str) -> tuple[Symbol, ...]:
     """Return the symbols of a group or of one name; parentheses reach a symbol named like a group."""
     groups = {"q": formed.q, "u": formed.u, "r": formed.inputs}
     if word in groups:

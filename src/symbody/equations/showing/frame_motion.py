@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.showing.output_words import output_words
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr
@@ -13,7 +13,7 @@ from symbody.vectors.vector import Vector, components, cross
 KINDS: Final = ("r", "v", "vdot", "R", "w", "wdot")
 
 
-def motion_vector(formed: Formed, kind: str, end: str, reference: str) -> Vector:
+def motion_vector(formed: EquationsOfMotion, kind: str, end: str, reference: str) -> Vector:
     """Return a vector of the motion of `end` relative to `reference`, time derivatives as seen from it.
 
     Parameters
@@ -36,7 +36,7 @@ def motion_vector(formed: Formed, kind: str, end: str, reference: str) -> Vector
 
 
 def frame_motion_entries(
-    formed: Formed, kind: str, end: str, reference: str = "ground", resolved_in: str = "ground"
+    formed: EquationsOfMotion, kind: str, end: str, reference: str = "ground", resolved_in: str = "ground"
 ) -> tuple[tuple[int, ...], list[Expr]]:
     """Return the shape and entries of a motion; "R" is the rotation matrix from `end` to `reference`.
 
@@ -57,7 +57,7 @@ def frame_motion_entries(
     return (3,), list(components(tree, motion_vector(formed, kind, end, reference), resolved_in))
 
 
-def frame_output(formed: Formed, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+def frame_output(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
     """Return the output "frame KIND END REF IN" or "frame R END IN"; with " x" or " xy" behind, one entry."""
     frames = formed.kinematics.velocities
     words = output_words(rest, frames)

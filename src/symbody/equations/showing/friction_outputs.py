@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.showing.output_words import output_words
 from symbody.equations.solving.solution import resistance
@@ -12,25 +12,25 @@ from symbody.expr.graph import Kind, Symbol
 from symbody.expr.opcodes import ABS
 
 
-def friction_effort(formed: Formed, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+def friction_effort(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
     """Return the output "friction J": the effort on the end body along the positive coordinate."""
     _, law = _found(formed, rest)
     return (), [_effort(law)]
 
 
-def friction_normal(formed: Formed, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+def friction_normal(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
     """Return the output "friction_normal J": the magnitude of the reaction that friction comes from."""
     k, _ = _found(formed, rest)
     return (), [resistance(formed).normals[k]]
 
 
-def friction_reserve(formed: Formed, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+def friction_reserve(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
     """Return the output "friction_reserve J": the effort up to which it sticks, less the present one."""
     k, law = _found(formed, rest)
     return (), [law.limit * resistance(formed).normals[k] - _effort(law).apply(ABS)]
 
 
-def friction_names(formed: Formed) -> tuple[str, ...]:
+def friction_names(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return the joints with friction."""
     return tuple(law.joint.name for law in formed.friction)
 
@@ -39,7 +39,7 @@ def _effort(law: FrictionLaw) -> Expr:
     return symbol(law.rate.graph, Symbol(law.holding, Kind.MULTIPLIER)) if law.sticks else law.effort
 
 
-def _found(formed: Formed, rest: str) -> tuple[int, FrictionLaw]:
+def _found(formed: EquationsOfMotion, rest: str) -> tuple[int, FrictionLaw]:
     """Return the law that a name means, and its place.
 
     Raises

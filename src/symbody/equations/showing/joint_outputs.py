@@ -7,7 +7,7 @@ from typing import Final
 
 from symbody.equations.dynamics.balance import NOTHING, Wrench
 from symbody.equations.dynamics.reactions import effort_along, reaction
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.variables import Use
 from symbody.equations.loads.loads import effort_name
 from symbody.equations.showing.output_words import output_words
@@ -21,9 +21,13 @@ ENTRIES: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 
 
 def reaction_wrench(
-    formed: Formed, joint: str, on: str = "", at: str = "", totals: Mapping[str, Wrench] | None = None
+    formed: EquationsOfMotion,
+    joint: str,
+    on: str = "",
+    at: str = "",
+    totals: Mapping[str, Wrench] | None = None,
 ) -> Wrench:
-    """Return the reaction of a joint in terms of u' and the multipliers.
+    """Return the reaction of a joint as a formula in u' and the multipliers.
 
     Parameters
     ----------
@@ -32,7 +36,7 @@ def reaction_wrench(
     at : str, optional
         The frame whose origin the moment is about; by default the end frame, or the point of contact.
     totals : mapping of joint to Wrench, optional
-        The total wrenches; by default those of the motion.
+        The total wrenches; by default the formulas of those of the motion.
 
     Raises
     ------
@@ -60,16 +64,16 @@ def reaction_wrench(
     return Wrench(-found.force, -found.moment) if on == owner.start.body else found
 
 
-def reaction_axes(formed: Formed, name: str) -> str:
+def reaction_axes(formed: EquationsOfMotion, name: str) -> str:
     """Return the frame in whose axes a reaction is told: start; the frame of contact of what rolls."""
     link = formed.topology.link(name)
     assert link is not None
     return formed.frame(name) if isinstance(link, Rolling) else link.start.frame
 
 
-def reaction_output(formed: Formed, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+def reaction_output(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
     """Return the output "reaction J", (6,), or one entry "reaction J Fx"; see `reaction_axes`."""
-    words = output_words(rest, formed.wrenches)
+    words = output_words(rest, formed.solved_wrenches)
     name, entry = words[0], words[1] if len(words) == 2 else ""
     if len(words) > 2 or (entry and entry not in ENTRIES):
         raise FormulationError(
@@ -80,22 +84,25 @@ def reaction_output(formed: Formed, rest: str) -> tuple[tuple[int, ...], list[Ex
     return ((), [values[ENTRIES.index(entry)]]) if entry else ((6,), values)
 
 
-def reaction_entries(formed: Formed, name: str, totals: Mapping[str, Wrench] | None = None) -> list[Expr]:
+def reaction_entries(
+    formed: EquationsOfMotion, name: str, totals: Mapping[str, Wrench] | None = None
+) -> list[Expr]:
     """Return the six components of a reaction in terms of u' and the multipliers."""
+    totals = formed.solved_wrenches if totals is None else totals
     wrench, axes = reaction_wrench(formed, name, totals=totals), reaction_axes(formed, name)
     tree = formed.kinematics.tree
     return [*components(tree, wrench.force, axes), *components(tree, wrench.moment, axes)]
 
 
 def prescribed_efforts(
-    formed: Formed, totals: Mapping[str, Wrench] | None = None
+    formed: EquationsOfMotion, totals: Mapping[str, Wrench] | None = None
 ) -> Iterator[tuple[str, str, Expr]]:
     """Return the name of each effort that holds a prescribed coordinate, the coordinate, and the effort."""
     for name, (use, coordinate) in _prescribed(formed):
         yield name, coordinate, _held(formed, use, coordinate, totals)
 
 
-def joint_effort(formed: Formed, rest: str) -> Expr:
+def joint_effort(formed: EquationsOfMotion, rest: str) -> Expr:
     """Return the effort along a joint coordinate: that of its drive, or what holds its prescribed motion."""
     name = rest.replace('"', "").strip()
     found = dict(_prescribed(formed))
@@ -113,7 +120,7 @@ def joint_effort(formed: Formed, rest: str) -> Expr:
     return effort
 
 
-def effort_names(formed: Formed) -> tuple[str, ...]:
+def effort_names(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return what "effort ..." may be asked for."""
     names = [*formed.loads.efforts, *(name for name, _ in _prescribed(formed))]
     for row in formed.rows:
@@ -122,7 +129,7 @@ def effort_names(formed: Formed) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-def total_power(formed: Formed) -> Expr:
+def total_power(formed: EquationsOfMotion) -> Expr:
     """Return the power of everything that has no potential, prescribed motions included [W]."""
     graph, names = formed.graph, formed.names
     total = formed.loads.power
@@ -137,17 +144,19 @@ def total_power(formed: Formed) -> Expr:
     return total
 
 
-def _prescribed(formed: Formed) -> Iterator[tuple[str, tuple[Use, str]]]:
+def _prescribed(formed: EquationsOfMotion) -> Iterator[tuple[str, tuple[Use, str]]]:
     """Return the prescribed coordinates by the name of their effort."""
     for use in formed.uses:
         for coordinate in use.prescribed:
             yield effort_name(use.joint, coordinate), (use, coordinate)
 
 
-def _held(formed: Formed, use: Use, coordinate: str, totals: Mapping[str, Wrench] | None = None) -> Expr:
+def _held(
+    formed: EquationsOfMotion, use: Use, coordinate: str, totals: Mapping[str, Wrench] | None = None
+) -> Expr:
     """Return the effort that holds a prescribed coordinate: the joint's wrench along it, and its rotor."""
     joint, names, kinematics = use.joint, formed.names, formed.kinematics
-    total = (formed.wrenches if totals is None else totals)[joint.name]
+    total = (formed.solved_wrenches if totals is None else totals)[joint.name]
     effort = effort_along(names, kinematics, joint, coordinate, total)
     if coordinate in joint.armature:
         rotor = names.expression(joint.armature[coordinate], f"joint {joint.name}")

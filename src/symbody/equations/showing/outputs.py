@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.showing.derivative_outputs import asked_derivative, derivative_roots, differentiated
 from symbody.equations.showing.frame_motion import frame_output
 from symbody.equations.showing.friction_outputs import (
@@ -35,7 +35,7 @@ from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Roots
 
 
-def output_roots(formed: Formed, name: str) -> Roots:
+def output_roots(formed: EquationsOfMotion, name: str) -> Roots:
     """Return the roots of the output `name`.
 
     Reserved words come first, then derivatives, "effort J", then symbols and expressions in them;
@@ -75,7 +75,7 @@ def output_roots(formed: Formed, name: str) -> Roots:
     return _roots(name, (), solved(formed, [value]))
 
 
-def _quoted(formed: Formed, formula: Formula, name: str, column: int) -> int:
+def _quoted(formed: EquationsOfMotion, formula: Formula, name: str, column: int) -> int:
     """Return the node of an output that stands in quotes in a formula.
 
     Raises
@@ -100,7 +100,7 @@ def _quoted(formed: Formed, formula: Formula, name: str, column: int) -> int:
     return roots.nodes[0]
 
 
-def _check_measured(formed: Formed, name: str, value: Expr) -> None:
+def _check_measured(formed: EquationsOfMotion, name: str, value: Expr) -> None:
     """Refuse a coordinate that is neither a variable nor measured: a quaternion of a cut joint."""
     graph = formed.graph
     known = {symbol.name for symbol in (*formed.q, *formed.u)}
@@ -114,7 +114,7 @@ def _check_measured(formed: Formed, name: str, value: Expr) -> None:
         )  # fmt: skip
 
 
-def evaluable_roots(formed: Formed, name: str) -> Roots:
+def evaluable_roots(formed: EquationsOfMotion, name: str) -> Roots:
     """Return the roots of an output without unknown friction efforts, which formulas for reading keep."""
     roots = output_roots(formed, name)
     if not formed.friction or asked_derivative(name) is not None:
@@ -123,7 +123,7 @@ def evaluable_roots(formed: Formed, name: str) -> Roots:
     return _roots(name, roots.shape, found)
 
 
-def code_roots(formed: Formed, name: str) -> Roots:
+def code_roots(formed: EquationsOfMotion, name: str) -> Roots:
     """Return the roots of an output to be compiled: derivatives of trees with many columns side by side."""
     asked = asked_derivative(name)
     if asked is None:
@@ -131,7 +131,7 @@ def code_roots(formed: Formed, name: str) -> Roots:
     return derivative_roots(formed, name, asked, evaluable_roots(formed, asked.output), side_by_side=True)
 
 
-def output_names(formed: Formed) -> tuple[str, ...]:
+def output_names(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return the reserved output names of these equations; those of frames are made on demand."""
     links = (*formed.topology.joints, *formed.topology.contacts.values())
     reactions = (f"reaction {link.name}" for link in links)
@@ -141,20 +141,20 @@ def output_names(formed: Formed) -> tuple[str, ...]:
     return (*_MAKERS, *efforts, *friction, *tensions, *reactions, *formed.loads.measures)
 
 
-def _udot(formed: Formed) -> list[Expr]:
+def _udot(formed: EquationsOfMotion) -> list[Expr]:
     return solve(formed)[0]
 
 
-def _qdot(formed: Formed) -> list[Expr]:
+def _qdot(formed: EquationsOfMotion) -> list[Expr]:
     rates = formed.variables.rates
     return [Expr(formed.graph, rates[q.index]) for q in formed.expressions(formed.q)]
 
 
-def _states(formed: Formed) -> tuple[Symbol, ...]:
+def _states(formed: EquationsOfMotion) -> tuple[Symbol, ...]:
     return (*formed.u, *formed.q)
 
 
-def _slopes(formed: Formed, by: Sequence[Symbol]) -> list[list[Expr]]:
+def _slopes(formed: EquationsOfMotion, by: Sequence[Symbol]) -> list[list[Expr]]:
     """Return the derivatives of x' = (u', q') by symbols, all others held fixed."""
     return differentiated(formed, "xdot", [rate.index for rate in (*_udot(formed), *_qdot(formed))], by)
 
@@ -163,49 +163,51 @@ def _roots(name: str, shape: tuple[int, ...], values: Sequence[Expr]) -> Roots:
     return Roots(name, shape, tuple(value.index for value in values))
 
 
-def _vector(name: str, compute: Callable[[Formed], Sequence[Expr]]) -> Callable[[Formed], Roots]:
-    def make(formed: Formed) -> Roots:
+def _vector(
+    name: str, compute: Callable[[EquationsOfMotion], Sequence[Expr]]
+) -> Callable[[EquationsOfMotion], Roots]:
+    def make(formed: EquationsOfMotion) -> Roots:
         values = compute(formed)
         return _roots(name, (len(values),), values)
 
     return make
 
 
-def _scalar(name: str, compute: Callable[[Formed], Expr]) -> Callable[[Formed], Roots]:
+def _scalar(name: str, compute: Callable[[EquationsOfMotion], Expr]) -> Callable[[EquationsOfMotion], Roots]:
     return lambda formed: _roots(name, (), [compute(formed)])
 
 
 def _matrix(
     name: str,
-    compute: Callable[[Formed], Sequence[Sequence[Expr]]],
-    columns: Callable[[Formed], Sequence[Symbol]] = lambda formed: formed.u,
-) -> Callable[[Formed], Roots]:
-    def make(formed: Formed) -> Roots:
+    compute: Callable[[EquationsOfMotion], Sequence[Sequence[Expr]]],
+    columns: Callable[[EquationsOfMotion], Sequence[Symbol]] = lambda formed: formed.u,
+) -> Callable[[EquationsOfMotion], Roots]:
+    def make(formed: EquationsOfMotion) -> Roots:
         rows = compute(formed)
         return _roots(name, (len(rows), len(columns(formed))), [entry for row in rows for entry in row])
 
     return make
 
 
-def _bias(formed: Formed) -> list[Expr]:
-    return [-force for force in formed.projection.forcing]
+def _bias(formed: EquationsOfMotion) -> list[Expr]:
+    return [-force for force in formed.dynamics.forcing]
 
 
 # Of a tree without constraints those about them are empty, but they exist, with their shapes.
-_MAKERS: Final[dict[str, Callable[[Formed], Roots]]] = {
+_MAKERS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
     "udot": _vector("udot", _udot),
     "qdot": _vector("qdot", _qdot),
     "xdot": _vector("xdot", lambda formed: [*_udot(formed), *_qdot(formed)]),
     "A": _matrix("A", lambda formed: _slopes(formed, _states(formed)), lambda formed: _states(formed)),
     "B": _matrix("B", lambda formed: _slopes(formed, formed.inputs), lambda formed: formed.inputs),
     "lambda": _vector("lambda", lambda formed: solve(formed)[1]),
-    "mass_matrix": _matrix("mass_matrix", lambda formed: formed.projection.mass_matrix),
-    "forcing": _vector("forcing", lambda formed: formed.projection.forcing),
+    "mass_matrix": _matrix("mass_matrix", lambda formed: formed.dynamics.mass_matrix),
+    "forcing": _vector("forcing", lambda formed: formed.dynamics.forcing),
     "bias": _vector("bias", _bias),
     "inverse_dynamics": _vector("inverse_dynamics", inverse_dynamics),
     "kinetic_energy": _scalar("kinetic_energy", lambda formed: formed.kinetic_energy),
-    "potential_energy": _scalar("potential_energy", lambda formed: formed.loads.potential_energy),
-    "energy": _scalar("energy", lambda formed: formed.kinetic_energy + formed.loads.potential_energy),
+    "potential_energy": _scalar("potential_energy", lambda formed: formed.potential_energy),
+    "energy": _scalar("energy", lambda formed: formed.kinetic_energy + formed.potential_energy),
     "power": _scalar("power", lambda formed: solved(formed, [total_power(formed)])[0]),
     "constraints": _vector("constraints", lambda formed: [row.value for row in formed.holonomic]),
     "velocity_constraints": _vector("velocity_constraints", velocity_residual),
@@ -227,7 +229,7 @@ _MAKERS: Final[dict[str, Callable[[Formed], Roots]]] = {
 }
 
 # Words followed by names.
-_ABOUT: Final[dict[str, Callable[[Formed, str], tuple[tuple[int, ...], list[Expr]]]]] = {
+_ABOUT: Final[dict[str, Callable[[EquationsOfMotion, str], tuple[tuple[int, ...], list[Expr]]]]] = {
     "friction": friction_effort,
     "friction_normal": friction_normal,
     "friction_reserve": friction_reserve,

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.row import Row
 from symbody.equations.showing.output_words import output_words
 from symbody.equations.solving.ropes import rope_row, ropes
@@ -18,7 +18,7 @@ from symbody.expr.opcodes import ABS
 Output = tuple[tuple[int, ...], list[Expr]]
 
 
-def rope_tension(formed: Formed, rest: str) -> Output:
+def rope_tension(formed: EquationsOfMotion, rest: str) -> Output:
     """Return the output "rope_tension R": the force with which it pulls; 0 where it is slack."""
     row = _found(formed, rest)
     if any(row is other for other in formed.slack):
@@ -26,12 +26,12 @@ def rope_tension(formed: Formed, rest: str) -> Output:
     return (), [-symbol(formed.graph, Symbol(row.name, Kind.MULTIPLIER))]
 
 
-def rope_slack(formed: Formed, rest: str) -> Output:
+def rope_slack(formed: EquationsOfMotion, rest: str) -> Output:
     """Return the output "rope_slack R": its length less the distance of its ends."""
     return (), [-_found(formed, rest).value]
 
 
-def rope_slack_rate(formed: Formed, rest: str) -> Output:
+def rope_slack_rate(formed: EquationsOfMotion, rest: str) -> Output:
     """Return the output "rope_slack_dot R"."""
     row = _found(formed, rest)
     total = -row.rest
@@ -40,7 +40,7 @@ def rope_slack_rate(formed: Formed, rest: str) -> Output:
     return (), [total]
 
 
-def rope_slack_acceleration(formed: Formed, rest: str) -> Output:
+def rope_slack_acceleration(formed: EquationsOfMotion, rest: str) -> Output:
     """Return the output "rope_slack_ddot R"."""
     row = _found(formed, rest)
     total = row.gamma
@@ -49,7 +49,7 @@ def rope_slack_acceleration(formed: Formed, rest: str) -> Output:
     return (), [total]
 
 
-def rope_acceleration_size(formed: Formed, rest: str) -> Output:
+def rope_acceleration_size(formed: EquationsOfMotion, rest: str) -> Output:
     """Return the output "rope_size R": what cancels in its second rate: its rounding is a share of it."""
     row = _found(formed, rest)
     total, speed = row.gamma.apply(ABS), number(formed.graph, 0)
@@ -60,24 +60,24 @@ def rope_acceleration_size(formed: Formed, rest: str) -> Output:
     return (), [total + speed**2 / _length(formed, row)]
 
 
-def rope_length(formed: Formed, rest: str) -> Output:
+def rope_length(formed: EquationsOfMotion, rest: str) -> Output:
     """Return the output "rope_length R": of the rope itself."""
     return (), [_length(formed, _found(formed, rest))]
 
 
-def _length(formed: Formed, row: Row) -> Expr:
+def _length(formed: EquationsOfMotion, row: Row) -> Expr:
     rod = formed.topology.contacts[row.element]
     return formed.names.expression(next(iter(rod.uses())).formula, f"constraint {row.element}")
 
 
-def _terms(formed: Formed, row: Row) -> list[tuple[Expr, Expr]]:
+def _terms(formed: EquationsOfMotion, row: Row) -> list[tuple[Expr, Expr]]:
     """Return the slopes of a row with the accelerations they belong to."""
     graph, zero = formed.graph, number(formed.graph, 0)
     speeds = zip(formed.u, formed.kinematics.speeds, strict=True)
     return [(row.slopes.get(node, zero), symbol(graph, u.derivative)) for u, node in speeds]
 
 
-def _found(formed: Formed, rest: str) -> Row:
+def _found(formed: EquationsOfMotion, rest: str) -> Row:
     """Return the row of the rope that a name means.
 
     Raises
@@ -95,7 +95,7 @@ def _found(formed: Formed, rest: str) -> Row:
     )  # fmt: skip
 
 
-ROPE_OUTPUTS: Final[Mapping[str, Callable[[Formed, str], Output]]] = MappingProxyType(
+ROPE_OUTPUTS: Final[Mapping[str, Callable[[EquationsOfMotion, str], Output]]] = MappingProxyType(
     {
         "rope_tension": rope_tension,
         "rope_length": rope_length,

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Final, NamedTuple
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
+from symbody.equations.showing.agreement import check_dynamics, check_rewriting
 from symbody.equations.showing.frame_motion import frame_motion_entries
 from symbody.equations.showing.joint_outputs import reaction_axes, reaction_wrench
 from symbody.equations.showing.outputs import output_roots
@@ -21,7 +23,7 @@ from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_
 from symbody.single_flight import SingleFlight
 from symbody.vectors.vector import components
 
-# Equations in more speeds than this are not formed for reading.
+# Equations in more speeds than this are printed on request only.
 MOST_SPEEDS: Final = 8
 
 # The outputs that properties show as formulas.
@@ -46,13 +48,14 @@ class Textbook:
 
     Attributes
     ----------
-    formed : Formed
+    formed : EquationsOfMotion
         The equations in the expression graph.
     """
 
-    formed: Formed
+    formed: EquationsOfMotion
     # Made on first request; pure functions of `formed`, so they cannot go stale.
     _roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
+    _agreement: SingleFlight[None, None] = field(default_factory=SingleFlight, repr=False)
     _matrices: SingleFlight[str, SympyMatrix] = field(default_factory=SingleFlight, repr=False)
     _closed: SingleFlight[None, ClosedForms] = field(default_factory=SingleFlight, repr=False)
 
@@ -115,13 +118,26 @@ class Textbook:
         return self.readable(name)
 
     def readable(self, name: str) -> Roots:
-        """Return the roots of an output in the form in which people read it; the same values."""
+        """Return the roots of an output in the form in which people read it; the same values.
 
-        def read() -> Roots:
+        Raises
+        ------
+        FormulationError
+            If it is not what is computed; see `agreement`.
+        """
+
+        def rewrite() -> Roots:
+            if name in ("mass_matrix", "forcing"):
+                self._agreement.get(None, partial(check_dynamics, self.formed))
             roots = output_roots(self.formed, name)
-            return Roots(name, roots.shape, tuple(readable(self.formed.graph, roots.nodes)))
+            return self._rewrite(name, roots.shape, roots.nodes)
 
-        return self._roots.get(name, read)
+        return self._roots.get(name, rewrite)
+
+    def _rewrite(self, name: str, shape: tuple[int, ...], nodes: Sequence[int]) -> Roots:
+        formulas = readable(self.formed.graph, nodes, self.formed.variables.quaternions)
+        check_rewriting(self.formed, name, nodes, formulas)
+        return Roots(name, shape, tuple(formulas))
 
     @property
     def inertial(self) -> Roots:
@@ -170,7 +186,7 @@ class Textbook:
 
     def _matrix(self, name: str, shape: tuple[int, ...], values: Sequence[Expr]) -> SympyMatrix:
         graph = self.formed.graph
-        roots = Roots(name, shape, tuple(readable(graph, [value.index for value in values])))
+        roots = self._rewrite(name, shape, [value.index for value in values])
         return closed_forms(graph, [roots], EXPAND_LIMIT).matrices[name]
 
 

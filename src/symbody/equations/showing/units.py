@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.loads.loads import effort_name
 from symbody.equations.showing.dimensions import expression_unit
 from symbody.equations.showing.friction_outputs import friction_names
@@ -76,7 +76,7 @@ def is_whole(name: str) -> bool:
     return re.fullmatch(r"\w+|[A-Za-z_]+ [^-+*/^<>=(,].*", name.strip()) is not None
 
 
-def output_units(formed: Formed) -> Units:
+def output_units(formed: EquationsOfMotion) -> Units:
     """Return the units of coordinates, rates, energies, efforts, reactions, multipliers and parameters."""
     units = symbol_units(formed.topology.model) | _GENERAL
     for name in formed.angles:

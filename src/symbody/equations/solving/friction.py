@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.joint_axes import free_directions, perpendiculars
 from symbody.equations.kinematics.variables import turns_of
 from symbody.equations.loads.friction import FrictionLaw, Resistance
@@ -38,7 +38,7 @@ _STEPS: Final = 7
 _TINY: Final = 1e-200  # N^2 and N m below which a reaction has no direction
 
 
-def solve_with_friction(formed: Formed, linear: Linear) -> tuple[list[Expr], list[Expr]]:
+def solve_with_friction(formed: EquationsOfMotion, linear: Linear) -> tuple[list[Expr], list[Expr]]:
     """Return u' and the multipliers; what friction is goes to ``formed.resistances``."""
     return _Solver(formed, linear).solution()
 
@@ -49,7 +49,7 @@ class _Solver:
     Shares are what the multipliers of all rows that bear loads differ by for reactions of least norm.
     """
 
-    def __init__(self, formed: Formed, linear: Linear) -> None:
+    def __init__(self, formed: EquationsOfMotion, linear: Linear) -> None:
         self.formed, self.linear = formed, linear
         self.graph = formed.graph
         self.laws = formed.friction
@@ -64,7 +64,7 @@ class _Solver:
         ]  # fmt: skip
         efforts = [law.effort.index for law in self.laws]
         slopes, rest = linear_coefficients(
-            self.graph, [force.index for force in formed.projection.forcing], efforts
+            self.graph, [force.index for force in formed.dynamics.forcing], efforts
         )
         self.columns = [[Expr(self.graph, row[k]) for row in slopes] for k in range(len(efforts))]
         self.forcing = [Expr(self.graph, node) for node in rest]
@@ -198,7 +198,7 @@ class _Solver:
         return [found.get(k, other) for k in range(len(self.laws))]
 
 
-def across(formed: Formed, law: FrictionLaw) -> list[Expr]:
+def across(formed: EquationsOfMotion, law: FrictionLaw) -> list[Expr]:
     """Return the components of the vector whose magnitude is N, in u', multipliers and friction efforts.
 
     They are the joint's force perpendicular to its axis [N], in a screw that along it too; in a joint that
@@ -217,7 +217,7 @@ def across(formed: Formed, law: FrictionLaw) -> list[Expr]:
     return found
 
 
-def unknown_symbols(formed: Formed) -> list[Symbol]:
+def unknown_symbols(formed: EquationsOfMotion) -> list[Symbol]:
     """Return the symbols of u', the multipliers and the friction efforts."""
     return [*(u.derivative for u in formed.u), *formed.multipliers, *(law.symbol for law in formed.friction)]
 

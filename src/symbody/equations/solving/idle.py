@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.errors import FormulationError, Problem
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Kind
@@ -14,7 +14,7 @@ from symbody.expr.sequence import Input, Roots, build_sequence
 from symbody.tolerances import TYPED
 
 
-def check_idle(formed: Formed, parameters: Mapping[str, float]) -> None:
+def check_idle(formed: EquationsOfMotion, parameters: Mapping[str, float]) -> None:
     """Refuse values of parameters that a constraint on parameters alone excludes.
 
     Parameters

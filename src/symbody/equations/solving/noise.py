@@ -12,7 +12,7 @@ from dataclasses import replace
 from random import Random
 from typing import Final
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.row import Row
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, number
@@ -23,7 +23,9 @@ from symbody.vectors.vector import dot
 _POINTS: Final = 3
 
 
-def without_noise(formed: Formed, parameters: Mapping[str, float], program: Sequence | None = None) -> Formed:
+def without_noise(
+    formed: EquationsOfMotion, parameters: Mapping[str, float], program: Sequence | None = None
+) -> EquationsOfMotion:
     """Return the equations with all rows that are only rounding set to 0 = 0; their multipliers are 0.
 
     Parameters
@@ -46,7 +48,7 @@ def without_noise(formed: Formed, parameters: Mapping[str, float], program: Sequ
     return formed.with_rows(rows)
 
 
-def noise_program(formed: Formed) -> Sequence:
+def noise_program(formed: EquationsOfMotion) -> Sequence:
     """Return what computes the slopes of all rows and the squares of the motions they compare."""
     pairs = [_slopes_and_squares(formed, row) for row in formed.rows]
     roots = [
@@ -57,7 +59,7 @@ def noise_program(formed: Formed) -> Sequence:
     return build_sequence(formed.graph, roots, input_places(formed), merge=False, contract=False)
 
 
-def _silent(formed: Formed, program: Sequence, parameters: Mapping[str, float]) -> list[bool]:
+def _silent(formed: EquationsOfMotion, program: Sequence, parameters: Mapping[str, float]) -> list[bool]:
     """Return which rows are below `TYPED` of the motions they compare, in every speed and at every point."""
     silent = [True] * len(formed.rows)
     random = Random(3)
@@ -71,7 +73,7 @@ def _silent(formed: Formed, program: Sequence, parameters: Mapping[str, float]) 
     return silent
 
 
-def _slopes_and_squares(formed: Formed, row: Row) -> tuple[list[Expr], list[Expr]]:
+def _slopes_and_squares(formed: EquationsOfMotion, row: Row) -> tuple[list[Expr], list[Expr]]:
     """Return the slopes of a row, and for each the square of the motions whose difference it is part of."""
     kinematics, tree = formed.kinematics, formed.kinematics.tree
     link = formed.topology.link(row.element)
@@ -106,7 +108,7 @@ def _slopes_and_squares(formed: Formed, row: Row) -> tuple[list[Expr], list[Expr
     return slopes, squares
 
 
-def input_places(formed: Formed) -> dict[int, Input]:
+def input_places(formed: EquationsOfMotion) -> dict[int, Input]:
     """Return where coordinates, parameters, inputs and time stand among the inputs of a sequence."""
     graph = formed.graph
     places = {graph.symbol(q): Input(q.label, "q", k) for k, q in enumerate(formed.q)}
@@ -116,7 +118,9 @@ def input_places(formed: Formed) -> dict[int, Input]:
     return places
 
 
-def random_point(formed: Formed, parameters: Mapping[str, float], random: Random) -> dict[str, list[float]]:
+def random_point(
+    formed: EquationsOfMotion, parameters: Mapping[str, float], random: Random
+) -> dict[str, list[float]]:
     """Return random coordinates and time, and values of parameters where none is given."""
     q = [random.uniform(-1.5, 1.5) for _ in formed.q]
     place = {formed.graph.symbol(symbol): k for k, symbol in enumerate(formed.q)}

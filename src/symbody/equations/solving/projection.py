@@ -8,20 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.row import Row
 from symbody.expr.expression import Expr, number, saddle_entry, sqrt
 from symbody.expr.graph import Kernel
 from symbody.expr.rewrite import substitute
 
 
-def position_residual(formed: Formed) -> list[Expr]:
+def position_residual(formed: EquationsOfMotion) -> list[Expr]:
     """Return the constraints Phi, then by how much the norm of each quaternion exceeds 1."""
     norms = [sqrt(_square(formed, quaternion)) - 1 for quaternion in formed.variables.quaternions]
     return [*(row.value for row in formed.holonomic), *norms]
 
 
-def position_move(formed: Formed) -> list[Expr]:
+def position_move(formed: EquationsOfMotion) -> list[Expr]:
     """Return what to add to q so that the position residual vanishes to first order."""
     graph = formed.graph
     holonomic = formed.holonomic
@@ -34,7 +34,7 @@ def position_move(formed: Formed) -> list[Expr]:
     return moves
 
 
-def velocity_residual(formed: Formed) -> list[Expr]:
+def velocity_residual(formed: EquationsOfMotion) -> list[Expr]:
     """Return ``J u + b``."""
     drift = []
     for row in formed.rows:
@@ -45,25 +45,25 @@ def velocity_residual(formed: Formed) -> list[Expr]:
     return drift
 
 
-def velocity_move(formed: Formed) -> list[Expr]:
+def velocity_move(formed: EquationsOfMotion) -> list[Expr]:
     """Return what to add to u so that the velocity residual vanishes."""
     return _least_move(formed, formed.rows, [-x for x in velocity_residual(formed)])
 
 
-def _least_move(formed: Formed, rows: Sequence[Row], gamma: Sequence[Expr]) -> list[Expr]:
+def _least_move(formed: EquationsOfMotion, rows: Sequence[Row], gamma: Sequence[Expr]) -> list[Expr]:
     """Return the move of the speeds with ``J move = gamma`` for some rows, least in the mass matrix."""
     zero = number(formed.graph, 0)
     n, m = len(formed.u), len(rows)
     if m == 0:
         return [zero] * n
-    mass = [entry for row in formed.projection.mass_matrix for entry in row]
+    mass = [entry for row in formed.dynamics.mass_matrix for entry in row]
     slopes = [row.slopes.get(u, zero) for row in rows for u in formed.kinematics.speeds]
     operands = tuple(x.index for x in (*mass, *slopes, *[zero] * n, *gamma))
     kernel = formed.graph.kernel(Kernel(n, m))
     return [saddle_entry(formed.graph, kernel, operands, k) for k in range(n)]
 
 
-def _along_rates(formed: Formed, speeds: list[Expr]) -> list[Expr]:
+def _along_rates(formed: EquationsOfMotion, speeds: list[Expr]) -> list[Expr]:
     """Return the change of q for a small motion ``u dt``: N times it, without explicit time."""
     graph, rates = formed.graph, formed.variables.rates
     nodes = [rates[graph.symbol(q)] for q in formed.q]
@@ -73,7 +73,7 @@ def _along_rates(formed: Formed, speeds: list[Expr]) -> list[Expr]:
     return [Expr(graph, node) - Expr(graph, other) for node, other in zip(moved, rest, strict=True)]
 
 
-def _square(formed: Formed, nodes: tuple[int, ...]) -> Expr:
+def _square(formed: EquationsOfMotion, nodes: tuple[int, ...]) -> Expr:
     total = number(formed.graph, 0)
     for node in nodes:
         total = total + Expr(formed.graph, node) ** 2

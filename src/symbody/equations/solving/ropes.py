@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.row import Row
 from symbody.expr.expression import number, symbol
 from symbody.expr.graph import Kind, Symbol
@@ -13,19 +13,19 @@ from symbody.model.constraints import Distance
 from symbody.single_flight import SingleFlight
 
 
-def ropes(formed: Formed) -> tuple[str, ...]:
+def ropes(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return the names of the ropes, in the order of the model."""
     conditions = formed.topology.model.constraints
     known = {row.element for row in (*formed.rows, *formed.slack)}
     return tuple(c.name for c in conditions if isinstance(c, Distance) and c.rope and c.name in known)
 
 
-def rope_row(formed: Formed, name: str) -> Row:
+def rope_row(formed: EquationsOfMotion, name: str) -> Row:
     """Return the row that holds while a rope is taut, whether it is or not."""
     return next(row for row in (*formed.rows, *formed.slack) if row.element == name)
 
 
-def slackened(formed: Formed, names: Collection[str]) -> Formed:
+def slackened(formed: EquationsOfMotion, names: Collection[str]) -> EquationsOfMotion:
     """Return the equations without the rows of some ropes; their multipliers are 0."""
     gone = tuple(row for row in formed.rows if row.element in names)
     if not gone:
@@ -36,7 +36,7 @@ def slackened(formed: Formed, names: Collection[str]) -> Formed:
     return replace(formed.with_rows(kept), slack=(*formed.slack, *gone), names=known)
 
 
-def rope_words(formed: Formed) -> dict[str, str]:
+def rope_words(formed: EquationsOfMotion) -> dict[str, str]:
     """Return a name for what is watched of each rope that formulas can contain, by rope.
 
     Names of elements may have blanks, and so those of multipliers.
@@ -51,7 +51,7 @@ def rope_words(formed: Formed) -> dict[str, str]:
     return words
 
 
-def with_words(formed: Formed, words: Mapping[str, str]) -> Formed:
+def with_words(formed: EquationsOfMotion, words: Mapping[str, str]) -> EquationsOfMotion:
     """Return the equations with these names for the push of taut ropes, and for how slack the others are."""
     values = {words[row.element]: -row.value for row in formed.slack if row.element in words}
     for row in formed.rows:
@@ -60,7 +60,7 @@ def with_words(formed: Formed, words: Mapping[str, str]) -> Formed:
     return replace(formed, names=formed.names.with_values(values), _names=SingleFlight())
 
 
-def rope_rows(formed: Formed, names: Collection[str]) -> list[int]:
+def rope_rows(formed: EquationsOfMotion, names: Collection[str]) -> list[int]:
     """Return the places of the rows of taut ropes, in the order of the names."""
     places = {row.element: k for k, row in enumerate(formed.rows)}
     return [places[name] for name in names]

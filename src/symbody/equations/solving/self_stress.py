@@ -17,9 +17,10 @@ from functools import partial
 from typing import NamedTuple
 
 from symbody.equations.dynamics.balance import Wrench
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.row import Row
 from symbody.equations.loads.loads import effort_name
+from symbody.equations.measured_wrenches import static_wrenches
 from symbody.equations.showing.joint_outputs import ENTRIES, prescribed_efforts, reaction_entries
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr, maximum, number, saddle_entry
@@ -113,19 +114,19 @@ class SelfStress:
     _values: SingleFlight[None, list[Expr]] = field(default_factory=SingleFlight, repr=False)
     _shared: SingleFlight[None, dict[int, int]] = field(default_factory=SingleFlight, repr=False)
 
-    def values(self, formed: Formed) -> list[Expr]:
+    def values(self, formed: EquationsOfMotion) -> list[Expr]:
         """Return the components in u', the multipliers and friction efforts."""
         return self._values.get(None, partial(self._form_values, formed))
 
-    def _form_values(self, formed: Formed) -> list[Expr]:
-        listed = dict(_components(formed, formed.wrenches))
+    def _form_values(self, formed: EquationsOfMotion) -> list[Expr]:
+        listed = dict(_components(formed, formed.solved_wrenches))
         return [listed[component] for component in self.components]
 
-    def shared(self, formed: Formed) -> dict[int, int]:
+    def shared(self, formed: EquationsOfMotion) -> dict[int, int]:
         """Return what stands for each multiplier in reactions of least norm, by nodes."""
         return self._shared.get(None, partial(self._form_shared, formed))
 
-    def _form_shared(self, formed: Formed) -> dict[int, int]:
+    def _form_shared(self, formed: EquationsOfMotion) -> dict[int, int]:
         symbols = multiplier_nodes(formed)
         shares = self.shares(self.values(formed))
         known = [Expr(formed.graph, node) for node in symbols[: len(formed.rows)]]
@@ -141,14 +142,14 @@ class SelfStress:
         return found
 
 
-def self_stress(formed: Formed) -> SelfStress:
+def self_stress(formed: EquationsOfMotion) -> SelfStress:
     """Return what a mechanism may load itself with; without blocks where it has no constraints."""
     found = formed.self_stress.get(None, partial(_self_stress, formed))
     assert isinstance(found, SelfStress)
     return found
 
 
-def with_shares(formed: Formed, values: Sequence[Expr]) -> list[Expr]:
+def with_shares(formed: EquationsOfMotion, values: Sequence[Expr]) -> list[Expr]:
     """Return expressions in the multipliers with those of least norm, in the multipliers of the solution."""
     graph = formed.graph
     symbols = multiplier_nodes(formed)
@@ -158,18 +159,18 @@ def with_shares(formed: Formed, values: Sequence[Expr]) -> list[Expr]:
     return [Expr(graph, node) for node in substitute(graph, [x.index for x in values], shared)]
 
 
-def multiplier_nodes(formed: Formed) -> list[int]:
+def multiplier_nodes(formed: EquationsOfMotion) -> list[int]:
     """Return the symbols of the multipliers of all rows that bear loads."""
     rows = (*formed.rows, *formed.redundant)
     return [formed.graph.symbol(Symbol(row.name, Kind.MULTIPLIER)) for row in rows]
 
 
-def _self_stress(formed: Formed) -> SelfStress:
+def _self_stress(formed: EquationsOfMotion) -> SelfStress:
     zero = number(formed.graph, 0)
     rows = (*formed.rows, *formed.redundant)
     if not rows:
         return SelfStress((), (), (), zero)
-    listed = list(_components(formed, formed.static_wrenches()))
+    listed = list(_components(formed, static_wrenches(formed, formed.bearing_rows)))
     changes = _changes(formed, [value.index for _, value in listed])
     loaded = [k for k, row in enumerate(changes) if not all(entry.is_zero for entry in row)]
     components = tuple(listed[k][0] for k in loaded)
@@ -192,7 +193,7 @@ def _self_stress(formed: Formed) -> SelfStress:
     return SelfStress(rows, components, tuple(blocks), zero)
 
 
-def _components(formed: Formed, totals: Mapping[str, Wrench]) -> Iterator[tuple[Component, Expr]]:
+def _components(formed: EquationsOfMotion, totals: Mapping[str, Wrench]) -> Iterator[tuple[Component, Expr]]:
     """Return the components of all reactions, and all efforts that constraints give."""
     for name in (*(joint.name for joint in formed.topology.joints), *formed.topology.contacts):
         for entry, value in zip(ENTRIES, reaction_entries(formed, name, totals), strict=True):
@@ -212,12 +213,12 @@ def _components(formed: Formed, totals: Mapping[str, Wrench]) -> Iterator[tuple[
             yield Component(f"{row.name} {coordinate}", coordinate in turning), multiplier * share
 
 
-def _changes(formed: Formed, nodes: Sequence[int]) -> list[list[Expr]]:
+def _changes(formed: EquationsOfMotion, nodes: Sequence[int]) -> list[list[Expr]]:
     """Return B, one row a component; entries that vanish identically are 0."""
     return _without_zeros(formed, jacobian(formed.graph, nodes, multiplier_nodes(formed)))
 
 
-def _slopes(formed: Formed) -> list[list[Expr]]:
+def _slopes(formed: EquationsOfMotion) -> list[list[Expr]]:
     """Return J^T, one row a speed, with columns of 0 for rows that hold identically."""
     zero = number(formed.graph, 0)
     rows = (*formed.rows, *formed.redundant)
@@ -225,7 +226,7 @@ def _slopes(formed: Formed) -> list[list[Expr]]:
     return _without_zeros(formed, found)
 
 
-def _without_zeros(formed: Formed, matrix: Sequence[Sequence[int]]) -> list[list[Expr]]:
+def _without_zeros(formed: EquationsOfMotion, matrix: Sequence[Sequence[int]]) -> list[list[Expr]]:
     """Return a matrix with entries 0 where they vanish identically."""
     gone = iter(vanishing(formed.graph, [node for row in matrix for node in row]))
     return [[Expr(formed.graph, 0 if next(gone) else node) for node in row] for row in matrix]
@@ -242,7 +243,7 @@ def _connected(count: int, matrix: Iterable[Sequence[Expr]]) -> list[list[int]]:
     return [[k for k in range(count) if group[k] == first] for first in sorted(set(group))]
 
 
-def _squared_length(formed: Formed) -> Expr:
+def _squared_length(formed: EquationsOfMotion) -> Expr:
     """Return the square of the length L of a mechanism: 1 m where all its lengths are 0.
 
     It is the largest distance between two frames of joints and constraints on one body, or on ground, length

@@ -6,10 +6,8 @@ from collections.abc import Sequence
 from functools import partial
 
 from symbody.equations.dynamics.inertia import Inertia
-from symbody.equations.dynamics.linear_solve import solve_positive_definite
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.loads.friction import Resistance
-from symbody.equations.recursive.recursion import Recursion
 from symbody.equations.solving.friction import solve_with_friction, unknown_symbols
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr, saddle_entry
@@ -18,7 +16,7 @@ from symbody.expr.graph import Kernel, Kind, Symbol
 from symbody.expr.rewrite import substitute
 
 
-def solve(formed: Formed) -> tuple[list[Expr], list[Expr]]:
+def solve(formed: EquationsOfMotion) -> tuple[list[Expr], list[Expr]]:
     """Return u' and the multipliers.
 
     Raises
@@ -29,17 +27,16 @@ def solve(formed: Formed) -> tuple[list[Expr], list[Expr]]:
     return formed.solved.get(None, partial(_solution, formed))
 
 
-def _solution(formed: Formed) -> tuple[list[Expr], list[Expr]]:
-    linear = partial(_solve_linear, formed)
-    free = formed.free_bodies
-    if free is not None:
-        return free.udot, free.multipliers
+def _solution(formed: EquationsOfMotion) -> tuple[list[Expr], list[Expr]]:
     if formed.friction:
-        return solve_with_friction(formed, linear)
-    return linear(formed.projection.forcing, [row.gamma for row in formed.rows])
+        return solve_with_friction(formed, partial(_solve_linear, formed))
+    accelerations = formed.dynamics.accelerations(formed)
+    if accelerations is not None:
+        return accelerations
+    return _solve_linear(formed, formed.dynamics.forcing, [row.gamma for row in formed.rows])
 
 
-def resistance(formed: Formed) -> Resistance:
+def resistance(formed: EquationsOfMotion) -> Resistance:
     """Return what friction is."""
     if not formed.friction:
         return Resistance([], [], [], [])
@@ -47,7 +44,7 @@ def resistance(formed: Formed) -> Resistance:
     return formed.resistances[0]
 
 
-def solved(formed: Formed, values: Sequence[Expr]) -> list[Expr]:
+def solved(formed: EquationsOfMotion, values: Sequence[Expr]) -> list[Expr]:
     """Return expressions with u', the multipliers and friction efforts replaced by the solution.
 
     The multipliers of redundant rows are 0; `with_shares` puts those of least norm in their place.
@@ -66,53 +63,37 @@ def solved(formed: Formed, values: Sequence[Expr]) -> list[Expr]:
 
 
 def _solve_linear(
-    formed: Formed, forcing: Sequence[Expr], gamma: Sequence[Expr]
+    formed: EquationsOfMotion, forcing: Sequence[Expr], gamma: Sequence[Expr]
 ) -> tuple[list[Expr], list[Expr]]:
     """Return u' and the multipliers for a forcing and the right-hand side of the constraints."""
     return _solve_saddle(formed, forcing, gamma) if formed.rows else (_solve_tree(formed, forcing), [])
 
 
-def _solve_tree(formed: Formed, forcing: Sequence[Expr]) -> list[Expr]:
-    if isinstance(formed.projection, Recursion):
-        found = formed.projection.solve(forcing)
-    else:
-        found = solve_positive_definite(formed.projection.mass_matrix, forcing, _outward(formed))
+def _solve_tree(formed: EquationsOfMotion, forcing: Sequence[Expr]) -> list[Expr]:
+    solution = formed.dynamics.solve(formed, forcing)
     if any(map(_is_light, formed.bodies)):
-        gone = vanishing(formed.graph, [pivot.index for pivot in found.pivots])
-        problems = [_massless(formed, k) for k, zero in enumerate(gone) if zero]
+        zeros = vanishing(formed.graph, [pivot.index for pivot in solution.pivots])
+        problems = [_massless(formed, k) for k, is_zero in enumerate(zeros) if is_zero]
         if problems:
             raise FormulationError(*problems)
-    return found.values
+    return solution.values
 
 
 def _solve_saddle(
-    formed: Formed, forcing: Sequence[Expr], gamma: Sequence[Expr]
+    formed: EquationsOfMotion, forcing: Sequence[Expr], gamma: Sequence[Expr]
 ) -> tuple[list[Expr], list[Expr]]:
-    graph, projection, jacobian = formed.graph, formed.projection, formed.jacobian
+    graph, jacobian = formed.graph, formed.jacobian
     n, m = len(formed.u), len(formed.rows)
     operands = [
-        *(entry for row in projection.mass_matrix for entry in row),
+        *(entry for row in formed.dynamics.mass_matrix for entry in row),
         *(entry for row in jacobian for entry in row),
         *forcing,
         *gamma,
     ]
     nodes = tuple(operand.index for operand in operands)
     kernel = graph.kernel(Kernel(n, m))
-    found = [saddle_entry(graph, kernel, nodes, k) for k in range(n + m)]
-    return found[:n], found[n:]
-
-
-def _outward(formed: Formed) -> list[int]:
-    """Return the speeds in the order of the branches they belong to, from ground to the leaves."""
-    topology = formed.topology
-    branches = [*topology.translation.branches, *topology.rotation.branches]
-    depth: dict[str, int] = {}
-    for branch in branches:
-        depth.setdefault(branch.edge.name, len(depth))
-    owner = {speed.label: use.joint.name for use in formed.uses for speed in use.speeds}
-    if not owner:  # placed by hand: the order given
-        return list(range(len(formed.u)))
-    return sorted(range(len(formed.u)), key=lambda k: depth[owner[formed.u[k].label]])
+    solution = [saddle_entry(graph, kernel, nodes, k) for k in range(n + m)]
+    return solution[:n], solution[n:]
 
 
 def _is_light(body: Inertia) -> bool:
@@ -120,7 +101,7 @@ def _is_light(body: Inertia) -> bool:
     return body.mass.is_zero or body.tensor.isotropic.is_zero
 
 
-def _massless(formed: Formed, k: int) -> Problem:
+def _massless(formed: EquationsOfMotion, k: int) -> Problem:
     name = formed.u[k].label
     return Problem(
         "equations.massless", f"speed {name}", f"no mass resists {name} while all outward of it is free",

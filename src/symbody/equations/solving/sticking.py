@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from symbody.equations.dynamics.balance import NOTHING
 from symbody.equations.dynamics.reactions import drive_wrench
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.row import Row
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.expr.expression import number
@@ -15,12 +15,12 @@ from symbody.expr.expression import number
 STICKS = 0  # other modes are the signs of slipping, 1 and -1
 
 
-def switching_joints(formed: Formed) -> tuple[str, ...]:
+def switching_joints(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return the joints that stick and slip by events."""
     return tuple(law.joint.name for law in formed.friction if law.switches)
 
 
-def in_modes(formed: Formed, modes: Mapping[str, int]) -> Formed:
+def in_modes(formed: EquationsOfMotion, modes: Mapping[str, int]) -> EquationsOfMotion:
     """Return the equations with each joint named sticking, or slipping in the direction of its sign.
 
     A joint that sticks is held by one more row, whose multiplier is the effort that holds it.
@@ -37,7 +37,7 @@ def in_modes(formed: Formed, modes: Mapping[str, int]) -> Formed:
     return replace(formed.with_rows(tuple(rows)), friction=tuple(laws))
 
 
-def _holding(formed: Formed, law: FrictionLaw) -> Row:
+def _holding(formed: EquationsOfMotion, law: FrictionLaw) -> Row:
     """Return the row that keeps the rate of a joint zero."""
     kinematics, joint = formed.kinematics, law.joint
     use = next(use for use in formed.uses if use.joint.name == joint.name)

@@ -14,7 +14,7 @@ from itertools import groupby
 from random import Random
 from typing import Final, NamedTuple
 
-from symbody.equations.formed import Formed
+from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.noise import input_places, random_point
 from symbody.equations.solving.self_stress import Block, Component, SelfStress, self_stress
 from symbody.expr.evaluate import evaluate_sequence
@@ -40,13 +40,13 @@ class Undetermined(NamedTuple):
     names: frozenset[str]
 
 
-def identically_undetermined(formed: Formed) -> tuple[str, ...]:
+def identically_undetermined(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return the outputs that share constraints which hold identically in the coordinates of a mechanism."""
     stress = self_stress(formed)
     return stress.always.get(None, partial(_always, formed, stress))
 
 
-def _always(formed: Formed, stress: SelfStress) -> tuple[str, ...]:
+def _always(formed: EquationsOfMotion, stress: SelfStress) -> tuple[str, ...]:
     blocks = []
     for block in stress.blocks:
         idle = [k for k in range(len(block.rows)) if all(row[k].is_zero for row in block.slopes)]
@@ -61,7 +61,7 @@ def _always(formed: Formed, stress: SelfStress) -> tuple[str, ...]:
 
 
 def undetermined(
-    formed: Formed, points: Iterable[Mapping[str, Sequence[float]]], cut: float = RANK
+    formed: EquationsOfMotion, points: Iterable[Mapping[str, Sequence[float]]], cut: float = RANK
 ) -> list[Undetermined]:
     """Return what each of some configurations leaves open.
 
@@ -76,7 +76,10 @@ def undetermined(
 
 
 def _undetermined(
-    formed: Formed, blocks: Sequence[Block], points: Iterable[Mapping[str, Sequence[float]]], cut: float
+    formed: EquationsOfMotion,
+    blocks: Sequence[Block],
+    points: Iterable[Mapping[str, Sequence[float]]],
+    cut: float,
 ) -> list[Undetermined]:
     roots = []
     for k, block in enumerate(blocks):
@@ -98,14 +101,14 @@ def generic(found: Sequence[Undetermined]) -> Undetermined:
     return Undetermined(least, frozenset().union(*(one.names for one in found if one.redundant == least)))
 
 
-def in_order(formed: Formed, names: Collection[str]) -> tuple[str, ...]:
+def in_order(formed: EquationsOfMotion, names: Collection[str]) -> tuple[str, ...]:
     """Return outputs in the order of the joints, without those that have no name."""
     listed = dict.fromkeys(component.name for component in self_stress(formed).components)
     outputs = (name for name in listed if not name.startswith("lambda_"))
     return tuple(name for name in outputs if name in names)
 
 
-def share_notes(formed: Formed, names: Sequence[str], where: str = "") -> tuple[str, ...]:
+def share_notes(formed: EquationsOfMotion, names: Sequence[str], where: str = "") -> tuple[str, ...]:
     """Return what is said of outputs that do not follow from the motion, and of friction that reads them."""
     if not names:
         return ()

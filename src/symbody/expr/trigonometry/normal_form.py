@@ -30,6 +30,7 @@ from symbody.expr.trigonometry.polynomial import (
     size,
     times,
     variable,
+    with_unit_norm,
 )
 
 _MAX_OPERATIONS: Final = 2000
@@ -42,7 +43,9 @@ _MAX_KERNEL: Final = 6  # terms of a sum that is tried as a variable
 _EXPANDED: Final = frozenset({RATIONAL, NEG, ADD, SUB, MUL})
 
 
-def trigonometric_form(graph: Graph, roots: Sequence[int]) -> list[int]:
+def trigonometric_form(
+    graph: Graph, roots: Sequence[int], quaternions: Sequence[tuple[int, ...]] = ()
+) -> list[int]:
     """Return the `roots` written as in a textbook, each by itself, where that takes fewer operations.
 
     The difference of equal polynomials in sines, cosines and symbols is written as 0 if it is within the
@@ -51,15 +54,20 @@ def trigonometric_form(graph: Graph, roots: Sequence[int]) -> list[int]:
     polynomials get the shortest form that a limited search finds.
 
     Roots of 2,000 operations or more, with rounded constants, or with too many terms stay as they are.
+
+    Parameters
+    ----------
+    quaternions : sequence of four nodes
+        Symbols whose squares add up to 1; with it, too, equal polynomials become the same.
     """
-    return [_form(graph, root) for root in roots]
+    return [_form(graph, root, quaternions) for root in roots]
 
 
-def _form(graph: Graph, root: int) -> int:
+def _form(graph: Graph, root: int, quaternions: Sequence[tuple[int, ...]]) -> int:
     nodes = graph.reachable([root])
     if operation_count(graph, [root]) >= _MAX_OPERATIONS or any(graph.ops[k] == FLOAT for k in nodes):
         return root
-    form = _Writer(graph, _by_structure(graph, nodes), root).form
+    form = _Writer(graph, _by_structure(graph, nodes), root, quaternions).form
     return form if tree_size(graph, form) < tree_size(graph, root) else root
 
 
@@ -74,7 +82,9 @@ def _by_structure(graph: Graph, nodes: Sequence[int]) -> list[int]:
 class _Writer:
     """One pass over the nodes of a root, operands first."""
 
-    def __init__(self, graph: Graph, nodes: Sequence[int], root: int) -> None:
+    def __init__(
+        self, graph: Graph, nodes: Sequence[int], root: int, quaternions: Sequence[tuple[int, ...]]
+    ) -> None:
         self._graph = graph
         self._angles = Angles(graph, nodes)
         self._harmonics = Harmonics(self._angles.size, self._angles.cost)
@@ -83,6 +93,8 @@ class _Writer:
         self._new: dict[int, int] = {}  # what each node has become
         self._polynomials: dict[int, Polynomial | None] = {}  # None: too many terms
         self._kernels: list[Polynomial] = []
+        # Variables of each quaternion in the root.
+        self._norms = [tuple(self._name(node) for node in four) for four in quaternions if four[0] in nodes]
         self._sizes: dict[int, int] = {}
         self._effort = 0
         self._written_size = 0
@@ -161,7 +173,12 @@ class _Writer:
 
     def _product(self, p: Polynomial, q: Polynomial) -> Polynomial | None:
         self._effort += size(p) * len(q) + size(q) * len(p)
-        return reduced(times(p, q)) if self._effort <= _MAX_EFFORT else None
+        if self._effort > _MAX_EFFORT:
+            return None
+        result = reduced(times(p, q))
+        for names in self._norms:
+            result = with_unit_norm(result, names)
+        return result
 
     def _circular(self, op: int, angle: Angle) -> Polynomial:
         """Return a sine or cosine by the addition formulas."""
@@ -186,10 +203,14 @@ class _Writer:
             node, sign = graph.left[node], -1
         if graph.ops[node] == RATIONAL:
             return self._constant(node, sign)
-        if node not in self._variables:
-            self._variables[node] = len(self._atoms)
-            self._atoms.append(node)
-        return plus({}, variable(self._variables[node]), sign)
+        return plus({}, variable(self._name(node)), sign)
+
+    def _name(self, atom: int) -> int:
+        """Return the variable that stands for a node."""
+        if atom not in self._variables:
+            self._variables[atom] = len(self._atoms)
+            self._atoms.append(atom)
+        return self._variables[atom]
 
     def _constant(self, node: int, sign: int) -> Polynomial:
         value = Fraction(self._graph.constants[self._graph.left[node]]) * sign

@@ -61,6 +61,21 @@ def power(p: Polynomial, exponent: int) -> Polynomial:
     return result
 
 
+def with_unit_norm(p: Polynomial, names: tuple[int, ...]) -> Polynomial:
+    """Return `p` with the square of the first variable written as 1 less those of the others."""
+    first, *others = names
+    square: Polynomial = {UNIT: 1, **{((name, 2),): -1 for name in others}}
+    result: Polynomial = {}
+    for monomial, coefficient in p.items():
+        exponent = dict(monomial).get(first, 0)
+        if exponent < 2:
+            accumulate(result, {monomial: coefficient})
+            continue
+        left = quotient(monomial, ((first, exponent - exponent % 2),))
+        accumulate(result, times({left: coefficient}, power(square, exponent // 2)))
+    return result
+
+
 def product(a: Monomial, b: Monomial) -> Monomial:
     """Return the product of two monomials."""
     if not a or not b:

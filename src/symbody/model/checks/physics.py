@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Mapping, Set
 from typing import Final
 
 from symbody.errors import Problem
 from symbody.expr.graph import Constant
-from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
-from symbody.model.checker import Checker
+from symbody.model.checker import Checker, check_angle, check_axis
 from symbody.model.element import Element
 from symbody.model.frame import Frame
 from symbody.model.inertia import determinant, is_possible_inertia, may_be_about
 from symbody.model.joint import Joint
-from symbody.model.joints.directions import not_perpendicular
-from symbody.model.loads.forces import Drive, SpringDamper
-from symbody.model.loads.friction import check_friction
-from symbody.model.loads.springs import Bushing, Spring, TorsionSpring
 from symbody.model.table import Table
-from symbody.model.turn import LETTERS
 
 # What entries of an exact matrix leave that are off by 1e-9 each: 2 * 1e-9 times the sum of a row's entries.
 _ORTHONORMAL: Final = 4e-9
-_UNIT: Final = 1e-9
 
 
 def check_body(check: Checker, body: Body, label: str) -> None:
@@ -66,112 +59,6 @@ def check_frame(check: Checker, frame: Frame, place: str) -> None:
     if frame.matrix is not None:
         rows = [check.values(row, f"{place}.matrix[{k}]") for k, row in enumerate(frame.matrix)]
         _check_matrix(check, [row for row in rows if row is not None], f"{place}.matrix")
-
-
-def check_joint(check: Checker, joint: Joint, label: str) -> None:
-    """Check axes, drives, motions and rotor inertias of a joint."""
-    _check_directions(check, joint, label)
-    for path, constant in joint.constants.items():
-        check.value(constant, f"{label}, {path}")
-    for path, _, drive in joint.placed_drives():
-        check_coefficients(check, drive, f"{label}, {path}.")
-    for name, motion in joint.motion.items():
-        check.value(motion, f"{label}, {joint.path_of('motion', name)}")
-    for name, formula in joint.armature.items():
-        where = f"{label}, {joint.path_of('armature', name)}"
-        inertia = check.value(formula, where)
-        if inertia is not None and inertia < 0:
-            check.refuse(
-                "model.negative_armature",
-                where,
-                f"the inertia of the rotor is {inertia:g}",
-                "a sign is wrong",
-                "give a positive inertia, or leave armature out",
-            )
-    if joint.friction is not None:
-        check_friction(check, joint.friction, f"{label}, friction", bool(joint.rotation_coordinates))
-    if joint.as_constraint and not joint.motion:
-        check.remark(f"{label}: as_constraint says nothing, because no motion is prescribed")
-
-
-def check_spring(check: Checker, spring: Spring, label: str) -> None:
-    """Check axis and coefficients of an element that gives way."""
-    if isinstance(spring, Bushing):
-        _check_bushing(check, spring, label)
-        return
-    if isinstance(spring, TorsionSpring) and not isinstance(spring.axis, str):
-        check_axis(check, spring.axis, f"{label}, axis")
-    check_coefficients(check, spring, f"{label}, ")
-
-
-def check_coefficients(check: Checker, spring: Drive | SpringDamper | TorsionSpring, base: str) -> None:
-    """Remark on negative stiffness or damping, as far as they are constants; `base` begins their place."""
-    for word, formula in (("stiffness", spring.stiffness), ("damping", spring.damping)):
-        value = check.value(formula, f"{base}{word}")
-        if value is not None and value < 0:
-            label = base.partition(", ")[0]
-            check.remark(f"{label}: the {word} {formula} is negative ({value:g})")
-
-
-def _check_bushing(check: Checker, bushing: Bushing, label: str) -> None:
-    """Refuse a bushing of a body on itself; remark on negative coefficients of its own directions."""
-    if bushing.start.body == bushing.end.body:
-        check.refuse(
-            "model.self_joint",
-            f"{label}, between",
-            f"both ends are on {bushing.start.body}",
-            "a bushing gives way between two bodies",
-            "let one end be a frame of another body, or ground",
-        )
-    for word, rows in (("stiffness", bushing.stiffness_rows), ("damping", bushing.damping_rows)):
-        for k, row in enumerate(rows):
-            values = [check.value(formula, f"{label}, {word}[{k}]") for formula in row]
-            own = values[k]
-            if own is not None and own < 0:
-                check.remark(f"{label}: the {word} {row[k]} is negative ({own:g})")
-
-
-def check_axis(check: Checker, axis: Sequence[Formula], where: str) -> None:
-    """Refuse a direction of length zero; remark on one that is normalized."""
-    values = check.values(axis, where)
-    if values is None:
-        return
-    length = math.hypot(*values)
-    if length == 0:
-        check.refuse(
-            "model.zero_axis",
-            where,
-            "the axis has length zero",
-            "all its components are 0",
-            'give a direction, for instance "z" or [0, 0, 1]',
-        )
-    elif abs(length - 1) > _UNIT:
-        check.remark(f"{where}: the axis of length {length:g} is normalized")
-
-
-def _check_directions(check: Checker, joint: Joint, label: str) -> None:
-    """Check each axis, and that two are perpendicular, as far as parameters have values."""
-    for path, axis in joint.directions.items():
-        if not isinstance(axis, str):
-            check_axis(check, axis, f"{label}, {path}")
-    if len(joint.directions) != 2:
-        return
-    where = f"{label}, axes"
-    values = [
-        check.values(LETTERS[axis] if isinstance(axis, str) else axis, where)
-        for axis in joint.directions.values()
-    ]
-    if values[0] is not None and values[1] is not None:
-        skew = not_perpendicular(values[0], values[1])
-        if skew:
-            check.refuse("model.skew_axes", where, *skew)
-
-
-def check_angle(check: Checker, angle: Formula, where: str) -> None:
-    """Remark on an angle of more than a turn, which may be in degrees."""
-    value = check.value(angle, where)
-    if value is not None and abs(value) > 2 * math.pi:
-        check.remark(f'{where}: {value:g} rad is more than a turn; degrees are written "{value:g} deg"')
 
 
 def _check_matrix(check: Checker, r: list[list[float]], where: str) -> None:
@@ -269,5 +156,5 @@ def value_problems(
         if isinstance(element, Body):
             check_body(check, element, label)
         elif isinstance(element, Joint):
-            check_joint(check, element, label)
+            element.check_numbers(check, label)
     return check.problems

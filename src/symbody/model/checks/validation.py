@@ -9,9 +9,8 @@ from symbody.errors import ModelError, Problem
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
 from symbody.model.checker import Checker
-from symbody.model.checks.conditions import check_constraint
 from symbody.model.checks.initial import check_initial, initial_problems
-from symbody.model.checks.physics import check_body, check_frames, check_joint, check_spring
+from symbody.model.checks.physics import check_body, check_frames
 from symbody.model.checks.shapes import check_shapes
 from symbody.model.checks.structure import (
     contact_problems,
@@ -34,7 +33,6 @@ from symbody.model.constraints.couplings import Coupling
 from symbody.model.element import Element
 from symbody.model.frame import Frame
 from symbody.model.joint import Joint
-from symbody.model.loads.springs import Spring
 from symbody.model.lookup import element_labels, places_of, with_places
 from symbody.model.parameters import cycle_problems, known_values
 from symbody.model.shapes.shape import BodyShape
@@ -183,12 +181,8 @@ def _numbers(draft: Draft, labels: Iterable[str]) -> Checker:
         if isinstance(element, Body):
             check_body(check, element, label)
             check_shapes(check, element.shapes, f"{label}, shape")
-        elif isinstance(element, Joint):
-            check_joint(check, element, label)
-        elif isinstance(element, Condition):
-            check_constraint(check, element, label)
-        elif isinstance(element, Spring):
-            check_spring(check, element, label)
+        else:
+            element.check_numbers(check, label)
     return check
 
 

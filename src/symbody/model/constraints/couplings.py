@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from typing import ClassVar, Final, final
 
 from symbody.expr.language.formula import Formula
+from symbody.model.checker import refuse_zero_ratio
 from symbody.model.constraint import Condition
-from symbody.model.constraints.words import symbols, take
-from symbody.model.door import Door, Value
-from symbody.model.uses import Scope, Use
+from symbody.model.element_fields import Coupled, Radii, VanishingFormulas, element
+from symbody.model.fields import AngleQuantity, Flag, Quantity
+from symbody.model.uses import Scope
 
 _ONE: Final = Formula.of(1)
 
 
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class Coupling(Condition):
     """A linear equation between coordinates of joints: the sum of factors times coordinates is the offset.
 
@@ -32,154 +31,102 @@ class Coupling(Condition):
 
     displacements: ClassVar[int] = 0
 
-    coupled: tuple[str, ...]
-    offset: Formula
+    @property
+    @abstractmethod
+    def coupled(self) -> tuple[str, ...]:
+        """The coordinates."""
+
+    @property
+    @abstractmethod
+    def offset(self) -> Formula:
+        """The sum, in parameters and t."""
 
     @property
     @abstractmethod
     def factors(self) -> tuple[Formula, ...]:
         """The factor of each coordinate, in parameters."""
 
-    def uses(self) -> Iterator[Use]:
-        """Return where names and formulas stand."""
-        for k, name in enumerate(self.coupled):
-            yield Use(f"coupled[{k}]", Formula.of(name), Scope.COORDINATE)
-        yield Use("offset", self.offset, Scope.PRESCRIBED)
-        yield from self.own_uses()
-
-    def own_uses(self) -> Iterable[Use]:
-        """Return where the formulas beside the offset stand."""
-        return ()
-
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class Gear(Coupling):
     """Two wheels in mesh: ``first = ratio second + offset``.
 
     Wheels that mesh on the outside turn against each other: their ratio is negative. The multiplier is the
     torque on the first wheel about its axis [N m].
-
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    coupled : (2,) str
-        The angles of two joints.
-    ratio : number or formula
-        Turns of the first for one of the second, in parameters.
-    offset : number or formula
-        The first angle where the second is 0 [rad].
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name or a formula.
     """
 
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`first = ratio second + offset`"
+    multiplier: ClassVar[str] = "the torque on the first"
     multiplier_unit: ClassVar[str] = "N m"
 
-    ratio: Formula
-
-    def __init__(self, name: str, coupled: Iterable[str], ratio: Value, offset: Value = 0) -> None:
-        own = {"coupled": symbols(2), "offset": Door.angle}
-        take(self, name, own, coupled=coupled, offset=offset, ratio=ratio)
+    coupled: Coupled = Coupled("The angles of two joints.")
+    ratio: Quantity = Quantity(
+        "Turns of the first for one of the second; negative on the outside.", fits=refuse_zero_ratio
+    )
+    offset: AngleQuantity = AngleQuantity(
+        "The first angle where the second is 0.", unit="rad", default=0, scope=Scope.PRESCRIBED
+    )
 
     @property
     def factors(self) -> tuple[Formula, ...]:
         """``1, -ratio``."""
         return (_ONE, _negative(self.ratio))
 
-    def own_uses(self) -> Iterable[Use]:
-        """Return where the ratio stands."""
-        return (Use("ratio", self.ratio, Scope.CONSTANT),)
-
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class RackPinion(Coupling):
     """A rack moved by a wheel: ``displacement = radius angle + offset``.
 
     The multiplier is the force on the rack along its displacement [N].
-
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    coupled : (2,) str
-        The displacement of a joint and the angle of another.
-    radius : number or formula
-        Of the pinion, in parameters; negative where a positive angle moves the rack back [m].
-    offset : number or formula
-        The displacement where the angle is 0 [m].
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name or a formula.
     """
 
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`displacement = radius angle + offset`"
+    multiplier: ClassVar[str] = "the force on the rack"
     multiplier_unit: ClassVar[str] = "N"
-
     displacements: ClassVar[int] = 1
 
-    radius: Formula
-
-    def __init__(self, name: str, coupled: Iterable[str], radius: Value, offset: Value = 0) -> None:
-        take(self, name, {"coupled": symbols(2)}, coupled=coupled, offset=offset, radius=radius)
+    coupled: Coupled = Coupled("The displacement of a joint and the angle of another.")
+    radius: Quantity = Quantity(
+        "Of the pinion; negative where a positive angle moves the rack back.",
+        unit="m",
+        fits=refuse_zero_ratio,
+    )
+    offset: Quantity = Quantity(
+        "The displacement where the angle is 0.", unit="m", default=0, scope=Scope.PRESCRIBED
+    )
 
     @property
     def factors(self) -> tuple[Formula, ...]:
         """``1, -radius``."""
         return (_ONE, _negative(self.radius))
 
-    def own_uses(self) -> Iterable[Use]:
-        """Return where the radius stands."""
-        return (Use("radius", self.radius, Scope.CONSTANT),)
-
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class Belt(Coupling):
     """Two pulleys and a belt that does not slip: ``radius1 first = radius2 second + offset``.
 
     The multiplier is the pull of the belt at the rim of the first pulley, in the sense of its angle [N].
-
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    coupled : (2,) str
-        The angles of two joints.
-    radii : (2,) number or formula
-        Of the pulleys, in parameters [m].
-    crossed : bool
-        Whether the belt is crossed, so that the pulleys turn against each other.
-    offset : number or formula
-        Length of belt wound off the second where the first angle is 0 [m].
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name or a formula.
     """
 
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`radius1 first = radius2 second + offset`; crossed: `- radius2 second`"
+    multiplier: ClassVar[str] = "the pull at the first rim, in the sense of its angle"
     multiplier_unit: ClassVar[str] = "N"
 
-    radii: tuple[Formula, ...]
-    crossed: bool
-
-    def __init__(
-        self,
-        name: str,
-        coupled: Iterable[str],
-        radii: Iterable[Value],
-        crossed: bool = False,
-        offset: Value = 0,
-    ) -> None:
-        take(
-            self, name, {"coupled": symbols(2)}, coupled=coupled, offset=offset, radii=radii, crossed=crossed
-        )
+    coupled: Coupled = Coupled("The angles of two joints.")
+    radii: Radii = Radii("Of the pulleys.", unit="m")
+    crossed: Flag = Flag("Whether the pulleys turn against each other.", default=False)
+    offset: Quantity = Quantity(
+        "Length of belt wound off the second where the first angle is 0.",
+        unit="m",
+        default=0,
+        scope=Scope.PRESCRIBED,
+    )
 
     @property
     def factors(self) -> tuple[Formula, ...]:
@@ -187,37 +134,24 @@ class Belt(Coupling):
         first, second = self.radii
         return (first, second if self.crossed else _negative(second))
 
-    def own_uses(self) -> Iterable[Use]:
-        """Return where the radii stand."""
-        return (Use(f"radii[{k}]", radius, Scope.CONSTANT) for k, radius in enumerate(self.radii))
-
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class Differential(Coupling):
     """A differential: the carrier turns by the mean of its two shafts, ``2 carrier = left + right + offset``.
 
     The multiplier is half the torque on the carrier about its axis [N m].
-
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    coupled : (3,) str
-        The angles of carrier, left and right shaft.
-    offset : number or formula
-        Twice the carrier's angle where the shafts are at 0 [rad].
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name or a formula.
     """
 
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`2 carrier = left + right + offset`"
+    multiplier: ClassVar[str] = "half the torque on the carrier"
     multiplier_unit: ClassVar[str] = "N m"
 
-    def __init__(self, name: str, coupled: Iterable[str], offset: Value = 0) -> None:
-        take(self, name, {"coupled": symbols(3), "offset": Door.angle}, coupled=coupled, offset=offset)
+    coupled: Coupled = Coupled("The angles of carrier, left and right shaft.", count=3)
+    offset: AngleQuantity = AngleQuantity(
+        "Twice the carrier's angle where the shafts are at 0.", unit="rad", default=0, scope=Scope.PRESCRIBED
+    )
 
     @property
     def factors(self) -> tuple[Formula, ...]:
@@ -226,35 +160,23 @@ class Differential(Coupling):
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class Constraint(Condition):
     """Equations in coordinates, or affine in speeds.
 
     One with rates or speeds is a constraint on velocities, taken as it stands: nonholonomic, unless it is the
     rate of one on positions. The multiplier times the derivative of the equation by a coordinate, or by its
     rate, is the effort along that coordinate.
-
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    equations : formula or list of formula
-        What vanishes, in coordinates, parameters and t; or also in rates and speeds, of first degree.
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name or a formula.
     """
 
-    equations: tuple[Formula, ...]
+    rows: ClassVar[str] = "their number"
+    holds: ClassVar[str] = "what they say vanishes"
+    multiplier: ClassVar[str] = "times the derivative by a coordinate, or by its rate: the effort along it"
+    word: ClassVar[str] = "equation"
 
-    def __init__(self, name: str, equations: Value | Iterable[Value]) -> None:
-        take(self, name, equations=equations)
-
-    def uses(self) -> Iterator[Use]:
-        """Return where the equations stand."""
-        return (Use(f"equations[{k}]", formula, Scope.MOTION) for k, formula in enumerate(self.equations))
+    equations: VanishingFormulas = VanishingFormulas(
+        "What vanishes, in coordinates, parameters and t; or also in rates and speeds, of first degree."
+    )
 
 
 def _negative(formula: Formula) -> Formula:

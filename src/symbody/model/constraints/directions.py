@@ -2,122 +2,76 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import ClassVar, final
+import math
+from typing import ClassVar, Final, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.body import Place
+from symbody.model.checker import Checker, check_angle
 from symbody.model.constraint import Contact
-from symbody.model.constraints.words import take
-from symbody.model.door import Value
-from symbody.model.turn import Axis
-from symbody.model.uses import Scope, Use
+from symbody.model.element_fields import Directions, element
+from symbody.model.fields import AngleQuantity
+from symbody.model.uses import Scope
+from symbody.tolerances import TYPED
 
-Axes = Iterable[str | Iterable[Value]]
+_BOTH: Final = "A direction in the start frame and one in the end frame."
+
+
+def _check_cosine(check: Checker, angle: Formula, where: str) -> None:
+    """Refuse angles at which the cosine stands still: the constraint would hold two freedoms, not one."""
+    value = check.value(angle, where)
+    if value is None:
+        return
+    if abs(math.sin(value)) < TYPED:
+        check.refuse(
+            "model.flat_angle",
+            where,
+            f"{angle} is {value:g} rad: the directions are parallel",
+            "that takes two equations, and the one for the cosine has no slope there",
+            'write type = "parallel" instead',
+        )
+    check_angle(check, angle, where)
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class Parallel(Contact):
-    """Holds a direction of end parallel to one of start.
+    """Holds a direction of end parallel to one of start."""
 
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    start, end : Body, frame or name
-        The frames.
-    axes : [axis, axis]
-        The direction in start and the one in end, each a letter or three components.
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name, a place or a direction.
-    """
-
+    rows: ClassVar[str] = "2"
+    holds: ClassVar[str] = "the second axis has no part along two perpendiculars `n` of the first"
+    multiplier: ClassVar[str] = "the moment on end about `second x n`"
     multiplier_unit: ClassVar[str] = "N m"
 
-    axes: tuple[Axis, Axis]
-
-    def __init__(self, name: str, start: Place, end: Place, axes: Axes = ("z", "z")) -> None:
-        take(self, name, start=start, end=end, axes=axes)
-
-    @property
-    def directions(self) -> Mapping[str, Axis]:
-        """Both."""
-        return {f"axes[{k}]": axis for k, axis in enumerate(self.axes)}
+    axes: Directions = Directions(_BOTH, default=("z", "z"))
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class Perpendicular(Contact):
-    """Holds a direction of end perpendicular to one of start.
+    """Holds a direction of end perpendicular to one of start."""
 
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    start, end : Body, frame or name
-        The frames.
-    axes : [axis, axis]
-        The direction in start and the one in end, each a letter or three components.
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name, a place or a direction.
-    """
-
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`first . second = 0`"
+    multiplier: ClassVar[str] = "the moment on end about `second x first`"
     multiplier_unit: ClassVar[str] = "N m"
 
-    axes: tuple[Axis, Axis]
-
-    def __init__(self, name: str, start: Place, end: Place, axes: Axes) -> None:
-        take(self, name, start=start, end=end, axes=axes)
-
-    @property
-    def directions(self) -> Mapping[str, Axis]:
-        """Both."""
-        return {f"axes[{k}]": axis for k, axis in enumerate(self.axes)}
+    axes: Directions = Directions(_BOTH)
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class Angle(Contact):
     """Holds the angle between a direction of start and one of end: its cosine is kept.
 
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    start, end : Body, frame or name
-        The frames.
-    axes : [axis, axis]
-        The direction in start and the one in end, each a letter or three components.
-    value : number or formula
-        The angle in parameters and t [rad], off 0 and pi, where the cosine stands still.
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name, a place, a direction or a formula.
+    The angle must stay off 0 and pi, where the cosine has no slope.
     """
 
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`first . second = cos(value)`"
+    multiplier: ClassVar[str] = "times the sine of the angle: the moment on end about `second x first`"
     multiplier_unit: ClassVar[str] = "N m"
 
-    axes: tuple[Axis, Axis]
-    value: Formula
-
-    def __init__(self, name: str, start: Place, end: Place, axes: Axes, value: Value) -> None:
-        take(self, name, start=start, end=end, axes=axes, value=value)
-
-    @property
-    def directions(self) -> Mapping[str, Axis]:
-        """Both."""
-        return {f"axes[{k}]": axis for k, axis in enumerate(self.axes)}
-
-    def own_uses(self) -> Iterable[Use]:
-        """Return where the angle stands."""
-        return (Use("value", self.value, Scope.PRESCRIBED),)
+    axes: Directions = Directions(_BOTH)
+    value: AngleQuantity = AngleQuantity(
+        "The angle in parameters and t.", unit="rad", scope=Scope.PRESCRIBED, fits=_check_cosine
+    )

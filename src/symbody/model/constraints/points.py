@@ -2,192 +2,113 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import ClassVar, final
 
-from symbody.expr.language.formula import Formula
-from symbody.model.body import Place
+from symbody.model.checker import Checker, positive_length
 from symbody.model.constraint import Contact
-from symbody.model.constraints.words import take
-from symbody.model.door import Door, Value
-from symbody.model.turn import Axis
-from symbody.model.uses import Scope, Triple, Use
+from symbody.model.element_fields import CurvePoint, VanishingFormulas, element
+from symbody.model.fields import Direction, Flag, Quantity, SymbolName
+from symbody.model.uses import Scope
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class Distance(Contact):
     """Holds two points at a distance: a massless rod; or a rope, which may be shorter.
 
     Its one multiplier is the force with which it pushes the points apart [N]; in a rope it is never positive.
-
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    start, end : Body, frame or name
-        The points.
-    value : number or formula
-        The distance in parameters and t, above zero [m].
-    rope : bool
-        Whether the points may come closer: the rope is slack then, and does nothing.
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name, a place or a formula.
     """
 
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`sqrt(p . p) = value`"
+    multiplier: ClassVar[str] = "the force along the line, positive pushing the points apart"
     multiplier_unit: ClassVar[str] = "N"
 
-    value: Formula
-    rope: bool
-
-    def __init__(self, name: str, start: Place, end: Place, value: Value, rope: bool = False) -> None:
-        take(self, name, {"value": Door.formula}, start=start, end=end, value=value, rope=rope)
-
-    def own_uses(self) -> Iterable[Use]:
-        """Return where the distance stands."""
-        return (Use("value", self.value, Scope.PRESCRIBED),)
+    value: Quantity = Quantity(
+        "The distance in parameters and t.",
+        unit="m",
+        scope=Scope.PRESCRIBED,
+        fits=positive_length("a point on another needs a spherical joint"),
+    )
+    rope: Flag = Flag("Whether the points may come closer.", default=False)
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class PointOnLine(Contact):
-    """Holds the origin of end on a line through the origin of start.
+    """Holds the origin of end on a line through the origin of start."""
 
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    start, end : Body, frame or name
-        The frame the line is fixed in, and the point.
-    axis : str or (3,) number or formula
-        Direction of the line, in start.
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name, a place or a direction.
-    """
-
+    rows: ClassVar[str] = "2"
+    holds: ClassVar[str] = "`p` has no part across the axis"
+    multiplier: ClassVar[str] = "the force on end along a direction of start across the axis"
     multiplier_unit: ClassVar[str] = "N"
 
-    axis: Axis
-
-    def __init__(self, name: str, start: Place, end: Place, axis: str | Iterable[Value] = "x") -> None:
-        take(self, name, start=start, end=end, axis=axis)
-
-    @property
-    def directions(self) -> Mapping[str, Axis]:
-        """The line's."""
-        return {"axis": self.axis}
+    axis: Direction = Direction("Direction of the line, in the start frame.", default="x")
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class PointOnPlane(Contact):
-    """Holds the origin of end in a plane through the origin of start.
+    """Holds the origin of end in a plane through the origin of start."""
 
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    start, end : Body, frame or name
-        The frame the plane is fixed in, and the point.
-    axis : str or (3,) number or formula
-        Normal of the plane, in start.
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name, a place or a direction.
-    """
-
+    rows: ClassVar[str] = "1"
+    holds: ClassVar[str] = "`p . axis = 0`"
+    multiplier: ClassVar[str] = "the force on end along the normal"
     multiplier_unit: ClassVar[str] = "N"
 
-    axis: Axis
-
-    def __init__(self, name: str, start: Place, end: Place, axis: str | Iterable[Value] = "z") -> None:
-        take(self, name, start=start, end=end, axis=axis)
-
-    @property
-    def directions(self) -> Mapping[str, Axis]:
-        """The normal."""
-        return {"axis": self.axis}
+    axis: Direction = Direction("Normal of the plane, in the start frame.", default="z")
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class PointOnCurve(Contact):
     """Holds the origin of end on a curve fixed in start.
 
-    The curve's parameter becomes a coordinate of the mechanism, without mass.
-
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    start, end : Body, frame or name
-        The frame the curve is fixed in, and the point.
-    curve : (3,) formula
-        Position on the curve in start axes, in the parameter, the model's parameters and t [m].
-    parameter : str
-        Name of the curve's parameter; its derivative of the curve must vanish nowhere.
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name, a place or a formula.
+    The curve's parameter becomes a coordinate of the mechanism, without mass; the derivative of the curve by
+    it must vanish nowhere.
     """
 
+    rows: ClassVar[str] = "3"
+    holds: ClassVar[str] = "`p = curve(parameter, t)`; the parameter becomes a coordinate"
+    multiplier: ClassVar[str] = (
+        "the force on end along x, y, z of start; together they have no part along the curve"
+    )
     multiplier_unit: ClassVar[str] = "N"
 
-    curve: Triple
-    parameter: str
-
-    def __init__(self, name: str, start: Place, end: Place, curve: Iterable[Value], parameter: str) -> None:
-        take(self, name, start=start, end=end, curve=curve, parameter=parameter)
+    curve: CurvePoint = CurvePoint(
+        "Position in the start frame, in the parameter, parameters and t.", unit="m"
+    )
+    parameter: SymbolName = SymbolName("Name of the parameter, which becomes a coordinate.")
 
     @property
     def coordinates(self) -> tuple[str, ...]:
         """The curve's parameter."""
         return (self.parameter,)
 
-    def own_uses(self) -> Iterator[Use]:
-        """Return where the formulas of the curve stand."""
-        for k, formula in enumerate(self.curve):
-            yield Use(f"curve[{k}]", formula, Scope.PRESCRIBED, (self.parameter,))
+    def check_numbers(self, check: Checker, label: str) -> None:
+        """Refuse a curve that does not change with its parameter."""
+        if not any(self.parameter in formula.names for formula in self.curve):
+            check.refuse(
+                "model.no_curve",
+                f"{label}, curve",
+                f"{self.parameter} does not occur in it",
+                "what does not change with its parameter is a point",
+                f"write the place as a function of {self.parameter}; a point needs a spherical joint",
+            )
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class PointOnSurface(Contact):
     """Holds the origin of end on a surface fixed in start; several equations make a curve.
 
     A multiplier times the gradient of its equation is the force on end.
-
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    start, end : Body, frame or name
-        The frame the surface is fixed in, and the point.
-    equations : formula or list of formula
-        What vanishes on the surface, in x, y, z (the point in start axes [m]), parameters and t.
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name, a place or a formula.
     """
 
-    equations: tuple[Formula, ...]
+    rows: ClassVar[str] = "their number"
+    holds: ClassVar[str] = "`f(p, t) = 0`"
+    multiplier: ClassVar[str] = "times the gradient of f: the force on end"
 
-    def __init__(self, name: str, start: Place, end: Place, equations: Value | Iterable[Value]) -> None:
-        take(self, name, start=start, end=end, equations=equations)
-
-    def own_uses(self) -> Iterator[Use]:
-        """Return where the equations stand."""
-        return (Use(f"equations[{k}]", formula, Scope.POINT) for k, formula in enumerate(self.equations))
+    equations: VanishingFormulas = VanishingFormulas(
+        "What vanishes, in x, y, z of the point in the start frame [m], parameters and t.", scope=Scope.POINT
+    )

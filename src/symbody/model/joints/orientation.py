@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import KW_ONLY, dataclass
 from types import MappingProxyType
-from typing import Final
+from typing import Any, ClassVar, Final
 
 from symbody.expr.language.formula import Formula
+from symbody.model.declaration import Field
 from symbody.model.door import Door
 from symbody.model.joint import RATES, Joint, QuasiSpeeds
-from symbody.model.joints.words import names_from
+from symbody.model.joint_fields import names_from
 from symbody.model.naming import symbol_from
 from symbody.model.turn import LETTERS, Turn
 
@@ -18,39 +21,143 @@ _DIGITS: Final = MappingProxyType({"x": "1", "y": "2", "z": "3", "1": "1", "2": 
 _AXES: Final = MappingProxyType({"1": LETTERS["x"], "2": LETTERS["y"], "3": LETTERS["z"]})
 
 
-def angles_from(joint: Joint, door: Door, value: object, path: str) -> str:
-    """Return ``"quaternion"`` or a sequence in digits, such as ``"313"`` or ``"space 123"``."""
-    text = value if isinstance(value, str) else ""
-    if text == QUATERNION:
-        return text
-    letters = text.removeprefix(_SPACE)
-    digits = "".join(_DIGITS.get(letter, "") for letter in letters)
-    is_known = len(digits) == len(letters) == 3
-    if is_known and digits[0] != digits[1] != digits[2]:
-        return f"{text[: -len(letters)]}{digits}"
-    door.refuse(
-        "model.angle_sequence",
-        path,
-        f"{value!r} is not a sequence of turns",
-        "two turns in a row about one axis are a single turn" if is_known else "",
-        'write three axes such as "313" or "zxz", "space 313" for axes fixed in start, or "quaternion"',
-    )
-    return QUATERNION
+class AngleSequence(Field[str, str]):
+    """Three successive turns, or a quaternion."""
+
+    role: ClassVar[str] = "angles"
+    takes: ClassVar[str] = "str"
+    annotation: ClassVar[str] = "str"
+    pattern: ClassVar[str] = "^((space )?[1-3xyz]{3}|quaternion)$"
+
+    def read(self, owner: object, door: Door, value: object, path: str) -> str:
+        """Return ``"quaternion"`` or a sequence in digits, such as ``"313"`` or ``"space 123"``."""
+        text = value if isinstance(value, str) else ""
+        if text == QUATERNION:
+            return text
+        axes = text.removeprefix(_SPACE)
+        digits = "".join(_DIGITS.get(letter, "") for letter in axes)
+        is_known = len(digits) == len(axes) == 3
+        if is_known and digits[0] != digits[1] != digits[2]:
+            return f"{text[: -len(axes)]}{digits}"
+        door.refuse(
+            "model.angle_sequence",
+            path,
+            f"{value!r} is not a sequence of turns",
+            "two turns in a row about one axis are a single turn" if is_known else "",
+            'write three axes such as "313" or "zxz", "space 313" for axes fixed in start, or "quaternion"',
+        )
+        return QUATERNION
 
 
-def three_angles_from(joint: Joint, door: Door, value: object, path: str) -> str:
-    """Return a sequence in digits; a quaternion is refused."""
-    if value != QUATERNION:
-        found = angles_from(joint, door, value, path)
-        return "123" if found == QUATERNION else found
-    door.refuse(
-        "model.angle_sequence",
-        path,
-        "the joint has three angles, no quaternion",
-        "",
-        'write three axes such as "123", or make it a spherical or free joint',
-    )
-    return "123"
+class ThreeAngles(AngleSequence):
+    """Three successive turns."""
+
+    pattern: ClassVar[str] = "^(space )?[1-3xyz]{3}$"
+
+    def read(self, owner: object, door: Door, value: object, path: str) -> str:
+        """Return a sequence in digits; a quaternion is refused."""
+        if value != QUATERNION:
+            digits = super().read(owner, door, value, path)
+            return "123" if digits == QUATERNION else digits
+        door.refuse(
+            "model.angle_sequence",
+            path,
+            "the joint has three angles, no quaternion",
+            "",
+            'write three axes such as "123", or make it a spherical or free joint',
+        )
+        return "123"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SpeedChoice(Field[str | None, str]):
+    """What the speeds are.
+
+    Attributes
+    ----------
+    words : tuple of str
+        What may be chosen.
+    """
+
+    role: ClassVar[str] = "choice"
+    takes: ClassVar[str] = "str"
+    annotation: ClassVar[str] = "str | None"
+
+    _: KW_ONLY
+    default: Any = None
+    words: tuple[str, ...] = ()
+
+    def read(self, owner: Joint, door: Door, value: object, path: str) -> str:
+        """Return the speeds, by default the rates of angles, and components in end axes with a quaternion."""
+        default = "end" if owner.quaternion else RATES
+        if value is None:
+            return default
+        if not isinstance(value, str) or value not in self.words:
+            words = ", ".join(f'"{word}"' for word in self.words[:-1])
+            door.refuse(
+                "model.speeds",
+                path,
+                f"{value!r} does not say what the speeds are",
+                "",
+                f'write {words} or "{self.words[-1]}"',
+            )
+            return default
+        if value == RATES and owner.quaternion:
+            door.refuse(
+                "model.quaternion_rates",
+                path,
+                "the rates of a quaternion cannot be the speeds",
+                "four rates stand for three freedoms",
+                'write speeds = "end" or "start", or choose angles, for instance angles = "313"',
+            )
+            return default
+        return value
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SpeedNames(Field[Iterable[str] | None, tuple[str, ...] | None]):
+    """Names of quasi-speeds, three for each kind.
+
+    Attributes
+    ----------
+    kinds : str
+        ``"v"`` for the rate of the position, ``"w"`` for the angular velocity.
+    """
+
+    role: ClassVar[str] = "coordinates"
+    takes: ClassVar[str] = "list of str"
+    annotation: ClassVar[str] = "Iterable[str] | None"
+
+    _: KW_ONLY
+    default: Any = None
+    kinds: str = "w"
+
+    def read(self, owner: Joint, door: Door, value: object, path: str) -> tuple[str, ...] | None:
+        """Return the names, or None for those after the joint's name."""
+        if value is None:
+            return None
+        if owner.speeds == RATES:
+            door.refuse(
+                "model.names_of_rates",
+                path,
+                "the speeds are rates of coordinates, which have names already",
+                f"they are called {owner.coordinates[-1]}_dot and so on",
+                'write speeds = "end" or "start", or leave speed_names out',
+            )
+            return None
+        return names_from(
+            door, value, path, tuple(name for kind in self.kinds for name in _own_names(owner, kind))
+        )
+
+
+THREE_ANGLES: Final = ThreeAngles(
+    'Successive turns about body axes such as "123", about fixed axes such as "space 123".', default="xyz"
+)
+ORIENTATION: Final = AngleSequence(
+    'Successive turns about body axes such as "313", about fixed axes such as "space 313", or "quaternion" '
+    "(Euler parameters, scalar first).",
+    default=QUATERNION,
+)
 
 
 def orientation_suffixes(angles: str) -> tuple[str, ...]:
@@ -76,53 +183,6 @@ def orientation_turns(angles: str, names: tuple[str, ...]) -> tuple[Turn, ...]:
     digits = angles.removeprefix(_SPACE)
     turns = [Turn(_AXES[digit], Formula.of(name)) for digit, name in zip(digits, names, strict=True)]
     return tuple(reversed(turns) if angles.startswith(_SPACE) else turns)
-
-
-def speeds_from(
-    joint: Joint, door: Door, value: object, path: str, known: tuple[str, ...] = (RATES, "start", "end")
-) -> str:
-    """Return the speeds, by default the rates of angles, and components in end axes with a quaternion."""
-    default = "end" if joint.quaternion else RATES
-    if value is None:
-        return default
-    if not isinstance(value, str) or value not in known:
-        words = ", ".join(f'"{word}"' for word in known[:-1])
-        door.refuse(
-            "model.speeds",
-            path,
-            f"{value!r} does not say what the speeds are",
-            "",
-            f'write {words} or "{known[-1]}"',
-        )
-        return default
-    if value == RATES and joint.quaternion:
-        door.refuse(
-            "model.quaternion_rates",
-            path,
-            "the rates of a quaternion cannot be the speeds",
-            "four rates stand for three freedoms",
-            'write speeds = "end" or "start", or choose angles, for instance angles = "313"',
-        )
-        return default
-    return value
-
-
-def speed_names_from(
-    joint: Joint, door: Door, value: object, path: str, kinds: str = "w"
-) -> tuple[str, ...] | None:
-    """Return names of quasi-speeds, three for each kind, or None for those after the joint's name."""
-    if value is None:
-        return None
-    if joint.speeds == RATES:
-        door.refuse(
-            "model.names_of_rates",
-            path,
-            "the speeds are rates of coordinates, which have names already",
-            f"they are called {joint.coordinates[-1]}_dot and so on",
-            'write speeds = "end" or "start", or leave speed_names out',
-        )
-        return None
-    return names_from(door, value, path, tuple(name for kind in kinds for name in _own_names(joint, kind)))
 
 
 def quasi_speeds(joint: Joint, kind: str, frame: str) -> QuasiSpeeds | None:

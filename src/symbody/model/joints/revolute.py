@@ -2,104 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import ClassVar, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.body import Place
-from symbody.model.door import Value
-from symbody.model.joint import ORIGIN, Joint, Turn
-from symbody.model.joints.words import Trees, take
-from symbody.model.loads.forces import Drive
-from symbody.model.loads.friction import Friction
-from symbody.model.table import Table
-from symbody.model.turn import Axis, unit_axis
-from symbody.model.uses import Triple
+from symbody.model.element_fields import element
+from symbody.model.fields import Direction, Flag
+from symbody.model.joint import Joint, Turn
+from symbody.model.joint_fields import (
+    AS_CONSTRAINT,
+    FRICTION,
+    TREE,
+    Armature,
+    Coordinate,
+    CoordinateDrive,
+    DryFriction,
+    PrescribedAngle,
+    TreeMembership,
+)
+from symbody.model.turn import unit_axis
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class Revolute(Joint):
-    """Turns about an axis.
+    """Turns about an axis."""
 
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    start, end : Body, frame or name
-        The frames it connects; end turns by the coordinate relative to start.
-    axis : str or (3,) number or formula
-        "x", "y", "z", or components in start of any length.
-    coordinate : str, optional
-        Name of the angle [rad]; without it the joint's name.
-    tree : bool, mapping or None
-        Whether it is in the rotation and translation tree; None: automatic.
-    torque : Drive, optional
-        What acts about the axis.
-    motion : number or formula, optional
-        The angle in parameters and t, if it is prescribed [rad].
-    as_constraint : bool
-        Whether the prescribed motion becomes a constraint instead of replacing the angle.
-    armature : number or formula
-        Inertia of the drive's rotor as felt at the angle [kg m^2].
-    friction : Friction, optional
-        What holds the angle back, from the reaction or of given strength.
+    letters: ClassVar[tuple[str, ...]] = ("theta",)
+    law: ClassVar[str] = "R = Rot(axis, theta)"
 
-    Raises
-    ------
-    ModelError
-        With everything that is not a name, a place, an axis or a formula.
-    """
-
-    suffixes: ClassVar[tuple[str, ...]] = ("",)
-
-    axis: Axis
-    coordinate: str | None
-    torque: Table[Drive]
-    motion: Table[Formula]
-    as_constraint: bool
-    armature: Table[Formula]
-    friction: Friction | None
-
-    def __init__(
-        self,
-        name: str,
-        start: Place,
-        end: Place,
-        axis: str | Iterable[Value] = "z",
-        coordinate: str | None = None,
-        tree: Trees = None,
-        torque: Drive | None = None,
-        motion: Value | None = None,
-        as_constraint: bool = False,
-        armature: Value = 0,
-        friction: Friction | None = None,
-    ) -> None:
-        take(
-            self,
-            name,
-            start,
-            end,
-            tree,
-            axis=axis,
-            coordinate=coordinate,
-            torque=torque,
-            motion=motion,
-            as_constraint=as_constraint,
-            armature=armature,
-            friction=friction,
-        )
-
-    @property
-    def directions(self) -> Mapping[str, Axis]:
-        """The axis of the turn."""
-        return {"axis": self.axis}
+    axis: Direction = Direction("In the start frame.", default="z")
+    coordinate: Coordinate = Coordinate("Name of the angle.", unit="rad")
+    tree: TreeMembership = TREE
+    torque: CoordinateDrive = CoordinateDrive("What acts about the axis.")
+    motion: PrescribedAngle = PrescribedAngle("Prescribed angle in parameters and t.", unit="rad")
+    as_constraint: Flag = AS_CONSTRAINT
+    armature: Armature = Armature("Inertia of the drive's rotor.", unit="kg m^2", default=0)
+    friction: DryFriction = FRICTION
 
     def turns(self) -> tuple[Turn, ...]:
         """Return the turn about the axis."""
         return (Turn(unit_axis(self.axis), Formula.of(self.coordinates[0])),)
-
-    def shift(self) -> Triple:
-        """Return zero."""
-        return ORIGIN

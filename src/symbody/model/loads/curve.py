@@ -3,62 +3,46 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
 from itertools import pairwise
-from typing import Final, Literal, TypeAlias, cast, final
+from typing import ClassVar, Final, Literal, TypeAlias, cast, final
 
-from symbody.arguments import checked_arguments
 from symbody.expr.language.formula import Formula
+from symbody.model.declaration import ElementPart, Field
 from symbody.model.door import ZERO, Door, Value
+from symbody.model.fields import Numbers, WordChoice, part
 from symbody.model.numbers import as_float, value_of
+from symbody.model.uses import Scope, Use
 
-KINDS: Final = ("linear", "pchip")
-OUTSIDE: Final = ("hold", "slope")
+KINDS: Final[tuple[Literal["linear", "pchip"], ...]] = ("linear", "pchip")
+OUTSIDE: Final[tuple[Literal["hold", "slope"], ...]] = ("hold", "slope")
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
-class Curve:
+@part
+class Curve(ElementPart):
     """A function of one variable through given points; values are numbers, not formulas.
 
-    Parameters
-    ----------
-    x, y : (N,) numbers
-        Places that increase, and the values there; at least two.
-    kind : "linear" or "pchip"
-        Straight between points, or cubics with continuous slope that do not overshoot: monotone where the
-        points are (Fritsch & Butland 1984, the slopes of SciPy's ``PchipInterpolator``).
-    outside : "hold" or "slope"
-        Before the first and after the last place: the end value, or a straight line with the end slope.
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a finite number, and places that do not increase.
+    Cubics of kind "pchip" have a continuous slope and do not overshoot: they are monotone where the points
+    are (Fritsch & Butland 1984, the slopes of SciPy's ``PchipInterpolator``).
     """
 
-    x: tuple[Formula, ...]
-    y: tuple[Formula, ...]
-    kind: str
-    outside: str
+    x: Numbers = Numbers("Places, which increase; at least two.")
+    y: Numbers = Numbers("The values there.")
+    kind: WordChoice[Literal["linear", "pchip"]] = WordChoice(
+        'Straight between points, "linear"; or cubics, "pchip".', words=KINDS, default="linear"
+    )
+    outside: WordChoice[Literal["hold", "slope"]] = WordChoice(
+        'Before the first and after the last place: the end value, "hold", or the end slope, "slope".',
+        words=OUTSIDE,
+        default="hold",
+    )
 
-    @checked_arguments
-    def __init__(
-        self,
-        x: Iterable[Value],
-        y: Iterable[Value],
-        kind: Literal["linear", "pchip"] = "linear",
-        outside: Literal["hold", "slope"] = "hold",
-    ) -> None:
-        door = Door("curve")
-        object.__setattr__(self, "x", _points(door, x, "x"))
-        object.__setattr__(self, "y", _points(door, y, "y"))
-        object.__setattr__(self, "kind", _word(door, kind, "kind", KINDS))
-        object.__setattr__(self, "outside", _word(door, outside, "outside", OUTSIDE))
+    def check(self, door: Door) -> None:
+        """Note places that do not increase, and lists of different lengths."""
         if not door.problems:
             _check_points(door, self.places, self.values)
-        door.close()
 
     @property
     def places(self) -> tuple[float, ...]:
@@ -87,6 +71,33 @@ class Curve:
 
 Law: TypeAlias = Formula | Curve
 LawValue: TypeAlias = Value | Curve | Mapping[str, object]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SpringLaw(Field[LawValue, Law]):
+    """A formula or curve of a force or torque.
+
+    Attributes
+    ----------
+    own : tuple of str
+        Names that mean something in this formula alone.
+    """
+
+    role: ClassVar[str] = "law"
+    takes: ClassVar[str] = "number, formula or Curve"
+    annotation: ClassVar[str] = "LawValue"
+
+    _: KW_ONLY
+    own: tuple[str, ...] = ()
+
+    def read(self, owner: object, door: Door, value: object, path: str) -> Law:
+        """Return the formula or curve."""
+        return law_from(door, value, path)
+
+    def formula_sites(self, owner: object, value: Law, path: str) -> Iterator[Use]:
+        """Return where the formula stands; a curve has none."""
+        if not isinstance(value, Curve):
+            yield Use(path, value, Scope.LOAD, self.own)
 
 
 def law_from(door: Door, value: object, path: str) -> Law:
@@ -121,29 +132,6 @@ def _curve_of(table: Mapping[str, object]) -> Curve:
     x, y = (cast("Iterable[Value]", table[word]) for word in ("x", "y"))
     kind = cast("Literal['linear', 'pchip']", table.get("kind", "linear"))
     return Curve(x, y, kind, cast("Literal['hold', 'slope']", table.get("outside", "hold")))
-
-
-def _points(door: Door, values: object, path: str) -> tuple[Formula, ...]:
-    items = door.items(values, path)
-    formulas = tuple(door.formula(item, f"{path}[{k}]") for k, item in enumerate(items))
-    for k, formula in enumerate(formulas):
-        if formula.names:
-            door.refuse(
-                "model.curve_number",
-                f"{path}[{k}]",
-                f"{formula} is no number",
-                "a curve consists of numbers, so that its slopes can be found once",
-                "write a number; scale a curve by a formula with interp1",
-            )
-    return formulas
-
-
-def _word(door: Door, value: object, path: str, known: Sequence[str]) -> str:
-    if value in known:
-        return str(value)
-    choices = " or ".join(repr(word) for word in known)
-    door.refuse("model.curve_kind", path, f"{path} = {value!r} means nothing", "", f"write {choices}")
-    return known[0]
 
 
 def _check_points(door: Door, x: Sequence[float], y: Sequence[float]) -> None:

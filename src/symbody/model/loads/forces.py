@@ -2,85 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from typing import ClassVar, Final, final
 
-from symbody.expr.language.formula import Formula
-from symbody.model.body import Place, address_from
-from symbody.model.door import Door, Value
-from symbody.model.element import Address, Element
-from symbody.model.loads.curve import Curve, Law, LawValue, law_from
-from symbody.model.uses import Scope, Triple, Use, triple_uses
+from symbody.model.checker import remark_negative
+from symbody.model.declaration import ElementPart
+from symbody.model.door import Door
+from symbody.model.element import Element
+from symbody.model.element_fields import AttachedFrame, Connection, element
+from symbody.model.fields import AngleQuantity, Quantity, VectorQuantity, part
+from symbody.model.loads.curve import Curve, SpringLaw
+from symbody.model.uses import Scope
 
 # What the law of a spring between points may read beside the names of loads.
 LENGTH: Final = ("length", "length_rate")
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
-class Drive:
-    """What acts along a joint coordinate: ``applied + law - stiffness*(x - free) - damping*x_dot``.
+@part
+class Drive(ElementPart):
+    """What acts along a joint coordinate: ``applied + law - stiffness*(x - free) - damping*x_dot``."""
 
-    Parameters
-    ----------
-    applied : number or formula
-        Effort on the end body along the positive coordinate [N, N m].
-    stiffness : number or formula
-        [N/m, N m/rad]
-    damping : number or formula
-        [N s/m, N m s/rad]
-    free : number or formula
-        Coordinate at which the spring is relaxed [m, rad].
-    law : number, formula or Curve
-        Further effort; a curve is one over the coordinate [N, N m].
+    equation: ClassVar[str] = "applied + law - stiffness (x - free) - damping x'"
+    sign: ClassVar[str] = "positive drives end along the positive coordinate"
+    outputs: ClassVar[str] = "`effort J`, `effort J x` where several"
 
-    Raises
-    ------
-    ModelError
-        If an entry is not a formula.
-    """
-
-    applied: Formula
-    stiffness: Formula
-    damping: Formula
-    free: Formula
-    law: Law
-
-    def __init__(
-        self,
-        applied: Value = 0,
-        stiffness: Value = 0,
-        damping: Value = 0,
-        free: Value = 0,
-        law: LawValue = 0,
-    ) -> None:
-        door = Door("drive")
-        object.__setattr__(self, "applied", door.formula(applied, "applied"))
-        object.__setattr__(self, "stiffness", door.formula(stiffness, "stiffness"))
-        object.__setattr__(self, "damping", door.formula(damping, "damping"))
-        object.__setattr__(self, "free", door.angle(free, "free"))
-        object.__setattr__(self, "law", law_from(door, law, "law"))
-        door.close()
+    applied: Quantity = Quantity("Effort on the end body.", unit="N, N m", default=0, scope=Scope.LOAD)
+    stiffness: Quantity = Quantity(unit="N/m, N m/rad", default=0, scope=Scope.LOAD, fits=remark_negative)
+    damping: Quantity = Quantity(unit="N s/m, N m s/rad", default=0, scope=Scope.LOAD, fits=remark_negative)
+    free: AngleQuantity = AngleQuantity(
+        "Coordinate at which the spring is relaxed.", unit="m, rad", default=0, scope=Scope.LOAD
+    )
+    law: SpringLaw = SpringLaw(
+        "Further effort; a curve is one over the coordinate.", unit="N, N m", default=0
+    )
 
     @property
     def reads_coordinate(self) -> bool:
         """Whether the effort depends on the coordinate itself, by spring or curve."""
         return self.stiffness.constant() != 0 or isinstance(self.law, Curve)
-
-    def uses(self, path: str) -> Iterator[Use]:
-        """Return where the formulas stand, below `path`."""
-        yield Use(f"{path}.applied", self.applied, Scope.LOAD)
-        yield Use(f"{path}.stiffness", self.stiffness, Scope.LOAD)
-        yield Use(f"{path}.damping", self.damping, Scope.LOAD)
-        yield Use(f"{path}.free", self.free, Scope.LOAD)
-        yield from law_uses(f"{path}.law", self.law)
-
-
-def law_uses(path: str, law: Law, own: tuple[str, ...] = ()) -> Iterator[Use]:
-    """Return where the formula of a law stands; `own` are the names that mean something in it alone."""
-    if not isinstance(law, Curve):
-        yield Use(path, law, Scope.LOAD, own)
 
 
 def drive_from(door: Door, value: object, path: str) -> Drive | None:
@@ -98,180 +57,56 @@ def drive_from(door: Door, value: object, path: str) -> Drive | None:
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class Force(Element):
-    """A force in a point, and its reaction.
+    """A force in a point, and its reaction, which acts in the same point."""
 
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    on : Body, frame or name
-        Where it acts.
-    vector : (3,) number or formula
-        Components [N].
-    resolved_in : Body, frame or name
-        The axes of the components.
-    reaction_on : Body, frame or name
-        The body that gets the opposite force, in the same point.
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name, a place or a formula.
-    """
-
+    equation: ClassVar[str] = "vector in the point `on`, axes of `resolved_in`"
+    sign: ClassVar[str] = "the opposite force acts on `reaction_on` in the same point"
+    outputs: ClassVar[str] = ""
     kind: ClassVar[str] = "force"
 
-    name: str
-    on: Address
-    vector: Triple
-    resolved_in: Address
-    reaction_on: Address
-
-    def __init__(
-        self,
-        name: str,
-        on: Place,
-        vector: Iterable[Value],
-        resolved_in: Place = "ground",
-        reaction_on: Place = "ground",
-    ) -> None:
-        _set_vector_load(self, Door(f"force {name}"), name, on, vector, resolved_in, reaction_on)
-
-    def uses(self) -> Iterator[Use]:
-        """Return where the formulas stand."""
-        return triple_uses("vector", self.vector, Scope.LOAD)
+    on: AttachedFrame = AttachedFrame("The point.")
+    vector: VectorQuantity = VectorQuantity("Components.", unit="N", scope=Scope.LOAD)
+    resolved_in: AttachedFrame = AttachedFrame("The axes of the components.", default="ground")
+    reaction_on: AttachedFrame = AttachedFrame("The body that gets the opposite force.", default="ground")
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@element
 class Torque(Element):
-    """A torque on a body, and its reaction.
+    """A torque on a body, and its reaction."""
 
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    on : Body, frame or name
-        The body it acts on.
-    vector : (3,) number or formula
-        Components [N m].
-    resolved_in : Body, frame or name
-        The axes of the components.
-    reaction_on : Body, frame or name
-        The body that gets the opposite torque.
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name, a place or a formula.
-    """
-
+    equation: ClassVar[str] = "vector on `on`"
+    sign: ClassVar[str] = "the opposite torque acts on `reaction_on`"
+    outputs: ClassVar[str] = ""
     kind: ClassVar[str] = "torque"
 
-    name: str
-    on: Address
-    vector: Triple
-    resolved_in: Address
-    reaction_on: Address
-
-    def __init__(
-        self,
-        name: str,
-        on: Place,
-        vector: Iterable[Value],
-        resolved_in: Place = "ground",
-        reaction_on: Place = "ground",
-    ) -> None:
-        _set_vector_load(self, Door(f"torque {name}"), name, on, vector, resolved_in, reaction_on)
-
-    def uses(self) -> Iterator[Use]:
-        """Return where the formulas stand."""
-        return triple_uses("vector", self.vector, Scope.LOAD)
+    on: AttachedFrame = AttachedFrame("The body.")
+    vector: VectorQuantity = VectorQuantity("Components.", unit="N m", scope=Scope.LOAD)
+    resolved_in: AttachedFrame = AttachedFrame("The axes of the components.", default="ground")
+    reaction_on: AttachedFrame = AttachedFrame("The body that gets the opposite torque.", default="ground")
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
-class SpringDamper(Element):
-    """A spring and damper on the line between two points; a free length of exactly 0 is a vector law.
+@element
+class SpringDamper(Connection):
+    """A spring and damper on the line between two points; a free length of exactly 0 is a vector law."""
 
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    start, end : Body, frame or name
-        The points it connects.
-    stiffness, damping : number or formula
-        [N/m], [N s/m]
-    free : number or formula
-        Length at which the spring is relaxed [m].
-    applied : number or formula
-        Further force that pushes the ends apart [N].
-    law : number, formula or Curve
-        Further force that pushes the ends apart, in `length` and `length_rate` beside the names of loads; a
-        curve is one over the length [N].
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name, a place or a formula.
-    """
-
+    equation: ClassVar[str] = "applied + law - stiffness (length - free) - damping length' along the line"
+    sign: ClassVar[str] = "positive pushes the ends apart; `free` exactly 0: vector law, smooth at length 0"
+    outputs: ClassVar[str] = "`length S`, `effort S`"
     kind: ClassVar[str] = "spring"
 
-    name: str
-    start: Address
-    end: Address
-    stiffness: Formula
-    damping: Formula
-    free: Formula
-    applied: Formula
-    law: Law
-
-    def __init__(
-        self,
-        name: str,
-        start: Place,
-        end: Place,
-        stiffness: Value = 0,
-        damping: Value = 0,
-        free: Value = 0,
-        applied: Value = 0,
-        law: LawValue = 0,
-    ) -> None:
-        door = Door(f"spring {name}")
-        object.__setattr__(self, "name", door.element_name(name))
-        object.__setattr__(self, "start", address_from(door, start, "between[0]"))
-        object.__setattr__(self, "end", address_from(door, end, "between[1]"))
-        object.__setattr__(self, "stiffness", door.formula(stiffness, "stiffness"))
-        object.__setattr__(self, "damping", door.formula(damping, "damping"))
-        object.__setattr__(self, "free", door.formula(free, "free"))
-        object.__setattr__(self, "applied", door.formula(applied, "applied"))
-        object.__setattr__(self, "law", law_from(door, law, "law"))
-        door.close()
-
-    def uses(self) -> Iterator[Use]:
-        """Return where the formulas stand."""
-        yield Use("stiffness", self.stiffness, Scope.LOAD)
-        yield Use("damping", self.damping, Scope.LOAD)
-        yield Use("free", self.free, Scope.LOAD)
-        yield Use("applied", self.applied, Scope.LOAD)
-        yield from law_uses("law", self.law, LENGTH)
-
-
-def _set_vector_load(
-    load: Force | Torque,
-    door: Door,
-    name: str,
-    on: Place,
-    vector: Iterable[Value],
-    resolved_in: Place,
-    reaction_on: Place,
-) -> None:
-    object.__setattr__(load, "name", door.element_name(name))
-    object.__setattr__(load, "on", address_from(door, on, "on"))
-    object.__setattr__(load, "vector", door.triple(vector, "vector"))
-    object.__setattr__(load, "resolved_in", address_from(door, resolved_in, "resolved_in"))
-    object.__setattr__(load, "reaction_on", address_from(door, reaction_on, "reaction_on"))
-    door.close()
+    stiffness: Quantity = Quantity(unit="N/m", default=0, scope=Scope.LOAD, fits=remark_negative)
+    damping: Quantity = Quantity(unit="N s/m", default=0, scope=Scope.LOAD, fits=remark_negative)
+    free: Quantity = Quantity("Length at which it is relaxed.", unit="m", default=0, scope=Scope.LOAD)
+    applied: Quantity = Quantity(
+        "Further force, pushing the ends apart.", unit="N", default=0, scope=Scope.LOAD
+    )
+    law: SpringLaw = SpringLaw(
+        "Further force, pushing the ends apart, in length and length_rate; a curve is one over the length.",
+        unit="N",
+        default=0,
+        own=LENGTH,
+    )

@@ -2,79 +2,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, fields
-from typing import final
+from typing import Final, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.checker import Checker
-from symbody.model.door import Door, Value
-from symbody.model.uses import Scope, Use
+from symbody.model.declaration import ElementPart
+from symbody.model.door import Door
+from symbody.model.fields import OptionalQuantity, Quantity, part
+from symbody.model.uses import Scope
 
 # Constants of the joint; the others may change with the motion.
-_CONSTANT = ("radius", "v0")
+_CONSTANT: Final = ("radius", "v0")
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
-class Friction:
+@part
+class Friction(ElementPart):
     """Dry friction in a joint, from its own reaction or of given strength.
 
     A prismatic joint is held back by ``mu*N``, a revolute joint by ``mu*radius*N``, where N is the magnitude
     of the reaction across the axis; or both by `force`. With `v0` the law is smooth, proportional to
-    ``sin(atan(v/v0))``; without it the joint sticks and slips by events.
-
-    Parameters
-    ----------
-    mu : number or formula
-        Coefficient of friction while it slides.
-    mu_static : number or formula, optional
-        Coefficient up to which it sticks; by default mu. Without meaning where there is `v0`.
-    radius : number or formula, optional
-        Of the bearing [m]: a revolute joint needs it. In a prismatic joint the moment it transmits, over
-        `radius`, counts as one more component of its reaction; without it forces alone count.
-    v0 : number or formula, optional
-        Speed at which a smooth law has 0.71 of its strength [m/s, rad/s].
-    force : number or formula, optional
-        Strength whatever the reaction [N, N m of a revolute joint]; instead of mu.
-    static : number or formula, optional
-        Strength up to which it sticks; by default `force`.
-
-    Raises
-    ------
-    ModelError
-        If an entry is not a formula, or entries contradict each other.
+    ``sin(atan(v/v0))``: 0.71 of its strength at `v0`; without it the joint sticks and slips by events. In a
+    prismatic joint the moment it transmits, over `radius`, counts as one more component of its reaction;
+    without `radius` forces alone count.
     """
 
-    mu: Formula
-    mu_static: Formula | None
-    radius: Formula | None
-    v0: Formula | None
-    force: Formula | None
-    static: Formula | None
+    mu: Quantity = Quantity(
+        "Coefficient on the joint's own reaction while it slides.", default=0, scope=Scope.LOAD
+    )
+    mu_static: OptionalQuantity = OptionalQuantity(
+        "Coefficient up to which it sticks; left out: mu.", scope=Scope.LOAD
+    )
+    radius: OptionalQuantity = OptionalQuantity("Of the bearing; a revolute joint needs it.", unit="m")
+    v0: OptionalQuantity = OptionalQuantity(
+        "Speed of a smooth law; left out, the joint sticks and slips by events.", unit="m/s, rad/s"
+    )
+    force: OptionalQuantity = OptionalQuantity(
+        "Strength whatever the reaction.", unit="N, N m", scope=Scope.LOAD
+    )
+    static: OptionalQuantity = OptionalQuantity(
+        "Strength up to which it sticks.", unit="N, N m", scope=Scope.LOAD
+    )
 
-    def __init__(
-        self,
-        mu: Value = 0,
-        mu_static: Value | None = None,
-        radius: Value | None = None,
-        v0: Value | None = None,
-        force: Value | None = None,
-        static: Value | None = None,
-    ) -> None:
-        door = Door("friction")
-        object.__setattr__(self, "mu", door.formula(mu, "mu"))
-        optional = (
-            ("mu_static", mu_static),
-            ("radius", radius),
-            ("v0", v0),
-            ("force", force),
-            ("static", static),
-        )
-        for name, value in optional:
-            object.__setattr__(self, name, None if value is None else door.formula(value, name))
+    def check(self, door: Door) -> None:
+        """Note words of both laws together."""
         _check_laws(self, door)
-        door.close()
 
     @property
     def reads_reaction(self) -> bool:
@@ -90,14 +62,6 @@ class Friction:
     def is_none(self) -> bool:
         """Whether there is no friction at all."""
         return self.force is None and self.mu.constant() == 0 and self.mu_static is None
-
-    def uses(self, path: str) -> Iterator[Use]:
-        """Return where the formulas stand, below `path`."""
-        for field in fields(self):
-            formula = getattr(self, field.name)
-            if formula is not None:
-                scope = Scope.CONSTANT if field.name in _CONSTANT else Scope.LOAD
-                yield Use(f"{path}.{field.name}", formula, scope)
 
 
 def friction_from(door: Door, value: object, path: str) -> Friction | None:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from typing import ClassVar, Final, TypeAlias, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.body import Place, address_from
+from symbody.model.checker import Checker, remark_negative
+from symbody.model.declaration import Field
 from symbody.model.door import ZERO, Door, Value
-from symbody.model.element import Address, Element
-from symbody.model.loads.curve import Law, LawValue, law_from
-from symbody.model.loads.forces import SpringDamper, law_uses
-from symbody.model.turn import Axis, axis_from
+from symbody.model.element_fields import Connection, element
+from symbody.model.fields import AngleQuantity, Direction, Quantity
+from symbody.model.loads.curve import SpringLaw
+from symbody.model.loads.forces import SpringDamper
 from symbody.model.uses import Scope, Use, triple_uses
 
 # What the law of a torsion spring may read beside the names of loads.
@@ -23,142 +23,124 @@ BUSHING_COORDINATES: Final = ("x", "y", "z", "rx", "ry", "rz")
 
 Row: TypeAlias = tuple[Formula, ...]
 Coefficients: TypeAlias = tuple[Formula | Row, ...]
+_NONE: Final = (0, 0, 0, 0, 0, 0)
+
+
+class SixOrMatrix(Field[Iterable[Value] | Iterable[Iterable[Value]], Coefficients]):
+    """Six coefficients, or six rows of six."""
+
+    role: ClassVar[str] = "six"
+    takes: ClassVar[str] = "(6,) or (6, 6) number or formula"
+    annotation: ClassVar[str] = "Iterable[Value] | Iterable[Iterable[Value]]"
+    explanation: ClassVar[str] = "Along x, y, z and about x, y, z; six rows of six couple them."
+
+    def read(self, owner: object, door: Door, value: object, path: str) -> Coefficients:
+        """Return six formulas, or rows of them."""
+        items = door.items(value, path)
+        if not any(isinstance(item, Iterable) and not isinstance(item, str) for item in items):
+            return _row(door, items, path, door.formula)
+        if len(items) != len(BUSHING_COORDINATES):
+            _refuse_length(door, path, len(items))
+        return tuple(_row(door, item, f"{path}[{k}]", door.formula) for k, item in enumerate(items))
+
+    def formula_sites(self, owner: object, value: Coefficients, path: str) -> Iterator[Use]:
+        """Return where the coefficients stand."""
+        for k, item in enumerate(value):
+            if isinstance(item, Formula):
+                yield Use(f"{path}[{k}]", item, Scope.LOAD)
+            else:
+                yield from triple_uses(f"{path}[{k}]", item, Scope.LOAD)
+
+
+class Six(Field[Iterable[Value], Row]):
+    """Three lengths and three angles."""
+
+    role: ClassVar[str] = "six"
+    takes: ClassVar[str] = "(6,) number or formula"
+    annotation: ClassVar[str] = "Iterable[Value]"
+
+    def read(self, owner: object, door: Door, value: object, path: str) -> Row:
+        """Return six formulas."""
+        return _row(door, value, path, door.angle)
+
+    def formula_sites(self, owner: object, value: Row, path: str) -> Iterator[Use]:
+        """Return where the values stand."""
+        return triple_uses(path, value, Scope.LOAD)
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
-class TorsionSpring(Element):
+@element
+class TorsionSpring(Connection):
     """A spring and damper about an axis, with opposite torques on two bodies.
 
     The torque on end is ``applied + law - stiffness*(angle - free) - damping*angle_rate`` along the axis,
     which is fixed in the start frame; `angle_rate` is the component of end's angular velocity relative to
-    start along it. Joints about parallel axes between the two count their turns; else the angle is measured
-    on the frames, within half a turn of `free`.
-
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    start, end : Body, frame or name
-        The frames it connects.
-    axis : "x", "y", "z" or (3,) number or formula
-        In the start frame; of any length. The angle is zero where the frames have the same axes.
-    stiffness, damping : number or formula
-        [N m/rad], [N m s/rad]
-    free : number or formula
-        Angle at which the spring is relaxed [rad].
-    applied : number or formula
-        Further torque on end along the axis [N m].
-    law : number, formula or Curve
-        Further torque on end, in `angle` and `angle_rate` beside the names of loads; a curve is one over
-        the angle [N m].
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name, a place, an axis or a formula.
+    start along it. The angle is zero where the frames have the same axes. Joints about parallel axes between
+    the two count their turns; else the angle is measured on the frames, within half a turn of `free`.
     """
 
+    equation: ClassVar[str] = (
+        "applied + law - stiffness (angle - free) - damping angle_rate about `axis`, fixed in start"
+    )
+    sign: ClassVar[str] = "positive turns end forward about the axis"
+    outputs: ClassVar[str] = "`angle S`, `effort S`"
     kind: ClassVar[str] = "torsion_spring"
 
-    name: str
-    start: Address
-    end: Address
-    axis: Axis
-    stiffness: Formula
-    damping: Formula
-    free: Formula
-    applied: Formula
-    law: Law
-
-    def __init__(
-        self,
-        name: str,
-        start: Place,
-        end: Place,
-        axis: str | Iterable[Value] = "z",
-        stiffness: Value = 0,
-        damping: Value = 0,
-        free: Value = 0,
-        applied: Value = 0,
-        law: LawValue = 0,
-    ) -> None:
-        door = Door(f"torsion_spring {name}")
-        object.__setattr__(self, "name", door.element_name(name))
-        object.__setattr__(self, "start", address_from(door, start, "between[0]"))
-        object.__setattr__(self, "end", address_from(door, end, "between[1]"))
-        object.__setattr__(self, "axis", axis_from(door, axis, "axis"))
-        object.__setattr__(self, "stiffness", door.formula(stiffness, "stiffness"))
-        object.__setattr__(self, "damping", door.formula(damping, "damping"))
-        object.__setattr__(self, "free", door.angle(free, "free"))
-        object.__setattr__(self, "applied", door.formula(applied, "applied"))
-        object.__setattr__(self, "law", law_from(door, law, "law"))
-        door.close()
-
-    def uses(self) -> Iterator[Use]:
-        """Return where the formulas stand."""
-        if not isinstance(self.axis, str):
-            yield from triple_uses("axis", self.axis, Scope.CONSTANT)
-        yield Use("stiffness", self.stiffness, Scope.LOAD)
-        yield Use("damping", self.damping, Scope.LOAD)
-        yield Use("free", self.free, Scope.LOAD)
-        yield Use("applied", self.applied, Scope.LOAD)
-        yield from law_uses("law", self.law, ANGLE)
+    axis: Direction = Direction("In the start frame.", default="z")
+    stiffness: Quantity = Quantity(unit="N m/rad", default=0, scope=Scope.LOAD, fits=remark_negative)
+    damping: Quantity = Quantity(unit="N m s/rad", default=0, scope=Scope.LOAD, fits=remark_negative)
+    free: AngleQuantity = AngleQuantity(
+        "Angle at which it is relaxed.", unit="rad", default=0, scope=Scope.LOAD
+    )
+    applied: Quantity = Quantity(
+        "Further torque on end along the axis.", unit="N m", default=0, scope=Scope.LOAD
+    )
+    law: SpringLaw = SpringLaw(
+        "Further torque on end, in angle and angle_rate; a curve is one over the angle.",
+        unit="N m",
+        default=0,
+        own=ANGLE,
+    )
 
 
 @final
-@dataclass(frozen=True, slots=True, init=False)
-class Bushing(Element):
+@element
+class Bushing(Connection):
     """A compliance between two frames in all six directions; it prevents nothing, so that no joint is there.
 
     Its coordinates are those of a free joint with ``angles="xyz"``: the position of end's origin in start
     axes, and the Cardan angles, which for small angles are the rotation vector. Along each acts
     ``-stiffness*(x - free) - damping*x_dot``, with the opposite wrench on start. It is singular where the
     second angle is a quarter turn.
-
-    Parameters
-    ----------
-    name : str
-        Unique among the elements of the model.
-    start, end : Body, frame or name
-        The frames it connects.
-    stiffness, damping : (6,) or (6, 6) number or formula
-        Along x, y, z and about x, y, z [N/m, N m/rad], [N s/m, N m s/rad]; a matrix couples them.
-    free : (6,) number or formula
-        Position [m] and angles [rad] at which it is relaxed.
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a name, a place or a formula.
     """
 
+    equation: ClassVar[str] = (
+        "-stiffness (x - free) - damping x' in six coordinates; six values or six rows of six"
+    )
+    sign: ClassVar[str] = "efforts on end along the coordinates"
+    outputs: ClassVar[str] = "`length B x` `y` `z`, `angle B rx` `ry` `rz`, `effort B x` .. `rz`"
     kind: ClassVar[str] = "joint"
 
-    name: str
-    start: Address
-    end: Address
-    stiffness: Coefficients
-    damping: Coefficients
-    free: Row
+    stiffness: SixOrMatrix = SixOrMatrix(unit="N/m, N m/rad", default=_NONE)
+    damping: SixOrMatrix = SixOrMatrix(unit="N s/m, N m s/rad", default=_NONE)
+    free: Six = Six("Where it is relaxed: position [m] and angles [rad].", default=_NONE)
 
-    def __init__(
-        self,
-        name: str,
-        start: Place,
-        end: Place,
-        stiffness: Iterable[Value] | Iterable[Iterable[Value]] = (0, 0, 0, 0, 0, 0),
-        damping: Iterable[Value] | Iterable[Iterable[Value]] = (0, 0, 0, 0, 0, 0),
-        free: Iterable[Value] = (0, 0, 0, 0, 0, 0),
-    ) -> None:
-        door = Door(f"joint {name}")
-        object.__setattr__(self, "name", door.element_name(name))
-        object.__setattr__(self, "start", address_from(door, start, "between[0]"))
-        object.__setattr__(self, "end", address_from(door, end, "between[1]"))
-        object.__setattr__(self, "stiffness", _coefficients(door, stiffness, "stiffness"))
-        object.__setattr__(self, "damping", _coefficients(door, damping, "damping"))
-        object.__setattr__(self, "free", _row(door, free, "free", door.angle))
-        door.close()
+    def check_numbers(self, check: Checker, label: str) -> None:
+        """Refuse a bushing of a body on itself; remark on negative coefficients of its own directions."""
+        if self.start.body == self.end.body:
+            check.refuse(
+                "model.self_joint",
+                f"{label}, between",
+                f"both ends are on {self.start.body}",
+                "a bushing gives way between two bodies",
+                "let one end be a frame of another body, or ground",
+            )
+        for word, rows in (("stiffness", self.stiffness_rows), ("damping", self.damping_rows)):
+            for k, row in enumerate(rows):
+                values = [check.value(formula, f"{label}, {word}[{k}]") for formula in row]
+                diagonal = values[k]
+                if diagonal is not None and diagonal < 0:
+                    check.remark(f"{label}: the {word} {row[k]} is negative ({diagonal:g})")
 
     @property
     def stiffness_rows(self) -> tuple[Row, ...]:
@@ -170,29 +152,9 @@ class Bushing(Element):
         """The damping as a matrix."""
         return _matrix(self.damping)
 
-    def uses(self) -> Iterator[Use]:
-        """Return where the formulas stand."""
-        words = (("stiffness", self.stiffness), ("damping", self.damping), ("free", self.free))
-        for path, value in words:
-            for k, item in enumerate(value):
-                if isinstance(item, Formula):
-                    yield Use(f"{path}[{k}]", item, Scope.LOAD)
-                else:
-                    yield from triple_uses(f"{path}[{k}]", item, Scope.LOAD)
-
 
 # What gives way between two frames.
 Spring: TypeAlias = SpringDamper | TorsionSpring | Bushing
-
-
-def _coefficients(door: Door, values: object, path: str) -> Coefficients:
-    """Return six coefficients, or six rows of six."""
-    items = door.items(values, path)
-    if not any(isinstance(item, Iterable) and not isinstance(item, str) for item in items):
-        return _row(door, items, path, door.formula)
-    if len(items) != len(BUSHING_COORDINATES):
-        _refuse_length(door, path, len(items))
-    return tuple(_row(door, item, f"{path}[{k}]", door.formula) for k, item in enumerate(items))
 
 
 def _row(door: Door, values: object, path: str, read: Callable[[object, str], Formula]) -> Row:

@@ -4,77 +4,60 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import final
+from typing import ClassVar, final
 
-from symbody.arguments import checked_arguments
 from symbody.expr.language.formula import Formula
+from symbody.model.declaration import Field
 from symbody.model.door import Door, Value
-from symbody.model.shapes.shape import BodyShape, Rows, Turns, set_shape
+from symbody.model.fields import FilePath, Quantity, Text, VectorQuantity, part
+from symbody.model.frame import RotationMatrix, Turns
+from symbody.model.shapes.shape import COLOR, MATRIX, OPACITY, ROTATE, BodyShape, Color
 from symbody.model.uses import Scope, Triple, Use, triple_uses
 
 
+class ScaleFactors(Field[Value | Iterable[Value], Triple]):
+    """A factor for all directions, or three."""
+
+    role: ClassVar[str] = "factors"
+    takes: ClassVar[str] = "number, formula or three of them"
+    annotation: ClassVar[str] = "Value | Iterable[Value]"
+
+    def read(self, owner: object, door: Door, value: object, path: str) -> Triple:
+        """Return three formulas."""
+        return _scale(door, value, path)
+
+    def formula_sites(self, owner: object, value: Triple, path: str) -> Iterator[Use]:
+        """Return where the factors stand."""
+        return triple_uses(path, value, Scope.CONSTANT)
+
+
 @final
-@dataclass(frozen=True, slots=True, init=False)
+@part
 class Mesh(BodyShape):
-    """Triangles of a file: STL, OBJ, glTF or GLB, DAE.
+    """Triangles of a file: STL, OBJ, glTF or GLB, DAE."""
 
-    Parameters
-    ----------
-    path : str or path
-        Of the file; one that is not absolute starts from `folder`. Whether it is there is seen when it is
-        drawn.
-    scale : number, formula or three of them
-        Metres for one unit of the file, along x, y and z.
-    folder : str
-        Where the path starts: that of the model file that names it; "" is the working directory.
-    at : (3,) number or formula
-        Origin of the file's axes [m], in the body's axes from its centre of mass.
-    rotate : iterable of (axis, angle)
-        Successive turns from the body's axes to its own.
-    matrix : (3, 3) number or formula, optional
-        Rotation matrix instead of turns.
-    color : str
-        ``"#rrggbb"``, a CSS name, or "" for the colour of the body.
-    opacity : number or formula
-        From 0 to 1.
-
-    Raises
-    ------
-    ModelError
-        With everything that is not a formula or a colour.
-    """
-
-    path: str
-    scale: Triple
-    folder: str = field(compare=False)
-
-    @checked_arguments
-    def __init__(
-        self,
-        path: str | os.PathLike[str],
-        scale: Value | Iterable[Value] = 1,
-        at: Iterable[Value] = (0, 0, 0),
-        rotate: Turns = (),
-        matrix: Rows | None = None,
-        color: str = "",
-        opacity: Value = 1,
-        folder: str = "",
-    ) -> None:
-        sizes = {"path": (_path, path), "scale": (_scale, scale)}
-        object.__setattr__(self, "folder", folder)
-        set_shape(self, sizes, at, rotate, matrix, color, opacity)
+    path: FilePath = FilePath(
+        "Of the file, from the directory of the model file that names it, or from `folder`."
+    )
+    scale: ScaleFactors = ScaleFactors("Metres for one unit of the file; one number or three.", default=1)
+    at: VectorQuantity = VectorQuantity(
+        "Origin of the file's axes, in the body's axes from its centre of mass.", unit="m", default=(0, 0, 0)
+    )
+    rotate: Turns = ROTATE
+    matrix: RotationMatrix = MATRIX
+    color: Color = COLOR
+    opacity: Quantity = OPACITY
+    folder: Text = Text(
+        'Where the path starts: that of the model file that names it; "" is the working directory.',
+        default="",
+        is_content=False,
+    )
 
     @property
     def lengths(self) -> tuple[tuple[str, Formula], ...]:
         """None: a scale may be negative, which mirrors."""
         return ()
-
-    def uses(self, path: str) -> Iterator[Use]:
-        """Return where the formulas stand, below `path`."""
-        yield from triple_uses(f"{path}.scale", self.scale, Scope.CONSTANT)
-        yield from BodyShape.uses(self, path)
 
     @property
     def place(self) -> str:
@@ -90,16 +73,6 @@ class Mesh(BodyShape):
             return Path(os.path.relpath(self.place, folder)).as_posix()
         except ValueError:  # on another drive
             return os.path.abspath(self.place)
-
-
-def _path(door: Door, value: object, path: str) -> str:
-    text = os.fsdecode(value) if isinstance(value, str | os.PathLike) else ""
-    if not text.strip() or not text.isprintable():
-        door.refuse(
-            "model.mesh_path", path, f"{value!r} is not the path of a file", "",
-            'write the path of a file, such as "meshes/link.stl"',
-        )  # fmt: skip
-    return text
 
 
 def _scale(door: Door, value: object, path: str) -> Triple:

@@ -1,43 +1,54 @@
-"""`BodyShape`: what every shape of a body has."""
+"""`BodyShape`: what every shape of a body has, and the fields that say where it stands and how it looks."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TypeAlias
+from abc import abstractmethod
+from collections.abc import Iterable
+from typing import ClassVar, Final
 
-from symbody.errors import SymbodyError
 from symbody.expr.language.formula import Formula
-from symbody.model.door import Door, Value
-from symbody.model.frame import Frame, Matrix, Rotation
+from symbody.model.declaration import ElementPart, Field
+from symbody.model.door import Door
+from symbody.model.fields import Quantity, VectorQuantity
+from symbody.model.frame import Frame, RotationMatrix, Turns, check_rotation
 from symbody.model.shapes.colors import color_from
-from symbody.model.uses import Scope, Triple, Use
-
-Turns: TypeAlias = Iterable[tuple[str | Iterable[Value], Value]]
-Rows: TypeAlias = Sequence[Iterable[Value]]
-Reader: TypeAlias = Callable[[Door, object, str], object]
 
 
-@dataclass(frozen=True, slots=True, init=False)
-class BodyShape(ABC):
+class Color(Field[str, str]):
+    """A colour."""
+
+    role: ClassVar[str] = "color"
+    takes: ClassVar[str] = "str"
+    annotation: ClassVar[str] = "str"
+
+    def read(self, owner: object, door: Door, value: object, path: str) -> str:
+        """Return the colour in lower case."""
+        return color_from(door, value, path)
+
+
+# The last arguments of every shape.
+CENTRE: Final = VectorQuantity(
+    "Centre, in the body's axes from its centre of mass.", unit="m", default=(0, 0, 0)
+)
+ROTATE: Final = Turns("Successive turns from the body's axes to its own: axis and angle.", default=())
+MATRIX: Final = RotationMatrix("Rotation matrix instead of turns.", default=None)
+COLOR: Final = Color('"#rrggbb", a CSS name, or "" for the colour of the body.', default="")
+OPACITY: Final = Quantity("From 0 to 1.", default=1)
+
+
+class BodyShape(ElementPart):
     """Something to be seen, fixed on a body.
 
-    Attributes
-    ----------
-    at, rotate, matrix
-        Where it stands on the body, as in a `Frame`.
-    color : str
-        ``"#rrggbb"``, a CSS name, or "" for the body's own colour.
-    opacity : Formula
-        From 0, invisible, to 1.
+    A shape declares its size, then the fields above in this order: they are its last arguments.
     """
 
-    at: Triple
-    rotate: Rotation
-    matrix: Matrix | None
-    color: str
-    opacity: Formula
+    __slots__ = ()
+
+    at: VectorQuantity
+    rotate: Turns
+    matrix: RotationMatrix
+    color: Color
+    opacity: Quantity
 
     @property
     @abstractmethod
@@ -49,45 +60,9 @@ class BodyShape(ABC):
         """Where it stands on the body."""
         return Frame(self.at, self.rotate, self.matrix)
 
-    def uses(self, path: str) -> Iterator[Use]:
-        """Return where the formulas stand, below `path`."""
-        for place, formula in self.lengths:
-            yield Use(f"{path}.{place}", formula, Scope.CONSTANT)
-        yield from self.frame.uses(path)
-        yield Use(f"{path}.opacity", self.opacity, Scope.CONSTANT)
-
-
-def set_shape(
-    shape: BodyShape,
-    sizes: Mapping[str, tuple[Reader, object]],
-    at: Iterable[Value],
-    rotate: Turns,
-    matrix: Rows | None,
-    color: object,
-    opacity: object,
-) -> None:
-    """Set the fields of a new shape from the arguments of its constructor.
-
-    Parameters
-    ----------
-    sizes : mapping of word to (reader, value)
-        What it has besides its place and its looks.
-
-    Raises
-    ------
-    ModelError
-        With everything that is wrong with them.
-    """
-    door = Door(type(shape).__name__.lower())
-    for word, (read, value) in sizes.items():
-        object.__setattr__(shape, word, read(door, value, word))
-    frame = _frame(door, at, rotate, matrix)
-    object.__setattr__(shape, "at", frame.at)
-    object.__setattr__(shape, "rotate", frame.rotate)
-    object.__setattr__(shape, "matrix", frame.matrix)
-    object.__setattr__(shape, "color", color_from(door, color, "color"))
-    object.__setattr__(shape, "opacity", door.formula(opacity, "opacity"))
-    door.close()
+    def check(self, door: Door) -> None:
+        """Note turns beside a matrix."""
+        check_rotation(door, self.rotate, self.matrix)
 
 
 def shapes_from(door: Door, values: object, path: str) -> tuple[BodyShape, ...]:
@@ -102,12 +77,13 @@ def shapes_from(door: Door, values: object, path: str) -> tuple[BodyShape, ...]:
     return tuple(item for item in items if isinstance(item, BodyShape))
 
 
-def _frame(door: Door, at: Iterable[Value], rotate: Turns, matrix: Rows | None) -> Frame:
-    """Return where a shape stands; faults are those of a frame, with the shape's name before them."""
-    try:
-        return Frame(at, rotate, matrix)
-    except SymbodyError as error:
-        for problem in error.problems:
-            path = problem.where.partition(", ")[2]
-            door.refuse(problem.code, path, problem.what, problem.why, problem.fix)
-        return Frame()
+class Shapes(Field[Iterable[BodyShape], tuple[BodyShape, ...]]):
+    """A list of shapes."""
+
+    role: ClassVar[str] = "shapes"
+    takes: ClassVar[str] = "iterable of Box, Cylinder, Sphere, Capsule, Cone or Mesh"
+    annotation: ClassVar[str] = "Iterable[BodyShape]"
+
+    def read(self, owner: object, door: Door, value: object, path: str) -> tuple[BodyShape, ...]:
+        """Return the shapes."""
+        return shapes_from(door, value, path)

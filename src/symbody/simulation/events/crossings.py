@@ -86,7 +86,7 @@ def crossings(watched: Watched, t: Floats, g: Floats, last: int, largest: Floats
     t, g : (N,), (n, N) arrays
         Samples; a value that is exactly zero at the first has not happened here.
     last : int
-        Sample up to which to look; those beyond tell what is an extremum.
+        Sample up to which to look; those beyond decide what is an extremum.
     largest : (n,) array
         Largest values so far.
     """
@@ -95,7 +95,7 @@ def crossings(watched: Watched, t: Floats, g: Floats, last: int, largest: Floats
         signs = np.sign(values)
         for k in np.flatnonzero((signs[:last] != 0) & (signs[:last] != signs[1 : last + 1])):
             if signs[k + 1] == 0:
-                yield Crossing(float(t[k + 1]), place, _after(signs, int(k)))
+                yield Crossing(float(t[k + 1]), place, direction_behind(signs, int(k)))
             elif not np.isnan(values[k : k + 2]).any():
                 root = _root(watched, place, float(t[k]), float(t[k + 1]))
                 yield Crossing(root, place, int(signs[k + 1]))
@@ -109,7 +109,7 @@ def crossings(watched: Watched, t: Floats, g: Floats, last: int, largest: Floats
                 yield from _touches(watched, place, t[k - 1 : k + 2], float(signs[k]), float(scale[k + 1]))
 
 
-def _after(signs: Floats, k: int) -> int:
+def direction_behind(signs: Floats, k: int) -> int:
     """Return the direction of a zero that a sample hit, the one behind sample `k`."""
     rest = signs[k + 1 :]
     rest = rest[rest != 0]
@@ -149,11 +149,11 @@ def _extremum(watched: Watched, place: int, first: float, last: float, sign: flo
     return float(flat[lowest]), float(values[lowest])
 
 
-def missed_return(watched: Watched, place: int, t: Floats, g: Floats) -> tuple[Crossing, bool] | None:
+def find_missed_return(watched: Watched, place: int, t: Floats, g: Floats) -> tuple[Crossing, bool] | None:
     """Return the zero between the first two samples of a value that starts at zero, if there is one.
 
-    The slope at the start tells: a value that leaves zero upwards and is below it at the next sample has come
-    back in between. The second entry says whether the return stands above rounding.
+    The slope at the start decides: a value that leaves zero upwards and is below it at the next sample has
+    come back in between. The second entry: whether the return stands above rounding.
 
     Parameters
     ----------

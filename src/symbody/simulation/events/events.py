@@ -39,7 +39,7 @@ class Event:
 
     A value that is zero at the start, or after an action, has to leave zero before the event can happen. A
     value that touches zero from one side counts if `direction` is 0. Angles of cut joints are measured
-    within half a turn; their jump from one end to the other is no event.
+    within half a turn; their jump from one end to the other does not count.
 
     Attributes
     ----------
@@ -80,12 +80,12 @@ class Event:
         return str(self.expression) if self.name is None else self.name
 
     @property
-    def mapping(self) -> Mapping[str, Value]:
+    def new_values(self) -> Mapping[str, Value]:
         """New values by name; empty if the event only records or stops."""
         return {} if isinstance(self.action, str) else self.action
 
 
-def checked_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[Event, ...]:
+def check_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[Event, ...]:
     """Return events as a tuple.
 
     Raises
@@ -93,14 +93,15 @@ def checked_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[E
     UsageError
         If one of them is none, two share a name, or an action sets what is not a state.
     """
-    found = (events,) if isinstance(events, Event) else tuple(events)
+    checked = (events,) if isinstance(events, Event) else tuple(events)
     problems = [
-        Problem("simulation.event", "events", f"{event!r} is no event", fix="write sb.Event(expression, ...)")
-        for event in found if not isinstance(event, Event)
+        Problem("simulation.event", "events", f"{event!r} is not an event",
+                fix="write sb.Event(expression, ...)")
+        for event in checked if not isinstance(event, Event)
     ]  # fmt: skip
     if problems:
         raise UsageError(*problems)
-    labels = [event.label for event in found]
+    labels = [event.label for event in checked]
     problems = [
         Problem("simulation.event_name", f"event {label!r}", "another event has this name", "",
                 "give each event a name of its own: sb.Event(..., name=...)")
@@ -109,11 +110,11 @@ def checked_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[E
     problems += [
         Problem("simulation.event_action", f"event {event.label!r}", f"{name!r} is not a state",
                 "an action gives new values to coordinates and speeds", nearest(name, eqs.state_names))
-        for event in found for name in event.mapping if name not in eqs.state_names
+        for event in checked for name in event.new_values if name not in eqs.state_names
     ]  # fmt: skip
     if problems:
         raise UsageError(*problems)
-    return found
+    return checked
 
 
 def _wrong(event: Event, what: str, fix: str) -> UsageError:

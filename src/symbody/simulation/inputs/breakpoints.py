@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.simulation.events.crossings import NODES, TO_COEFFICIENTS
-from symbody.simulation.inputs.steepness import hidden
+from symbody.simulation.inputs.steepness import may_hide_features
 from symbody.simulation.inputs.time_functions import TimeFunctions
 
 Floats = NDArray[np.float64]
@@ -60,7 +60,7 @@ class Breakpoints:
     margins: Floats
     is_complete: bool = True
 
-    def along(self, direction: float) -> tuple[Floats, Floats, Floats, Floats]:
+    def order_along(self, direction: float) -> tuple[Floats, Floats, Floats, Floats]:
         """Return times, longest steps, jumps and margins in the order of a motion; the last time is never."""
         step = 1 if direction > 0.0 else -1
         return (
@@ -88,7 +88,7 @@ class Breakpoints:
             )
         return tuple(notes)
 
-    def united(self, other: Breakpoints) -> Breakpoints:
+    def unite(self, other: Breakpoints) -> Breakpoints:
         """Return the pieces of both."""
         times = np.union1d(self.times, other.times)
         between = 0.5 * (times[1:] + times[:-1])
@@ -132,15 +132,15 @@ class _Pieces:
     end: Floats
     case: Places
 
-    def chosen(self, which: Flags | Places) -> _Pieces:
+    def select(self, which: Flags | Places) -> _Pieces:
         return _Pieces(self.start[which], self.end[which], self.case[which])
 
     def halves(self) -> _Pieces:
         middle = self.start + 0.5 * (self.end - self.start)
-        return joined([_Pieces(self.start, middle, self.case), _Pieces(middle, self.end, self.case)])
+        return join_pieces([_Pieces(self.start, middle, self.case), _Pieces(middle, self.end, self.case)])
 
 
-def joined(parts: list[_Pieces]) -> _Pieces:
+def join_pieces(parts: list[_Pieces]) -> _Pieces:
     """Return all pieces of some lists."""
     return _Pieces(
         np.concatenate([part.start for part in parts]),
@@ -168,23 +168,23 @@ class _PieceSearch:
         """Divide the spans."""
         everything = np.arange(self._cases)
         whole = _Pieces(np.full(self._cases, self._start), np.full(self._cases, self._end), everything)
-        times, cases = self._known_times()
-        pieces = self._cut(whole, times, cases, np.full(times.size, self.margin))
+        times, cases = self._affine_switch_times()
+        pieces = self._cut_pieces(whole, times, cases, np.full(times.size, self.margin))
         for _ in range(_DEEPEST):
             if not pieces.start.size:
                 return
-            pieces = self._looked_at(pieces)
+            pieces = self._examine(pieces)
         self._leaves.append(pieces)
         self._is_complete = False
 
-    def _looked_at(self, pieces: _Pieces) -> _Pieces:
+    def _examine(self, pieces: _Pieces) -> _Pieces:
         """Keep the pieces that need no division; return the parts of the others."""
         t = pieces.start[:, np.newaxis] + (pieces.end - pieces.start)[:, np.newaxis] * NODES
         t[:, -1] = pieces.end
         values = self._values(t, pieces.case)
         differences = values[len(self._functions.operations) :]
         symbols = self._symbols(differences)
-        times, cases, widths = self._crossed(t, symbols, pieces.case)
+        times, cases, widths = self._locate_switches(t, symbols, pieces.case)
         is_cut = (symbols[:, :, 1:] != symbols[:, :, :-1]).any(axis=(0, 2))
         with np.errstate(all="ignore"):
             rough = ~is_cut & self._is_rough(values, pieces)
@@ -193,11 +193,11 @@ class _PieceSearch:
         is_full = (count > _MOST_PIECES)[pieces.case]
         self._is_complete &= not (rough & is_full).any()
         divided = rough & ~is_short & ~is_full
-        self._leaves.append(pieces.chosen(~is_cut & ~divided))
-        parts = [pieces.chosen(divided).halves()]
+        self._leaves.append(pieces.select(~is_cut & ~divided))
+        parts = [pieces.select(divided).halves()]
         if is_cut.any():
-            parts.append(self._cut(pieces.chosen(is_cut), times, cases, widths))
-        return joined(parts)
+            parts.append(self._cut_pieces(pieces.select(is_cut), times, cases, widths))
+        return join_pieces(parts)
 
     def _values(self, t: Floats, case: Places, only: Places | None = None) -> Floats:
         """Return all values, and differences of open switches, (rows, N, k) at times (N, k)."""
@@ -207,19 +207,19 @@ class _PieceSearch:
         return values.reshape(len(values), *t.shape)
 
     def _symbols(self, differences: Floats) -> Floats:
-        """Return what tells which formula each open switch uses."""
+        """Return a number for the formula that each open switch uses."""
         counts = self._functions.counts(self._open)
         shape = (-1,) + (1,) * (differences.ndim - 1)
         found: Floats = np.where(counts.reshape(shape), np.floor(differences), np.sign(differences))
         return np.nan_to_num(found)
 
-    def _known_times(self) -> tuple[Floats, Places]:
+    def _affine_switch_times(self) -> tuple[Floats, Places]:
         """Return where switches of affine functions change, and tables jump: times and cases."""
         everything = np.arange(self._cases)
         ends = np.tile([self._start, self._end], (self._cases, 1))
         flat = self._functions.values(ends.ravel(), np.repeat(self._p, 2, axis=1))
         values = flat.reshape(-1, self._cases, 2)
-        found = [(np.zeros(0), np.zeros(0, dtype=np.intp))]
+        changes = [(np.zeros(0), np.zeros(0, dtype=np.intp))]
         for place, d in enumerate(self._functions.differences(values, self._known)):
             k = self._known[place : place + 1]
             levels = _levels(d) if self._functions.counts(k)[0] else [np.zeros(self._cases)]
@@ -229,13 +229,15 @@ class _PieceSearch:
                 share = -first[is_passed] / (last - first)[is_passed]
                 exact = self._functions.exact_zeros(int(k[0]), values[:, is_passed, 0])
                 times = self._start + share * (self._end - self._start) if exact is None else exact
-                found.append((times, everything[is_passed]))
+                changes.append((times, everything[is_passed]))
         for table in self._functions.tables.values():
             times = np.tile(table.jumps, self._cases)
-            found.append((times, np.repeat(everything, table.jumps.size)))
-        return np.concatenate([times for times, _ in found]), np.concatenate([cases for _, cases in found])
+            changes.append((times, np.repeat(everything, table.jumps.size)))
+        return np.concatenate([times for times, _ in changes]), np.concatenate(
+            [cases for _, cases in changes]
+        )
 
-    def _crossed(self, t: Floats, symbols: Floats, case: Places) -> tuple[Floats, Places, Floats]:
+    def _locate_switches(self, t: Floats, symbols: Floats, case: Places) -> tuple[Floats, Places, Floats]:
         """Return where open switches change between samples, by bisection: times, cases, and widths."""
         switch, piece, node = np.nonzero(symbols[:, :, 1:] != symbols[:, :, :-1])
         low, high = t[piece, node].copy(), t[piece, node + 1].copy()
@@ -253,23 +255,23 @@ class _PieceSearch:
 
     def _widths(self, t: Floats, case: Places, switch: Places) -> Floats:
         """Return how far beside its time a switch has changed whatever its operands are rounded by."""
-        functions, own = self._functions, np.arange(t.size)
+        functions, columns = self._functions, np.arange(t.size)
         counts, n = functions.counts(self._open)[switch], len(functions.operations)
         operands = [np.array([functions.operations[k].operands[i] for k in self._open]) for i in (0, -1)]
         width = np.full(t.size, self.margin)
         for _ in range(_WIDENINGS if t.size else 0):
             beside = np.stack([t - width, t + width], axis=1)
             values = self._values(beside, case, functions.before_open)
-            d = values[n:][switch, own]
+            d = values[n:][switch, columns]
             d = np.where(counts[:, np.newaxis], d - np.round(d.mean(axis=1, keepdims=True)), d)
-            size = np.maximum(*(np.abs(values[places[switch], own]).max(axis=1) for places in operands))
+            size = np.maximum(*(np.abs(values[places[switch], columns]).max(axis=1) for places in operands))
             is_clear = np.abs(d).min(axis=1) > _ROUNDINGS * EPSILON * size
             if is_clear.all():
                 break
             width = np.where(is_clear, width, 2.0 * width)
         return width
 
-    def _cut(self, pieces: _Pieces, times: Floats, cases: Places, widths: Floats) -> _Pieces:
+    def _cut_pieces(self, pieces: _Pieces, times: Floats, cases: Places, widths: Floats) -> _Pieces:
         """Return the parts of pieces between some times, a width away from these."""
         order = np.lexsort((times, cases))
         times, cases, widths = times[order], cases[order], widths[order]
@@ -285,7 +287,7 @@ class _PieceSearch:
             b = np.concatenate([times[is_own] - widths[is_own], [end]])
             is_kept = b - a > 2.0 * self.margin
             parts.append(_Pieces(a[is_kept], b[is_kept], np.full(int(is_kept.sum()), case)))
-        return joined(parts)
+        return join_pieces(parts)
 
     def _is_rough(self, values: Floats, pieces: _Pieces) -> Flags:
         """Return which pieces are not resolved by their samples (rows, N, nodes), or may hide something."""
@@ -300,18 +302,18 @@ class _PieceSearch:
         allowed = _LOCALLY * (most - least) + _GLOBALLY * whole + _ROUNDED * size
         last = np.abs(values @ TO_COEFFICIENTS[-2:].T).max(axis=2)
         rough: Flags = is_torn | (last > allowed).any(axis=0)
-        return rough | hidden(self._functions, values, whole, (pieces.start, pieces.end))
+        return rough | may_hide_features(self._functions, values, whole, (pieces.start, pieces.end))
 
     def results(self) -> list[Breakpoints]:
         """Return the pieces of each case."""
-        leaves = joined(self._leaves)
-        leaves = leaves.chosen(np.lexsort((leaves.start, leaves.case)))
+        leaves = join_pieces(self._leaves)
+        leaves = leaves.select(np.lexsort((leaves.start, leaves.case)))
         cuts, owners, widths = (np.concatenate(parts) for parts in zip(*self._cuts, strict=True))
         order = np.argsort(cuts, kind="stable")
         cuts, owners, widths = cuts[order], owners[order], widths[order]
         found = []
         for case in range(self._cases):
-            own, is_own = leaves.chosen(leaves.case == case), owners == case
+            own, is_own = leaves.select(leaves.case == case), owners == case
             found.append(self._result(own, cuts[is_own], widths[is_own], case))
         return found
 

@@ -1,4 +1,4 @@
-"""Laws of inputs: formulas and short tables become part of the equations, the rest is asked at run time."""
+"""Laws of inputs: formulas and short tables become part of the equations, others are called at run time."""
 
 from __future__ import annotations
 
@@ -39,63 +39,63 @@ class InputLaws:
     ----------
     formulas : mapping of name to formula
         Part of the equations.
-    asked : mapping of name to callable
-        Asked for every evaluation, with t, q, u.
+    callbacks : mapping of name to callable
+        Called at every evaluation, with t, q, u.
     notes : tuple of str
         What is slow, and why.
     tables : mapping of place to Table
-        Those among `asked` that are tables.
+        Those among `callbacks` that are tables.
     """
 
     formulas: Mapping[str, Value]
-    asked: Mapping[str, Callback]
+    callbacks: Mapping[str, Callback]
     notes: tuple[str, ...]
     tables: Mapping[int, Table]
 
     def values(self, t: Floats, q: Floats, u: Floats) -> Floats:
-        """Return what is asked at times (N,) with q (n_q, N) and u (n_u, N): (N, n).
+        """Return the values of callbacks at times (N,) with q (n_q, N) and u (n_u, N): (N, n).
 
         Raises
         ------
         SimulationError
             If a law fails.
         """
-        if not self.asked:
+        if not self.callbacks:
             return np.empty((t.size, 0))
-        return np.array([self.at(*point) for point in zip(t.tolist(), q.T, u.T, strict=True)]).reshape(
-            t.size, len(self.asked)
+        return np.array([self.evaluate(*point) for point in zip(t.tolist(), q.T, u.T, strict=True)]).reshape(
+            t.size, len(self.callbacks)
         )
 
-    def at(self, t: float, q: Floats, u: Floats) -> list[float]:
-        """Return what is asked at one time.
+    def evaluate(self, t: float, q: Floats, u: Floats) -> list[float]:
+        """Return the values of callbacks at one time.
 
         Raises
         ------
         SimulationError
             If a law raises, or returns anything but a finite number.
         """
-        return [_asked(name, law, t, q, u) for name, law in self.asked.items()]
+        return [_call_law(name, law, t, q, u) for name, law in self.callbacks.items()]
 
     def slopes(self, t: float, x: Floats, n_u: int) -> Floats:
-        """Return the derivatives of what is asked by x = (u, q), (n, x.size), as differences.
+        """Return the derivatives of callbacks by x = (u, q), (n, x.size), as differences.
 
         Raises
         ------
         SimulationError
             If a law fails.
         """
-        here = np.array(self.at(t, x[n_u:].copy(), x[:n_u].copy()))
+        here = np.array(self.evaluate(t, x[n_u:].copy(), x[:n_u].copy()))
         found = np.empty((here.size, x.size))
         for k, value in enumerate(x):
             beside = x.copy()
             beside[k] += _SHARE * max(abs(value), _LEAST)
-            there = np.array(self.at(t, beside[n_u:], beside[:n_u].copy()))
+            there = np.array(self.evaluate(t, beside[n_u:], beside[:n_u].copy()))
             found[:, k] = (there - here) / (beside[k] - value)
         return found
 
 
 def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float, float]) -> InputLaws:
-    """Return the laws of inputs; those without one are 0, and names that are no inputs stay for `compile`.
+    """Return the laws of inputs; those without one are 0, and unknown names are left to `compile`.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float
         If a table cannot be read or does not reach over the span.
     """
     formulas: dict[str, Value] = dict.fromkeys(names, 0)
-    asked: dict[str, Callback] = {}
+    callbacks: dict[str, Callback] = {}
     long: dict[str, Table] = {}
     notes = []
     for name, law in given.items():
@@ -113,32 +113,32 @@ def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float
             if table.is_short:
                 formulas[name] = table.formula()
             else:
-                asked[name], long[name] = table.reader(), table
+                callbacks[name], long[name] = table.reader(), table
                 notes.append(f"input {name} is a table of {np.size(table.t)} points, read by Python: slow")
         elif isinstance(table, str | int | float | Formula) or not callable(table):
             formulas[name] = table
         else:
-            asked[name] = table
+            callbacks[name] = table
             notes.append(
-                f"input {name} is a Python function, asked at every evaluation: slow; implicit methods take "
+                f"input {name} is a Python function, called at every evaluation: slow; implicit methods take "
                 "its slopes from differences; where it is short, as a pulse after a rest, a step may pass "
                 "over it: give the integrator a max_step="
             )
-    kept = {name: value for name, value in formulas.items() if name not in asked}
-    in_order = {name: asked[name] for name in (*names, *asked) if name in asked}
+    kept = {name: value for name, value in formulas.items() if name not in callbacks}
+    in_order = {name: callbacks[name] for name in (*names, *callbacks) if name in callbacks}
     tables = {place: long[name] for place, name in enumerate(in_order) if name in long}
     return InputLaws(kept, in_order, tuple(notes), tables)
 
 
-class AskingFunction:
-    """A function with the signature of generated code that asks for inputs before it calls another.
+class CallbackFunction:
+    """A function with the signature of generated code that calls laws of inputs, then another function.
 
     What a law raises is kept in `error`, and every later call fails at once, which ends the loop.
 
     Parameters
     ----------
     function : CompiledFunction
-        Whose inputs r are what `laws` asks for.
+        Its inputs r are the callbacks of `laws`.
     laws : InputLaws
         The laws.
     """
@@ -151,7 +151,7 @@ class AskingFunction:
         self._q, self._u = (ctypes.c_double * len(names) for names in (signature.q, signature.u))
         self._r = ctypes.c_double * len(signature.r)
         self._inner = _NATIVE(function.address)
-        self._entry = _NATIVE(self._called)
+        self._entry = _NATIVE(self._call)
 
     @property
     def address(self) -> int:
@@ -166,21 +166,23 @@ class AskingFunction:
         if not is_main or usual is not signal.default_int_handler:
             yield
             return
-        signal.signal(signal.SIGINT, self._interrupted)
+        signal.signal(signal.SIGINT, self._interrupt)
         try:
             yield
         finally:
             signal.signal(signal.SIGINT, usual)
 
-    def _interrupted(self, number: int, frame: FrameType | None) -> None:
+    def _interrupt(self, number: int, frame: FrameType | None) -> None:
         self.error = KeyboardInterrupt()
 
-    def _called(self, t: int, q: int, u: int, r: int, p: int, c: int, out: int, work: int) -> int:
+    def _call(self, t: int, q: int, u: int, r: int, p: int, c: int, out: int, work: int) -> int:
         if self.error is not None:
             return 1
         try:
             time = ctypes.c_double.from_address(t).value
-            values = self._laws.at(time, np.array(self._q.from_address(q)), np.array(self._u.from_address(u)))
+            values = self._laws.evaluate(
+                time, np.array(self._q.from_address(q)), np.array(self._u.from_address(u))
+            )
             self._r.from_address(r)[:] = [ctypes.c_double(value) for value in values]
         except (Exception, KeyboardInterrupt) as error:  # nothing may pass through native code
             self.error = error
@@ -188,24 +190,24 @@ class AskingFunction:
         return int(self._inner(t, q, u, r, p, c, out, work))
 
 
-def _asked(name: str, law: Callback, t: float, q: Floats, u: Floats) -> float:
+def _call_law(name: str, law: Callback, t: float, q: Floats, u: Floats) -> float:
     try:
         given = np.asarray(law(t, q, u))
     except Exception as error:
         what = f"at t = {t:.9g} s the function raised {type(error).__name__}: {error}"
-        raise _failed(name, what, "mend the function; it is called as f(t, q, u)") from error
+        raise _law_fault(name, what, "mend the function; it is called as f(t, q, u)") from error
     if given.shape != () or given.dtype.kind not in "fiu":
-        what = f"at t = {t:.9g} s the function returned {_described(given)}"
-        raise _failed(name, what, "return one number")
+        what = f"at t = {t:.9g} s the function returned {_describe(given)}"
+        raise _law_fault(name, what, "return one number")
     value = float(given)
     if not np.isfinite(value) and np.isfinite(q).all() and np.isfinite(u).all():
-        raise _failed(name, f"at t = {t:.9g} s the function returned {value}", "return finite numbers")
+        raise _law_fault(name, f"at t = {t:.9g} s the function returned {value}", "return finite numbers")
     return value
 
 
-def _described(given: NDArray[np.generic]) -> str:
+def _describe(given: NDArray[np.generic]) -> str:
     return f"an array of shape {given.shape}" if given.shape else repr(given.item())
 
 
-def _failed(name: str, what: str, fix: str) -> SimulationError:
+def _law_fault(name: str, what: str, fix: str) -> SimulationError:
     return SimulationError(Problem("simulation.input", f"input {name}", what, fix=fix))

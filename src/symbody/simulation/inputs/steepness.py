@@ -31,7 +31,7 @@ _ROUNDED: Final = 1e-12
 _TOUCHING: Final = 1e-14
 
 
-def _within(least: float, most: float, function: Callable[[Floats], Floats]) -> Callable[[Bounds], Bounds]:
+def _monotonic(least: float, most: float, function: Callable[[Floats], Floats]) -> Callable[[Bounds], Bounds]:
     """Return what a function that rises or falls throughout makes of bounds, where it is defined."""
 
     def bounds(given: Bounds) -> Bounds:
@@ -59,16 +59,16 @@ def _reciprocal(given: Bounds) -> Bounds:
 
 _STEEP: Final[Mapping[int, Callable[[Bounds], Bounds]]] = MappingProxyType(
     {
-        op.EXP: _within(-np.inf, np.inf, np.exp), op.SINH: _within(-np.inf, np.inf, np.sinh),
-        op.TANH: _within(-np.inf, np.inf, np.tanh), op.ATAN: _within(-np.inf, np.inf, np.arctan),
-        op.LOG: _within(0.0, np.inf, np.log), op.SQRT: _within(0.0, np.inf, np.sqrt),
-        op.ASIN: _within(-1.0, 1.0, np.arcsin), op.ACOS: _within(-1.0, 1.0, np.arccos),
+        op.EXP: _monotonic(-np.inf, np.inf, np.exp), op.SINH: _monotonic(-np.inf, np.inf, np.sinh),
+        op.TANH: _monotonic(-np.inf, np.inf, np.tanh), op.ATAN: _monotonic(-np.inf, np.inf, np.arctan),
+        op.LOG: _monotonic(0.0, np.inf, np.log), op.SQRT: _monotonic(0.0, np.inf, np.sqrt),
+        op.ASIN: _monotonic(-1.0, 1.0, np.arcsin), op.ACOS: _monotonic(-1.0, 1.0, np.arccos),
         op.COSH: _cosh, op.TAN: _tangent,
     }
 )  # fmt: skip
 
 
-def hidden(functions: TimeFunctions, values: Floats, whole: Floats, ends: Bounds) -> Flags:
+def may_hide_features(functions: TimeFunctions, values: Floats, whole: Floats, ends: Bounds) -> Flags:
     """Return in which pieces (N,) something may lie between the samples.
 
     Parameters
@@ -80,25 +80,25 @@ def hidden(functions: TimeFunctions, values: Floats, whole: Floats, ends: Bounds
     ends : two (N,) arrays
         Where the pieces begin and end [s].
     """
-    found = np.zeros(values.shape[1], dtype=np.bool_)
+    hides = np.zeros(values.shape[1], dtype=np.bool_)
     for k in functions.steep:
-        found |= _steep_hidden(functions, int(k), values, whole[k], ends)
+        hides |= _steep_may_hide(functions, int(k), values, whole[k], ends)
     first = len(functions.operations)
     counts = functions.counts(functions.open_switches)
     for row, d in enumerate(values[first:]):
         low, high = hull(d)
         slight = _TOUCHING * np.maximum(whole[first + row], np.abs(d).max(axis=1))
         if counts[row]:
-            found |= (low < np.floor(d.min(axis=1)) - slight) | (
+            hides |= (low < np.floor(d.min(axis=1)) - slight) | (
                 high > np.floor(d.max(axis=1)) + 1.0 + slight
             )
         else:
-            found |= ((d.min(axis=1) >= 0.0) & (low < -slight)) | ((d.max(axis=1) <= 0.0) & (high > slight))
-    return found
+            hides |= ((d.min(axis=1) >= 0.0) & (low < -slight)) | ((d.max(axis=1) <= 0.0) & (high > slight))
+    return hides
 
 
 def _exceeds(bounds: Bounds, samples: Floats, whole: Floats) -> Flags:
-    """Return where bounds lie beyond samples; bounds that are no numbers do."""
+    """Return where bounds lie beyond samples; bounds that are not numbers do."""
     least, most = samples.min(axis=1), samples.max(axis=1)
     allowed = (
         _LOCALLY * (most - least) + _GLOBALLY * whole + _ROUNDED * np.maximum(np.abs(least), np.abs(most))
@@ -110,18 +110,18 @@ def hull(samples: Floats) -> Bounds:
     """Return bounds (N,) of smooth functions from their samples (N, nodes)."""
     fine = samples @ FINE.T
     rows = np.arange(len(fine))
-    found = []
+    bounds = []
     for sign in (-1.0, 1.0):
         top = np.argmax(sign * fine, axis=1)
         beside = [
             np.abs(fine[rows, np.clip(top + step, 0, _COUNT - 1)] - fine[rows, top]) for step in (-1, 1)
         ]
         inside = (top > 0) & (top < _COUNT - 1)
-        found.append(fine[rows, top] + sign * np.where(inside, np.maximum(*beside), 0.0))
-    return np.minimum(found[0], samples.min(axis=1)), np.maximum(found[1], samples.max(axis=1))
+        bounds.append(fine[rows, top] + sign * np.where(inside, np.maximum(*beside), 0.0))
+    return np.minimum(bounds[0], samples.min(axis=1)), np.maximum(bounds[1], samples.max(axis=1))
 
 
-def _steep_hidden(functions: TimeFunctions, k: int, values: Floats, whole: Floats, ends: Bounds) -> Flags:
+def _steep_may_hide(functions: TimeFunctions, k: int, values: Floats, whole: Floats, ends: Bounds) -> Flags:
     """Return in which pieces a value of `TimeFunctions.steep` may be something else between its samples."""
     code, operands, datum = functions.operations[k]
     if code == op.SYMBOL:

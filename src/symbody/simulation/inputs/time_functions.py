@@ -24,7 +24,7 @@ Places = NDArray[np.intp]
 Flags = NDArray[np.bool_]
 
 
-def _selected(condition: Floats, then: Floats, otherwise: Floats) -> Floats:
+def _select(condition: Floats, then: Floats, otherwise: Floats) -> Floats:
     found: Floats = np.where(condition != 0.0, then, otherwise)
     return found
 
@@ -40,7 +40,7 @@ FUNCTIONS: Final[Mapping[int, Callable[..., Floats]]] = MappingProxyType(
         op.ATAN2: lambda y, x: np.arctan2(y + 0.0, x),
         op.LT: lambda a, b: np.less(a, b) * 1.0, op.LE: lambda a, b: np.less_equal(a, b) * 1.0,
         op.EQ: lambda a, b: np.equal(a, b) * 1.0, op.AND: np.minimum, op.OR: np.maximum,
-        op.NOT: lambda a: 1.0 - a, op.SELECT: _selected,
+        op.NOT: lambda a: 1.0 - a, op.SELECT: _select,
         op.FMA: lambda a, b, c: a * b + c,
     }
 )  # fmt: skip
@@ -90,18 +90,20 @@ class TimeFunctions:
 
     def values(self, t: Floats, p: Floats, only: Places | None = None) -> Floats:
         """Return all values (n, N), or some, at times (N,) with free parameters (n_p, N)."""
-        found = np.zeros((len(self.operations), t.size))
+        rows = np.zeros((len(self.operations), t.size))
         with np.errstate(all="ignore"):
             for k in range(len(self.operations)) if only is None else only.tolist():
                 code, operands, datum = self.operations[k]
                 if code == op.SYMBOL:
                     group, place = self.names[datum]
-                    found[k] = t if group == "t" else p[place] if group == "p" else self.tables[place].at(t)
+                    rows[k] = (
+                        t if group == "t" else p[place] if group == "p" else self.tables[place].interpolate(t)
+                    )
                 elif code in op.LEAVES:
-                    found[k] = self.numbers[k]
+                    rows[k] = self.numbers[k]
                 else:
-                    found[k] = FUNCTIONS[code](*[found[place] for place in operands])
-        return found
+                    rows[k] = FUNCTIONS[code](*[rows[place] for place in operands])
+        return rows
 
     def differences(self, values: Floats, switches: Places) -> Floats:
         """Return what is zero where switches change their formula, from all values (n, ...): (s, ...)."""
@@ -189,8 +191,8 @@ def time_functions(
     moving = moves[kept]
     affine = _affine(operations, moving, [entry.group for entry in sequence.inputs])
     switches = [k for k, (code, _, _) in enumerate(operations) if code in _OF_ONE | _OF_TWO and moving[k]]
-    known = [k for k in switches if affine[list(operations[k].operands)].all()]
-    unknown = [k for k in switches if k not in known]
+    affine_switches = [k for k in switches if affine[list(operations[k].operands)].all()]
+    unknown = [k for k in switches if k not in affine_switches]
     steep = [
         k
         for k, operation in enumerate(operations)
@@ -204,7 +206,7 @@ def time_functions(
         np.array([number[place] for place in shown], dtype=np.intp),
         moving,
         affine,
-        np.array(known, dtype=np.intp),
+        np.array(affine_switches, dtype=np.intp),
         np.array(unknown, dtype=np.intp),
         np.array(
             _ancestors(operations, [k for place in unknown for k in operations[place].operands]),
@@ -257,17 +259,17 @@ def _number(sequence: Program, place: int) -> float:
 
 def _affine(operations: tuple[Operation, ...], moves: Flags, groups: list[str]) -> Flags:
     """Return which values are constant in time, or affine in it."""
-    found = ~moves
+    is_affine = ~moves
     for k, (code, operands, datum) in enumerate(operations):
         moving = [place for place in operands if moves[place]]
         if not moves[k]:
             continue
         if code == op.SYMBOL:
-            found[k] = groups[datum] == "t"
+            is_affine[k] = groups[datum] == "t"
         elif code in (op.NEG, op.ADD, op.SUB):
-            found[k] = found[moving].all()
+            is_affine[k] = is_affine[moving].all()
         elif code == op.MUL or (code == op.DIV and not moves[operands[1]]):
-            found[k] = len(moving) == 1 and found[moving[0]]
+            is_affine[k] = len(moving) == 1 and is_affine[moving[0]]
         elif code == op.FMA:
-            found[k] = found[moving].all() and not (moves[operands[0]] and moves[operands[1]])
-    return found
+            is_affine[k] = is_affine[moving].all() and not (moves[operands[0]] and moves[operands[1]])
+    return is_affine

@@ -31,8 +31,8 @@ from symbody.simulation.inverse.unknowns import Unknowns, influence
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.provenance import provenance_of
 from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
 from symbody.simulation.status import Status
-from symbody.simulation.task import Evaluator, Task
 
 Floats = NDArray[np.float64]
 
@@ -104,11 +104,9 @@ def _trajectory(
     solver: Unknowns, samples: Samples, r: Floats, notes: tuple[str, ...], started: float
 ) -> Trajectory:
     """Return the motion with the inputs found, and what follows from both."""
-    eqs, laws_given = solver.eqs, solver.laws
-    laws = FoundLaws(
-        laws_given.formulas, laws_given.asked, laws_given.notes, laws_given.tables, solver, {_key(samples): r}
-    )
-    evaluate = Evaluator(Task(eqs, solver.path.parameters, laws, solver.path.scales), None)
+    eqs, given = solver.eqs, solver.laws
+    laws = FoundLaws(given.formulas, given.callbacks, given.notes, given.tables, solver, {_key(samples): r})
+    evaluate = Evaluator(SimulationProblem(eqs, solver.path.parameters, laws, solver.path.scales), None)
     power = evaluate("power", samples.t, samples.q, samples.u)
     count = samples.t.size
     tables = {name: Table(samples.t, row) for name, row in zip(solver.names, r, strict=True) if count > 1}
@@ -125,7 +123,7 @@ def _trajectory(
         units=eqs.units,
         notes=notes,
         name=eqs.model.name,
-        provenance=provenance_of(eqs, solver.path.parameters, laws_given, tables),
+        provenance=provenance_of(eqs, solver.path.parameters, given, tables),
     )
 
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from symbody.codegen.compile import form_sequence
 from symbody.codegen.function import CompiledFunction
-from symbody.equations.dynamics.projection import Projection
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.formulations.formulation import ProjectedDynamics
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.expr.calculus import derivative
 from symbody.expr.expression import Expr
@@ -72,7 +72,7 @@ class Unknowns:
             if name in self.names:
                 arguments[:, k] = r[self.names.index(name)]
             else:
-                arguments[:, k] = others[:, list(self.laws.asked).index(name)]
+                arguments[:, k] = others[:, list(self.laws.callbacks).index(name)]
         return arguments
 
     def solved(self, samples: Samples) -> Found:
@@ -210,7 +210,7 @@ def influence(eqs: EquationSet, unknowns: Sequence[str]) -> tuple[EquationSet, .
         If an unknown enters otherwise than in first degree, naming it and where.
     """
     formed, graph = eqs.formed, eqs.formed.graph
-    forcing = [force.index for force in formed.projection.forcing]
+    forcing = [force.index for force in formed.dynamics.forcing]
     asked = {formed.names.value(name).index: name for name in unknowns}
     columns = [derivative(graph, forcing, node) for node in asked]
     problems = []
@@ -227,10 +227,11 @@ def influence(eqs: EquationSet, unknowns: Sequence[str]) -> tuple[EquationSet, .
             )  # fmt: skip
     if problems:
         raise UsageError(*problems)
-    mass = formed.projection.mass_matrix
+    mass = formed.dynamics.mass_matrix
     equations = []
     for column in columns:
         shares = tuple(Expr(graph, node) for node in column)
-        plain = replace(formed, projection=Projection(mass, shares), friction=())
+        dynamics = ProjectedDynamics(mass, shares, formed.kinetic_energy, formed.potential_energy)
+        plain = replace(formed, dynamics=dynamics, friction=())
         equations.append(EquationSet(eqs.model, plain.with_rows(formed.rows), eqs.notes))
     return tuple(equations)

@@ -15,19 +15,17 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.state import State
 from symbody.manifold import count_significant
-from symbody.simulation.events.watching import EventWatch
-from symbody.simulation.methods.choice import Constraints, Integrator
 from symbody.simulation.methods.constraints import Projection
 from symbody.simulation.methods.explicit import Explicit
+from symbody.simulation.methods.integration import Constraints, Integration, MotionPlan, integrate_plan
 from symbody.simulation.methods.loop_constraints import NEAR, LoopConstraints, motion_branch
 from symbody.simulation.methods.partition import Partition
 from symbody.simulation.native.dense_output import DenseOutput, shortened
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.native.segments import steps_before
+from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
-from symbody.simulation.task import Task
 
 Floats = NDArray[np.float64]
 
@@ -80,94 +78,80 @@ _COLLAPSES: Final = (Status.STEP_COLLAPSE, Status.SINGULAR, Status.NOT_FINITE, S
 _JUDGED: Final = (Status.SUCCESS, Status.STOPPED, *_COLLAPSES)
 
 
-Moved = tuple[RawRun, tuple[str, ...], EventWatch | None]
-
-
-def run_held(
-    task: Task,
-    first: State,
-    t: float,
-    integrator: Integrator | None,
-    constraints: Constraints | None,
-    run: Callable[[Constraints], Moved],
-) -> Moved:
-    """Return the run under the constraints asked for; None is `Projection` where that is safe.
-
-    Parameters
-    ----------
-    first, t : State, float
-        Where and when the motion starts.
-    run : callable
-        Runs the whole motion, anew at each call; returns its notes and what looked for events, too.
-    """
-    chosen = constraints or Projection()
-    if isinstance(chosen, Partition) or not task.eqs.multiplier_names or not task.eqs.speed_names:
-        return run(chosen)
-    is_replaceable = isinstance(chosen, Projection) and isinstance(integrator, Explicit | None)
-    if constraints is None and is_replaceable and is_overconstrained(task, first, t):
-        raw, notes, watch = run(Partition())
-        return raw, (_OVERCONSTRAINED, *notes), watch
-    moved = run(chosen)
-    if moved[0].status not in _JUDGED:
-        return moved
-    at = change_point(task, moved[0]) if constraints is None else None
-    is_plain = constraints is None and at is None and moved[0].status.success
-    end = None if is_plain else _end_of_branch(task, first, t, moved)
+def integrate_on_branch(plan: MotionPlan) -> Integration:
+    """Return the run of a plan on its branch; without constraints given, `Projection` where that is safe."""
+    constraints = plan.constraints or Projection()
+    integration = plan.integration
+    problem, eqs, t, x = integration.problem, integration.eqs, integration.span[0], integration.state
+    if isinstance(constraints, Partition) or not eqs.multiplier_names or not eqs.speed_names:
+        return integrate_plan(plan)
+    by_partition = replace(plan, constraints=Partition())
+    is_replaceable = isinstance(constraints, Projection) and isinstance(plan.integrator, Explicit | None)
+    if plan.constraints is None and is_replaceable and is_overconstrained(problem, t, x):
+        run = integrate_plan(by_partition)
+        return run._replace(notes=(_OVERCONSTRAINED, *run.notes))
+    run = integrate_plan(plan)
+    if run.raw.status not in _JUDGED:
+        return run
+    at = change_point(problem, run.raw) if plan.constraints is None else None
+    is_plain = plan.constraints is None and at is None and run.raw.status.success
+    end = None if is_plain else _end_of_branch(problem, t, x, run)
     reason = "" if end is None else end.note.format("sb.Projection()")
     if at is not None:
         reason = _CHANGED.format(at)
     if is_replaceable and reason:
-        raw, notes, watch = run(Partition())
-        if raw.status.success:
-            return raw, (reason, *notes), watch
-        if raw.status is Status.SINGULAR and raw.reached == t:
-            moved = (moved[0], (*moved[1], _SEVERAL), moved[2])
-    return moved if end is None else _ended(moved, end, chosen)
+        second = integrate_plan(by_partition)
+        if second.raw.status.success:
+            return second._replace(notes=(reason, *second.notes))
+        if second.raw.status is Status.SINGULAR and second.raw.reached == t:
+            run = run._replace(notes=(*run.notes, _SEVERAL))
+    return run if end is None else _end_run(run, end, constraints)
 
 
-def is_change_point(task: Task, first: State, t: float) -> bool:
+def is_change_point(problem: SimulationProblem, t: float, x: Floats) -> bool:
     """Return whether constraints are dependent at a state that are not so elsewhere on its branch."""
-    loops = LoopConstraints(task)
-    q = np.array(list(first.q.values()))
-    branch = motion_branch(loops, t, np.array([*first.u.values(), *q]))
-    return branch.speeds > 0 and loops.singular_values(t, q)[branch.speeds - 1] < NEAR * branch.reference
+    loops = LoopConstraints(problem)
+    branch = motion_branch(loops, t, x)
+    return (
+        branch.speeds > 0
+        and loops.singular_values(t, x[loops.places])[branch.speeds - 1] < NEAR * branch.reference
+    )
 
 
-def is_overconstrained(task: Task, first: State, t: float) -> bool:
+def is_overconstrained(problem: SimulationProblem, t: float, x: Floats) -> bool:
     """Return whether constraints follow from others only where all loops are closed."""
-    eqs = task.eqs
+    eqs = problem.eqs
     if not eqs.multiplier_names or not eqs.speed_names:
         return False
-    loops = LoopConstraints(task)
-    q = np.array(list(first.q.values()))
-    if not loops.depends(t, q):
+    loops = LoopConstraints(problem)
+    if not loops.depends(t, x[loops.places]):
         return False
-    branch = motion_branch(loops, t, np.array([*first.u.values(), *q]))
+    branch = motion_branch(loops, t, x)
     # Each coordinate that takes part goes on by an amount of its own: zeros stay, as across a plane.
     tangents = np.linalg.svd(loops.positions(branch.t, branch.q)[1])[2][branch.positions :]
-    shares = np.linspace(0.5, 1.5, q.size) * tangents.sum(axis=0)
+    shares = np.linspace(0.5, 1.5, branch.q.size) * tangents.sum(axis=0)
     sizes = loops.singular_values(branch.t, branch.q + _BESIDE * shares * loops.sizes)
     return count_significant(sizes, _STANDS) > branch.speeds
 
 
-def change_point(task: Task, raw: RawRun) -> float | None:
+def change_point(problem: SimulationProblem, raw: RawRun) -> float | None:
     """Return the time of the first change point of a motion, or None."""
-    passages = _passages(task, raw)
+    passages = _passages(problem, raw)
     return None if passages is None else next(passages.times(), passages.end(raw))
 
 
 @dataclass(frozen=True, slots=True)
 class _BranchEnd:
-    """Where a motion ceases to be the one that was asked for; None if its run ended there by itself."""
+    """Where a motion leaves the branch of its start; None if its run ended there by itself."""
 
     t: float | None
     note: str
 
 
-def _end_of_branch(task: Task, first: State, t: float, moved: Moved) -> _BranchEnd | None:
+def _end_of_branch(problem: SimulationProblem, t: float, x: Floats, run: Integration) -> _BranchEnd | None:
     """Return where a motion leaves its branch, or breaks off for constraints that follow from others."""
-    raw, _, watch = moved
-    passages = _passages(task, raw)
+    raw, _, watch = run
+    passages = _passages(problem, raw)
     if passages is not None:
         happened = [] if watch is None else [event.t for event in watch.occurrences]
         for at in passages.times():
@@ -176,15 +160,15 @@ def _end_of_branch(task: Task, first: State, t: float, moved: Moved) -> _BranchE
                 return _BranchEnd(before, _LEFT.format(at, "{}"))
     if raw.status.success:
         return None
-    if raw.reached == t and is_change_point(task, first, t):
+    if raw.reached == t and is_change_point(problem, t, x):
         return _BranchEnd(None, _STARTS)
-    if is_overconstrained(task, first, t):
+    if is_overconstrained(problem, t, x):
         return _BranchEnd(None, _LOCKED)
-    return _breaking_off(task, first, t, raw, passages)
+    return _break_off(problem, t, x, raw, passages)
 
 
-def _breaking_off(
-    task: Task, first: State, t: float, raw: RawRun, passages: _Passages | None
+def _break_off(
+    problem: SimulationProblem, t: float, x: Floats, raw: RawRun, passages: _Passages | None
 ) -> _BranchEnd | None:
     """Return where a motion breaks off beside a change point, if it does: there steps become ever smaller.
 
@@ -192,8 +176,7 @@ def _breaking_off(
     """
     if raw.status not in _COLLAPSES or raw.dense_output is None:
         return None
-    loops = LoopConstraints(task)
-    x = np.array([*first.u.values(), *first.q.values()])
+    loops = LoopConstraints(problem)
     branch = motion_branch(loops, t, x)
     q = raw.dense_output(raw.reached)[loops.places]
     if (
@@ -202,18 +185,18 @@ def _breaking_off(
     ):
         return None
     apart = np.abs((q - x[loops.places]) / loops.sizes).max()
-    if apart < _BESIDE and is_change_point(task, first, t):
+    if apart < _BESIDE and is_change_point(problem, t, x):
         return _BranchEnd(None, _STARTS)
     return _BranchEnd(None if passages is None else passages.last_clear(), _ENDS)
 
 
-def _ended(moved: Moved, end: _BranchEnd, chosen: Constraints) -> Moved:
+def _end_run(run: Integration, end: _BranchEnd, constraints: Constraints) -> Integration:
     """Return a run that ends where its motion left the branch, with the reason."""
-    raw, notes, watch = moved
-    notes = (*notes, end.note.format(f"sb.{type(chosen).__name__}()"))
+    raw, notes, watch = run
+    notes = (*notes, end.note.format(f"sb.{type(constraints).__name__}()"))
     dense = raw.dense_output
     if end.t is None or dense is None:
-        return raw, notes, watch
+        return run._replace(notes=notes)
     steps = steps_before(dense.breaks, dense.pieces.shape[0], end.t)
     breaks, pieces = dense.breaks[: steps + 1].copy(), dense.pieces[:steps].copy()
     share = (end.t - breaks[-2]) / (breaks[-1] - breaks[-2])
@@ -224,15 +207,15 @@ def _ended(moved: Moved, end: _BranchEnd, chosen: Constraints) -> Moved:
         raw, t=raw.t[kept], x=raw.x[:, kept], status=Status.SINGULAR, reached=end.t, state=None, kernel=None,
         dense_output=DenseOutput(breaks, pieces),
     )  # fmt: skip
-    return cut, notes, watch
+    return Integration(cut, notes, watch)
 
 
-def _passages(task: Task, raw: RawRun) -> _Passages | None:
+def _passages(problem: SimulationProblem, raw: RawRun) -> _Passages | None:
     """Return what finds the change points of a motion; None if it has no constraints that count."""
-    eqs, dense = task.eqs, raw.dense_output
+    eqs, dense = problem.eqs, raw.dense_output
     if not eqs.multiplier_names or not eqs.speed_names or dense is None:
         return None
-    loops = LoopConstraints(task)
+    loops = LoopConstraints(problem)
     sizes = loops.singular_values(dense.breaks, dense(dense.breaks)[loops.places].T)
     if not np.isfinite(sizes).all():
         return None
@@ -274,7 +257,7 @@ class _Passages:
     def jump(self, at: float, happened: list[float]) -> float | None:
         """Return a time shortly before a change point if velocities are others after it, not by an event."""
         breaks = self.dense.breaks
-        before, after = self._beside(at, float(breaks[0])), self._beside(at, float(breaks[-1]))
+        before, after = self._time_beside(at, float(breaks[0])), self._time_beside(at, float(breaks[-1]))
         if before is None and after is not None:  # the motion starts there
             return float(breaks[0]) if self._differs(after, float(breaks[0]), happened) else None
         if before is None or after is None or not self._differs(before, after, happened):
@@ -285,8 +268,8 @@ class _Passages:
         """Return the last time before the change point at which a motion ends; None if it came to none."""
         start, end = self.dense.breaks[[0, -1]].tolist()
         for at in self.times():
-            if self._beside(at, end) is None:
-                return self._beside(at, start)
+            if self._time_beside(at, end) is None:
+                return self._time_beside(at, start)
         return None
 
     def _differs(self, near: float, far: float, happened: list[float]) -> bool:
@@ -300,7 +283,7 @@ class _Passages:
         apart = np.abs(np.array([10.0, -24.0, 15.0]) @ u[:3] - u[3]).max()
         return bool(apart > _SAME_BRANCH * np.abs(u).max())
 
-    def _beside(self, at: float, limit: float) -> float | None:
+    def _time_beside(self, at: float, limit: float) -> float | None:
         """Return the nearest time towards a limit at which constraints are independent again."""
         times = at + (limit - at) * np.exp2(-np.arange(_DOUBLINGS - 1.0, -1.0, -1.0))
         times[-1] = limit  # the sum may be rounded to beyond it, where there is no motion

@@ -103,7 +103,7 @@ class Baumgarte:
         """The root of their stiffness [1/s]: omega."""
         return self.omega
 
-    def applied(self, eqs: EquationSet) -> EquationSet:
+    def stabilize(self, eqs: EquationSet) -> EquationSet:
         """Return the equations with the stabilizing terms in gamma."""
         graph = eqs.formed.graph
         rows = []
@@ -116,17 +116,17 @@ class Baumgarte:
         return EquationSet(eqs.model, eqs.formed.with_rows(tuple(rows)), eqs.notes)
 
 
-def projector_of(
+def make_projector(
     function: CompiledFunction,
     eqs: EquationSet,
-    known: Scales,
+    sizes: Scales,
     method: Projection,
     atol: float | None,
 ) -> Projector:
     """Return what the compiled loop calls to project; `function` computes `PROJECTED`."""
     n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
-    tolerance = closed_share(method, atol)
-    scales = known.constraints(eqs)[: len(eqs.formed.holonomic)]
+    tolerance = residual_share(method, atol)
+    scales = sizes.constraints(eqs)[: len(eqs.formed.holonomic)]
     ones = np.ones(function.sequence.outputs[0].shape[0])
     ones[: scales.size] = scales
     empty = np.zeros(0)
@@ -141,13 +141,13 @@ def projector_of(
         n_q,
         tolerance * ones,
         method.limit,
-        known.coordinates(eqs),
+        sizes.coordinates(eqs),
         ROUNDED_PER_COORDINATE * n_q * EPSILON / tolerance,
         np.zeros((1, function.sequence.output_size)),
     )
 
 
-def closed_share(method: Projection, atol: float | None) -> float:
+def residual_share(method: Projection, atol: float | None) -> float:
     """Return by which share of its scale a constraint may be open."""
     return min(method.tolerance, CLOSED if atol is None else atol)
 
@@ -161,7 +161,7 @@ def _check_one_pair(named: tuple[str, ...]) -> None:
     raise UsageError(
         Problem("simulation.baumgarte", "Baumgarte",
                 f"{' and '.join(named)} are given together" if mixed else f"{own[0]} is given alone",
-                "alpha is zeta omega and beta is omega: one pair says all",
+                "alpha is zeta omega and beta is omega: one pair determines the other",
                 "give zeta and omega, or alpha and beta")
     )  # fmt: skip
 

@@ -41,7 +41,7 @@ NOTHING_TO_PROJECT: Final = Projector(
     np.zeros((1, 0)),
 )
 
-# rtol below this asks for more than rounding allows.
+# An rtol below this is finer than rounding allows.
 SMALLEST_RTOL: Final = 10.0 * EPSILON
 
 
@@ -136,14 +136,14 @@ def integrate(
     UsageError, SimulationError
         What does not fit: shapes, tolerances, times outside the span, more samples than the memory holds.
     """
-    (start, end), x = checked_span(t_span), _checked_state(x0, n_u + n_q)
-    goal = _goal((start, end), method, checked_rtol(rtol), checked_atol(atol, x.size), breakpoints)
+    (start, end), x = check_span(t_span), _check_state(x0, n_u + n_q)
+    goal = _goal((start, end), method, check_rtol(rtol), check_atol(atol, x.size), breakpoints)
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
     tableau = method.tableau
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
     rhs = RightHandSide(int(address), int(n_u), r, p, c, np.zeros(work_size), np.zeros(1))
     run = NativeRun(rhs, projector, method_arrays(tableau), goal, fresh_memory(tableau, x, start))
-    record = fresh_record(run, checked_times(times, start, end), dense)
+    record = fresh_record(run, check_times(times, start, end), dense)
     return drive(run, record, 0.0 if method.first_step is None else float(method.first_step), progress, watch)
 
 
@@ -155,12 +155,12 @@ def _goal(
     breakpoints: Breakpoints,
 ) -> Goal:
     bounds = NO_BREAKPOINTS if isinstance(method, FixedStep) else breakpoints
-    return goal_of(
+    return make_goal(
         span, rtol, atol, math.inf if method.max_step is None else float(method.max_step), [bounds]
     )
 
 
-def goal_of(
+def make_goal(
     span: tuple[float, float],
     rtol: float,
     atol: Floats,
@@ -170,7 +170,8 @@ def goal_of(
     """Return the goal of a motion over a span, with the breakpoints of each case."""
     direction = 1.0 if span[1] >= span[0] else -1.0
     breaks, longest, jumps, margins = (
-        np.concatenate(parts) for parts in zip(*(own.along(direction) for own in breakpoints), strict=True)
+        np.concatenate(parts)
+        for parts in zip(*(own.order_along(direction) for own in breakpoints), strict=True)
     )
     return Goal(
         span[1],
@@ -191,7 +192,7 @@ def _usage(where: str, what: str, fix: str, why: str = "") -> UsageError:
     return UsageError(Problem(f"simulation.{where}", where, what, why, fix))
 
 
-def checked_span(t_span: tuple[float, float]) -> tuple[float, float]:
+def check_span(t_span: tuple[float, float]) -> tuple[float, float]:
     """Return both ends of a motion as finite numbers."""
     start, end = (float(t) for t in t_span)
     if not (math.isfinite(start) and math.isfinite(end)):
@@ -201,7 +202,7 @@ def checked_span(t_span: tuple[float, float]) -> tuple[float, float]:
     return start, end
 
 
-def _checked_state(x0: ArrayLike, size: int) -> Floats:
+def _check_state(x0: ArrayLike, size: int) -> Floats:
     x = np.array(x0, dtype=np.float64)
     if x.shape != (size,):
         fix = f"give the {size} values of (u, q)"
@@ -212,7 +213,7 @@ def _checked_state(x0: ArrayLike, size: int) -> Floats:
     return x
 
 
-def checked_rtol(rtol: float) -> float:
+def check_rtol(rtol: float) -> float:
     """Return a relative tolerance that can be met."""
     value = float(rtol)
     if not (value == 0.0 or SMALLEST_RTOL <= value < math.inf):
@@ -221,7 +222,7 @@ def checked_rtol(rtol: float) -> float:
     return value
 
 
-def checked_atol(atol: ArrayLike, size: int) -> Floats:
+def check_atol(atol: ArrayLike, size: int) -> Floats:
     """Return a positive absolute tolerance for each state."""
     values = np.array(atol, dtype=np.float64)
     if values.shape not in ((), (size,)):
@@ -234,27 +235,27 @@ def checked_atol(atol: ArrayLike, size: int) -> Floats:
     return values + np.zeros(size)
 
 
-def checked_single_atol(atol: float | None) -> float | None:
+def check_single_atol(atol: float | None) -> float | None:
     """Return one positive absolute tolerance, or None."""
-    return None if atol is None else float(checked_atol(atol, 1)[0])
+    return None if atol is None else float(check_atol(atol, 1)[0])
 
 
-def checked_times(times: ArrayLike | None, start: float, end: float) -> Floats | None:
+def check_times(times: ArrayLike | None, start: float, end: float) -> Floats | None:
     """Return the times to store as a new array, or None for every step."""
     if times is None:
         return None
-    wanted = np.array(times, dtype=np.float64)
-    if wanted.ndim != 1 or not np.isfinite(wanted).all():
+    samples = np.array(times, dtype=np.float64)
+    if samples.ndim != 1 or not np.isfinite(samples).all():
         raise _usage(
             "times", "times is not a list of finite numbers", "give for instance np.linspace(0, 10, 501)"
         )
     direction = 1.0 if end >= start else -1.0
-    if not (direction * np.diff(wanted) > 0.0).all():
+    if not (direction * np.diff(samples) > 0.0).all():
         word = "rise" if direction > 0.0 else "fall"
         raise _usage(
             "times", f"times do not {word} throughout", f"sort them so that they {word}, each only once"
         )
-    if wanted.size and (direction * (wanted[[0, -1]] - [start, end]) * [1, -1] < 0.0).any():
-        what = f"times from {wanted[0]:g} to {wanted[-1]:g} leave the motion's span {start:g} to {end:g}"
+    if samples.size and (direction * (samples[[0, -1]] - [start, end]) * [1, -1] < 0.0).any():
+        what = f"times from {samples[0]:g} to {samples[-1]:g} leave the motion's span {start:g} to {end:g}"
         raise _usage("times", what, "choose times inside the span, or a longer span")
-    return wanted
+    return samples

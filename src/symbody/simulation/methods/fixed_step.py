@@ -18,9 +18,10 @@ _TABLEAUS: Final = {"rk4": RUNGE_KUTTA_4, "semi-implicit": SEMI_IMPLICIT}
 class FixedStep:
     """Steps of one length: for real time, for comparisons, for laws that jump on a raster.
 
-    No error is estimated: tolerances do not matter, and nobody says whether the step was short enough. Closed
-    loops are closed after every step, however far they moved. The last step is shorter where the length does
-    not divide the span; between steps the motion is the cubic through states and rates of both ends.
+    No error is estimated: tolerances do not matter, and nothing shows whether the step was short enough.
+    Closed loops are closed after every step, however far they moved. The last step is shorter where the
+    length does not divide the span; between steps the motion is the cubic through states and rates of both
+    ends.
 
     Attributes
     ----------
@@ -43,7 +44,7 @@ class FixedStep:
         problems = []
         if not (self.step > 0.0 and math.isfinite(self.step)):
             problems.append(
-                Problem("simulation.fixed_step", "step", f"step = {self.step!r} is no length of steps", "",
+                Problem("simulation.fixed_step", "step", f"step = {self.step!r} is not a length of steps", "",
                         "give seconds, such as sb.FixedStep(1e-3)")
             )  # fmt: skip
         if self.method not in _TABLEAUS:

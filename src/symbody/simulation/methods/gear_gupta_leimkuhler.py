@@ -21,13 +21,14 @@ from symbody.expr.expression import Expr
 from symbody.expr.graph import Kind, Symbol
 from symbody.expr.rewrite import substitute
 from symbody.expr.sequence import Roots
+from symbody.simulation.events.event_watch import EventWatch
+from symbody.simulation.methods.integration_problem import IntegrationProblem, StateFunction
 from symbody.simulation.methods.loop_constraints import LoopConstraints, motion_branch
 from symbody.simulation.methods.partition_states import partition_columns
-from symbody.simulation.methods.request import Called, Request
-from symbody.simulation.methods.state_jacobian import inputs_of, without_idle_rows
+from symbody.simulation.methods.state_jacobian import drop_idle_rows, input_symbols
 from symbody.simulation.methods.stepping import march
 from symbody.simulation.methods.stiff import SHARE_OF_PIECE, Stiff
-from symbody.simulation.methods.sundials import SundialsStepper, Watch, solver_class
+from symbody.simulation.methods.sundials import MonitoredFunction, SundialsStepper, solver_class
 from symbody.simulation.native.run import RawRun
 
 Floats = NDArray[np.float64]
@@ -38,7 +39,7 @@ FREE: Final = 1e10
 # How fast a quaternion returns to unit norm, in the time of the mechanism.
 _NORMING: Final = 3.0
 _RESIDUAL, _SLOPES, _MASS = "ggl residual", "ggl slopes", "mass_matrix"
-_BY_ASKED: Final = "ggl slopes by what is asked"
+_BY_CALLBACKS: Final = "ggl slopes by callbacks"
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +47,9 @@ class GGL:
     """Constraints of positions and of velocities both hold at each step, with a multiplier each."""
 
 
-def run_ggl(request: Request, method: Stiff) -> tuple[RawRun, tuple[str, ...]]:
+def run_ggl(
+    integration: IntegrationProblem, method: Stiff, events: EventWatch | None
+) -> tuple[RawRun, tuple[str, ...]]:
     """Integrate the equations of index 2 by IDA, with their Jacobian from the graph; return run and notes.
 
     Raises
@@ -54,11 +57,11 @@ def run_ggl(request: Request, method: Stiff) -> tuple[RawRun, tuple[str, ...]]:
     SimulationError, EnvironmentFault
         If the solver does not start, or is not installed.
     """
-    eqs = without_idle_rows(request.eqs, request.task.parameters)
-    eqs, notes = _independent(request, eqs)
-    system = _System(request, _with_residual(eqs, request))
-    n, size = request.state.size, request.state.size + system.m + system.m_positions
-    watch = Watch(system.residual)
+    eqs = drop_idle_rows(integration.eqs, integration.problem.parameters)
+    eqs, notes = _independent(integration, eqs)
+    system = _GGLSystem(integration, _with_residual(eqs, integration))
+    n, size = integration.state.size, integration.state.size + system.m + system.m_positions
+    watch = MonitoredFunction(system.residual)
 
     def residual(t: float, y: Floats, rate: Floats, out: Floats) -> None:
         out[:] = watch(t, np.concatenate([y, rate]))
@@ -66,12 +69,12 @@ def run_ggl(request: Request, method: Stiff) -> tuple[RawRun, tuple[str, ...]]:
     def slopes(t: float, y: Floats, rate: Floats, value: Floats, share: float, out: Floats) -> None:
         out[:] = system.slopes(t, y, rate, share)
 
-    scales = request.task.scales
+    scales = integration.problem.scales
     sizes = scales.constraints(eqs)
     pushes = sizes[: system.m_positions] / scales.time
-    tolerances = np.concatenate([request.tolerances, FREE * scales.energy / sizes, FREE * pushes])
+    tolerances = np.concatenate([integration.tolerances, FREE * scales.energy / sizes, FREE * pushes])
     solver = solver_class("IDA")(
-        residual, jacfn=slopes, rtol=request.rtol, atol=tolerances,
+        residual, jacfn=slopes, rtol=integration.rtol, atol=tolerances,
         algebraic_idx=list(range(n, size)), **method.options(),
     )  # fmt: skip
 
@@ -79,16 +82,16 @@ def run_ggl(request: Request, method: Stiff) -> tuple[RawRun, tuple[str, ...]]:
         solver.init_step(t, *system.consistent(t, x))
 
     stepper = SundialsStepper(
-        solver, begin, lambda t, x: (x, False), watch, request.state, request.span,
-        request.step_ends(SHARE_OF_PIECE),
+        solver, begin, lambda t, x: (x, False), watch, integration.state, integration.span,
+        integration.step_ends(SHARE_OF_PIECE),
     )  # fmt: skip
-    return march(stepper, request.course()), notes
+    return march(stepper, integration.course(events)), notes
 
 
-def _independent(request: Request, eqs: EquationSet) -> tuple[EquationSet, tuple[str, ...]]:
+def _independent(integration: IntegrationProblem, eqs: EquationSet) -> tuple[EquationSet, tuple[str, ...]]:
     """Return the equations without constraints that follow from the others on the branch of the motion."""
-    loops = LoopConstraints(replace(request.task, eqs=eqs))
-    branch = motion_branch(loops, request.span[0], request.state)
+    loops = LoopConstraints(replace(integration.problem, eqs=eqs))
+    branch = motion_branch(loops, integration.span[0], integration.state)
     if branch.speeds == len(eqs.formed.rows):
         return eqs, ()
     kept = partition_columns(loops.speeds(branch.t, branch.q)[0], branch.speeds).rows.tolist()
@@ -98,7 +101,7 @@ def _independent(request: Request, eqs: EquationSet) -> tuple[EquationSet, tuple
     return EquationSet(eqs.model, formed, eqs.notes), (note,)
 
 
-def _with_residual(eqs: EquationSet, request: Request) -> EquationSet:
+def _with_residual(eqs: EquationSet, integration: IntegrationProblem) -> EquationSet:
     """Return the equations with the residual and its derivatives; udot, lambda and mu become inputs."""
     formed, graph = eqs.formed, eqs.formed.graph
     m, m_positions = len(formed.rows), len(formed.holonomic)
@@ -108,10 +111,10 @@ def _with_residual(eqs: EquationSet, request: Request) -> EquationSet:
     accelerations, pulls, pushes = (formed.expressions(tuple(g.values())) for g in (udot, first, second))
     rows = formed.jacobian
     values = []
-    for i, force in enumerate(solved(formed, formed.projection.forcing)):
+    for i, force in enumerate(solved(formed, formed.dynamics.forcing)):
         total = -force
         for j, acceleration in enumerate(accelerations):
-            total = total + formed.projection.mass_matrix[i][j] * acceleration
+            total = total + formed.dynamics.mass_matrix[i][j] * acceleration
         for k, pull in enumerate(pulls):
             total = total - rows[k][i] * pull
         values.append(total)
@@ -124,21 +127,23 @@ def _with_residual(eqs: EquationSet, request: Request) -> EquationSet:
     rates = substitute(graph, eqs.roots("qdot").nodes, moved)
     values += [
         -(Expr(graph, node) + pull)
-        for node, pull in zip(rates, _norming(eqs, _NORMING / request.task.scales.time), strict=True)
+        for node, pull in zip(
+            rates, _norm_pulls(eqs, _NORMING / integration.problem.scales.time), strict=True
+        )
     ]
     values += [*(row.value for row in formed.holonomic), *velocity_residual(formed)]
-    nodes = with_laws(eqs, [value.index for value in values], request.task.laws.formulas)
+    nodes = with_laws(eqs, [value.index for value in values], integration.problem.laws.formulas)
     by = (*formed.u, *formed.q, *first.values(), *second.values())
-    asked = inputs_of(eqs, request.task.laws.asked)
+    callbacks = input_symbols(eqs, integration.problem.laws.callbacks)
     outputs = [
         Roots(_RESIDUAL, (len(nodes),), tuple(nodes)),
         partial_derivatives(eqs, _SLOPES, nodes, by),
-        partial_derivatives(eqs, _BY_ASKED, nodes, asked),
+        partial_derivatives(eqs, _BY_CALLBACKS, nodes, callbacks),
     ]
     return with_outputs(eqs, outputs, {**udot, **first, **second})
 
 
-def _norming(eqs: EquationSet, rate: float) -> list[Expr]:
+def _norm_pulls(eqs: EquationSet, rate: float) -> list[Expr]:
     """Return what brings quaternions back to unit norm at a rate [1/s], by coordinate; 0 on the sphere."""
     formed = eqs.formed
     pulls = {q.index: q * 0 for q in formed.expressions(formed.q)}
@@ -149,33 +154,33 @@ def _norming(eqs: EquationSet, rate: float) -> list[Expr]:
     return list(pulls.values())
 
 
-class _System:
+class _GGLSystem:
     """The residual ``R(t, y, y')`` with y = (u, q, lambda, mu), and its derivatives, as numbers."""
 
-    def __init__(self, request: Request, eqs: EquationSet) -> None:
+    def __init__(self, integration: IntegrationProblem, eqs: EquationSet) -> None:
         self.m, self.m_positions = len(eqs.formed.rows), len(eqs.formed.holonomic)
-        self._n_u, self._n = request.n_u, request.state.size
-        self._residual = request.compiled(_RESIDUAL, eqs)
-        self._slopes = request.compiled((_SLOPES, _MASS, _BY_ASKED), eqs)
-        self._laws = request.task.laws
-        scales = request.task.scales
+        self._n_u, self._n = integration.n_u, integration.state.size
+        self._residual = integration.compile_outputs(_RESIDUAL, eqs)
+        self._slopes = integration.compile_outputs((_SLOPES, _MASS, _BY_CALLBACKS), eqs)
+        self._laws = integration.problem.laws
+        scales = integration.problem.scales
         weight = np.sqrt(scales.mass) * scales.length  # with it entries of M and J are of order 1
         self._sizes = np.concatenate([scales.displacements(eqs) / weight, weight / scales.constraints(eqs)])
-        self._start = request.compiled((_MASS, "forcing", "jacobian", "gamma", "qdot"), eqs)
+        self._start = integration.compile_outputs((_MASS, "forcing", "jacobian", "gamma", "qdot"), eqs)
 
     def residual(self, t: float, both: Floats) -> Floats:
         """Return R at y followed by y'."""
         y, rate = np.split(both, 2)
-        value: Floats = self._called(self._residual, t, y, rate)
+        value: Floats = self._evaluate(self._residual, t, y, rate)
         value[self._n_u : self._n] += rate[self._n_u : self._n]
         return value
 
     def slopes(self, t: float, y: Floats, rate: Floats, share: float) -> Floats:
         """Return dR/dy + share dR/dy'."""
-        found = self._called(self._slopes, t, y, rate)
+        found = self._evaluate(self._slopes, t, y, rate)
         result: Floats = found[0].copy()
         n_u, n = self._n_u, self._n
-        if self._laws.asked:
+        if self._laws.callbacks:
             result[:, :n] += found[2] @ self._laws.slopes(t, y[:n], n_u)
         result[:n_u, :n_u] += share * found[1]
         result[range(n_u, n), range(n_u, n)] += share
@@ -191,5 +196,5 @@ class _System:
         still, pushes = np.zeros(self.m), np.zeros(self.m_positions)
         return np.concatenate([x, multipliers, pushes]), np.concatenate([udot, rates, still, pushes])
 
-    def _called(self, function: Called, t: float, y: Floats, rate: Floats) -> Any:
+    def _evaluate(self, function: StateFunction, t: float, y: Floats, rate: Floats) -> Any:
         return function(t, y[: self._n], np.concatenate([rate[: self._n_u], y[self._n :]]))

@@ -1,7 +1,7 @@
 """`LoopConstraints`: the constraints of a motion as numbers, and the branch of configurations it follows.
 
 Lengths are measured by the mechanism's size, so that coordinates, speeds and constraints are numbers of order
-one. Where constraints are dependent, their number says little: in linkages that only just fit, rows of J
+one. Where constraints are dependent, their number means little: in linkages that only just fit, rows of J
 follow from others on the configurations that close all loops, and nowhere else; at change points they do so
 for an instant. What stays the same along a motion is the rank of J at its regular configurations.
 """
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.manifold import ConstraintManifold, count_significant, explore_branch
-from symbody.simulation.task import Task
+from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.tolerances import SHARP_RANK
 
 Floats = NDArray[np.float64]
@@ -55,12 +55,12 @@ class MotionBranch:
 class LoopConstraints:
     """Constraints with values of parameters, at one state or many (leading axes of q and u)."""
 
-    def __init__(self, task: Task) -> None:
-        self.task, eqs = task, task.eqs
-        self.sizes, self.speed_sizes = task.scales.coordinates(eqs), task.scales.displacements(eqs)
+    def __init__(self, problem: SimulationProblem) -> None:
+        self.problem, eqs = problem, problem.eqs
+        self.sizes, self.speed_sizes = problem.scales.coordinates(eqs), problem.scales.displacements(eqs)
         self.places = slice(len(eqs.speed_names), len(eqs.state_names))  # of the coordinates in a state
         self.is_driven = any(not row.rest.is_zero for row in eqs.formed.rows)
-        self._scales = task.scales.constraints(eqs)
+        self._scales = problem.scales.constraints(eqs)
         names = eqs.coordinate_names
         self._quaternions = [[names.index(name) for name in four] for four in eqs.quaternions]
 
@@ -72,11 +72,11 @@ class LoopConstraints:
     def speeds(self, t: float | Floats, q: Floats) -> tuple[Floats, Floats]:
         """Return J (.., m, n_u) by ``u / speed_sizes`` and b (.., m) of ``J u + b = 0``."""
         found = self._values(("jacobian", "velocity_constraints"), t, q)
-        return self._scaled(found[0]), found[1] / self._scales
+        return self._scale(found[0]), found[1] / self._scales
 
     def singular_values(self, t: float | Floats, q: Floats) -> Floats:
         """Return those of J, the largest first; NaN where it is not finite."""
-        rows = self._scaled(self._values("jacobian", t, q))
+        rows = self._scale(self._values("jacobian", t, q))
         if not np.isfinite(rows).all():
             return np.full((*rows.shape[:-2], min(rows.shape[-2:])), np.nan)
         return np.asarray(np.linalg.svd(rows, compute_uv=False), dtype=np.float64)
@@ -87,14 +87,14 @@ class LoopConstraints:
         Those that hold whatever moves, for these parameters, are left aside.
         """
         elsewhere = q + np.linspace(0.1, 0.2, q.size) * self.sizes
-        rows, others = (self._scaled(self._values("jacobian", t, place)) for place in (q, elsewhere))
+        rows, others = (self._scale(self._values("jacobian", t, place)) for place in (q, elsewhere))
         rows = rows[rows.any(axis=1) | others.any(axis=1)]
         return len(rows) > count_significant(np.linalg.svd(rows, compute_uv=False), SHARP_RANK)
 
     def rates(self, t: float, x: Floats) -> Floats:
         """Return q' of a state, in sizes."""
         n_u = self.speed_sizes.size
-        found = self._called(self.task.compiled("qdot"), t, x[n_u:], x[:n_u])
+        found = self._call(self.problem.compile_outputs("qdot"), t, x[n_u:], x[:n_u])
         return np.asarray(found / self.sizes, dtype=np.float64)
 
     def manifold(self, t: float | Floats) -> ConstraintManifold:
@@ -104,10 +104,10 @@ class LoopConstraints:
             found = self._values(("constraints", "position_jacobian"), t, q)
             return found[0], found[1]
 
-        scales = self._scales[: len(self.task.eqs.formed.holonomic)]
+        scales = self._scales[: len(self.problem.eqs.formed.holonomic)]
         return ConstraintManifold(evaluate, self.sizes, scales, self._quaternions)
 
-    def closed(self, branch: MotionBranch, t: Floats, x: Floats) -> Floats:
+    def project(self, branch: MotionBranch, t: Floats, x: Floats) -> Floats:
         """Return states (N, n) at times (N,) on the constraints, by the least moves.
 
         Conditions that follow from others on the branch are left out, and near change points what is about
@@ -126,18 +126,18 @@ class LoopConstraints:
         result = np.concatenate([u, q], axis=1)
         return np.where(np.isfinite(result).all(axis=1, keepdims=True), result, x)
 
-    def _scaled(self, rows: Floats) -> Floats:
+    def _scale(self, rows: Floats) -> Floats:
         return np.asarray(rows / self._scales[:, np.newaxis] * self.speed_sizes, dtype=np.float64)
 
     def _values(self, outputs: str | tuple[str, ...], t: float | Floats, q: Floats) -> Any:
         still = np.zeros((*q.shape[:-1], self.speed_sizes.size))
-        return self._called(self.task.compiled(outputs), t, q, still)
+        return self._call(self.problem.compile_outputs(outputs), t, q, still)
 
-    def _called(self, function: Any, t: float | Floats, q: Floats, u: Floats) -> Any:
+    def _call(self, function: Any, t: float | Floats, q: Floats, u: Floats) -> Any:
         if q.ndim > 1:
-            return self.task.evaluated(function, np.asarray(t), q.T, u.T)
-        asked = self.task.laws.at(float(t), q, u) if self.task.laws.asked else np.zeros(0)
-        return function(t, q, u, asked)
+            return self.problem.evaluate(function, np.asarray(t), q.T, u.T)
+        inputs = self.problem.laws.evaluate(float(t), q, u) if self.problem.laws.callbacks else np.zeros(0)
+        return function(t, q, u, inputs)
 
 
 def motion_branch(loops: LoopConstraints, t: float, x: Floats) -> MotionBranch:
@@ -148,7 +148,7 @@ def motion_branch(loops: LoopConstraints, t: float, x: Floats) -> MotionBranch:
     """
     q = x[loops.speed_sizes.size :]
     here = _regular(loops, [(t, q)])
-    found = _regular(loops, [(t, q), *_along_motion(loops, t, x)])
+    found = _regular(loops, [(t, q), *_neighbours_along_motion(loops, t, x)])
     if found.speeds > here.speeds or not loops.depends(t, q):
         return found
     points = explore_branch(loops.manifold(t), q).points[:_MOST_POINTS]
@@ -171,7 +171,7 @@ def _regular(loops: LoopConstraints, places: Iterable[tuple[float, Floats]]) -> 
     return best
 
 
-def _along_motion(loops: LoopConstraints, t: float, x: Floats) -> Iterator[tuple[float, Floats]]:
+def _neighbours_along_motion(loops: LoopConstraints, t: float, x: Floats) -> Iterator[tuple[float, Floats]]:
     """Yield times and closed configurations shortly before and after a state, if it moves."""
     n_u = loops.speed_sizes.size
     rate = loops.rates(t, x)

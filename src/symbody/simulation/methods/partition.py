@@ -18,11 +18,12 @@ from scipy.integrate import DOP853
 
 from symbody.arguments import checked_fields
 from symbody.errors import Problem, SimulationError, UsageError
+from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.methods.explicit import Explicit
+from symbody.simulation.methods.integration_problem import IntegrationProblem
 from symbody.simulation.methods.partition_states import PartitionStates
-from symbody.simulation.methods.request import Request
 from symbody.simulation.methods.stepping import NODES, SHARES, Failure, Step, march
-from symbody.simulation.methods.sundials import Watch
+from symbody.simulation.methods.sundials import MonitoredFunction
 from symbody.simulation.native.loop import EPSILON
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.status import Status
@@ -64,11 +65,13 @@ class Partition:
             raise UsageError(Problem("simulation.constraints", "worst", what, "", "leave it out"))
 
 
-def run_partition(request: Request, method: Partition, explicit: Explicit) -> tuple[RawRun, tuple[str, ...]]:
+def run_partition(
+    integration: IntegrationProblem, method: Partition, explicit: Explicit, events: EventWatch | None
+) -> tuple[RawRun, tuple[str, ...]]:
     """Integrate a set of independent coordinates and speeds; return run and notes."""
-    stepper = _PartitionStepper(request, method, explicit)
+    stepper = _PartitionStepper(integration, method, explicit)
     states = stepper.states
-    raw = march(stepper, request.course(partial(states.loops.closed, states.branch)))
+    raw = march(stepper, integration.course(events, partial(states.loops.project, states.branch)))
     changes = stepper.changes
     more = (f"other independent coordinates were chosen {changes} times",) if changes else ()
     return raw, (NOTE, *more, *((_OPEN,) if stepper.is_open else ()))
@@ -82,12 +85,12 @@ def _mean(values: Floats) -> float:
 class _PartitionStepper:
     """DOP853 over the independent coordinates, begun anew when they are chosen anew."""
 
-    def __init__(self, request: Request, method: Partition, explicit: Explicit) -> None:
-        self._request, self._worst, self._explicit = request, method.worst, explicit
-        self.states = PartitionStates(request)
-        self._x, (self._t, self._end) = request.state, request.span
-        self._ends = request.step_ends()
-        self._watch = Watch(self.states.rates)
+    def __init__(self, integration: IntegrationProblem, method: Partition, explicit: Explicit) -> None:
+        self._integration, self._worst, self._explicit = integration, method.worst, explicit
+        self.states = PartitionStates(integration)
+        self._x, (self._t, self._end) = integration.state, integration.span
+        self._ends = integration.step_ends()
+        self._watch = MonitoredFunction(self.states.rates)
         self.changes, self.rejected = 0, 0
         self.is_open = not self.states.is_on_branch(self._t, self._x)
         self._begin(None if explicit.first_step is None else float(explicit.first_step))
@@ -137,7 +140,7 @@ class _PartitionStepper:
         solver.y = x.copy()
         self._watch.accept()
         self.states.accept(self._t, x)
-        if self._t != self._end and self.states.is_worn(self._t, x[self._request.n_u :], self._worst):
+        if self._t != self._end and self.states.is_worn(self._t, x[self._integration.n_u :], self._worst):
             self._choose(abs(solver.h_abs))
 
     def _nodes(self, solver: DOP853) -> Floats | None:
@@ -155,7 +158,7 @@ class _PartitionStepper:
 
     def _choose(self, first_step: float | None) -> None:
         """Choose the independent coordinates of the present state and begin with them."""
-        q = self._x[self._request.n_u :]
+        q = self._x[self._integration.n_u :]
         if not self.states.is_near_change_point(self._t, q):
             self.states.choose(self._t, q)
             self.changes += 1
@@ -167,8 +170,8 @@ class _PartitionStepper:
         begin, _, _ = self._ends(self._t)
         rest = abs(self._end - begin)
         self._solver = solver = DOP853(
-            self._watch, begin, self._x.copy(), self._end, max_step=longest, rtol=self._request.rtol,
-            atol=self._request.tolerances, first_step=rest or None,
+            self._watch, begin, self._x.copy(), self._end, max_step=longest, rtol=self._integration.rtol,
+            atol=self._integration.tolerances, first_step=rest or None,
         )  # fmt: skip
         if rest > 0.0:
             step = self._first_step(begin, solver.f, rest) if first_step is None else first_step
@@ -178,15 +181,15 @@ class _PartitionStepper:
     def _longest(self) -> float:
         return np.inf if self._explicit.max_step is None else float(self._explicit.max_step)
 
-    def _first_step(self, begin: float, rates: Floats, rest: float) -> float:
+    def _first_step(self, begin: float, rates: Floats, length: float) -> float:
         """Guess a step as `native.loop` does: SciPy's own guess is made for times of about a second."""
-        weights = self._request.tolerances + self._request.rtol * np.abs(self._x)
-        size, slope = _mean(self._x / weights), _mean(rates / weights) * rest
+        weights = self._integration.tolerances + self._integration.rtol * np.abs(self._x)
+        size, slope = _mean(self._x / weights), _mean(rates / weights) * length
         share = min(_TIMID if size < _SMALL or slope < _SMALL else 0.01 * size / slope, 1.0)
-        h = share * rest * (1.0 if self._end >= begin else -1.0)
+        h = share * length * (1.0 if self._end >= begin else -1.0)
         changed = self._watch(begin + h, self._x + h * rates)
-        steepest = max(slope, _mean((changed - rates) / weights) * rest / share)
+        steepest = max(slope, _mean((changed - rates) / weights) * length / share)
         if not np.isfinite(steepest):
-            return share * rest
+            return share * length
         longer = max(_TIMID, 1e-3 * share) if steepest <= _LEVEL else (0.01 / steepest) ** (1.0 / 8.0)
-        return float(min(100.0 * share, longer, 1.0) * rest)
+        return float(min(100.0 * share, longer, 1.0) * length)

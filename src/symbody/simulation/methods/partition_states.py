@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError
 from symbody.manifold import LinearConstraints, correct, pivot_order, square_step
+from symbody.simulation.methods.integration_problem import IntegrationProblem, StateFunction
 from symbody.simulation.methods.loop_constraints import NEAR, LoopConstraints, motion_branch
-from symbody.simulation.methods.request import Called, Request
 from symbody.tolerances import TRACED
 
 Floats = NDArray[np.float64]
@@ -102,11 +102,11 @@ class PartitionStates:
         What follows from what.
     """
 
-    def __init__(self, request: Request) -> None:
-        self.loops = LoopConstraints(request.task)
-        self._request, self._eqs, self._n_u = request, request.eqs, request.n_u
-        self._functions: dict[tuple[int, ...], Called] = {}
-        t, x = request.span[0], request.state
+    def __init__(self, integration: IntegrationProblem) -> None:
+        self.loops = LoopConstraints(integration.problem)
+        self._integration, self._eqs, self._n_u = integration, integration.eqs, integration.n_u
+        self._functions: dict[tuple[int, ...], StateFunction] = {}
+        t, x = integration.span[0], integration.state
         self.branch = motion_branch(self.loops, t, x)
         self._reference, self._regular = self.branch.reference, (self.branch.t, self.branch.q)
         self._aside_choice: Choices | None = None
@@ -115,9 +115,9 @@ class PartitionStates:
 
     def choose(self, t: float, q: Floats) -> None:
         """Choose what is independent at a configuration."""
-        self.positions, self.speeds = self._chosen(t, q)
+        self.positions, self.speeds = self._choose_columns(t, q)
 
-    def _chosen(self, t: float, q: Floats) -> Choices:
+    def _choose_columns(self, t: float, q: Floats) -> Choices:
         """Return a new choice; rows that do stay, as accelerations have to be compiled for others."""
         matrices = self.loops.positions(t, q)[1], self.loops.speeds(t, q)[0]
         positions = partition_columns(matrices[0], self.branch.positions)
@@ -161,8 +161,8 @@ class PartitionStates:
         SimulationError
             If Newton's method finds no configuration.
         """
-        between = self._between(t, y)
-        return self._solved(t, y, (self.positions, self.speeds)) if between is None else between[0]
+        between = self._interpolate(t, y)
+        return self._solve(t, y, (self.positions, self.speeds)) if between is None else between[0]
 
     def rates(self, t: float, y: Floats) -> Floats:
         """Return x' at the state that belongs to y.
@@ -172,17 +172,17 @@ class PartitionStates:
         SimulationError
             As `state`.
         """
-        between = self._between(t, y, are_rates=True)
+        between = self._interpolate(t, y, are_rates=True)
         if between is not None:
             return between[1]
-        return self._state_rates(t, self._solved(t, y, (self.positions, self.speeds)), self.speeds)
+        return self._state_rates(t, self._solve(t, y, (self.positions, self.speeds)), self.speeds)
 
     def is_on_branch(self, t: float, x: Floats) -> bool:
-        """Return whether a state near a change point moves along one branch, and which one can be told."""
+        """Return whether a state near a change point moves along one branch that can be recognized."""
         if not self.is_near_change_point(t, x[self._n_u :]):
             return True
         speed = float(np.abs(self.loops.rates(t, x)).max(initial=0.0))
-        between = self._between(t, x) if speed > 0.0 else None
+        between = self._interpolate(t, x) if speed > 0.0 else None
         if between is None:
             return False
         u, q = np.split((between[0] - x), [self._n_u])
@@ -196,20 +196,20 @@ class PartitionStates:
         sizes = self.loops.singular_values(t, q)
         return float(sizes[self.branch.speeds - 1] / self._reference)
 
-    def _solved(self, t: float, y: Floats, choices: Choices) -> Floats:
+    def _solve(self, t: float, y: Floats, choices: Choices) -> Floats:
         """Return the state by Newton's method."""
         (positions, speeds), sizes, u = choices, self.loops.speed_sizes, y[: self._n_u].copy()
         try:
-            q = self._closed(t, y[self._n_u :].copy(), positions)
+            q = self._close_loops(t, y[self._n_u :].copy(), positions)
             rows, drift = self.loops.speeds(t, q)
             rows, drift = rows[speeds.rows], drift[speeds.rows]
             change = np.linalg.solve(rows[:, speeds.dependent], drift + rows @ (u / sizes))
             u[speeds.dependent] -= change * sizes[speeds.dependent]
         except np.linalg.LinAlgError as error:
-            raise SimulationError(_lost(t)) from error
+            raise SimulationError(_no_configuration(t)) from error
         return np.concatenate([u, q])
 
-    def _closed(self, t: float, q: Floats, choice: PartitionChoice) -> Floats:
+    def _close_loops(self, t: float, q: Floats, choice: PartitionChoice) -> Floats:
         """Return coordinates of which the dependent ones fulfil the rows of a choice."""
         manifold, dependent = self.loops.manifold(t), choice.dependent
         block = np.ix_(choice.rows, dependent)
@@ -225,7 +225,7 @@ class PartitionStates:
 
         end = correct(evaluate(q), move, TRACED, square_step)
         if end is None:  # it may have been on its way to another assembly
-            raise SimulationError(_lost(t))
+            raise SimulationError(_no_configuration(t))
         return end.q
 
     def _state_rates(self, t: float, x: Floats, speeds: PartitionChoice) -> Floats:
@@ -234,19 +234,19 @@ class PartitionStates:
         if key not in self._functions:
             formed = self._eqs.formed
             if len(key) == len(formed.rows):
-                self._functions[key] = self._request.compiled("xdot")
+                self._functions[key] = self._integration.compile_outputs("xdot")
             else:
                 chosen = formed.with_independent(key)
                 eqs = EquationSet(self._eqs.model, chosen, self._eqs.notes)
-                self._functions[key] = self._request.compiled("xdot", eqs)
+                self._functions[key] = self._integration.compile_outputs("xdot", eqs)
         return np.asarray(self._functions[key](t, x), dtype=np.float64)
 
-    def _between(self, t: float, y: Floats, *, are_rates: bool = False) -> tuple[Floats, Floats] | None:
+    def _interpolate(self, t: float, y: Floats, *, are_rates: bool = False) -> tuple[Floats, Floats] | None:
         """Return state and rates near a change point, interpolated; None elsewhere, or if that fails."""
         if not self.is_near_change_point(t, y[self._n_u :]):
             return None
         if self._aside_choice is None:
-            self._aside_choice = self._chosen(*self._regular)
+            self._aside_choice = self._choose_columns(*self._regular)
         for way, time in self._ways(t, y):
             for displacement in _DISPLACEMENTS:
                 try:
@@ -285,7 +285,7 @@ class PartitionStates:
                 guess = y.copy()
                 guess[n_u:] = last + (place - before) * slope * sizes
                 guess[n_u + own] = y[n_u + own] + place * way[own] * sizes[own]
-                x = self._solved(t + place * time, guess, choices)
+                x = self._solve(t + place * time, guess, choices)
                 if self._share(t + place * time, x[n_u:]) < _FAR_ENOUGH * NEAR:
                     return
                 yield t + place * time, x
@@ -293,7 +293,7 @@ class PartitionStates:
                 before, last = place, x[n_u:]
 
 
-def _lost(t: float) -> Problem:
+def _no_configuration(t: float) -> Problem:
     return Problem(
         "simulation.partition", "constraints", f"no configuration was found at t = {t:.9g} s",
         "the independent coordinates do not determine the others here", "use sb.Projection()",

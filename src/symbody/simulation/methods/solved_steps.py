@@ -64,7 +64,7 @@ class SolvedSteps:
         x, slope = nodes[-1], _END_SLOPE @ nodes[1:] / length
         wrong = slope - self.rates(t, x)
         if not np.isfinite(wrong).all():
-            return True  # whatever is the matter there, the next step tells
+            return True  # whatever is wrong there shows in the next step
         rounded = np.abs(nodes).max(axis=0) + np.abs(t * slope)  # states, and the times they belong to
         weights = self.rtol * np.abs(x) + self.atol + _ROUNDED * rounded
         matrix = SHARE_OF_STEP / length * np.eye(x.size) - self.jacobian(t, x)

@@ -13,10 +13,10 @@ from symbody.expr.sequence import Roots
 
 STATE_RATES: Final = "state rates"
 STATE_JACOBIAN: Final = "state jacobian"
-ASKED_JACOBIAN: Final = "asked jacobian"
+CALLBACK_JACOBIAN: Final = "callbacks jacobian"
 
 
-def without_idle_rows(eqs: EquationSet, parameters: Mapping[str, Value]) -> EquationSet:
+def drop_idle_rows(eqs: EquationSet, parameters: Mapping[str, Value]) -> EquationSet:
     """Return the equations without constraints that are fulfilled whatever moves, for these parameters."""
     if not eqs.multiplier_names:
         return eqs
@@ -28,20 +28,20 @@ def without_idle_rows(eqs: EquationSet, parameters: Mapping[str, Value]) -> Equa
 
 
 def with_state_jacobian(
-    eqs: EquationSet, laws: Mapping[str, Value], asked: Iterable[str] = ()
+    eqs: EquationSet, laws: Mapping[str, Value], callbacks: Iterable[str] = ()
 ) -> EquationSet:
     """Return the equations with the outputs `STATE_RATES`, x' in the order (u, q), and `STATE_JACOBIAN`.
 
-    With them is `ASKED_JACOBIAN`, the derivatives of the same by the inputs in `asked`.
+    With them is `CALLBACK_JACOBIAN`, the derivatives of the same by the inputs in `callbacks`.
     """
     rates = with_laws(eqs, eqs.roots("xdot").nodes, laws)
     by = (*eqs.formed.u, *eqs.formed.q)
     derivatives = partial_derivatives(eqs, STATE_JACOBIAN, rates, by)
-    by_asked = partial_derivatives(eqs, ASKED_JACOBIAN, rates, inputs_of(eqs, asked))
-    return with_outputs(eqs, [Roots(STATE_RATES, (len(rates),), tuple(rates)), derivatives, by_asked])
+    by_callbacks = partial_derivatives(eqs, CALLBACK_JACOBIAN, rates, input_symbols(eqs, callbacks))
+    return with_outputs(eqs, [Roots(STATE_RATES, (len(rates),), tuple(rates)), derivatives, by_callbacks])
 
 
-def inputs_of(eqs: EquationSet, names: Iterable[str]) -> list[Symbol]:
+def input_symbols(eqs: EquationSet, names: Iterable[str]) -> list[Symbol]:
     """Return the symbols of inputs."""
     known = {symbol.name: symbol for symbol in eqs.formed.inputs}
     return [known[name] for name in names]

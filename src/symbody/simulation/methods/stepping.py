@@ -33,7 +33,7 @@ SHARES: Final[Floats] = 0.5 - 0.5 * np.cos(np.pi * np.arange(NODES) / (NODES - 1
 _CAPACITY: Final = 256
 
 
-def _nested_basis() -> Floats:
+def _nested_polynomials() -> Floats:
     """Return the values at `SHARES` of the polynomials that rows of `DenseOutput` multiply."""
     columns = [np.ones(NODES)]
     for row in range(1, NODES):
@@ -49,7 +49,7 @@ def _integration() -> Floats:
     return np.asarray(np.linalg.solve(powers.T, integrals.T).T, dtype=np.float64)
 
 
-_TO_PIECE: Final = np.linalg.inv(_nested_basis())
+_TO_PIECE: Final = np.linalg.inv(_nested_polynomials())
 _INTEGRALS: Final = _integration()
 
 
@@ -86,7 +86,7 @@ class StepEnds:
     counts: Integers
 
     def __call__(self, t: float) -> tuple[float, float, float]:
-        """Return from where to where the longest step at a time leads, and at which time it is said to end.
+        """Return from where to where the longest step at a time leads, and at which time it counts as ended.
 
         A step begins behind a jump that lies at its time, and ends before one.
         """
@@ -153,7 +153,7 @@ def march(stepper: Stepper, course: Course) -> RawRun:
     log = _Log(course)
     began = time.perf_counter()
     try:
-        failure = _marched(stepper, course, log)
+        failure = _march(stepper, course, log)
     except KeyboardInterrupt:
         failure = Failure(Status.INTERRUPTED)
     except MemoryError:
@@ -162,16 +162,16 @@ def march(stepper: Stepper, course: Course) -> RawRun:
     return log.raw_run(failure, spent)
 
 
-def _marched(stepper: Stepper, course: Course, log: _Log) -> Failure:
+def _march(stepper: Stepper, course: Course, log: _Log) -> Failure:
     """Take steps, with a look at them after every so many; return how it ended."""
-    told, seen, failure = time.perf_counter(), log.steps, None
+    reported, seen, failure = time.perf_counter(), log.steps, None
     while True:
         if log.t == course.end:
             failure = Failure(Status.SUCCESS)
         elif log.taken >= course.max_steps:
             failure = Failure(Status.TOO_MANY_STEPS)
         else:
-            failure = _taken(stepper, course, log)
+            failure = _take_step(stepper, course, log)
         if course.watch is not None and (failure or log.steps - seen >= course.watch.most_steps):
             cut = course.watch.look(log.breaks, log.pieces, log.steps, failure is not None)
             seen = log.steps
@@ -184,13 +184,13 @@ def _marched(stepper: Stepper, course: Course, log: _Log) -> Failure:
                 continue
         if failure is not None:
             return failure
-        if course.progress is not None and time.perf_counter() - told > SLICE_SECONDS:
-            told = time.perf_counter()
+        if course.progress is not None and time.perf_counter() - reported > SLICE_SECONDS:
+            reported = time.perf_counter()
             if course.progress((log.t - course.start) / (course.end - course.start)) is False:
                 return Failure(Status.INTERRUPTED)
 
 
-def _taken(stepper: Stepper, course: Course, log: _Log) -> Failure | None:
+def _take_step(stepper: Stepper, course: Course, log: _Log) -> Failure | None:
     """Take one step and write it down; return why there is none."""
     found = stepper.advance()
     if isinstance(found, Failure):

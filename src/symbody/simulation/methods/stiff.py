@@ -10,18 +10,19 @@ from numpy.typing import NDArray
 
 from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
+from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.methods.constraints import Baumgarte, Projection
-from symbody.simulation.methods.request import Closing, Request
+from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
 from symbody.simulation.methods.solved_steps import SolvedSteps
 from symbody.simulation.methods.state_jacobian import (
-    ASKED_JACOBIAN,
+    CALLBACK_JACOBIAN,
     STATE_JACOBIAN,
     STATE_RATES,
+    drop_idle_rows,
     with_state_jacobian,
-    without_idle_rows,
 )
 from symbody.simulation.methods.stepping import march
-from symbody.simulation.methods.sundials import SundialsStepper, Watch, solver_class
+from symbody.simulation.methods.sundials import MonitoredFunction, SundialsStepper, solver_class
 from symbody.simulation.native.run import RawRun
 
 Floats = NDArray[np.float64]
@@ -71,7 +72,12 @@ class Stiff:
         return {"max_order": int(self.max_order), "max_step": longest}
 
 
-def run_stiff(request: Request, method: Stiff, constraints: Projection | Baumgarte) -> RawRun:
+def run_stiff(
+    integration: IntegrationProblem,
+    method: Stiff,
+    constraints: Projection | Baumgarte,
+    events: EventWatch | None,
+) -> RawRun:
     """Integrate ``x' = f(t, x)`` by CVODE, with df/dx from the graph, and from differences of Python's laws.
 
     With `Projection` the ends of all steps and all samples are brought onto the constraints; a drift far
@@ -82,43 +88,45 @@ def run_stiff(request: Request, method: Stiff, constraints: Projection | Baumgar
     SimulationError, EnvironmentFault
         If the solver does not start, or is not installed.
     """
-    closing = request.projection(constraints) if isinstance(constraints, Projection) else None
-    eqs = without_idle_rows(request.eqs, request.task.parameters)
+    closing = integration.projection(constraints) if isinstance(constraints, Projection) else None
+    eqs = drop_idle_rows(integration.eqs, integration.problem.parameters)
     if closing is not None and eqs.multiplier_names:
-        eqs = Baumgarte(zeta=1.0, omega=DRIFT / request.task.scales.time).applied(eqs)
-    laws = request.task.laws
-    wider = with_state_jacobian(eqs, laws.formulas, laws.asked)
-    rates = request.compiled(STATE_RATES, wider)
-    slopes = request.compiled((STATE_JACOBIAN, ASKED_JACOBIAN), wider)
-    watch = Watch(rates)
+        eqs = Baumgarte(zeta=1.0, omega=DRIFT / integration.problem.scales.time).stabilize(eqs)
+    laws = integration.problem.laws
+    wider = with_state_jacobian(eqs, laws.formulas, laws.callbacks)
+    rates = integration.compile_outputs(STATE_RATES, wider)
+    slopes = integration.compile_outputs((STATE_JACOBIAN, CALLBACK_JACOBIAN), wider)
+    watch = MonitoredFunction(rates)
 
     def right_hand_side(t: float, x: Floats, out: Floats) -> None:
         out[:] = watch(t, x)
 
     def jacobian(t: float, x: Floats) -> Floats:
-        by_state, by_asked = slopes(t, x)
-        found: Floats = by_state + by_asked @ laws.slopes(t, x, request.n_u) if laws.asked else by_state
+        by_state, by_callbacks = slopes(t, x)
+        found: Floats = (
+            by_state + by_callbacks @ laws.slopes(t, x, integration.n_u) if laws.callbacks else by_state
+        )
         return found
 
     def state_jacobian(t: float, x: Floats, rate: Floats, out: Floats) -> None:
         out[:] = jacobian(t, x)
 
-    solved = SolvedSteps(watch, jacobian, request.rtol, request.tolerances)
+    solved = SolvedSteps(watch, jacobian, integration.rtol, integration.tolerances)
     solver = solver_class("CVODE")(
-        right_hand_side, method="BDF", jacfn=state_jacobian, rtol=request.rtol, atol=request.tolerances,
-        **method.options(),
+        right_hand_side, method="BDF", jacfn=state_jacobian, rtol=integration.rtol,
+        atol=integration.tolerances, **method.options(),
     )  # fmt: skip
     stepper = SundialsStepper(
-        solver, solver.init_step, _Settling(closing, constraints), watch, request.state, request.span,
-        request.step_ends(SHARE_OF_PIECE), solved,
+        solver, solver.init_step, _Settling(closing, constraints), watch, integration.state, integration.span,
+        integration.step_ends(SHARE_OF_PIECE), solved,
     )  # fmt: skip
-    return march(stepper, request.course(None if closing is None else closing.all))
+    return march(stepper, integration.course(events, None if closing is None else closing.project_all))
 
 
 class _Settling:
-    """Closes the end of a step, and asks for a new start where the drift is large."""
+    """Closes the end of a step, and requires a new start where the drift is large."""
 
-    def __init__(self, closing: Closing | None, constraints: Projection | Baumgarte) -> None:
+    def __init__(self, closing: StateProjector | None, constraints: Projection | Baumgarte) -> None:
         self._closing = closing
         self._limit = PATIENCE * constraints.limit if isinstance(constraints, Projection) else np.inf
 
@@ -126,5 +134,5 @@ class _Settling:
         """Return the closed state, and whether the solver has to start from it."""
         if self._closing is None:
             return x, False
-        closed, moved = self._closing.one(t, x)
+        closed, moved = self._closing.project_one(t, x)
         return (closed, moved > self._limit) if np.isfinite(moved) else (x, False)

@@ -71,7 +71,7 @@ class Solver(Protocol):
         ...
 
 
-class Watch:
+class MonitoredFunction:
     """A function of time and state that never raises, and remembers what was wrong with its values.
 
     Attributes
@@ -140,7 +140,7 @@ class SundialsStepper:
         solver: Solver,
         begin: Callable[[float, Floats], object],
         settled: Callable[[float, Floats], tuple[Floats, bool]],
-        watch: Watch,
+        watch: MonitoredFunction,
         x0: Floats,
         span: tuple[float, float],
         ends: StepEnds,
@@ -166,19 +166,19 @@ class SundialsStepper:
         begin, stop, end = self._ends(self._t)
         self._is_fresh |= begin != self._t
         was_fresh = self._is_fresh
-        found = self._tried()
-        if isinstance(found, Step) and not was_fresh:
-            found = self._checked(found)
-        if isinstance(found, Failure):
-            return found
-        nodes = found.nodes
-        nodes[-1], self._is_fresh = self._settled(found.t, nodes[-1])
-        is_there = abs(found.t - stop) <= 0.5 * abs(end - stop)  # but for the solver's rounding
-        self._x, self._t = nodes[-1], end if is_there else found.t
+        step = self._try_step()
+        if isinstance(step, Step) and not was_fresh:
+            step = self._check_step(step)
+        if isinstance(step, Failure):
+            return step
+        nodes = step.nodes
+        nodes[-1], self._is_fresh = self._settled(step.t, nodes[-1])
+        is_there = abs(step.t - stop) <= 0.5 * abs(end - stop)  # but for the solver's rounding
+        self._x, self._t = nodes[-1], end if is_there else step.t
         self._watch.accept()
         return Step(self._t, nodes)
 
-    def _checked(self, found: Step) -> Step | Failure:
+    def _check_step(self, found: Step) -> Step | Failure:
         """Return a step that solves its equations, or the first one of a new start in its place."""
         if self._solved(found.t, found.t - self._t, found.nodes):
             self._in_vain = 0
@@ -186,15 +186,15 @@ class SundialsStepper:
         if self._in_vain == PATIENT:
             return self._watch.failure(COLLAPSED)
         self._in_vain, self._is_fresh = self._in_vain + 1, True
-        return self._tried()
+        return self._try_step()
 
-    def _tried(self) -> Step | Failure:
+    def _try_step(self) -> Step | Failure:
         """Take one step and return it as the solver found it."""
         begin, stop, _ = self._ends(self._t)
         if self._is_fresh:
-            guarded(partial(self._begin, begin, self._x))
+            call_quietly(partial(self._begin, begin, self._x))
             self._is_fresh = False
-        result = self._called(self._end, "onestep", stop)
+        result = self._call_solver(self._end, "onestep", stop)
         if result.status < 0:
             return self._watch.failure(result.status)
         n, length = self._x.size, result.t - begin
@@ -203,20 +203,20 @@ class SundialsStepper:
         nodes = np.empty((NODES, n))
         nodes[0] = self._x
         for k in range(1, NODES - 1):
-            nodes[k] = self._called(begin + SHARES[k] * length, "normal", None).y[:n]
+            nodes[k] = self._call_solver(begin + SHARES[k] * length, "normal", None).y[:n]
         # asking for the end last lets the next step start: the solver returns to it otherwise
-        nodes[-1] = self._called(result.t, "normal", None).y[:n]
+        nodes[-1] = self._call_solver(result.t, "normal", None).y[:n]
         return Step(result.t, nodes)
 
     def restart(self, t: float, x: Floats) -> None:
         """Go on from another state."""
         self._t, self._x, self._is_fresh = t, x, True
 
-    def _called(self, t: float, method: str, stop: float | None) -> Result:
-        return guarded(partial(self._solver.step, t, method, stop))
+    def _call_solver(self, t: float, method: str, stop: float | None) -> Result:
+        return call_quietly(partial(self._solver.step, t, method, stop))
 
 
-def guarded(function: Callable[[], Answer]) -> Answer:
+def call_quietly(function: Callable[[], Answer]) -> Answer:
     """Return what a function of scikit-sundae returns; it prints nothing and raises only what we do.
 
     Raises

@@ -20,11 +20,11 @@ from symbody.simulation.native.interface import (
     compiled,
     inlined,
 )
+from symbody.simulation.native.layout import FIRST_BREAK, NEXT_BREAK, RUNNING, STATE_OLD, TIME
 from symbody.simulation.native.loop import advance, begin
-from symbody.simulation.native.places import FIRST_BREAK, NEXT_BREAK, RUNNING, STATE_OLD, TIME
 
 # A test says what it has to be.
-SOURCES: Final = "138f6ee08b34c48d"
+SOURCES: Final = "1923285e87d6ec42"
 # Steps between two looks at whether the run is to stop.
 _SLICE: Final = 1000
 

@@ -12,8 +12,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from symbody.errors import Problem, SimulationError
+from symbody.simulation.native import layout
 from symbody.simulation.native import loop as native
-from symbody.simulation.native import places
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.interface import Floats, Goal, Memory, Method, Projector, Record, RightHandSide
 from symbody.simulation.native.runge_kutta import Tableau
@@ -30,12 +30,12 @@ FIRST_CAPACITY: Final = 256
 ASSUMED_MEMORY: Final = 8 * 2**30
 
 VERDICTS: Final[Mapping[int, Status]] = {
-    places.FINISHED: Status.SUCCESS,
-    places.COLLAPSED: Status.STEP_COLLAPSE,
-    places.NOT_FINITE: Status.NOT_FINITE,
-    places.SINGULAR: Status.SINGULAR,
-    places.TOO_MANY: Status.TOO_MANY_STEPS,
-    places.STIFF: Status.STIFF,
+    layout.FINISHED: Status.SUCCESS,
+    layout.COLLAPSED: Status.STEP_COLLAPSE,
+    layout.NOT_FINITE: Status.NOT_FINITE,
+    layout.SINGULAR: Status.SINGULAR,
+    layout.TOO_MANY: Status.TOO_MANY_STEPS,
+    layout.STIFF: Status.STIFF,
 }
 
 
@@ -137,14 +137,14 @@ def method_arrays(tableau: Tableau) -> Method:
 def fresh_memory(tableau: Tableau, x: Floats, t: float) -> Memory:
     """Return the loop's memory at its first time and state."""
     memory = Memory(
-        np.zeros((places.VECTORS, x.size)),
+        np.zeros((layout.VECTORS, x.size)),
         np.zeros((len(tableau.A), x.size)),
         np.zeros((1, 4 + len(tableau.dense), x.size)),
-        np.zeros(places.REALS),
-        np.zeros(places.COUNTS, dtype=np.int64),
+        np.zeros(layout.REALS),
+        np.zeros(layout.COUNTS, dtype=np.int64),
     )
-    memory.vectors[places.STATE_OLD] = x
-    memory.real[places.TIME] = t
+    memory.vectors[layout.STATE_OLD] = x
+    memory.real[layout.TIME] = t
     return memory
 
 
@@ -202,20 +202,20 @@ def drive(
     """Run the loop to its end, in slices; Ctrl-C ends it between two of them and keeps what there is."""
     status: Status | None = None
     clock = [0.0]
-    start = float(run.memory.real[places.TIME])
+    start = float(run.memory.real[layout.TIME])
     budget = FIRST_SLICE
-    code = places.RUNNING
+    code = layout.RUNNING
     try:
         code = native.begin(run.rhs, run.method, run.goal, run.memory, record, first_step)
         native.advance(*run, record, 0)  # compiles, or reads the cache, before the clock is read
-        while code in (places.RUNNING, places.FULL):
-            if code == places.FULL:
-                record = _grown(record, run.memory)
+        while code in (layout.RUNNING, layout.FULL):
+            if code == layout.FULL:
+                record = _grow(record, run.memory)
             code, budget = _slice(run, record, budget, watch, clock)
             if watch is not None:
-                record, code, status = _watched(run, record, watch, code)
-            if status is None and code in (places.RUNNING, places.FULL):
-                status = None if _goes_on(run, start, progress) else Status.INTERRUPTED
+                record, code, status = _cut_at_event(run, record, watch, code)
+            if status is None and code in (layout.RUNNING, layout.FULL):
+                status = None if _report_progress(run, start, progress) else Status.INTERRUPTED
             if status is not None:
                 break
     except KeyboardInterrupt:
@@ -223,7 +223,7 @@ def drive(
     except MemoryError:
         status = Status.OUT_OF_MEMORY
     if watch is not None and status in (Status.INTERRUPTED, Status.OUT_OF_MEMORY):
-        record = _without_the_unseen(run, record, watch)
+        record = _cut_unseen_part(run, record, watch)
     return _raw_run(run, record, VERDICTS[code] if status is None else status, clock[0])
 
 
@@ -239,16 +239,18 @@ def _slice(
     return code, _next_budget(budget, spent)
 
 
-def _watched(run: NativeRun, record: Record, watch: Watch, code: int) -> tuple[Record, int, Status | None]:
+def _cut_at_event(
+    run: NativeRun, record: Record, watch: Watch, code: int
+) -> tuple[Record, int, Status | None]:
     """Cut the run where something happened; return its record, the loop's code, and the verdict at an end."""
     counts, memory = run.memory.counts, run.memory
-    is_over = code not in (places.RUNNING, places.FULL)
-    cut = watch.look(record.breaks, record.pieces, int(counts[places.STEPS]), is_over)
+    is_over = code not in (layout.RUNNING, layout.FULL)
+    cut = watch.look(record.breaks, record.pieces, int(counts[layout.STEPS]), is_over)
     if cut is None:
         return record, code, None
     record = cut_back(counts, record, cut)
-    memory.real[places.TIME] = cut.t
-    memory.vectors[places.STATE_OLD] = cut.before if cut.after is None else cut.after
+    memory.real[layout.TIME] = cut.t
+    memory.vectors[layout.STATE_OLD] = cut.before if cut.after is None else cut.after
     if cut.after is None:
         return record, code, cut.status
     # Steps of one length stay so; others begin with a short one, as at the start.
@@ -257,12 +259,12 @@ def _watched(run: NativeRun, record: Record, watch: Watch, code: int) -> tuple[R
     return record, go_on(begin, counts, record, cut), None
 
 
-def _without_the_unseen(run: NativeRun, record: Record, watch: Watch) -> Record:
+def _cut_unseen_part(run: NativeRun, record: Record, watch: Watch) -> Record:
     """End an interrupted run at the event that would have changed it, if one was computed."""
-    cut = watch.look(record.breaks, record.pieces, int(run.memory.counts[places.STEPS]), True)
+    cut = watch.look(record.breaks, record.pieces, int(run.memory.counts[layout.STEPS]), True)
     if cut is None:
         return record
-    run.memory.real[places.TIME] = cut.t
+    run.memory.real[layout.TIME] = cut.t
     return cut_back(run.memory.counts, record, cut._replace(after=None))
 
 
@@ -273,12 +275,12 @@ def _next_budget(budget: int, spent: float) -> int:
     return 4 * budget if spent < 0.25 * SLICE_SECONDS else budget
 
 
-def _goes_on(run: NativeRun, start: float, progress: Progress | None) -> bool:
-    share = (float(run.memory.real[places.TIME]) - start) / (run.goal.t_end - start)
+def _report_progress(run: NativeRun, start: float, progress: Progress | None) -> bool:
+    share = (float(run.memory.real[layout.TIME]) - start) / (run.goal.t_end - start)
     return progress is None or progress(share) is not False
 
 
-def _grown(record: Record, memory: Memory) -> Record:
+def _grow(record: Record, memory: Memory) -> Record:
     """Return a record with room for twice as many samples and steps.
 
     Raises
@@ -286,17 +288,17 @@ def _grown(record: Record, memory: Memory) -> Record:
     MemoryError
         No room is left.
     """
-    samples, steps = int(memory.counts[places.SAMPLES]), int(memory.counts[places.STEPS])
+    samples, steps = int(memory.counts[layout.SAMPLES]), int(memory.counts[layout.STEPS])
     if 2 * (record.x.nbytes + record.pieces.nbytes) > memory_limit():
         raise MemoryError
     if record.every_step and samples == record.t.size:
-        record = record._replace(t=_doubled(record.t), x=_doubled(record.x))
+        record = record._replace(t=_double(record.t), x=_double(record.x))
     if record.keep_dense and steps == record.pieces.shape[0]:
-        record = record._replace(breaks=_doubled(record.breaks), pieces=_doubled(record.pieces))
+        record = record._replace(breaks=_double(record.breaks), pieces=_double(record.pieces))
     return record
 
 
-def _doubled(array: Floats) -> Floats:
+def _double(array: Floats) -> Floats:
     size = array.shape[0]
     larger = np.empty((2 * size, *array.shape[1:]))
     larger[:size] = array
@@ -306,9 +308,9 @@ def _doubled(array: Floats) -> Floats:
 def _raw_run(run: NativeRun, record: Record, status: Status, seconds: float) -> RawRun:
     """Cut the record to what was written, and turn it so that time comes last."""
     counts = run.memory.counts
-    samples, steps = int(counts[places.SAMPLES]), int(counts[places.STEPS])
+    samples, steps = int(counts[layout.SAMPLES]), int(counts[layout.STEPS])
     statistics = Statistics(
-        int(counts[places.ACCEPTED]), int(counts[places.REJECTED]), int(counts[places.EVALUATIONS]), seconds
+        int(counts[layout.ACCEPTED]), int(counts[layout.REJECTED]), int(counts[layout.EVALUATIONS]), seconds
     )
     blamed = status in (Status.STEP_COLLAPSE, Status.NOT_FINITE)
     return RawRun(
@@ -316,9 +318,9 @@ def _raw_run(run: NativeRun, record: Record, status: Status, seconds: float) -> 
         np.ascontiguousarray(record.x[:samples].T),
         status,
         statistics,
-        float(run.memory.real[places.TIME]),
-        int(counts[places.STATE]) if blamed else None,
-        int(counts[places.KERNEL]) - 1 if status is Status.SINGULAR else None,
+        float(run.memory.real[layout.TIME]),
+        int(counts[layout.STATE]) if blamed else None,
+        int(counts[layout.KERNEL]) - 1 if status is Status.SINGULAR else None,
         _dense_output(run, record, steps) if record.keep_dense else None,
     )
 
@@ -327,5 +329,5 @@ def _dense_output(run: NativeRun, record: Record, steps: int) -> DenseOutput:
     if steps:
         return DenseOutput(record.breaks[: steps + 1].copy(), record.pieces[:steps].copy())
     piece = np.zeros((1, *record.pieces.shape[1:]))  # no step: the state stays what it was at this one time
-    piece[0, 0] = run.memory.vectors[places.STATE_OLD]
-    return DenseOutput(np.full(2, run.memory.real[places.TIME]), piece)
+    piece[0, 0] = run.memory.vectors[layout.STATE_OLD]
+    return DenseOutput(np.full(2, run.memory.real[layout.TIME]), piece)

@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from symbody.simulation.native import places
+from symbody.simulation.native import layout
 from symbody.simulation.native.dense_output import shortened
 from symbody.simulation.native.interface import Floats, Integers, Record
 from symbody.simulation.status import Status
@@ -59,7 +59,7 @@ def steps_before(breaks: Floats, steps: int, t: float) -> int:
 
 def cut_back(counts: Integers, record: Record, cut: Cut) -> Record:
     """Forget what lies beyond a cut; its state is a sample if every step is one, or if it is the end."""
-    steps, count = int(counts[places.STEPS]), int(counts[places.SAMPLES])
+    steps, count = int(counts[layout.STEPS]), int(counts[layout.SAMPLES])
     direction = 1.0 if record.breaks[steps] >= record.breaks[0] else -1.0
     end = steps_before(record.breaks, steps, cut.t)
     start = record.breaks[end - 1]
@@ -68,26 +68,26 @@ def cut_back(counts: Integers, record: Record, cut: Cut) -> Record:
         record.pieces[end - 1] = shortened(record.pieces[end - 1], float(share))
     sample = int(np.searchsorted(direction * record.t[:count], direction * cut.t))
     record.breaks[end] = cut.t
-    counts[places.STEPS], counts[places.SAMPLES] = end, sample
+    counts[layout.STEPS], counts[layout.SAMPLES] = end, sample
     if record.t.size < sample + 2:
         record = record._replace(t=_longer(record.t), x=_longer(record.x))
     if record.every_step or cut.after is None:
         record.t[sample], record.x[sample] = cut.t, cut.before
-        counts[places.SAMPLES] = sample + 1
+        counts[layout.SAMPLES] = sample + 1
     return record
 
 
 def go_on(begin: Callable[[], int], counts: Integers, record: Record, cut: Cut) -> int:
     """Begin anew at a cut; return the code of `begin`, which stores the state if every step is a sample."""
-    for place in (places.KERNEL, places.AFTER_REJECTION, places.STIFF_VOTES, places.OTHER_VOTES):
+    for place in (layout.KERNEL, layout.AFTER_REJECTION, layout.STIFF_VOTES, layout.OTHER_VOTES):
         counts[place] = 0
     first = float(record.breaks[0])
     code = begin()
     record.breaks[0] = first  # it belongs to the first segment
-    sample = int(counts[places.SAMPLES])
-    if code == places.FINISHED and sample < record.wanted.size and cut.after is not None:
+    sample = int(counts[layout.SAMPLES])
+    if code == layout.FINISHED and sample < record.wanted.size and cut.after is not None:
         record.t[sample], record.x[sample] = cut.t, cut.after
-        counts[places.SAMPLES] = sample + 1
+        counts[layout.SAMPLES] = sample + 1
     return code
 
 

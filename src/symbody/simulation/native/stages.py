@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from symbody.simulation.native.interface import Floats, Goal, Memory, Method, RightHandSide, call, inlined
-from symbody.simulation.native.places import (
+from symbody.simulation.native.layout import (
     ERROR_1,
     ERROR_2,
     EVALUATIONS,
@@ -19,7 +19,7 @@ from symbody.simulation.native.places import (
     STATE_NEW,
     STATE_OLD,
 )
-from symbody.simulation.native.states import WIDTH, everywhere, four, plus, put, times
+from symbody.simulation.native.simd import WIDTH, everywhere, four, plus, put, times
 
 
 @inlined

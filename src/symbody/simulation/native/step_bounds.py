@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.simulation.native.interface import Goal, Integers, inlined
-from symbody.simulation.native.places import FIRST_BREAK, NEXT_BREAK
+from symbody.simulation.native.layout import FIRST_BREAK, NEXT_BREAK
 
 EPSILON: Final = 2.220446049250313e-16
 SMALLEST_STEP: Final = 1e-290  # absolute, for motions that fail at t = 0

@@ -1,4 +1,4 @@
-"""Arrays and a description in one file: NumPy's npz without pickles, the description as JSON."""
+"""A motion in a file: NumPy's npz without pickles, the description as JSON."""
 
 from __future__ import annotations
 
@@ -16,7 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.arguments import fits
+from symbody.equations.showing.units import Units
 from symbody.errors import EnvironmentFault, FormatError, Problem
+from symbody.simulation.events.events import Occurrence
+from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.native.run import Statistics
+from symbody.simulation.results.model_record import provenance_from
+from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
 Path = str | PathLike[str]
@@ -61,7 +67,7 @@ def read_archive(path: Path) -> tuple[dict[str, Floats], About]:
     """
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
-            raise _unreadable(path, "it is no ordinary file")
+            raise _unreadable(path, "it is not an ordinary file")
         file = open(path, "rb")  # closed below
     except (OSError, ValueError) as error:
         raise _unreadable(path, getattr(error, "strerror", None) or str(error)) from error
@@ -78,8 +84,42 @@ def read_archive(path: Path) -> tuple[dict[str, Floats], About]:
     return arrays, about
 
 
+def motion_fields(path: Path) -> dict[str, Any]:
+    """Return what makes the trajectory in a file.
+
+    Raises
+    ------
+    EnvironmentFault
+        If the file cannot be opened.
+    FormatError, ModelError
+        If it holds no trajectory, or its model is none.
+    """
+    arrays, about = read_archive(path)
+    try:
+        check_motion(arrays, about)
+        record = about.get("model")
+        return {
+            "t": arrays["t"],
+            "q": arrays["q"],
+            "u": arrays["u"],
+            "coordinate_names": tuple(about["coordinate_names"]),
+            "speed_names": tuple(about["speed_names"]),
+            "status": Status[about["status"]],
+            "statistics": Statistics(**about["statistics"]),
+            "dense_output": DenseOutput(arrays["breaks"], arrays["pieces"]) if "breaks" in arrays else None,
+            "stored": {name: arrays[f"stored_{k}"] for k, name in enumerate(about["stored"])},
+            "units": Units(about["units"]),
+            "notes": tuple(about["notes"]),
+            "name": about["name"],
+            "events": tuple(Occurrence(*event) for event in about.get("events", ())),
+            "provenance": None if record is None else provenance_from(record, arrays, str(path)),
+        }
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise not_ours(path) from error
+
+
 def check_motion(arrays: Mapping[str, Floats], about: About) -> None:
-    """Compare what a file says of a motion with the arrays in it.
+    """Compare the description of a motion in a file with the arrays in it.
 
     Raises
     ------

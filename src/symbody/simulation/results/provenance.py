@@ -75,15 +75,15 @@ def provenance_of(
     if not isinstance(eqs.model, Model):
         return None
     formed = eqs.formed
-    asked = tuple(laws.asked)
-    known = {asked[place]: table for place, table in laws.tables.items()} | dict(tables or {})
+    callbacks = tuple(laws.callbacks)
+    own_tables = {callbacks[place]: table for place, table in laws.tables.items()} | dict(tables or {})
     return Provenance(
         eqs.model,
         dict(given),
         _trees(formed.topology),
         formed.dependent_names,
-        {name: law for name, law in laws.formulas.items() if name not in known},
-        known,
+        {name: law for name, law in laws.formulas.items() if name not in own_tables},
+        own_tables,
         switches,
     )
 

@@ -17,7 +17,7 @@ from symbody.graph.trees import TreeChoice, Trees
 from symbody.model.model import Model
 from symbody.simulation.inputs.input_laws import Callback, InputLaws
 from symbody.simulation.results.provenance import Provenance
-from symbody.simulation.task import Evaluator, Task
+from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
@@ -54,7 +54,7 @@ class Recomputation:
         Raises
         ------
         UsageError
-            If it cannot be computed from what the file says.
+            If it cannot be computed from the file.
         """
         return self.together((name,), t, q, u)[0]
 
@@ -91,20 +91,20 @@ class Recomputation:
         except TopologyError as error:  # the model lacks joints that gave the coordinates
             raise _another_model(source.model, error.problems[0].what) from error
         check_names(eqs, self.coordinate_names, self.speed_names)
-        asked: dict[str, Callback] = {name: table.reader() for name, table in source.tables.items()}
-        asked |= dict.fromkeys(source.missing_inputs, _unknown_value)
-        laws = StoredLaws(source.inputs, asked, (), {})
+        callbacks: dict[str, Callback] = {name: table.reader() for name, table in source.tables.items()}
+        callbacks |= dict.fromkeys(source.missing_inputs, _unknown_value)
+        laws = StoredLaws(source.inputs, callbacks, (), {})
         scales = mechanism_scales(eqs, source.given, near=self.near)
-        return Evaluator(Task(eqs, source.given, laws, scales), None)
+        return Evaluator(SimulationProblem(eqs, source.given, laws, scales), None)
 
 
 @dataclass(frozen=True, slots=True)
 class StoredLaws(InputLaws):
-    """Laws of inputs from a file; where nobody can say what an input was, it is not a number."""
+    """Laws of inputs from a file; inputs whose law is lost are not numbers."""
 
-    def at(self, t: float, q: Floats, u: Floats) -> list[float]:
-        """Return what is asked at one time."""
-        return [law(t, q, u) for law in self.asked.values()]
+    def evaluate(self, t: float, q: Floats, u: Floats) -> list[float]:
+        """Return the values of callbacks at one time."""
+        return [law(t, q, u) for law in self.callbacks.values()]
 
 
 def provenance_for(model: Model, coordinate_names: Names, speed_names: Names) -> Provenance:

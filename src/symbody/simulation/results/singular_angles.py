@@ -67,14 +67,14 @@ def singular_passages(eqs: EquationSet, dense: DenseOutput) -> Iterator[tuple[Oc
         falling = np.insert(np.diff(sizes) <= 0.0, 0, True)
         for k in np.flatnonzero(rising & falling & (sizes < 10.0 * _NEAR)).tolist():
             between = (float(t[max(k - 1, 0)]), float(t[min(k + 1, t.size - 1)]))
-            moment, size = _least(partial(_measured, angles, dense, n_u), between)
+            moment, size = _least(partial(_measure_at, angles, dense, n_u), between)
             if size < _NEAR:
                 state = dict(zip(eqs.state_names, dense(moment).tolist(), strict=True))
                 event = Occurrence(f"{angles.joint} singular angles", moment, state)
-                yield event, _told(eqs, angles, moment, size)
+                yield event, _passage_note(eqs, angles, moment, size)
 
 
-def _measured(angles: _Angles, dense: DenseOutput, n_u: int, t: float) -> float:
+def _measure_at(angles: _Angles, dense: DenseOutput, n_u: int, t: float) -> float:
     return float(angles.measure(dense(t)[n_u:]))
 
 
@@ -106,7 +106,7 @@ def _cure(joint: Joint) -> str:
     return "another sequence of angles has its places elsewhere"
 
 
-def _told(eqs: EquationSet, angles: _Angles, t: float, size: float) -> str:
+def _passage_note(eqs: EquationSet, angles: _Angles, t: float, size: float) -> str:
     name = eqs.coordinate_names[angles.second]
     return (
         f"joint {angles.joint}: at t = {t:.6g} s {name} passes {size:.1e} rad from a place where its angles "

@@ -12,7 +12,7 @@ from symbody.codegen.compile import constant_values
 from symbody.codegen.massless import massless_speeds
 from symbody.manifold import null_space
 from symbody.model.model import Model
-from symbody.simulation.task import Task
+from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.tolerances import TRACED
 
 Floats = NDArray[np.float64]
@@ -25,12 +25,16 @@ _FAR: Final = 0.5  # rad, or of the size of the mechanism
 _TWO: Final = 2  # coordinates of a rotation that cannot spin about every axis
 
 
-def start_notes(task: Task, first: State) -> tuple[str, ...]:
+def start_notes(problem: SimulationProblem, first: State) -> tuple[str, ...]:
     """Return what should be known of a motion that starts from a state."""
-    return (*_idle_speeds(task, first), *_moved_values(task, first), *_open_loops(task, first))
+    return (
+        *_idle_speeds(problem, first),
+        *_moved_initial_values(problem, first),
+        *_open_loops(problem, first),
+    )
 
 
-def nearly_redundant(task: Task, rows: Floats, values: Floats) -> str:
+def nearly_redundant(problem: SimulationProblem, rows: Floats, values: Floats) -> str:
     """Return which constraints follow from others in direction, but not in value; empty if there are none.
 
     Parameters
@@ -40,10 +44,10 @@ def nearly_redundant(task: Task, rows: Floats, values: Floats) -> str:
     values : (n_h,) array
         Constraints on positions.
     """
-    eqs = task.eqs
+    eqs = problem.eqs
     count = len(eqs.formed.holonomic)
     redundant = null_space(rows[:count].T)
-    open_by = redundant.T @ (values[:count] / task.scales.constraints(eqs)[:count])
+    open_by = redundant.T @ (values[:count] / problem.scales.constraints(eqs)[:count])
     largest = float(np.abs(open_by).max(initial=0.0))
     if not largest > _ROUNDING:
         return ""
@@ -57,23 +61,23 @@ def nearly_redundant(task: Task, rows: Floats, values: Floats) -> str:
     )
 
 
-def _open_loops(task: Task, first: State) -> tuple[str, ...]:
+def _open_loops(problem: SimulationProblem, first: State) -> tuple[str, ...]:
     """Return which loops stay open at a first state because their constraints are nearly redundant."""
-    eqs = task.eqs
-    if not (eqs.formed.holonomic and eqs.speed_names and first.residual > TRACED * task.scales.length):
+    eqs = problem.eqs
+    if not (eqs.formed.holonomic and eqs.speed_names and first.residual > TRACED * problem.scales.length):
         return ()
     t, q = first.t, np.array(list(first.q.values()))
-    function = task.compiled(("constraints", "jacobian"), quick=True)
+    function = problem.compile_outputs(("constraints", "jacobian"), quick=True)
     values, rows = function(t, q, np.zeros(len(eqs.speed_names)))
-    rows = rows / task.scales.constraints(eqs)[:, np.newaxis] * task.scales.displacements(eqs)
-    said = nearly_redundant(task, rows, values) if np.isfinite(rows).all() else ""
-    return (said,) if said else ()
+    rows = rows / problem.scales.constraints(eqs)[:, np.newaxis] * problem.scales.displacements(eqs)
+    note = nearly_redundant(problem, rows, values) if np.isfinite(rows).all() else ""
+    return (note,) if note else ()
 
 
-def _moved_values(task: Task, first: State) -> tuple[str, ...]:
+def _moved_initial_values(problem: SimulationProblem, first: State) -> tuple[str, ...]:
     """Return which initial values of the model were left far behind to close the loops."""
-    eqs = task.eqs
-    sizes = dict(zip(eqs.coordinate_names, task.scales.coordinates(eqs).tolist(), strict=True))
+    eqs = problem.eqs
+    sizes = dict(zip(eqs.coordinate_names, problem.scales.coordinates(eqs).tolist(), strict=True))
     initial = eqs.model.initial
     far = [
         f"{name} = {first.q[name]:.6g} instead of {first.q[name] - change:.6g}"
@@ -87,13 +91,15 @@ def _moved_values(task: Task, first: State) -> tuple[str, ...]:
     )
 
 
-def _idle_speeds(task: Task, first: State) -> tuple[str, ...]:
+def _idle_speeds(problem: SimulationProblem, first: State) -> tuple[str, ...]:
     """Return which speeds no inertia resists at a first state: a rod that spins about itself."""
-    eqs = task.eqs
-    if not eqs.speed_names or not _has_rods(task):
+    eqs = problem.eqs
+    if not eqs.speed_names or not _has_rods(problem):
         return ()
     t, q, u = first.t, np.array(list(first.q.values())), np.array(list(first.u.values()))
-    mass, rows = task.compiled(("mass_matrix", "jacobian"), quick=True)(t, q, u, task.laws.at(t, q, u))
+    mass, rows = problem.compile_outputs(("mass_matrix", "jacobian"), quick=True)(
+        t, q, u, problem.laws.evaluate(t, q, u)
+    )
     names = [eqs.speed_names[k] for k in massless_speeds(mass, rows)]
     if not names:
         return ()
@@ -103,9 +109,9 @@ def _idle_speeds(task: Task, first: State) -> tuple[str, ...]:
     )
 
 
-def _has_rods(task: Task) -> bool:
+def _has_rods(problem: SimulationProblem) -> bool:
     """Return whether a body has no inertia about one of its axes, planar bodies left out."""
-    model = task.eqs.model
+    model = problem.eqs.model
     if not isinstance(model, Model):
         return False
     spherical = {
@@ -113,7 +119,7 @@ def _has_rods(task: Task) -> bool:
         for body in (joint.start.body, joint.end.body)
     }  # fmt: skip
     formulas = {f"{k} {i}": body.inertia[i] for k, body in enumerate(model.bodies) for i in range(3)}
-    values = constant_values(task.eqs, formulas, task.parameters)
+    values = constant_values(problem.eqs, formulas, problem.parameters)
     for k, body in enumerate(model.bodies):
         zeros = sum(values[f"{k} {i}"] == 0.0 for i in range(3))
         if zeros == 1 or (zeros > 1 and body.name in spherical):

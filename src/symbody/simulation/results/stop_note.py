@@ -13,8 +13,8 @@ from symbody.manifold import count_significant
 from symbody.model.loads.forces import SpringDamper
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.results.start_notes import TAKES_PART, nearly_redundant
+from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
-from symbody.simulation.task import Task
 
 Floats = NDArray[np.float64]
 
@@ -27,19 +27,19 @@ _LOST: Final = 1e-3
 _DEMANDED: Final = 1e-2
 
 
-def stop_note(task: Task, raw: RawRun) -> str:
+def stop_note(problem: SimulationProblem, raw: RawRun) -> str:
     """Return where and on whose account a run ended early, empty if it did not."""
-    known = f"the motion is known up to t = {raw.reached:.9g} s"
-    if raw.status in _COLLAPSES and task.eqs.multiplier_names:
-        position = _singular_position(task, raw)
-        told = _open_constraints(task, raw) if position is None else position.told
-        if told:
-            return f"{known}; {told}"
+    reached = f"the motion is known up to t = {raw.reached:.9g} s"
+    if raw.status in _COLLAPSES and problem.eqs.multiplier_names:
+        position = _singular_position(problem, raw)
+        cause = _open_constraints(problem, raw) if position is None else position.note
+        if cause:
+            return f"{reached}; {cause}"
     if raw.status in (Status.SINGULAR, Status.NOT_FINITE):
-        told = _massless(task, raw) or _without_direction(task, raw)
-        if told:
-            return f"{known}; {told}"
-    return raw.stop_note((*task.eqs.state_names, "work"))
+        cause = _massless(problem, raw) or _springs_of_no_length(problem, raw)
+        if cause:
+            return f"{reached}; {cause}"
+    return raw.stop_note((*problem.eqs.state_names, "work"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,7 @@ class _SingularPosition:
     is_locked: bool
 
     @property
-    def told(self) -> str:
+    def note(self) -> str:
         """The position in words."""
         joints = f"joint{'s' if len(self.joints) > 1 else ''} {', '.join(self.joints)}"
         speeds = ", ".join(self.speeds)
@@ -84,11 +84,11 @@ def _freedoms(count: int) -> str:
     return f"{count} degree{'' if count == 1 else 's'} of freedom {'is' if count == 1 else 'are'}"
 
 
-def _singular_position(task: Task, raw: RawRun) -> _SingularPosition | None:
+def _singular_position(problem: SimulationProblem, raw: RawRun) -> _SingularPosition | None:
     """Return the singular position at which a motion ended, if it is one."""
-    eqs = task.eqs
-    n_u, scales = len(eqs.speed_names), task.scales.constraints(eqs)
-    rows, drift = _constraint_rows(task, raw)
+    eqs = problem.eqs
+    n_u, scales = len(eqs.speed_names), problem.scales.constraints(eqs)
+    rows, drift = _constraint_rows(problem, raw)
     if n_u == 0 or not np.isfinite(rows).all():
         return None
     sizes = np.linalg.svd(rows, compute_uv=False)
@@ -110,52 +110,56 @@ def _singular_position(task: Task, raw: RawRun) -> _SingularPosition | None:
     )
 
 
-def _constraint_rows(task: Task, raw: RawRun) -> tuple[Floats, Floats]:
+def _constraint_rows(problem: SimulationProblem, raw: RawRun) -> tuple[Floats, Floats]:
     """Return the constraints on velocities along the motion, without units, and what they demand."""
-    eqs = task.eqs
-    t, x = _samples(task, raw)
+    eqs = problem.eqs
+    t, x = _samples(problem, raw)
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
-    function = task.compiled(("jacobian", "velocity_constraints"))
-    rows, drift = task.evaluated(function, t, x[n_u:n], np.zeros((n_u, t.size)))
-    scales, speeds = task.scales.constraints(eqs), task.scales.displacements(eqs)
+    function = problem.compile_outputs(("jacobian", "velocity_constraints"))
+    rows, drift = problem.evaluate(function, t, x[n_u:n], np.zeros((n_u, t.size)))
+    scales, speeds = problem.scales.constraints(eqs), problem.scales.displacements(eqs)
     return rows / scales[:, np.newaxis] * speeds, drift
 
 
-def _open_constraints(task: Task, raw: RawRun) -> str:
+def _open_constraints(problem: SimulationProblem, raw: RawRun) -> str:
     """Return which constraints follow from others in direction, but not in value, where a motion ended."""
-    eqs = task.eqs
-    rows, _ = _constraint_rows(task, raw)
+    eqs = problem.eqs
+    rows, _ = _constraint_rows(problem, raw)
     if not (rows.size and eqs.formed.holonomic and np.isfinite(rows[-1]).all()):
         return ""
-    t, x = _samples(task, raw)
+    t, x = _samples(problem, raw)
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
-    values = task.evaluated(task.compiled("constraints"), t[-1:], x[n_u:n, -1:], x[:n_u, -1:])[0]
-    said = nearly_redundant(task, rows[-1], values)
-    return said and f"there {said}"
+    values = problem.evaluate(problem.compile_outputs("constraints"), t[-1:], x[n_u:n, -1:], x[:n_u, -1:])[0]
+    note = nearly_redundant(problem, rows[-1], values)
+    return note and f"there {note}"
 
 
-def _massless(task: Task, raw: RawRun) -> str:
+def _massless(problem: SimulationProblem, raw: RawRun) -> str:
     """Return which motion no mass resists at the last state, if that is why a run ended."""
-    eqs = task.eqs
-    t, x = _samples(task, raw)
+    eqs = problem.eqs
+    t, x = _samples(problem, raw)
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
-    function = task.compiled(("mass_matrix", "jacobian"))
-    mass, rows = task.evaluated(function, t[-1:], x[n_u:n, -1:], x[:n_u, -1:])
+    function = problem.compile_outputs(("mass_matrix", "jacobian"))
+    mass, rows = problem.evaluate(function, t[-1:], x[n_u:n, -1:], x[:n_u, -1:])
     places = massless_speeds(mass[0], rows[0])
     if not places:
         return ""
-    problem = massless_problem("", [eqs.speed_names[k] for k in places], eqs.coordinate_names)
-    return f"there {problem.what}; {problem.fix}"
+    fault = massless_problem("", [eqs.speed_names[k] for k in places], eqs.coordinate_names)
+    return f"there {fault.what}; {fault.fix}"
 
 
-def _without_direction(task: Task, raw: RawRun) -> str:
+def _springs_of_no_length(problem: SimulationProblem, raw: RawRun) -> str:
     """Return which springs have the length zero, and so no direction, at the last state."""
-    eqs = task.eqs
-    t, x = _samples(task, raw)
+    eqs = problem.eqs
+    t, x = _samples(problem, raw)
     n_u, n = len(eqs.speed_names), len(eqs.state_names)
     springs = [spring.name for spring in eqs.model.elements if isinstance(spring, SpringDamper)]
     lengths = [
-        float(task.evaluated(task.compiled(f"length {name}"), t[-1:], x[n_u:n, -1:], x[:n_u, -1:])[0])
+        float(
+            problem.evaluate(problem.compile_outputs(f"length {name}"), t[-1:], x[n_u:n, -1:], x[:n_u, -1:])[
+                0
+            ]
+        )
         for name in springs
     ]
     short = [name for name, length in zip(springs, lengths, strict=True) if length == 0.0]
@@ -167,7 +171,7 @@ def _without_direction(task: Task, raw: RawRun) -> str:
     )
 
 
-def _samples(task: Task, raw: RawRun) -> tuple[Floats, Floats]:
+def _samples(problem: SimulationProblem, raw: RawRun) -> tuple[Floats, Floats]:
     """Return times of the motion up to its last, and the states there."""
     if raw.dense_output is None:
         return raw.t[[0, -1]], raw.x[:, [0, -1]]

@@ -18,11 +18,10 @@ from symbody.notebook import Displayed
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
-from symbody.simulation.results.archive import Path, not_ours, unwritable, write_archive
+from symbody.simulation.results.archive import Path, motion_fields, not_ours, unwritable, write_archive
 from symbody.simulation.results.evaluate import Evaluate, EvaluateTogether
 from symbody.simulation.results.model_record import record_of
 from symbody.simulation.results.provenance import Provenance
-from symbody.simulation.results.reading import motion_fields
 from symbody.simulation.results.recomputation import Recomputation, provenance_for
 from symbody.simulation.status import Status
 
@@ -45,7 +44,7 @@ class Trajectory(Displayed):
     coordinate_names, speed_names : tuple of str
         The names of their rows.
     status : Status
-        How the motion ended; ``status.value`` says what to try.
+        How the motion ended; ``status.value`` names what to try.
     statistics : Statistics
         What it cost.
     evaluate : callable, optional
@@ -94,7 +93,7 @@ class Trajectory(Displayed):
 
     @property
     def success(self) -> bool:
-        """Whether the motion was computed as far as was asked."""
+        """Whether the motion reached its end, or an event that stops it."""
         return self.status.success
 
     @property
@@ -121,7 +120,7 @@ class Trajectory(Displayed):
         UsageError
             An unknown name.
         """
-        values = self._known(name)
+        values = self._stored_values(name)
         if values is not None:
             return values
         if self.evaluate is None:
@@ -138,7 +137,7 @@ class Trajectory(Displayed):
         UsageError
             An unknown name.
         """
-        values = {name: self._known(name) for name in names}
+        values = {name: self._stored_values(name) for name in names}
         missing = [name for name, array in values.items() if array is None]
         if len(missing) < 2 or not isinstance(self.evaluate, EvaluateTogether):
             return {name: self[name] for name in names}
@@ -147,7 +146,7 @@ class Trajectory(Displayed):
         shaped = {name: array if self.t.ndim else array[..., 0] for name, array in made.items()}
         return {name: shaped[name] if array is None else array for name, array in values.items()}
 
-    def _known(self, name: str) -> Floats | None:
+    def _stored_values(self, name: str) -> Floats | None:
         """Return what is stored under a name."""
         if name == "t":
             return self.t
@@ -187,9 +186,9 @@ class Trajectory(Displayed):
         """
         times = np.asarray(t, dtype=np.float64)
         if times.ndim > 1:
-            raise _at("times have more than one axis", "give one time, or a list of times")
+            raise _time_fault("times have more than one axis", "give one time, or a list of times")
         if self.dense_output is None:
-            raise _at(
+            raise _time_fault(
                 "the motion between the samples was not kept", "pass the times to simulate(..., times=)"
             )
         x = self.dense_output(times)
@@ -245,7 +244,7 @@ class Trajectory(Displayed):
         chosen = names or (*self.coordinate_names, *self.speed_names)
         found: dict[str, Floats] = {}
         for name in chosen:
-            found.update(_split(name, self._with_time(self[name])))
+            found.update(_split_columns(name, self._with_time(self[name])))
         return found
 
     @checked_arguments
@@ -373,7 +372,7 @@ def _no_model() -> UsageError:
     )  # fmt: skip
 
 
-def _at(what: str, fix: str) -> UsageError:
+def _time_fault(what: str, fix: str) -> UsageError:
     return UsageError(Problem("trajectory.at", "at", what, fix=fix))
 
 
@@ -384,7 +383,7 @@ def _read_only(array: Floats) -> Floats:
     return view
 
 
-def _split(name: str, values: Floats) -> Iterator[tuple[str, Floats]]:
+def _split_columns(name: str, values: Floats) -> Iterator[tuple[str, Floats]]:
     """Yield one column after the other of an output with time last."""
     shape = values.shape[:-1]
     letters = "xyz" if all(size == 3 for size in shape) else ""

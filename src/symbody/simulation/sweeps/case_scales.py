@@ -85,20 +85,20 @@ def case_scales(
     near : mapping of name to (cases,) array
         Configurations, whose displacements count where the model has no other length.
     """
-    told, units = checked_scales(given), eqs.units
+    checked, units = checked_scales(given), eqs.units
     lengths = _largest(case_values(eqs, table, geometry(eqs)), table.count)
     near_ones = {name: np.abs(values) for name, values in near.items() if units.get(name) == "m"}
     lengths = np.where(lengths > 0.0, lengths, _largest(near_ones, table.count))
     lengths = np.where(lengths > 0.0, lengths, 1.0)
-    if "length" in told:
-        lengths = np.full(table.count, told["length"])
+    if "length" in checked:
+        lengths = np.full(table.count, checked["length"])
     pulls = case_values(eqs, table, numbered(eqs.model.gravity))
     gravity = np.sqrt(sum((pull**2 for pull in pulls.values()), np.zeros(table.count)))
     usual = TIME_OF_SPAN * abs(span[1] - span[0]) or 1.0
     falls = gravity > 0.0
     times = np.where(falls, np.sqrt(lengths / np.where(falls, gravity, 1.0)), usual)
-    if "time" in told:
-        times = np.full(table.count, told["time"])
+    if "time" in checked:
+        times = np.full(table.count, checked["time"])
     return CaseScales(eqs, lengths, times, _equations(eqs, table, lengths))
 
 
@@ -121,8 +121,8 @@ def _largest(columns: Mapping[str, Floats], count: int) -> Floats:
 
 def _equations(eqs: EquationSet, table: CaseTable, lengths: Floats) -> dict[str, Floats]:
     """Return what `analysis.scales` measures equations of users by, in each case."""
-    own, units = own_equations(eqs), eqs.units
-    if not own:
+    rows_of_users, units = own_equations(eqs), eqs.units
+    if not rows_of_users:
         return {}
     inputs: dict[str, Value] = dict.fromkeys(eqs.input_names, 0)
     function = CompiledFunction(
@@ -135,4 +135,4 @@ def _equations(eqs: EquationSet, table: CaseTable, lengths: Floats) -> dict[str,
     sizes = np.abs(rows).max(axis=2, initial=0.0)
     usable = np.isfinite(sizes) & (sizes > 0.0)
     scales = np.where(usable, sizes, np.where(are_lengths(eqs), columns, 1.0))
-    return {eqs.multiplier_names[k]: scales[:, k] for k in own}
+    return {eqs.multiplier_names[k]: scales[:, k] for k in rows_of_users}

@@ -121,7 +121,7 @@ def case_table(
     Parameters
     ----------
     check : callable, optional
-        Is told how many cases there will be, and names that vary, before any memory is taken for them.
+        Called with the numbers of cases and of names that vary, before any memory is taken for them.
 
     Raises
     ------
@@ -132,13 +132,13 @@ def case_table(
     given += [("initial", name, value) for name, value in initial.items()]
     lists = {(kind, name): value for kind, name, value in given if _varies(value)}
     drawn = {(kind, name): value for kind, name, value in given if isinstance(value, Samples)}
-    columns = _checked(lists, combine, bool(drawn), samples)
+    columns = _check_columns(lists, combine, bool(drawn), samples)
     count, each = _count(columns, combine), samples if drawn and samples is not None else 1
     keys = [*columns, *drawn]
     if check is not None:
         check(count * each, len(keys))
     table = np.empty((count * each, len(keys)))
-    for place, column in enumerate(_combined(columns, combine, count)):
+    for place, column in enumerate(_combine(columns, combine, count)):
         table[:, place] = np.repeat(column, each)
     for place, ((_, name), value) in enumerate(drawn.items(), start=len(columns)):
         if isinstance(value, Samples) and samples is not None:
@@ -168,7 +168,7 @@ def _constants(given: Mapping[str, Varied]) -> dict[str, Value]:
     }
 
 
-def _checked(
+def _check_columns(
     lists: Mapping[tuple[str, str], Varied], combine: str, has_samples: bool, samples: int | None
 ) -> dict[tuple[str, str], Floats]:
     """Return the sequences as arrays."""
@@ -189,7 +189,7 @@ def _checked(
         column = _column(value)
         if column is None:
             problems.append(
-                Problem("sweep.values", f"{kind}, {name}", f"{value!r} is no list of numbers",
+                Problem("sweep.values", f"{kind}, {name}", f"{value!r} is not a list of numbers",
                         "each case takes one finite number", "give numbers such as np.linspace(1, 2, 11)")
             )  # fmt: skip
         else:
@@ -220,7 +220,7 @@ def _count(columns: Mapping[tuple[str, str], Floats], combine: str) -> int:
     return math.prod(sizes) if combine == "product" else max(sizes, default=1)
 
 
-def _combined(columns: Mapping[tuple[str, str], Floats], combine: str, count: int) -> Iterator[Floats]:
+def _combine(columns: Mapping[tuple[str, str], Floats], combine: str, count: int) -> Iterator[Floats]:
     """Yield the values of each name in all combinations, the last name varying fastest."""
     within = count
     for column in columns.values():

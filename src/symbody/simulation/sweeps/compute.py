@@ -1,4 +1,4 @@
-"""The cases of a part, computed: the arrays of the compiled loops, and the way to them in another process."""
+"""Computes the cases of a chunk: the arrays of the compiled loops, and the way to them in another process."""
 
 from __future__ import annotations
 
@@ -15,14 +15,16 @@ from numpy.typing import NDArray
 from symbody.codegen.function import CompiledFunction
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
 from symbody.simulation.inputs.time_functions import time_functions
-from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, goal_of
+from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
 from symbody.simulation.native.cases import Cases, Outcome, run_cases
 from symbody.simulation.native.interface import Memory, Projector, Record, RightHandSide
 from symbody.simulation.native.lanes.arithmetic import WIDTH
-from symbody.simulation.native.lanes.cases import Single, run_cases_in_lanes
-from symbody.simulation.native.lanes.steps import ONE, TRIALS, Bundle
+from symbody.simulation.native.lanes.lane_cases import Single, run_cases_in_lanes
+from symbody.simulation.native.lanes.lane_steps import ONE, TRIALS, Bundle
 from symbody.simulation.native.run import fresh_memory, method_arrays
-from symbody.simulation.sweeps.job import NOT_STARTED, Job, Part, Records, Signal, blocks
+from symbody.simulation.sweeps.case_by_case import compute_case
+from symbody.simulation.sweeps.records import NOT_STARTED, Chunk, LoopJob, Records, Signal, blocks
+from symbody.simulation.sweeps.sweep_job import SweepJob
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
@@ -35,31 +37,31 @@ _LINE: Final = 64
 _TOGETHER: Final = 256
 
 
-def compute(job: Job, part: Part, records: Records, stop: Integers, done: Integers) -> None:
-    """Compute the cases of a part that have not ended, in one thread, without the interpreter's lock."""
-    records.codes[~np.isfinite(part.states).all(axis=1)] = NOT_STARTED
+def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers, done: Integers) -> None:
+    """Compute the cases of a chunk that have not ended, in one thread, without the interpreter's lock."""
+    records.codes[~np.isfinite(chunk.states).all(axis=1)] = NOT_STARTED
     method = job.method
-    breakpoints = _breakpoints(job, part)
-    cases = _cases(job, part, breakpoints)
+    breakpoints = _breakpoints(job, chunk)
+    cases = _cases(job, chunk, breakpoints)
     single = _single(job, cases, breakpoints)
     outcome = Outcome(records.x, records.codes, records.counts, records.reached, stop, done)
     first_step = 0.0 if method.first_step is None else float(method.first_step)
-    if job.lanes and part.count >= WIDTH and job.state_size:
+    if job.lanes and chunk.count >= WIDTH and job.state_size:
         function = job.function.in_lanes()
         wide = single.rhs._replace(
             address=function.address,
             n_u=single.rhs.n_u * WIDTH,
-            parameters=_aligned(single.rhs.parameters.size * WIDTH),
-            constants=_aligned(single.rhs.constants.size * WIDTH),
-            work=_aligned(function.work_size),
-            clock=_aligned(WIDTH),
+            parameters=_aligned_zeros(single.rhs.parameters.size * WIDTH),
+            constants=_aligned_zeros(single.rhs.constants.size * WIDTH),
+            work=_aligned_zeros(function.work_size),
+            clock=_aligned_zeros(WIDTH),
         )
         run_cases_in_lanes(single, wide, _bundle(single.memory), job.span[0], first_step, cases, outcome)
     else:
         run_cases(*single, job.span[0], first_step, cases, outcome)
 
 
-def _breakpoints(job: Job, part: Part) -> Sequence[Breakpoints]:
+def _breakpoints(job: LoopJob, chunk: Chunk) -> Sequence[Breakpoints]:
     """Return the breakpoints of all cases, or one for all."""
     if job.breakpoints is not None:
         return job.breakpoints
@@ -67,35 +69,35 @@ def _breakpoints(job: Job, part: Part) -> Sequence[Breakpoints]:
     if functions is None:
         return [NO_BREAKPOINTS]
     found: list[Breakpoints] = []
-    for first, last in blocks(part.count, _TOGETHER):
-        found += find_breakpoints(functions, job.span, part.parameters[first:last])
+    for first, last in blocks(chunk.count, _TOGETHER):
+        found += find_breakpoints(functions, job.span, chunk.parameters[first:last])
     return found
 
 
-def _cases(job: Job, part: Part, breakpoints: Sequence[Breakpoints]) -> Cases:
+def _cases(job: LoopJob, chunk: Chunk, breakpoints: Sequence[Breakpoints]) -> Cases:
     sizes = [own.longest.size for own in breakpoints]
     firsts = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int64)
-    nothing = np.zeros((part.count, 0))
+    nothing = np.zeros((chunk.count, 0))
     closing = job.closing
     return Cases(
-        _copied(part.states),
-        _copied(part.parameters),
-        _constants(job.function, part.parameters),
-        nothing if closing is None else _copied(part.parameters),
-        nothing if closing is None else _constants(closing, part.parameters),
-        _copied(part.scales),
-        _copied(part.sizes),
-        _copied(part.atol),
-        firsts if firsts.size == part.count else np.zeros(part.count, dtype=np.int64),
+        _copy(chunk.states),
+        _copy(chunk.parameters),
+        _constants(job.function, chunk.parameters),
+        nothing if closing is None else _copy(chunk.parameters),
+        nothing if closing is None else _constants(closing, chunk.parameters),
+        _copy(chunk.scales),
+        _copy(chunk.sizes),
+        _copy(chunk.atol),
+        firsts if firsts.size == chunk.count else np.zeros(chunk.count, dtype=np.int64),
     )
 
 
-def _copied(array: Floats) -> Floats:
+def _copy(array: Floats) -> Floats:
     """Return an array that can be written to: those of a message cannot, and numba would compile anew."""
     return np.array(array, dtype=np.float64, order="C")
 
 
-def _single(job: Job, cases: Cases, breakpoints: Sequence[Breakpoints]) -> Single:
+def _single(job: LoopJob, cases: Cases, breakpoints: Sequence[Breakpoints]) -> Single:
     """Return the loop for one motion, with room for the numbers of one case."""
     function, tableau, n = job.function, job.method.tableau, job.state_size
     rhs = RightHandSide(
@@ -108,7 +110,7 @@ def _single(job: Job, cases: Cases, breakpoints: Sequence[Breakpoints]) -> Singl
         np.zeros(1),
     )
     longest = math.inf if job.method.max_step is None else float(job.method.max_step)
-    goal = goal_of(job.span, job.rtol, np.ones(n), longest, breakpoints)
+    goal = make_goal(job.span, job.rtol, np.ones(n), longest, breakpoints)
     goal = goal._replace(max_trials=job.max_steps, stop_when_stiff=job.stop_when_stiff)
     memory = fresh_memory(tableau, np.zeros(n), job.span[0])
     scratch = np.zeros((0, n)), np.zeros(1), np.zeros((0, memory.F.shape[1], n))
@@ -119,17 +121,17 @@ def _single(job: Job, cases: Cases, breakpoints: Sequence[Breakpoints]) -> Singl
 def _bundle(memory: Memory) -> Bundle:
     """Return what all lanes need, in which nothing is computed yet."""
     n = memory.K.shape[1] * WIDTH
-    trial, minus_zero = _aligned(TRIALS, WIDTH), _aligned(1, n)
+    trial, minus_zero = _aligned_zeros(TRIALS, WIDTH), _aligned_zeros(1, n)
     trial[ONE] = 1.0
     minus_zero[:] = -0.0
-    tolerances = _aligned(1, n)
+    tolerances = _aligned_zeros(1, n)
     tolerances[:] = 1.0
     return Bundle(
-        _aligned(memory.vectors.shape[0], n),
-        _aligned(memory.K.shape[0], n),
-        _aligned(memory.F.shape[1], n),
-        _aligned(1, n),
-        _aligned(1, n),
+        _aligned_zeros(memory.vectors.shape[0], n),
+        _aligned_zeros(memory.K.shape[0], n),
+        _aligned_zeros(memory.F.shape[1], n),
+        _aligned_zeros(1, n),
+        _aligned_zeros(1, n),
         minus_zero,
         tolerances,
         trial,
@@ -140,7 +142,7 @@ def _bundle(memory: Memory) -> Bundle:
     )
 
 
-def _aligned(*shape: int) -> Floats:
+def _aligned_zeros(*shape: int) -> Floats:
     """Return zeros that begin where registers are loaded by one access."""
     size = math.prod(shape)
     room = np.zeros(size + _LINE // 8)
@@ -152,10 +154,10 @@ def _constants(function: CompiledFunction, parameters: Floats) -> Floats:
     found = function.constants(parameters)
     if found.ndim == 1:  # nothing to compute beforehand
         return np.zeros((parameters.shape[0], 0))
-    return _copied(np.broadcast_to(found, (parameters.shape[0], found.shape[1])))
+    return _copy(np.broadcast_to(found, (parameters.shape[0], found.shape[1])))
 
 
-def _projector(job: Job, cases: Cases) -> Projector:
+def _projector(job: LoopJob, cases: Cases) -> Projector:
     """Return what projects, with room for the numbers of one case."""
     closing = job.closing
     if closing is None:
@@ -177,45 +179,49 @@ def _projector(job: Job, cases: Cases) -> Projector:
     )
 
 
-def run_part(payload: bytes, part: Part, threads: int) -> Records | str:
-    """Compute a part in another process; return why it cannot be done there rather than raise.
+def compute_chunk(payload: bytes, chunk: Chunk, threads: int) -> Records | str:
+    """Compute a chunk in another process; return why it cannot be done there rather than raise.
 
     Whatever else comes back in place of records then comes from the executor itself.
     """
     try:
-        job = _job(payload)
-        records = Records.empty(part.first, part.count, job.times.size, job.state_size)
-        signal = Signal.new()
-        size = -(-part.count // max(threads, 1))
-        ends = list(blocks(part.count, size))
-        if len(ends) == 1:
-            compute(job, part, records, signal.stop, signal.done)
+        job = _JOBS.get(payload, partial(_unpack, payload))
+        options = job.options if isinstance(job, SweepJob) else job
+        states = len(job.eqs.state_names) if isinstance(job, SweepJob) else job.state_size
+        records = Records.empty(chunk.first, chunk.count, options.times.size, states)
+        if isinstance(job, SweepJob):
+            for case in range(chunk.first, chunk.first + chunk.count):
+                compute_case(job, case, records)
         else:
-            with ThreadPoolExecutor(len(ends)) as pool:
-                tasks = [
-                    pool.submit(
-                        compute, job, part.cut(*both), records.cut(*both), signal.stop, Signal.new().done
-                    )
-                    for both in ends
-                ]
-                for task in tasks:
-                    task.result()
+            _compute_in_threads(job, chunk, records, threads)
     except Exception as error:  # it may not be known where the answer is read
         return f"{type(error).__name__}: {error}"
     return records
 
 
-# A part may be computed in several threads of a worker.
-_JOBS: Final[SingleFlight[bytes, Job]] = SingleFlight(4)
+def _compute_in_threads(job: LoopJob, chunk: Chunk, records: Records, threads: int) -> None:
+    signal = Signal.new()
+    ends = list(blocks(chunk.count, -(-chunk.count // max(threads, 1))))
+    if len(ends) == 1:
+        compute_in_loop(job, chunk, records, signal.stop, signal.done)
+        return
+    with ThreadPoolExecutor(len(ends)) as pool:
+        futures = [
+            pool.submit(
+                compute_in_loop, job, chunk.cut(*both), records.cut(*both), signal.stop, Signal.new().done
+            )
+            for both in ends
+        ]
+        for future in futures:
+            future.result()
 
 
-def _job(payload: bytes) -> Job:
-    """Return a job whose functions are compiled once in a process."""
-    return _JOBS.get(payload, partial(_unpacked, payload))
+# A chunk may be computed in several threads of a worker; its functions are compiled once in a process.
+_JOBS: Final[SingleFlight[bytes, LoopJob | SweepJob]] = SingleFlight(4)
 
 
-def _unpacked(payload: bytes) -> Job:
+def _unpack(payload: bytes) -> LoopJob | SweepJob:
     job = pickle.loads(payload)
-    if not isinstance(job, Job):
-        raise TypeError(f"{type(job).__name__} is no job")
+    if not isinstance(job, LoopJob | SweepJob):
+        raise TypeError(f"{type(job).__name__} is not a job")
     return job

@@ -1,62 +1,87 @@
-"""Outputs of all cases that are not stored, computed when they are asked for."""
+"""Outputs of all cases that are not stored, computed when they are first read."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.scales import Scales, mechanism_scales
 from symbody.codegen.compile import form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.simulation.hybrid.concatenate import Piecewise, changing_shape
+from symbody.simulation.hybrid.modes import HybridMechanism, Modes
+from symbody.simulation.hybrid.switching import hybrid_mechanism, switches
 from symbody.simulation.inputs.input_laws import InputLaws
-from symbody.simulation.modes.switching import switches
 from symbody.simulation.results.provenance import Provenance, provenance_of
+from symbody.simulation.simulation_problem import VIOLATIONS, Evaluator, SimulationProblem
 from symbody.simulation.sweeps.case_table import CaseTable
+from symbody.simulation.sweeps.records import CaseDetails
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evaluation:
-    """Equations with the cases they are computed for."""
+    """Equations with the cases they are computed for.
+
+    Attributes
+    ----------
+    details : mapping of case to CaseDetails
+        Of cases whose equations changed on the way, among others.
+    scales : mapping of name to float
+        As in `sweep`.
+    """
 
     eqs: EquationSet
     table: CaseTable
     laws: InputLaws
-    _functions: SingleFlight[str | tuple[str, ...], CompiledFunction] = field(
+    span: tuple[float, float]
+    details: Mapping[int, CaseDetails]
+    scales: Mapping[str, float]
+    _functions: SingleFlight[tuple[Modes, str | tuple[str, ...]], CompiledFunction] = field(
         default_factory=SingleFlight, repr=False
     )
+    _mechanisms: SingleFlight[str, HybridMechanism] = field(default_factory=SingleFlight, repr=False)
 
-    def of(self, name: str, t: Floats, x: Floats) -> Floats:
+    def evaluate(self, name: str, t: Floats, x: Floats) -> Floats:
         """Return an output with cases first and time last; x is (cases, n, N)."""
+        is_known: Flags = np.asarray(np.isfinite(x).all(axis=1))
+        if name == "work" and {*np.nonzero(is_known)[0].tolist()} <= {*self.details}:
+            return self._work(is_known)
+        if name in VIOLATIONS:
+            return self._violations(name, t, x)
         n_u = len(self.eqs.speed_names)
-        known = np.isfinite(x).all(axis=1)
-        case, sample = np.nonzero(known)
+        case, sample = np.nonzero(is_known)
         rows = x[case, :, sample]
-        values = self._at(name, t[sample], rows[:, n_u:], rows[:, :n_u], self.table.parameters[case])
-        whole: Floats = np.full((*known.shape, *values.shape[1:]), np.nan)
+        values = self._values(name, case, t[sample], rows[:, n_u:], rows[:, :n_u])
+        whole: Floats = np.full((*is_known.shape, *values.shape[1:]), np.nan)
         whole[case, sample] = values
         if name in self.eqs.measured_angles:
             return np.unwrap(whole, axis=1)
         return np.moveaxis(whole, 1, -1)
 
-    def of_case(self, case: int, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
+    def evaluate_case(self, case: int, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
         """Return outputs of one case with time last; q is (n_q, N), u is (n_u, N)."""
-        p = self.table.parameters[case]
-        if len(names) == 1:
-            computed = [self._at(names[0], t, q.T, u.T, p)]
+        plain = tuple(name for name in names if name not in VIOLATIONS)
+        cases = np.full(t.size, case)
+        if len(plain) < 2 or self._has_modes(case):
+            computed = {name: self._values(name, cases, t, q.T, u.T) for name in plain}
         else:
-            arrays = self._function(tuple(names))(t, q.T, u.T, self.laws.values(t, q, u), p)
-            computed = [_at_all_times(array, t) for array in arrays]
+            function = self._function((), plain)
+            arrays = function(t, q.T, u.T, self.laws.values(t, q, u), self.table.parameters[case])
+            computed = {name: _repeat_constant(array, t) for name, array in zip(plain, arrays, strict=True)}
         angles = self.eqs.measured_angles
-        return [
-            np.unwrap(values) if name in angles else np.moveaxis(values, 0, -1)
-            for name, values in zip(names, computed, strict=True)
-        ]
+        shown = {
+            name: np.unwrap(values) if name in angles else np.moveaxis(values, 0, -1)
+            for name, values in computed.items()
+        }
+        return [shown[name] if name in shown else self._violation(case, name, t, q, u) for name in names]
 
     def provenance(self, case: int) -> Provenance | None:
         """Return what one case was computed from."""
@@ -64,22 +89,88 @@ class Evaluation:
             self.eqs, self.table.values(case)[0], self.laws, switches=switches(self.eqs.formed)
         )
 
-    def _at(self, name: str, t: Floats, q: Floats, u: Floats, p: Floats) -> Floats:
-        return _at_all_times(self._function(name)(t, q, u, self.laws.values(t, q.T, u.T), p), t)
+    def _has_modes(self, case: int) -> bool:
+        return case in self.details and bool(self.details[case].modes)
 
-    def _function(self, outputs: str | tuple[str, ...]) -> CompiledFunction:
+    def _values(self, name: str, cases: NDArray[np.intp], t: Floats, q: Floats, u: Floats) -> Floats:
+        """Return an output with time first, each sample by the equations that held at its time."""
+        whole: Floats | None = None
+        for modes, inside in self._samples_by_modes(cases, t):
+            given = t[inside], q[inside], u[inside]
+            inputs = self.laws.values(given[0], given[1].T, given[2].T)
+            values = self._function(modes, name)(*given, inputs, self.table.parameters[cases[inside]])
+            values = _repeat_constant(values, given[0])
+            if whole is None:
+                whole = np.empty((t.size, *values.shape[1:]))
+            if values.shape[1:] != whole.shape[1:]:
+                raise changing_shape(name)
+            whole[inside] = values
+        return np.empty(0) if whole is None else whole
 
-        def compiled() -> CompiledFunction:
+    def _samples_by_modes(self, cases: NDArray[np.intp], t: Floats) -> Iterator[tuple[Modes, Flags]]:
+        """Yield modes, and which samples lie in them; none where the equations stay the same."""
+        modes: list[Modes] = [()] * t.size
+        for case in filter(self._has_modes, np.unique(cases).tolist()):
+            details = self.details[case]
+            starts = np.array(details.starts)
+            for k in np.flatnonzero(cases == case).tolist():
+                modes[k] = details.modes[max(int(np.searchsorted(starts, t[k], side="right")) - 1, 0)]
+        if not modes:
+            yield (), np.zeros(0, dtype=np.bool_)
+        for some in dict.fromkeys(modes):
+            yield some, np.array([other == some for other in modes], dtype=np.bool_)
+
+    def _function(self, modes: Modes, outputs: str | tuple[str, ...]) -> CompiledFunction:
+
+        def compile_outputs() -> CompiledFunction:
             table = self.table
             sequence = form_sequence(
-                self.eqs, outputs, table.fixed_parameters, table.parameter_names, self.laws.formulas
-            )
+                self._equations(modes), outputs, table.fixed_parameters, table.parameter_names,
+                self.laws.formulas,
+            )  # fmt: skip
             return CompiledFunction(*sequence, quick=True)
 
-        return self._functions.get(outputs, compiled)
+        return self._functions.get((modes, outputs), compile_outputs)
+
+    def _equations(self, modes: Modes) -> EquationSet:
+        """Return the equations in some modes, which depend neither on values nor on scales."""
+        if not modes:
+            return self.eqs
+        problem = SimulationProblem(self.eqs, self.table.fixed_parameters, self.laws, Scales())
+        mechanism = self._mechanisms.get("mechanism", lambda: hybrid_mechanism(problem))
+        return mechanism.problem_in(modes).eqs
+
+    def _work(self, known: Flags) -> Floats:
+        whole: Floats = np.full(known.shape, np.nan)
+        for case, details in self.details.items():
+            if details.work is not None:
+                whole[case, : details.work.size] = details.work
+        return whole
+
+    def _violations(self, name: str, t: Floats, x: Floats) -> Floats:
+        """Return how far constraints are open in all cases, (cases, N)."""
+        n_u = len(self.eqs.speed_names)
+        whole: Floats = np.full((len(x), t.size), np.nan)
+        for case, states in enumerate(x):
+            known = np.isfinite(states).all(axis=0)
+            u, q = states[:n_u, known], states[n_u:, known]
+            whole[case, known] = self._violation(case, name, t[known], q, u)
+        return whole
+
+    def _violation(self, case: int, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
+        parameters, near = self.table.values(case)[0], dict.fromkeys(self.eqs.coordinate_names, 0.0)
+        if t.size:
+            near = dict(zip(self.eqs.coordinate_names, q[:, 0].tolist(), strict=True))
+        scales = mechanism_scales(self.eqs, parameters, self.scales, near).over(*self.span)
+        problem = SimulationProblem(self.eqs, parameters, self.laws, scales)
+        if not self._has_modes(case):
+            return Evaluator(problem, None)(name, t, q, u)
+        mechanism, details = hybrid_mechanism(problem), self.details[case]
+        parts = tuple(Evaluator(mechanism.problem_in(modes), None) for modes in details.modes)
+        return Piecewise(np.array(details.starts), parts, np.zeros(len(parts)))(name, t, q, u)
 
 
-def _at_all_times(values: Floats, t: Floats) -> Floats:
+def _repeat_constant(values: Floats, t: Floats) -> Floats:
     return np.broadcast_to(values, (t.size, *values.shape[1:])) if values.ndim else np.full(t.size, values)
 
 
@@ -96,4 +187,4 @@ class CaseEvaluator:
 
     def together(self, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
         """Return outputs with time last, by one compiled function."""
-        return self.evaluation.of_case(self.case, names, t, q, u)
+        return self.evaluation.evaluate_case(self.case, names, t, q, u)

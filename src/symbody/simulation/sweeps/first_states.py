@@ -57,7 +57,7 @@ def first_states(
     Parameters
     ----------
     given : mapping of "length", "time" to float
-        Scales that are told.
+        Scales that were given.
 
     Raises
     ------
@@ -67,13 +67,13 @@ def first_states(
         If parameters have no value or names are unknown.
     """
     known_formulas = check_names(eqs, table, guess)
-    known, fixed = case_values(eqs, table, known_formulas), case_values(eqs, table, table.fixed_initial)
+    guessed, fixed = case_values(eqs, table, known_formulas), case_values(eqs, table, table.fixed_initial)
     fixed |= {name: table.initial[:, k] for k, name in enumerate(table.initial_names)}
     notes = impossible_cases(eqs, table)
-    states = _of_tree(eqs, table.count, known, fixed)
+    states = _of_tree(eqs, table.count, guessed, fixed)
     if states is None:
-        scales = case_scales(eqs, table, {**known, **fixed}, span, given)
-        states, notes = _Assembler(eqs, table, inputs, span[0]).all(known, fixed, scales, notes)
+        scales = case_scales(eqs, table, {**guessed, **fixed}, span, given)
+        states, notes = _Assembler(eqs, table, inputs, span[0]).all(guessed, fixed, scales, notes)
     states[list(notes)] = np.nan
     places = enumerate(eqs.coordinate_names, len(eqs.speed_names))
     near = {name: np.nan_to_num(states[:, k]) for k, name in places}
@@ -132,17 +132,17 @@ def check_names(eqs: EquationSet, table: CaseTable, guess: Mapping[str, Value]) 
 
 
 def _of_tree(
-    eqs: EquationSet, count: int, known: Mapping[str, Floats], fixed: Mapping[str, Floats]
+    eqs: EquationSet, count: int, guessed: Mapping[str, Floats], fixed: Mapping[str, Floats]
 ) -> Floats | None:
     """Return first states where nothing has to be solved for, otherwise None."""
     names = eqs.state_names
     if eqs.multiplier_names or eqs.quaternions:
         return None
-    if not {*known, *fixed} <= {*names}:
+    if not {*guessed, *fixed} <= {*names}:
         return None
     states = np.zeros((count, len(names)))
     for k, name in enumerate(names):
-        states[:, k] = fixed.get(name, known.get(name, 0.0))
+        states[:, k] = fixed.get(name, guessed.get(name, 0.0))
     return states
 
 
@@ -161,7 +161,7 @@ class _Assembler:
 
     def all(
         self,
-        known: Mapping[str, Floats],
+        guessed: Mapping[str, Floats],
         fixed: Mapping[str, Floats],
         scales: CaseScales,
         impossible: Mapping[int, str],
@@ -172,21 +172,21 @@ class _Assembler:
         for k in range(table.count):
             if k in impossible:
                 continue
-            own = scales.of_case(k)
-            task = Closure(
+            sizes = scales.of_case(k)
+            closure = Closure(
                 eqs,
                 table.values(k)[0],
                 self._inputs,
                 self._t,
-                own.coordinates(eqs),
-                own.displacements(eqs),
-                own.constraints(eqs)[: len(eqs.formed.holonomic)],
+                sizes.coordinates(eqs),
+                sizes.displacements(eqs),
+                sizes.constraints(eqs)[: len(eqs.formed.holonomic)],
                 self._function.bind(table.parameters[k]),
                 self._angles,
-                own,
+                sizes,
             )
             try:
-                q, u = consistent_start(task, _row(fixed, k), _row(known, k))
+                q, u = consistent_start(closure, _row(fixed, k), _row(guessed, k))
                 states[k] = np.concatenate([u, q])
             except SymbodyError as error:
                 notes[k] = str(error)

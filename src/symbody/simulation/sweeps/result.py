@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -12,10 +12,14 @@ from numpy.typing import NDArray
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.notebook import Displayed
-from symbody.simulation.native.run import Statistics
+from symbody.simulation.native import layout
+from symbody.simulation.native.run import VERDICTS, Statistics
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.status import Status
+from symbody.simulation.sweeps.case_by_case import OTHERS
 from symbody.simulation.sweeps.evaluation import CaseEvaluator, Evaluation
+from symbody.simulation.sweeps.records import NOT_ENDED, NOT_STARTED, WORKER_LOST, Records
+from symbody.simulation.sweeps.sweep_job import SweepJob
 
 if TYPE_CHECKING:
     import xarray
@@ -79,7 +83,7 @@ class Sweep(Displayed):
 
     @property
     def succeeded(self) -> NDArray[np.bool_]:
-        """Which motions were computed as far as was asked (cases,)."""
+        """Which motions reached their end, or an event that stops them (cases,)."""
         return np.array([status.success for status in self.status], dtype=np.bool_)
 
     @property
@@ -103,7 +107,7 @@ class Sweep(Displayed):
             return row
         if name in self.cases:
             return self.cases[name]
-        return self.evaluation.of(name, self.t, self.x)
+        return self.evaluation.evaluate(name, self.t, self.x)
 
     @checked_arguments
     def trajectory(self, case: int) -> Trajectory:
@@ -119,15 +123,15 @@ class Sweep(Displayed):
             what = f"there is no case {case}"
             raise UsageError(Problem("sweep.case", "trajectory", what, fix=f"cases are 0 to {count - 1}"))
         case %= count
-        known = int(self.counts[case, _SAMPLES])
+        samples = int(self.counts[case, _SAMPLES])
         n_u = len(self.speed_names)
         accepted, rejected, evaluations = self.counts[case, :3].tolist()
         values = ", ".join(f"{name} = {column[case]:g}" for name, column in self.cases.items())
-        note = self.case_notes.get(case, "")
+        note, details = self.case_notes.get(case, ""), self.evaluation.details.get(case)
         return Trajectory(
-            self.t[:known],
-            self.x[case, n_u:, :known],
-            self.x[case, :n_u, :known],
+            self.t[:samples],
+            self.x[case, n_u:, :samples],
+            self.x[case, :n_u, :samples],
             self.coordinate_names,
             self.speed_names,
             self.status[case],
@@ -137,6 +141,8 @@ class Sweep(Displayed):
             notes=(f"case {case}: {values}", *((note,) if note else ()), *self.notes),
             name=self.name,
             provenance=self.evaluation.provenance(case),
+            events=() if details is None else details.events,
+            stored={} if details is None or details.work is None else {"work": details.work},
         )
 
     @checked_arguments
@@ -179,3 +185,53 @@ class Sweep(Displayed):
             taken = name in variables or name in coordinates
             coordinates[f"{name} of case" if taken else name] = ("case", column)
         return xarray.Dataset(variables, coordinates, {"model": self.name, "notes": "\n".join(self.notes)})
+
+
+def sweep_result(job: SweepJob, records: Records, notes: tuple[str, ...]) -> Sweep:
+    """Return the motions of a sweep from the records of its cases."""
+    eqs, options = job.eqs, job.options
+    codes = records.codes.tolist()
+    verdicts = {code: _status(code) for code in {*codes}}
+    case_notes = {case: details.notes for case, details in records.details.items() if details.notes}
+    case_notes = {**_stop_notes(records, eqs.state_names), **case_notes}
+    return Sweep(
+        options.times,
+        np.moveaxis(records.x, 1, 2),
+        job.table.columns(),
+        tuple(verdicts[code] for code in codes),
+        records.counts[:, [layout.ACCEPTED, layout.REJECTED, layout.EVALUATIONS, layout.SAMPLES]],
+        records.reached,
+        Evaluation(eqs, job.table, job.laws, options.span, records.details, options.scales),
+        eqs.coordinate_names,
+        eqs.speed_names,
+        dict(sorted(case_notes.items())),
+        notes,
+        eqs.units,
+        eqs.model.name,
+    )
+
+
+def _status(code: int) -> Status:
+    """Return the verdict that a code stands for."""
+    if code >= OTHERS:
+        return list(Status)[code - OTHERS]
+    others = {
+        NOT_ENDED: Status.INTERRUPTED,
+        NOT_STARTED: Status.NOT_STARTED,
+        WORKER_LOST: Status.WORKER_LOST,
+    }
+    return others[code] if code in others else VERDICTS[code]
+
+
+def _stop_notes(records: Records, names: Sequence[str]) -> dict[int, str]:
+    """Return when, and on whose account, motions in the compiled loop ended early."""
+    notes = {}
+    codes = (layout.COLLAPSED, layout.NOT_FINITE, layout.SINGULAR, layout.TOO_MANY)
+    for case in np.flatnonzero(np.isin(records.codes, codes)).tolist():
+        code = int(records.codes[case])
+        note = f"the motion is known up to t = {records.reached[case]:.9g} s"
+        if code in (layout.COLLAPSED, layout.NOT_FINITE):
+            verb = "changes too fast" if code == layout.COLLAPSED else "has no finite derivative"
+            note += f"; there {names[records.counts[case, layout.STATE]]} {verb}"
+        notes[case] = note
+    return notes

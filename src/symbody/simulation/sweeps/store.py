@@ -1,4 +1,4 @@
-"""Finished parts of a sweep in a folder, from which a later call goes on."""
+"""Finished chunks of a sweep in a folder, from which a later call goes on."""
 
 from __future__ import annotations
 
@@ -7,22 +7,24 @@ import json
 import os
 import re
 from collections.abc import Iterable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from symbody.errors import EnvironmentFault, Problem, UsageError
+from symbody.simulation.events.events import Occurrence
 from symbody.simulation.results.archive import read_arrays
-from symbody.simulation.sweeps.job import Job, Part, Records
+from symbody.simulation.sweeps.records import CaseDetails, Chunk, LoopJob, Records
 
-_FORMAT: Final = "symbody sweep 2"
+_FORMAT: Final = "symbody sweep 3"
 _ABOUT: Final = "sweep.json"
 _NAME: Final = re.compile(r"cases_(\d+)_(\d+)\.npz")
 
 
 class Store:
-    """A folder with the finished parts of one sweep.
+    """A folder with the finished chunks of one sweep.
 
     Parameters
     ----------
@@ -44,7 +46,7 @@ class Store:
         about = {"format": _FORMAT, "digest": digest}
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
-            found = self._about()
+            found = self._read_about()
             if found is None:
                 _write(self._folder / _ABOUT, json.dumps(about).encode())
         except OSError as error:
@@ -56,24 +58,25 @@ class Store:
                         "give another folder, or delete this one")
             )  # fmt: skip
 
-    def finished(self, whole: Records) -> Iterable[Records]:
+    def read_finished(self, whole: Records) -> Iterable[Records]:
         """Yield what was kept of all cases; what cannot be read, or does not fit, is computed anew."""
         for path in sorted(self._folder.glob("cases_*.npz")):
             name = _NAME.fullmatch(path.name)
             try:
                 with open(path, "rb") as file:
                     arrays = read_arrays(file)
-                found = Records(
+                records = Records(
                     int(name[1]) if name else -1,
                     arrays["x"], arrays["codes"], arrays["counts"], arrays["reached"],
+                    _read_details(str(arrays["details"])),
                 )  # fmt: skip
             except Exception:  # a damaged file breaks zipfile in every way there is
                 continue
-            if whole.has_room_for(found):
-                yield found
+            if whole.has_room_for(records):
+                yield records
 
     def keep(self, records: Records) -> None:
-        """Keep a part that is complete.
+        """Keep a chunk that is complete.
 
         Raises
         ------
@@ -85,13 +88,14 @@ class Store:
         try:
             with open(own, "wb") as file:
                 np.savez(
-                    file, x=records.x, codes=records.codes, counts=records.counts, reached=records.reached
-                )
+                    file, x=records.x, codes=records.codes, counts=records.counts, reached=records.reached,
+                    details=np.array(_details_text(records)),
+                )  # fmt: skip
             os.replace(own, self._folder / name)
         except OSError as error:
             raise self._unwritable(error) from error
 
-    def _about(self) -> object:
+    def _read_about(self) -> object:
         path = self._folder / _ABOUT
         if not path.exists():
             return None
@@ -107,12 +111,33 @@ class Store:
         )
 
 
-def digest(job: Job, part: Part) -> str:
+def _details_text(records: Records) -> str:
+    cases = range(records.first, records.first + records.count)
+    return json.dumps(
+        {case: asdict(records.details[case]) for case in cases if case in records.details},
+        default=np.ndarray.tolist,
+    )
+
+
+def _read_details(text: str) -> dict[int, CaseDetails]:
+    return {
+        int(case): CaseDetails(
+            str(about["notes"]),
+            tuple(Occurrence(str(name), float(t), dict(state)) for name, t, state in about["events"]),
+            None if about["work"] is None else np.array(about["work"], dtype=np.float64),
+            tuple(map(float, about["starts"])),
+            tuple(tuple(map(int, modes)) for modes in about["modes"]),
+        )
+        for case, about in json.loads(text).items()
+    }
+
+
+def digest(job: LoopJob, chunk: Chunk) -> str:
     """Return what stands for all that results depend on: code, first states, values, times, method."""
     about = hashlib.sha256()
     for function in (job.function, job.closing):
         about.update(b"" if function is None else function.source("c").encode())
-    for array in (part.states, part.parameters, part.scales, part.sizes, part.atol, job.times):
+    for array in (chunk.states, chunk.parameters, chunk.scales, chunk.sizes, chunk.atol, job.times):
         about.update(f"{array.shape}".encode())
         about.update(np.ascontiguousarray(array).tobytes())
     choices = (job.span, job.method, job.rtol, job.max_steps, job.stop_when_stiff, job.limit)

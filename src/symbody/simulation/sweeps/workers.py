@@ -1,4 +1,4 @@
-"""Who computes the parts of a sweep: threads of this process, or the workers of any Executor."""
+"""Computes the chunks of a sweep: by threads of this process, or by the workers of any Executor."""
 
 from __future__ import annotations
 
@@ -24,35 +24,36 @@ import numpy as np
 
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.native.run import Progress
-from symbody.simulation.sweeps.compute import compute, run_part
-from symbody.simulation.sweeps.job import (
+from symbody.simulation.sweeps.compute import compute_chunk, compute_in_loop
+from symbody.simulation.sweeps.records import (
     NOT_ENDED,
     WORKER_LOST,
-    Job,
-    Part,
+    Chunk,
+    LoopJob,
     Records,
     Signal,
     blocks,
 )
+from symbody.simulation.sweeps.sweep_job import SweepJob
 
-# How often progress is told and Ctrl-C is heard [s].
+# Time between two calls of progress, and two looks for Ctrl-C [s].
 _TICK: Final = 0.1
-# Parts that wait with an executor at one time.
+# Chunks that wait with an executor at one time.
 _WINDOW: Final = 64
-# A part that was lost so often is tried alone, and then given up.
+# A chunk that was lost so often is tried alone, and then given up.
 _SUSPECT: Final = 2
 _GIVEN_UP: Final = 4
-# Pools that may break before a part comes back: a case that ends every worker is found by halving its part.
+# Pools that may break before a chunk comes back: a case that ends every worker is found by halving its chunk.
 _BROKEN_POOLS: Final = 16
 # Many cases: lanes are full, and what is lost or repeated is little. Few: all workers work.
-_LARGEST_PART: Final = 1024
-_PARTS: Final = 16
+_LARGEST_CHUNK: Final = 1024
+_CHUNKS: Final = 16
 # How long a worker is waited for: processes on slow disks take a minute to load what they need [s].
 PATIENCE: Final = 300.0
 
 
-class Crew(NamedTuple):
-    """Who computes.
+class Workers(NamedTuple):
+    """The threads and processes that compute.
 
     Attributes
     ----------
@@ -61,7 +62,7 @@ class Crew(NamedTuple):
     threads : int
         Threads of this process, or of each worker.
     part : int or None
-        How many cases make a part.
+        How many cases make a chunk.
     patience : float
         How long an executor may take until one of its workers begins anything [s].
     """
@@ -74,90 +75,96 @@ class Crew(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Listener:
-    """Whom to tell.
+    """What is called while the work goes on.
 
     Attributes
     ----------
     progress : callable or None
-        Is told the share that is done; False ends the sweep.
-    finished : callable
-        Is told each part that is complete.
+        With the share that is done; False ends the sweep.
+    on_chunk : callable
+        With the records of each chunk that is complete.
     """
 
     progress: Progress | None
-    finished: Callable[[Records], None]
+    on_chunk: Callable[[Records], None]
 
 
-class Tally(NamedTuple):
+class SweepOutcome(NamedTuple):
     """How the work ended: whether it was interrupted, and what was lost, by number of the first case."""
 
     interrupted: bool
     lost: dict[int, str]
 
 
-def crew(executor: Executor | None, threads: int | None, part: int | None, patience: float) -> Crew:
-    """Return who computes.
+def check_workers(
+    executor: Executor | None, threads: int | None, part: int | None, patience: float
+) -> Workers:
+    """Return the threads and processes that compute.
 
     Raises
     ------
     UsageError
-        If there are no such threads, the executor is none, or patience no time.
+        If threads, part, executor or patience have values without meaning.
     """
     problems = []
     for name, value in (("threads", threads), ("part", part)):
         if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
             problems.append(
-                Problem(f"sweep.{name}", name, f"{name} = {value!r} is no such number", "",
+                Problem(f"sweep.{name}", name, f"{name} = {value!r} is not a positive whole number", "",
                         "give a whole number from 1 on, or leave it out")
             )  # fmt: skip
     if executor is not None and not isinstance(executor, Executor):
         problems.append(
-            Problem("sweep.executor", "executor", f"{type(executor).__name__} is no Executor", "",
+            Problem("sweep.executor", "executor", f"{type(executor).__name__} is not an Executor", "",
                     "give a concurrent.futures.Executor, such as Client(...).get_executor() of Dask")
         )  # fmt: skip
     if isinstance(patience, bool) or not isinstance(patience, int | float) or not patience > 0.0:
         problems.append(
-            Problem("sweep.patience", "patience", f"patience = {patience!r} is no length of time", "",
+            Problem("sweep.patience", "patience", f"patience = {patience!r} is not a length of time", "",
                     "give seconds, or math.inf to wait for workers without end")
         )  # fmt: skip
     if problems:
         raise UsageError(*problems)
     usual = 1 if executor is not None else os.cpu_count() or 1
-    return Crew(executor, usual if threads is None else threads, part, float(patience))
+    return Workers(executor, usual if threads is None else threads, part, float(patience))
 
 
-def parts(part: Part, missing: Sequence[tuple[int, int]], size: int | None, least: int = 1) -> list[Part]:
-    """Return what is missing of all cases, cut into parts of `size`, by default of `least` or more."""
+def cut_chunks(
+    cases: Chunk, missing: Sequence[tuple[int, int]], size: int | None, least: int = 1
+) -> list[Chunk]:
+    """Return the missing cases in chunks of `size`, by default of `least` or more."""
     count = sum(stop - start for start, stop in missing)
-    length = size or max(least, min(_LARGEST_PART, -(-count // _PARTS)))
+    length = size or max(least, min(_LARGEST_CHUNK, -(-count // _CHUNKS)))
     return [
-        part.cut(start + low, start + high)
+        cases.cut(start + low, start + high)
         for start, stop in missing
         for low, high in blocks(stop - start, length)
     ]
 
 
-def compute_here(job: Job, pieces: Sequence[Part], records: Records, threads: int, told: Listener) -> Tally:
-    """Compute parts in threads of this process; Ctrl-C ends it between two steps."""
-    signal, total = Signal.new(), max(1, sum(piece.count for piece in pieces))
-    ended = [np.zeros(1, dtype=np.int64) for _ in pieces]
+def compute_here(
+    job: LoopJob, chunks: Sequence[Chunk], records: Records, threads: int, listener: Listener
+) -> SweepOutcome:
+    """Compute chunks in threads of this process; Ctrl-C ends it between two steps."""
+    signal, total = Signal.new(), max(1, sum(chunk.count for chunk in chunks))
+    ended = [np.zeros(1, dtype=np.int64) for _ in chunks]
     interrupted = False
     if job.lanes:
         job.function.in_lanes()  # compiled once, not by each thread
     with ThreadPoolExecutor(threads) as pool:
         waiting: dict[Future[None], Records] = {}
         try:
-            for piece, done in zip(pieces, ended, strict=True):
-                own = records.cut(piece.first, piece.first + piece.count)
-                waiting[pool.submit(compute, job, piece, own, signal.stop, done)] = own
+            for chunk, done in zip(chunks, ended, strict=True):
+                own = records.cut(chunk.first, chunk.first + chunk.count)
+                waiting[pool.submit(compute_in_loop, job, chunk, own, signal.stop, done)] = own
             while waiting:
                 for task in wait(waiting, _TICK, FIRST_COMPLETED).done:
                     own = waiting.pop(task)
                     task.result()
                     if not (own.codes == NOT_ENDED).any():
-                        told.finished(own)
+                        listener.on_chunk(own)
                 share = float(sum(done[0] for done in ended)) / total
-                if told.progress is not None and told.progress(share) is False:
+                if listener.progress is not None and listener.progress(share) is False:
                     raise KeyboardInterrupt
         except KeyboardInterrupt:
             interrupted = True
@@ -165,32 +172,34 @@ def compute_here(job: Job, pieces: Sequence[Part], records: Records, threads: in
             signal.stop[0] = 1  # leaving the pool waits for its threads
             for task in waiting:
                 task.cancel()
-    return Tally(interrupted, {})
+    return SweepOutcome(interrupted, {})
 
 
-def compute_there(job: Job, pieces: Sequence[Part], records: Records, who: Crew, told: Listener) -> Tally:
-    """Compute parts by the workers of an executor; parts of workers that end too early are given out anew.
+def compute_there(
+    job: LoopJob | SweepJob, chunks: Sequence[Chunk], records: Records, workers: Workers, listener: Listener
+) -> SweepOutcome:
+    """Compute chunks by the workers of an executor; chunks of workers that end too early are submitted anew.
 
     Raises
     ------
     EnvironmentFault
         If no worker began or could compute anything.
     """
-    round = _Round(job, pieces, records, who, told)
+    dispatch = _Dispatch(job, chunks, records, workers, listener)
     try:
-        round.run()
+        dispatch.run()
     except KeyboardInterrupt:
-        return Tally(True, round.lost)
+        return SweepOutcome(True, dispatch.lost)
     finally:
-        round.cancel()
-        round.close()
-    return Tally(False, round.lost)
+        dispatch.cancel()
+        dispatch.close()
+    return SweepOutcome(False, dispatch.lost)
 
 
 class _Probe:
-    """Asks an executor whether it has a worker at all, by something that takes no time.
+    """A call that takes no time, by which an executor shows whether it has a worker at all.
 
-    A part that has not come back may be a long one, and executors do not all tell whether one has begun.
+    A chunk that has not come back may be a long one, and not all executors report whether one has begun.
     """
 
     def __init__(self, executor: Executor | None, patience: float) -> None:
@@ -200,11 +209,11 @@ class _Probe:
         try:
             if executor is not None and patience < math.inf:
                 self._task = executor.submit(os.getpid)
-        except Exception:  # what is wrong with an executor shows when it is given parts
+        except Exception:  # what is wrong with an executor shows when it is given chunks
             self._task = None
 
     def check(self) -> None:
-        """Look whether a worker has begun.
+        """Check that a worker has begun.
 
         Raises
         ------
@@ -221,34 +230,41 @@ class _Probe:
                     "math.inf, or leave executor out")
         )  # fmt: skip
 
-    def forget(self) -> None:
-        """Ask no more."""
+    def cancel(self) -> None:
+        """Withdraw the call."""
         if self._task is not None:
             self._task.cancel()
             self._task = None
 
 
-class _Round:
-    """Parts on their way to workers and back."""
+class _Dispatch:
+    """Chunks on their way to workers and back."""
 
-    def __init__(self, job: Job, pieces: Sequence[Part], records: Records, who: Crew, told: Listener) -> None:
+    def __init__(
+        self,
+        job: LoopJob | SweepJob,
+        chunks: Sequence[Chunk],
+        records: Records,
+        workers: Workers,
+        listener: Listener,
+    ) -> None:
         self.lost: dict[int, str] = {}
-        self._payload = _packed(job)
+        self._payload = pickle.dumps(job)
         self._records = records
-        self._threads = who.threads
-        self._told = told
-        self._executor = who.executor
+        self._threads = workers.threads
+        self._listener = listener
+        self._executor = workers.executor
         self._own: ProcessPoolExecutor | None = None
         self._broken = 0
-        self._left = list(reversed(pieces))
-        self._failures = dict.fromkeys((piece.first for piece in pieces), 0)
-        self._waiting: dict[Future[Records | str], Part] = {}
-        self._total = max(1, sum(piece.count for piece in pieces))
+        self._left = list(reversed(chunks))
+        self._failures = dict.fromkeys((chunk.first for chunk in chunks), 0)
+        self._waiting: dict[Future[Records | str], Chunk] = {}
+        self._total = max(1, sum(chunk.count for chunk in chunks))
         self._done = 0
-        self._probe = _Probe(who.executor if pieces else None, who.patience)
+        self._probe = _Probe(workers.executor if chunks else None, workers.patience)
 
     def run(self) -> None:
-        """Give out parts until all are back.
+        """Submit chunks until all are back.
 
         Raises
         ------
@@ -256,18 +272,18 @@ class _Round:
             If no worker begins or can compute anything.
         """
         while self._left or self._waiting:
-            self._give_out()
+            self._submit()
             for task in wait(self._waiting, _TICK, FIRST_COMPLETED).done:
-                self._probe.forget()
+                self._probe.cancel()
                 self._take_back(task, self._waiting.pop(task))
             self._probe.check()
-            progress = self._told.progress
+            progress = self._listener.progress
             if progress is not None and progress(self._done / self._total) is False:
                 raise KeyboardInterrupt
 
     def cancel(self) -> None:
-        """Ask for no more."""
-        self._probe.forget()
+        """Withdraw all chunks."""
+        self._probe.cancel()
         for task in self._waiting:
             task.cancel()
 
@@ -276,25 +292,25 @@ class _Round:
         if self._own is not None:
             self._own.shutdown(wait=True, cancel_futures=True)
 
-    def _give_out(self) -> None:
+    def _submit(self) -> None:
         while self._left and len(self._waiting) < _WINDOW:
-            piece = self._left[-1]
-            suspect = self._failures[piece.first] >= _SUSPECT
+            chunk = self._left[-1]
+            suspect = self._failures[chunk.first] >= _SUSPECT
             if self._waiting and (suspect or self._is_alone()):
                 return  # whose fault it is shows only where nothing else is computed
             self._left.pop()
             try:
                 if self._executor is None:
                     raise BrokenExecutor
-                task = self._executor.submit(run_part, self._payload, piece, self._threads)
+                task = self._executor.submit(compute_chunk, self._payload, chunk, self._threads)
             except (AssertionError, BrokenExecutor, RuntimeError):  # the first: processes that may start none
-                self._left.append(piece)
+                self._left.append(chunk)
                 self._replace_executor()
                 continue
-            self._waiting[task] = piece
+            self._waiting[task] = chunk
 
     def _is_alone(self) -> bool:
-        return any(self._failures[piece.first] >= _SUSPECT for piece in self._waiting.values())
+        return any(self._failures[chunk.first] >= _SUSPECT for chunk in self._waiting.values())
 
     def _replace_executor(self) -> None:
         """Go on with processes of this machine where an executor has broken for good.
@@ -306,48 +322,44 @@ class _Round:
         """
         self._broken += 1
         if self._broken > _BROKEN_POOLS:
-            raise _nobody("processes end as soon as they are started")
+            raise _no_worker("processes end as soon as they are started")
         self.close()
         # Not by forking: a lock that another thread holds just then would stay held in the copy for ever.
         self._own = ProcessPoolExecutor(mp_context=get_context("spawn"))
         self._executor = self._own
 
-    def _take_back(self, task: Future[Records | str], piece: Part) -> None:
+    def _take_back(self, task: Future[Records | str], chunk: Chunk) -> None:
         try:
-            found = task.result()
+            records = task.result()
         except (KeyboardInterrupt, SystemExit):
             raise
         except BaseException as error:  # cancelled, killed, unreachable: each executor has words of its own
-            found = f"{type(error).__name__}: {error}"
-        if isinstance(found, Records):
-            self._records.put(found)
+            records = f"{type(error).__name__}: {error}"
+        if isinstance(records, Records):
+            self._records.put(records)
             self._broken = 0
-            self._done += piece.count
-            self._told.finished(found)
+            self._done += chunk.count
+            self._listener.on_chunk(records)
             return
-        self._failures[piece.first] += 1
-        if self._failures[piece.first] < _GIVEN_UP:
+        self._failures[chunk.first] += 1
+        if self._failures[chunk.first] < _GIVEN_UP:
             # Suspects come last, when everything else is safe.
-            self._left.insert(0, piece)
+            self._left.insert(0, chunk)
             return
         if not self._done:
-            raise _nobody(found)
-        if piece.count > 1:  # whose fault it is
-            for low, high in blocks(piece.count, -(-piece.count // 2)):
-                half = piece.cut(low, high)
+            raise _no_worker(records)
+        if chunk.count > 1:  # whose fault it is
+            for low, high in blocks(chunk.count, -(-chunk.count // 2)):
+                half = chunk.cut(low, high)
                 self._left.insert(0, half)
                 self._failures[half.first] = _GIVEN_UP - 1
             return
-        self._done += piece.count
-        self.lost[piece.first] = found
-        self._records.cut(piece.first, piece.first + 1).codes[:] = WORKER_LOST
+        self._done += chunk.count
+        self.lost[chunk.first] = records
+        self._records.cut(chunk.first, chunk.first + 1).codes[:] = WORKER_LOST
 
 
-def _packed(job: Job) -> bytes:
-    return pickle.dumps(job)
-
-
-def _nobody(why: str) -> EnvironmentFault:
+def _no_worker(why: str) -> EnvironmentFault:
     return EnvironmentFault(
         Problem("sweep.no_worker", "executor", "no worker of the executor could compute a part", why,
                 "install the same version of symbody and Python for all workers, give them memory for "

@@ -15,7 +15,7 @@ from symbody.arguments import checked_arguments
 from symbody.errors import Problem, UsageError
 from symbody.model.model import Model
 from symbody.simulation.native.run import Progress
-from symbody.simulation.progress import told
+from symbody.simulation.progress import show_progress
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.visual.film.animated_images import FASTEST
 from symbody.visual.film.facets import Floats
@@ -82,7 +82,7 @@ def save_animation(
     if is_still:
         write_still(scene, motion, target, look, track)
         return
-    with told(progress, "film") as report:
+    with show_progress(progress, "film") as report:
         write_film(scene, motion, target, look, rate, track, report)
 
 

@@ -1,6 +1,6 @@
 """A register of doubles, one for each lane, for functions that numba compiles; see `vectors`.
 
-The cache of the compiled loop does not see a change of this file: renew `cases.SOURCES` after one.
+The cache of the compiled loop does not see a change of this file: renew `lane_cases.SOURCES` after one.
 """
 
 from __future__ import annotations

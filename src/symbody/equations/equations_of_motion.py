@@ -1,0 +1,183 @@
+"""The equations of motion of a system as roots in one graph."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+from symbody.equations.dynamics.balance import Wrench
+from symbody.equations.dynamics.reactions import row_wrenches, summed
+from symbody.equations.elimination.elimination import Elimination
+from symbody.equations.formulations.formulation import Dynamics, Formulation
+from symbody.equations.kinematics.measured import measured_coordinates
+from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.row import Row
+from symbody.equations.loads.friction import Resistance
+from symbody.equations.measured_wrenches import coupling_wrenches, drive_wrenches
+from symbody.equations.system import MultibodySystem
+from symbody.errors import FormulationError, Problem
+from symbody.expr.calculus import jacobian
+from symbody.expr.expression import Expr
+from symbody.expr.graph import Symbol
+from symbody.model.constraints import Rolling
+from symbody.model.element import Address, address_of
+from symbody.model.lookup import places_of
+from symbody.single_flight import SingleFlight
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EquationsOfMotion(MultibodySystem):
+    """``M u' = F + J^T lambda``, ``J u' = gamma``, ``q' = N u + nu`` and the energies of a system.
+
+    Attributes
+    ----------
+    inputs, parameters : tuple of Symbol
+        In the order of the model.
+    formulation : Formulation
+        How the dynamics were derived.
+    dynamics : Dynamics
+        Mass matrix and forcing; by recursion each is formed on request.
+    alignments : tuple of Expr
+        Cosines that are 1, not -1, where the cut joints are closed as they should be.
+    notes : tuple of str
+        What was dropped, and where the equations do not hold.
+    elimination : Elimination or None
+        What made some speeds functions of the others; their rows are not among `rows`.
+    slack : tuple of Row
+        Rows of ropes that are slack; they are not among `rows`.
+    angles : frozenset of str
+        Coordinates placed by hand that whole turns change nothing of; those of joints follow from the joints.
+    """
+
+    inputs: tuple[Symbol, ...]
+    parameters: tuple[Symbol, ...]
+    formulation: Formulation
+    dynamics: Dynamics
+    alignments: tuple[Expr, ...] = ()
+    notes: tuple[str, ...] = ()
+    elimination: Elimination | None = None
+    slack: tuple[Row, ...] = ()
+    angles: frozenset[str] = frozenset()
+    # Made on first request; pure functions of the fields above, so they cannot go stale.
+    _wrenches: SingleFlight[bool, Mapping[str, Wrench]] = field(default_factory=SingleFlight, repr=False)
+    _names: SingleFlight[None, Names] = field(default_factory=SingleFlight, repr=False)
+    solved: SingleFlight[None, tuple[list[Expr], list[Expr]]] = field(
+        default_factory=SingleFlight, repr=False
+    )
+    resistances: list[Resistance] = field(default_factory=list, repr=False)
+    self_stress: SingleFlight[None, object] = field(default_factory=SingleFlight, repr=False)
+    _released: SingleFlight[None, Mapping[str, Expr]] = field(default_factory=SingleFlight, repr=False)
+
+    @property
+    def kinetic_energy(self) -> Expr:
+        """Kinetic energy relative to ground [J]."""
+        return self.dynamics.kinetic_energy
+
+    @property
+    def potential_energy(self) -> Expr:
+        """Potential energy of gravity and springs [J]."""
+        return self.dynamics.potential_energy
+
+    @property
+    def dependent_names(self) -> tuple[str, ...]:
+        """Names of the speeds eliminated."""
+        return () if self.elimination is None else tuple(u.label for u in self.elimination.dependent)
+
+    @property
+    def released(self) -> Mapping[str, Expr]:
+        """The multipliers of rows eliminated, in u', the other multipliers and friction efforts."""
+        if self.elimination is None:
+            return {}
+        # Rows that were silenced have no slopes, and their multipliers are 0.
+        others = [row.name for row in self.rows if row.slopes]
+        return self._released.get(None, partial(self.elimination.multipliers, others))
+
+    @property
+    def rows_and_multipliers(self) -> list[tuple[Row, Expr]]:
+        """All constraints, those eliminated too, each with its multiplier."""
+        eliminated = () if self.elimination is None else self.elimination.rows
+        return [*self._with_multipliers(self.rows), *((row, self.released[row.name]) for row in eliminated)]
+
+    @property
+    def position_jacobian(self) -> list[list[Expr]]:
+        """The derivatives of Phi by q, one row a holonomic constraint."""
+        by = [q.index for q in self.expressions(self.q)]
+        rows = jacobian(self.graph, [row.value.index for row in self.holonomic], by)
+        return [[Expr(self.graph, entry) for entry in row] for row in rows]
+
+    @property
+    def wrenches(self) -> Mapping[str, Wrench]:
+        """The total wrench of every joint as a formula in u' and the multipliers, of redundant rows too."""
+        return self._wrenches.get(False, partial(self._form_wrenches, is_solved=False))
+
+    @property
+    def solved_wrenches(self) -> Mapping[str, Wrench]:
+        """The same wrenches for evaluation; those of Newton-Euler come from its system with u'."""
+        return self._wrenches.get(True, partial(self._form_wrenches, is_solved=True))
+
+    def _form_wrenches(self, *, is_solved: bool) -> Mapping[str, Wrench]:
+        rows = self.bearing_rows
+        cut = [*row_wrenches(rows), *drive_wrenches(self), *coupling_wrenches(self, rows)]
+        total = self.dynamics.solved_wrenches(self, cut) if is_solved else self.dynamics.wrenches(self, cut)
+        if total is None:
+            return self.wrenches
+        contacts = [pair for pair in rows if pair[0].element in self.topology.contacts]
+        return total | summed(row_wrenches(contacts))
+
+    def with_rows(self, rows: tuple[Row, ...], redundant: tuple[Row, ...] | None = None) -> EquationsOfMotion:
+        """Return the same equations under other constraints."""
+        return replace(
+            self,
+            rows=rows,
+            redundant=self.redundant if redundant is None else redundant,
+            solved=SingleFlight(),
+            resistances=[],
+            self_stress=SingleFlight(),
+            _wrenches=SingleFlight(),
+            _names=SingleFlight(),
+            _released=SingleFlight(),
+        )
+
+    def with_independent(self, kept: Iterable[int]) -> EquationsOfMotion:
+        """Return the equations without rows that follow from those kept; they still bear loads."""
+        places = set(kept)
+        rows = tuple(row for k, row in enumerate(self.rows) if k in places)
+        others = tuple(row for k, row in enumerate(self.rows) if k not in places)
+        return self.with_rows(rows, (*self.redundant, *others))
+
+    def own_rest(self, row: Row) -> Expr:
+        """Return the rest of a row as it is in all speeds: what it demands of them."""
+        return row.rest if self.elimination is None else self.elimination.given[row.name][1]
+
+    @property
+    def readable_names(self) -> Names:
+        """The names with multipliers, and all coordinates of cut joints, measured on first request."""
+        return self._names.get(None, self._form_names)
+
+    def _form_names(self) -> Names:
+        multipliers = zip(self.multipliers, self.expressions(self.multipliers), strict=True)
+        values = {symbol.label: value for symbol, value in multipliers} | dict(self.released)
+        pivots = {} if self.elimination is None else self.elimination.pivots
+        names = self.names.with_values(values | dict(pivots))
+        for use in self.uses:
+            names = names.with_values(measured_coordinates(names, self.kinematics, use))
+        return names
+
+    def frame(self, name: str) -> str:
+        """Return the frame of kinematics that an address means.
+
+        Raises
+        ------
+        FormulationError
+            If there is none, with the nearest names.
+        """
+        link = self.topology.link(name)
+        if isinstance(link, Rolling):
+            return link.name  # its frame is at the point of contact
+        body, _, point = name.partition(".")
+        places = places_of(self.topology.model.bodies, self.topology.model.ground)
+        found = places.find(address_of(body, point))
+        if isinstance(found, Address):
+            return found.frame
+        raise FormulationError(Problem("equations.unknown_frame", f"frame {name}", found[0], "", found[1]))

@@ -1,0 +1,72 @@
+"""Wrenches of what acts along coordinates that are measured, because their joint is cut."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from symbody.equations.dynamics.balance import NOTHING, Wrench, balanced
+from symbody.equations.dynamics.reactions import drive_wrench, row_wrenches, summed
+from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.variables import Use
+from symbody.equations.loads.loads import effort_name
+from symbody.equations.system import MultibodySystem
+from symbody.expr.expression import Expr, number
+
+
+def unit_wrenches(system: MultibodySystem) -> Iterator[tuple[str, tuple[str, Wrench]]]:
+    """Return for each measured coordinate with a load its joint, and the wrench of a unit effort along it."""
+    one = number(system.graph, 1)
+    for use, coordinate in _loaded_coordinates(system):
+        wrench = drive_wrench(system.names, system.kinematics, use.joint, coordinate, one)
+        yield coordinate, (use.joint.name, wrench)
+
+
+def drive_wrenches(system: MultibodySystem) -> Iterator[tuple[str, Wrench]]:
+    """Return the wrenches of drives, rotors and friction along measured coordinates, by joint."""
+    names, kinematics = system.names, system.kinematics
+    for use, coordinate in _loaded_coordinates(system):
+        joint = use.joint
+        effort = system.loads.efforts.get(effort_name(joint, coordinate), number(system.graph, 0))
+        if coordinate in system.armatures:
+            rotor = system.armatures[coordinate]
+            effort = effort - rotor.inertia * kinematics.rate(rotor.rate)
+        for law in system.friction:
+            if law.joint.name == joint.name and law.coordinate == coordinate:
+                effort = effort + law.effort
+        yield joint.name, drive_wrench(names, kinematics, joint, coordinate, effort)
+
+
+def _loaded_coordinates(system: MultibodySystem) -> Iterator[tuple[Use, str]]:
+    """Return the measured coordinates with a drive, a rotor or friction."""
+    for use in system.uses:
+        joint = use.joint
+        friction = {law.coordinate: law for law in system.friction if law.joint.name == joint.name}
+        for coordinate in {**joint.drives, **joint.armature, **friction}:
+            if coordinate not in use.coordinates:
+                yield use, coordinate
+
+
+def coupling_wrenches(
+    system: MultibodySystem, rows: Sequence[tuple[Row, Expr]]
+) -> Iterator[tuple[str, Wrench]]:
+    """Return the wrenches along measured coordinates of constraints, with their multipliers, by joint."""
+    for row, multiplier in rows:
+        for joint, share in unit_coupling_wrenches(system, row):
+            yield joint, Wrench(share.force * multiplier, share.moment * multiplier)
+
+
+def unit_coupling_wrenches(system: MultibodySystem, row: Row) -> Iterator[tuple[str, Wrench]]:
+    """Return the wrenches of a unit multiplier of a row along the measured coordinates it contains."""
+    for use in system.uses:
+        measured = set(use.joint.coordinates).difference(use.coordinates)
+        for coordinate, share in row.shares.items():
+            if coordinate in measured:
+                wrench = drive_wrench(system.names, system.kinematics, use.joint, coordinate, share)
+                yield use.joint.name, wrench
+
+
+def static_wrenches(system: MultibodySystem, rows: Sequence[tuple[Row, Expr]]) -> dict[str, Wrench]:
+    """Return the total wrench of every joint if multipliers alone act, on bodies without mass or load."""
+    cut = summed([*row_wrenches(rows), *coupling_wrenches(system, rows)])
+    idle = dict.fromkeys((joint.name for joint in system.topology.joints), NOTHING)
+    return idle | cut | balanced(system.topology, system.kinematics, {}, cut)

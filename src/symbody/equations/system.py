@@ -1,0 +1,97 @@
+"""`MultibodySystem`: bodies, their kinematics, loads and constraints, before any equations of motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from symbody.equations.dynamics.inertia import Inertia, Rotor
+from symbody.equations.kinematics.motion import Kinematics
+from symbody.equations.kinematics.naming import Names
+from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.variables import Use, Variables
+from symbody.equations.loads.friction import FrictionLaw
+from symbody.equations.loads.loads import Loads
+from symbody.expr.expression import Expr
+from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.graph.topology import Topology
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MultibodySystem:
+    """What a formulation derives the equations of motion from, in one graph.
+
+    Attributes
+    ----------
+    uses : tuple of Use
+        Every joint, with the parts of its law that are in use; none for mechanisms placed by hand.
+    armatures : mapping of coordinate to Rotor
+        Rotors that turn with the rates of joints.
+    rows : tuple of Row
+        The constraints, in the order of Phi.
+    redundant : tuple of Row
+        Rows that follow from `rows` and are not among them; they bear loads too, see `solving.self_stress`.
+    friction : tuple of FrictionLaw
+        Dry friction in joints; its efforts are unknowns of the forcing.
+    """
+
+    names: Names
+    topology: Topology
+    uses: tuple[Use, ...]
+    variables: Variables
+    kinematics: Kinematics
+    bodies: tuple[Inertia, ...]
+    loads: Loads
+    armatures: Mapping[str, Rotor]
+    rows: tuple[Row, ...]
+    redundant: tuple[Row, ...] = ()
+    friction: tuple[FrictionLaw, ...] = ()
+
+    @property
+    def graph(self) -> Graph:
+        """The graph of all expressions."""
+        return self.names.graph
+
+    @property
+    def q(self) -> tuple[Symbol, ...]:
+        """Coordinates, in the order of the joints."""
+        return self.variables.q
+
+    @property
+    def u(self) -> tuple[Symbol, ...]:
+        """Speeds, in the order of the joints."""
+        return self.variables.u
+
+    @property
+    def holonomic(self) -> tuple[Row, ...]:
+        """The constraints on positions, which stand first."""
+        return tuple(row for row in self.rows if row.is_holonomic)
+
+    @property
+    def multipliers(self) -> tuple[Symbol, ...]:
+        """Multipliers, one a row."""
+        return tuple(Symbol(row.name, Kind.MULTIPLIER) for row in self.rows)
+
+    @property
+    def jacobian(self) -> list[list[Expr]]:
+        """J, one row a constraint."""
+        zero = Expr(self.graph, 0)
+        return [[row.slopes.get(u, zero) for u in self.kinematics.speeds] for row in self.rows]
+
+    @property
+    def rows_and_multipliers(self) -> list[tuple[Row, Expr]]:
+        """The constraints, each with its multiplier."""
+        return self._with_multipliers(self.rows)
+
+    @property
+    def bearing_rows(self) -> list[tuple[Row, Expr]]:
+        """All constraints that bear loads, redundant ones too, each with its multiplier."""
+        return [*self.rows_and_multipliers, *self._with_multipliers(self.redundant)]
+
+    def _with_multipliers(self, rows: tuple[Row, ...]) -> list[tuple[Row, Expr]]:
+        symbols = self.expressions([Symbol(row.name, Kind.MULTIPLIER) for row in rows])
+        return list(zip(rows, symbols, strict=True))
+
+    def expressions(self, symbols: Sequence[Symbol]) -> tuple[Expr, ...]:
+        """Return symbols as expressions of the graph."""
+        return tuple(Expr(self.graph, self.graph.symbol(symbol)) for symbol in symbols)

@@ -1,0 +1,121 @@
+"""Which elements there are: every final class in the folders of this package that declares one."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib import import_module
+from pkgutil import iter_modules
+from types import MappingProxyType, ModuleType
+from typing import Any, Final
+
+from symbody.model import constraints, joints, loads, shapes
+from symbody.model.body import Body
+from symbody.model.declaration import REQUIRED, Field
+from symbody.model.element import Element
+from symbody.model.model import KINDS
+from symbody.model.shapes.shape import BodyShape
+
+# Kinds of which a file has several types, named by a word.
+TYPED: Final = ("joint", "constraint")
+# What the diagram editor calls groups of kinds.
+_GROUPS: Final = MappingProxyType(
+    {
+        "body": "Bodies",
+        "joint": "Joints",
+        "constraint": "Constraints",
+        "spring": "Springs and dampers",
+        "torsion_spring": "Springs and dampers",
+        "force": "Forces and torques",
+        "torque": "Forces and torques",
+    }
+)
+
+
+@cache
+def element_types(kind: str) -> Mapping[str, type[Element]]:
+    """Return the elements of a kind by their words in model files; "" where the kind has one type."""
+    if kind == Body.kind:
+        return MappingProxyType({"": Body})
+    classes = [each for folder in (joints, constraints, loads) for each in _final_classes(folder)]
+    words = {type_word(each): each for each in classes if issubclass(each, Element) and each.kind == kind}
+    return MappingProxyType(dict(sorted(words.items())))
+
+
+@cache
+def shape_types() -> Mapping[str, type[BodyShape]]:
+    """Return the shapes by their words in model files."""
+    classes = [each for each in _final_classes(shapes) if issubclass(each, BodyShape)]
+    words = {snake_case(each.__name__): each for each in classes}
+    return MappingProxyType(dict(sorted(words.items())))
+
+
+def type_word(kind: type[Element]) -> str:
+    """Return the word for a type in model files."""
+    return kind.word or snake_case(kind.__name__) if kind.kind in TYPED else ""
+
+
+def snake_case(name: str) -> str:
+    """Return the name of a class as files write it.
+
+    >>> snake_case("PointOnLine")
+    'point_on_line'
+    """
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
+
+
+def elements() -> list[dict[str, Any]]:
+    """Return all elements as JSON data, with the fields from which an editor makes its forms.
+
+    Each has `section` and `type`, its place in a model file; `title`, `group` and `summary`; `definition`,
+    its name in the schema of the file; and `fields`: name, role, unit, default, whether it is required, and a
+    sentence.
+    """
+    return [_entry(kind, word, each) for kind in KINDS for word, each in element_types(kind).items()]
+
+
+def _final_classes(folder: ModuleType) -> Iterator[type]:
+    """Yield the final classes of the modules in a folder."""
+    for found in sorted(iter_modules(folder.__path__), key=lambda module: module.name):
+        module = import_module(f"{folder.__name__}.{found.name}")
+        for value in vars(module).values():
+            is_own = isinstance(value, type) and value.__module__ == module.__name__
+            if is_own and getattr(value, "__final__", False):
+                yield value
+
+
+def _entry(kind: str, word: str, each: type[Element]) -> dict[str, Any]:
+    title = word or kind
+    return {
+        "section": kind,
+        "type": word,
+        "title": title.replace("_", " ").capitalize(),
+        "group": _GROUPS.get(kind, kind.capitalize()),
+        "summary": each.summary(),
+        "definition": definition_name(title),
+        "fields": [_field(name, field) for name, field in each.fields.items()],
+    }
+
+
+def definition_name(word: str) -> str:
+    """Return the name of an entry in the schema of the model file.
+
+    >>> definition_name("point_on_line")
+    'PointOnLineEntry'
+    """
+    return f"{word.title().replace('_', '')}Entry"
+
+
+def _field(name: str, field: Field[Any, Any]) -> dict[str, Any]:
+    default = None if field.default is REQUIRED else json.loads(json.dumps(field.default))
+    return {
+        "name": name,
+        "place": field.place or name,
+        "role": field.role,
+        "unit": field.unit,
+        "required": field.is_required,
+        "default": default,
+        "sentence": field.sentence,
+    }

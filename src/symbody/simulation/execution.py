@@ -1,0 +1,64 @@
+"""`execute`: one smooth motion, from its plan to its trajectory."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from symbody.simulation.methods.breakdowns import judge_friction, judge_pivots, pivot_events
+from symbody.simulation.methods.change_point import integrate_on_branch
+from symbody.simulation.methods.integration import Integration, MotionPlan
+from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.results.singular_angles import singular_passages
+from symbody.simulation.results.stop_note import stop_note
+from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
+from symbody.simulation.status import Status
+
+
+def execute(plan: MotionPlan) -> Trajectory:
+    """Return the motion of equations that stay the same."""
+    integration = plan.integration
+    problem = integration.problem
+    has_pivots = problem.eqs.formed.elimination is not None
+    pivots = pivot_events(problem, integration.span[0], integration.state) if has_pivots else ()
+    integration = replace(integration, events=(*integration.events, *pivots))
+    run = integrate_on_branch(replace(plan, integration=integration))
+    if pivots or not run.raw.status.success:
+        run = judge_pivots(judge_friction(problem, run), pivots)
+    return _trajectory(problem, run)
+
+
+def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:
+    """Return the run with its names."""
+    eqs, raw = problem.eqs, run.raw
+    n_u, n = len(eqs.speed_names), len(eqs.state_names)
+    states, work = _split_work(raw.dense_output, n)
+    passages = [] if states is None else list(singular_passages(eqs, states))
+    stop = "" if raw.status.success else stop_note(problem, raw)
+    if raw.status is Status.CHATTERING and run.watch is not None:
+        stop += f"; there event {run.watch.chattering!r} happens again and again"
+    occurrences = () if run.watch is None else run.watch.occurrences
+    return Trajectory(
+        t=raw.t,
+        q=raw.x[n_u:n],
+        u=raw.x[:n_u],
+        coordinate_names=eqs.coordinate_names,
+        speed_names=eqs.speed_names,
+        status=raw.status,
+        statistics=raw.statistics,
+        evaluate=Evaluator(problem, work),
+        dense_output=states,
+        stored={"work": raw.x[-1]},
+        units=eqs.units,
+        notes=(*run.notes, *(note for _, note in passages), *((stop,) if stop else ())),
+        name=eqs.model.name,
+        events=(*occurrences, *(event for event, _ in passages)),
+    )
+
+
+def _split_work(dense: DenseOutput | None, n: int) -> tuple[DenseOutput | None, DenseOutput | None]:
+    """Return the dense output of the first `n` states, and of the others."""
+    if dense is None:
+        return None, None
+    first, others = dense.pieces[:, :, :n], dense.pieces[:, :, n:]
+    return DenseOutput(dense.breaks, first), DenseOutput(dense.breaks, others)

@@ -1,0 +1,254 @@
+"""Jumps of prescribed rates: the speeds jump as well, by what the joints and constraints transmit.
+
+Where a prescribed rate jumps from one value to another, the mechanism is struck: of all speeds that fit the
+new rates, those are taken to which the momenta of the free directions do not change,
+``M u' + b' - (M u + b) = J^T P`` [Pars, A treatise on analytical dynamics, chapter 14], b the momenta that
+prescribed rates give. A jump of a prescribed position is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.derivatives import partial_derivatives, with_outputs
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import Problem, SimulationError, UsageError
+from symbody.expr import opcodes as op
+from symbody.expr.graph import TIME, Kind
+from symbody.expr.rewrite import symbols_of
+from symbody.expr.saddle import solve_saddle
+from symbody.simulation.execution import execute
+from symbody.simulation.hybrid.concatenate import concatenate
+from symbody.simulation.hybrid.modes import evaluate_outputs
+from symbody.simulation.methods.integration import MotionPlan
+from symbody.simulation.methods.integration_problem import IntegrationProblem
+from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.simulation.status import Status
+from symbody.tolerances import AT_REST
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+# Nor where it is less, of the mechanism's size: rows that always hold are zero but for rounding.
+_ROUNDED: Final = 1e-12
+_SAMPLES: Final = 33  # of a motion, for the size of what is prescribed
+_MOST_NOTES: Final = 20
+_MOMENTA: Final = "momenta of the speeds"
+_WITH_CORNERS: Final = frozenset(
+    {op.LT, op.LE, op.EQ, op.MIN, op.MAX, op.ABS, op.SIGN, op.FLOOR, op.ATAN2, op.SELECT}
+)
+
+
+def may_jump(eqs: EquationSet) -> bool:
+    """Return whether prescribed rates may jump: conditions, or the like, in time alone stand in them."""
+    graph, names = eqs.formed.graph, eqs.formed.names
+    nodes = [names.value(f"{name}{end}").index for name in _prescribed_names(eqs) for end in ("", "_dot")]
+    nodes += [expression.index for row in eqs.formed.rows for expression in (row.value, row.rest)]
+    cornered = [node for node in graph.reachable(nodes) if graph.ops[node] in _WITH_CORNERS]
+    moving = {Kind.COORDINATE, Kind.SPEED}
+    for node in cornered:
+        symbols = {graph.symbols[graph.left[place]] for place in symbols_of(graph, [node])}
+        if TIME in symbols and not any(symbol.kind in moving for symbol in symbols):
+            return True
+    return False
+
+
+def run_with_jumps(plan: MotionPlan) -> Trajectory:
+    """Return a motion in parts, between the times at which prescribed rates jump.
+
+    Raises
+    ------
+    UsageError
+        If a prescribed position jumps.
+    """
+    integration = plan.integration
+    problem, span = integration.problem, integration.span
+    times, margin = jump_times(problem, integration.state, span)
+    if not times:
+        return execute(plan)
+    step = float(np.copysign(margin, span[1] - span[0]))
+    spans = zip([span[0], *(t + step for t in times)], [*(t - step for t in times), span[1]], strict=True)
+    parts: list[Trajectory] = []
+    jumps: dict[int, float] = {}
+    x = integration.state
+    for k, (start, end) in enumerate(spans):
+        part = execute(replace(plan, integration=_part(integration, x, parts, (start, end))))
+        parts.append(part)
+        if part.status is not Status.SUCCESS or k == len(times):
+            break
+        x, jumps[k + 1] = _jump(problem, part, end, end + 2.0 * step)
+    run = concatenate(parts, [event for part in parts for event in part.events], jumps)
+    if integration.times is not None:  # one at a jump was computed behind it
+        run = replace(run, t=np.asarray(integration.times)[: run.t.size].copy())
+    return replace(run, notes=(*run.notes, *_jump_notes(times, jumps)))
+
+
+def _jump_notes(times: list[float], jumps: dict[int, float]) -> Iterator[str]:
+    """Yield what to note about the jumps that happened."""
+    for k, change in list(jumps.items())[:_MOST_NOTES]:
+        yield (
+            f"at t = {times[k - 1]:.9g} s prescribed rates jump: the speeds jump with them, and the energy "
+            f"by {change:.6g} J"
+        )
+    if len(jumps) > _MOST_NOTES:
+        last = times[len(jumps) - 1]
+        yield f"{len(jumps) - _MOST_NOTES} more jumps of prescribed rates until t = {last:.9g} s"
+
+
+def jump_times(problem: SimulationProblem, x: Floats, span: tuple[float, float]) -> tuple[list[float], float]:
+    """Return the times at which prescribed rates jump, in the order of the motion, and how exact they are.
+
+    Raises
+    ------
+    UsageError
+        If a prescribed position jumps.
+    """
+    eqs = problem.eqs
+    if not may_jump(eqs) or span[0] == span[1]:
+        return [], 0.0
+    names = _prescribed_names(eqs)
+    closed = ("constraints", "velocity_constraints") if eqs.multiplier_names else ()
+    bounds = problem.breakpoints(span, (*names, *(f"{name}_dot" for name in names), *closed))
+    inside = (bounds.times > min(span)) & (bounds.times < max(span)) & bounds.jumps
+    times = bounds.times[inside]
+    margin = float(bounds.margins.max(initial=0.0))
+    if not times.size:
+        return [], 0.0
+    prescribed = _PrescribedMotions(problem, x, np.linspace(*span, _SAMPLES), times, margin)
+    rates, fastest = prescribed.changes((*(f"{name}_dot" for name in names), *closed[1:]))
+    positions, largest = prescribed.changes((*names, *closed[:1]))
+    turning = [eqs.units.get(name) == "rad" for name in names]
+    positions[: len(names)] = remove_turns(positions[: len(names)], np.array(turning, dtype=np.bool_))
+    width = 4.0 * margin * (fastest[: len(largest)] + np.abs(rates[: len(largest)]).max(axis=1, initial=0.0))
+    rounded = _ROUNDED * _sizes(problem, names)
+    torn = np.abs(positions) > (AT_REST * largest + width + rounded[: len(largest)])[:, np.newaxis]
+    if torn.any():
+        row, k = np.argwhere(torn)[0]
+        raise UsageError(
+            _torn_motion(
+                [*names, *(row.coordinate or row.name for row in eqs.formed.rows)][row], float(times[k])
+            )
+        )
+    least = (AT_REST * fastest + rounded / problem.scales.time)[:, np.newaxis]
+    found: list[float] = times[(np.abs(rates) > least).any(axis=0)].tolist()
+    return found if span[1] >= span[0] else found[::-1], margin
+
+
+def _sizes(problem: SimulationProblem, names: tuple[str, ...]) -> Floats:
+    """Return what counts as large for prescribed coordinates, and for constraints."""
+    scales, eqs = problem.scales, problem.eqs
+    own = [scales.length if eqs.units.get(name) == "m" else 1.0 for name in names]
+    return np.concatenate([own, scales.constraints(eqs)])
+
+
+def _prescribed_names(eqs: EquationSet) -> tuple[str, ...]:
+    """Return the names of the prescribed coordinates that are functions of time."""
+    return tuple(name for use in eqs.formed.uses for name in use.prescribed)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _PrescribedMotions:
+    """What prescribed motions say of positions and of rates; those that are constraints about one state."""
+
+    problem: SimulationProblem
+    x: Floats
+    samples: Floats
+    times: Floats
+    margin: float
+
+    def changes(self, outputs: tuple[str, ...]) -> tuple[Floats, Floats]:
+        """Return how much outputs change at the times, (n, N), and how large they are otherwise, (n,)."""
+        if not outputs:
+            return np.zeros((0, self.times.size)), np.zeros(0)
+        before, behind = (
+            self._values(outputs, self.times - self.margin),
+            self._values(outputs, self.times + self.margin),
+        )
+        return behind - before, np.abs(self._values(outputs, self.samples)).max(axis=1)
+
+    def _values(self, outputs: tuple[str, ...], t: Floats) -> Floats:
+        columns = []
+        for time in t.tolist():
+            values = evaluate_outputs(self.problem, outputs, time, self.x)
+            columns.append(np.concatenate([np.ravel(value) for value in values]))
+        return np.array(columns).T
+
+
+def remove_turns(changes: Floats, is_angle: Flags) -> Floats:
+    """Return changes without the whole turns of angles."""
+    turns = 2.0 * np.pi * np.round(changes / (2.0 * np.pi))
+    found: Floats = np.where(is_angle[:, np.newaxis], changes - turns, changes)
+    return found
+
+
+def _torn_motion(name: str, t: float) -> Problem:
+    return Problem(
+        "simulation.torn_motion", f"motion {name}", f"the prescribed position jumps at t = {t:.9g} s",
+        "nothing moves by a distance in no time",
+        "let it pass from one value to the other, as smoothstep(t, t1, t2) does",
+    )  # fmt: skip
+
+
+def _part(
+    integration: IntegrationProblem, x: Floats, before: list[Trajectory], span: tuple[float, float]
+) -> IntegrationProblem:
+    """Return one part of a motion; a sample at a jump belongs to the part behind."""
+    start, end = integration.span
+    steps = sum(part.statistics.accepted + (part.statistics.rejected or 0) for part in before)
+    direction, times = float(np.sign(end - start)), None
+    if integration.times is not None:
+        samples = np.asarray(integration.times)
+        first, last = sum(part.t.size for part in before), samples.size
+        if span[1] != end:
+            last = int(np.searchsorted(direction * samples, direction * span[1], side="right"))
+        times = samples[first:last]
+        times = np.where(direction * (times - span[0]) < 0.0, span[0], times) if before else times
+    return integration.part(x, span, times, steps)
+
+
+def _jump(problem: SimulationProblem, part: Trajectory, before: float, behind: float) -> tuple[Floats, float]:
+    """Return the state after prescribed rates have jumped, and by how much the energy has changed.
+
+    Raises
+    ------
+    SimulationError
+        If no speeds fit the new rates.
+    """
+    dense, n_u = part.dense_output, len(problem.eqs.speed_names)
+    x = np.zeros(0) if dense is None else np.array(dense(dense.breaks[-1:])[:, 0])
+    energy = float(evaluate_outputs(problem, ("energy",), before, x)[0])
+    if n_u:
+        x[:n_u] += _speed_change(problem, x, before, behind)
+    return x, float(evaluate_outputs(problem, ("energy",), behind, x)[0]) - energy
+
+
+def _speed_change(problem: SimulationProblem, x: Floats, before: float, behind: float) -> Floats:
+    """Return by how much the speeds jump between two times."""
+    formed = problem.eqs.formed
+    momenta = partial_derivatives(problem.eqs, _MOMENTA, [formed.kinetic_energy.index], formed.u)
+    with_momenta = replace(problem, eqs=with_outputs(problem.eqs, [momenta]))
+    given = [np.ravel(evaluate_outputs(with_momenta, (_MOMENTA,), t, x)[0]) for t in (before, behind)]
+    names = (
+        ("mass_matrix", "jacobian", "velocity_constraints")
+        if problem.eqs.multiplier_names
+        else ("mass_matrix",)
+    )
+    mass, *closed = evaluate_outputs(problem, names, behind, x)
+    rows, rates = closed if closed else (np.zeros((0, len(mass))), np.zeros(0))
+    solution = solve_saddle(
+        mass.ravel().tolist(), rows.ravel().tolist(), (given[0] - given[1]).tolist(), (-rates).tolist()
+    )
+    if not solution.ok:
+        raise SimulationError(
+            Problem("simulation.impulse", "motion",
+                    f"no speeds fit the rates prescribed from t = {behind:.9g} s on",
+                    "the constraints do not allow them, or the mass matrix is singular",
+                    "prescribe a motion without corners")
+        )  # fmt: skip
+    return np.array(solution.udot)

@@ -1,0 +1,154 @@
+"""Ropes that are taut or slack.
+
+While a rope is taut a constraint holds its ends at its length, and its tension is watched; it goes slack
+where that comes to zero. While it is slack it does nothing, and the distance of its ends is watched; where
+that reaches its length the rope goes taut, with a shock if the ends still move apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.ropes import AT_LENGTH
+from symbody.equations.equations_of_motion import EquationsOfMotion
+from symbody.equations.solving.ropes import rope_rows, rope_words, ropes, slackened, with_words
+from symbody.expr.saddle import solve_saddle
+from symbody.simulation.events.events import Event
+from symbody.simulation.hybrid.modes import HybridState, Modes, ModeTrial, evaluate_outputs
+from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.tolerances import BALANCED, CANCELLED
+
+Floats = NDArray[np.float64]
+
+SLACK: Final = 0
+TAUT: Final = 1
+_WORDS: Final = MappingProxyType({SLACK: "slack", TAUT: "taut"})
+_SLOW: Final = 1e-3  # of speeds: ends that approach faster do not come back at once
+# Rows of the motion of the ropes, and of their outputs in some modes.
+_MOTION: Final = ("rope_slack", "rope_slack_dot", "rope_length")
+_SLACKNESS, RATE, _LENGTH = range(3)
+_OUTPUTS: Final = ("rope_slack_ddot", "rope_tension", "rope_size")
+_ACCELERATION, _TENSION, _SIZE = range(3)
+
+
+@dataclass(frozen=True, slots=True)
+class RopeElements:
+    """The ropes of a mechanism.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the ropes.
+    problem : SimulationProblem
+        The equations with all of them taut.
+    """
+
+    names: tuple[str, ...]
+    problem: SimulationProblem
+    default: int = SLACK
+
+    @property
+    def motion_outputs(self) -> tuple[str, ...]:
+        """Slackness, its rate, and the length."""
+        return tuple(f"{word} {name}" for word in _MOTION for name in self.names)
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Second rate of the slackness, tension, and what cancels in that rate."""
+        return tuple(f"{word} {name}" for word in _OUTPUTS for name in self.names)
+
+    def apply_modes(self, formed: EquationsOfMotion, modes: Modes) -> EquationsOfMotion:
+        """Return equations without the ropes that are slack."""
+        slack = [name for name, mode in zip(self.names, modes, strict=True) if mode == SLACK]
+        return with_words(slackened(formed, slack), rope_words(self.problem.eqs.formed))
+
+    def candidates(self, state: HybridState, motion: Floats) -> list[tuple[int, ...]]:
+        """Return slack for ropes that are shorter or whose ends approach; others stay taut if they can."""
+        candidates: list[tuple[int, ...]] = []
+        tight = self.tight(state.before, motion)
+        for k, name in enumerate(self.names):
+            parting = self._approach(state, k, motion) > _SLOW / BALANCED * state.small * state.length
+            if name in state.forced_modes or not tight[k] or parting:
+                candidates.append((SLACK,))
+            else:
+                candidates.append((TAUT, SLACK))
+        return candidates
+
+    def _approach(self, state: HybridState, place: int, motion: Floats) -> float:
+        """Return the rate at which the ends of a rope approach; 0 where the rope was taut, whatever drift."""
+        return 0.0 if state.before.get(self.names[place]) == TAUT else float(motion[RATE, place])
+
+    def tight(self, before: Mapping[str, int], motion: Floats) -> NDArray[np.bool_]:
+        """Return which ropes are at their length: those that were taut are, whatever drift there is."""
+        were = np.array([before.get(name) == TAUT for name in self.names], dtype=np.bool_)
+        closed: NDArray[np.bool_] = were | (motion[_SLACKNESS] <= AT_LENGTH * motion[_LENGTH])
+        return closed
+
+    def violation(self, modes: Modes, values: Floats) -> Floats:
+        """Return how hard taut ropes would have to push."""
+        return np.where([mode == TAUT for mode in modes], -values[_TENSION], -np.inf)
+
+    def next_mode(self, place: int, values: Floats) -> int:
+        """Return slack."""
+        return SLACK
+
+    def is_consistent(self, trial: ModeTrial, place: int, element: int, is_open: bool) -> bool:
+        """Return whether a taut rope pulls, or the ends of a slack one at its length do not move apart."""
+        values, motion = trial.values(self)[:, place], self.motion_values(trial.t, trial.x)
+        rate = 0.0 if trial.state is None else self._approach(trial.state, place, motion)
+        is_parting = trial.state is not None and rate > trial.state.small * trial.state.length
+        if trial.modes[element] == TAUT:
+            pulls = bool(values[_TENSION] >= -BALANCED / CANCELLED * self._limit(trial, place))
+            if not (pulls and is_parting):
+                return pulls
+            # A rope that is taut again before its ends have measurably approached stays taut.
+            back = -trial.with_mode(element, SLACK).values(self)[_ACCELERATION, place]
+            return bool(rate**2 <= 2.0 * back * AT_LENGTH * motion[_LENGTH, place])
+        return not is_open or is_parting or bool(values[_ACCELERATION] >= -BALANCED * values[_SIZE])
+
+    def end_event(self, trial: ModeTrial, place: int, mode: int) -> Event:
+        """Return what ends a mode: no tension, or the rope's length."""
+        name = f"end of {self.word(mode)}: rope {self.names[place]}"
+        word = rope_words(self.problem.eqs.formed)[self.names[place]]
+        if mode == SLACK:
+            motion = self.motion_values(trial.t, trial.x)[:, place]
+            # At its length up to rounding it is exactly there: an event has to leave zero first.
+            start = motion[_SLACKNESS] if abs(motion[_SLACKNESS]) <= AT_LENGTH * motion[_LENGTH] else 0.0
+            return Event(f"{word} - ({float(start)!r})", direction=-1, action="stop", name=name)
+        limit = self._limit(trial, place)
+        return Event(f"{word} - {limit!r}", direction=1, action="stop", name=name)
+
+    def forced_modes(self, trial: ModeTrial, place: int, mode: int) -> Mapping[str, int]:
+        """Return that a rope without tension goes slack; one at its length may do either."""
+        return {self.names[place]: SLACK} if mode == TAUT else {}
+
+    def word(self, mode: int) -> str:
+        """Return a mode in words."""
+        return _WORDS[mode]
+
+    def motion_values(self, t: float, x: Floats) -> Floats:
+        """Return slackness, its rate, and length of the ropes."""
+        values = np.array(evaluate_outputs(self.problem, self.motion_outputs, t, x), dtype=np.float64)
+        return values.reshape(len(_MOTION), -1)
+
+    def _limit(self, trial: ModeTrial, place: int) -> float:
+        """Return the tension that is rounding: that of the mass the rope moves, by what cancels."""
+        mass, rows = evaluate_outputs(self.problem, ("mass_matrix", "jacobian"), trial.t, trial.x)
+        row = rope_rows(self.problem.eqs.formed, self.names)[place]
+        others = [k for k in range(len(rows)) if k not in rope_rows(self.problem.eqs.formed, self.names)]
+        chosen = rows[[*others, row]]
+        gamma = [*[0.0] * len(others), 1.0]
+        solution = solve_saddle(mass.ravel().tolist(), chosen.ravel().tolist(), [0.0] * len(mass), gamma)
+        moved = abs(solution.multipliers[-1]) if solution.ok else 0.0
+        return float(CANCELLED * moved * trial.values(self)[_SIZE, place])
+
+
+def rope_elements(problem: SimulationProblem) -> RopeElements:
+    """Return the ropes of a mechanism."""
+    return RopeElements(ropes(problem.eqs.formed), problem)

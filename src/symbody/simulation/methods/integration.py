@@ -1,0 +1,219 @@
+"""`Plan`: a smooth motion with the method that is to compute it, and `integrate_plan`, which does.
+
+Without an integrator a motion starts explicitly and goes on with `Stiff` where stability alone keeps the
+steps small.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.errors import Problem, UsageError
+from symbody.simulation.events.event_watch import EventWatch
+from symbody.simulation.inputs.input_laws import CallbackFunction
+from symbody.simulation.methods.constraints import Baumgarte, Projection
+from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, Explicit, integrate
+from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.methods.gear_gupta_leimkuhler import GGL, run_ggl
+from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
+from symbody.simulation.methods.partition import Partition, run_partition
+from symbody.simulation.methods.stiff import Stiff, run_stiff
+from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.native.run import RawRun
+from symbody.simulation.status import Status
+from symbody.tolerances import CLOSED
+
+Floats = NDArray[np.float64]
+Integrator = Explicit | FixedStep | Stiff
+Constraints = Projection | Baumgarte | GGL | Partition
+Notes = tuple[str, ...]
+
+DEFAULT: Final = Explicit()
+# So many explicit steps take less than a second, and they are more exact than what `Stiff` does.
+BEARABLE: Final = 20_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MotionPlan:
+    """A smooth motion and the method that is to compute it; None leaves the choice open."""
+
+    integration: IntegrationProblem
+    integrator: Integrator | None
+    constraints: Constraints | None
+
+
+class Integration(NamedTuple):
+    """The run of a plan, what to note about it, and what looked for events."""
+
+    raw: RawRun
+    notes: Notes
+    watch: EventWatch | None
+
+
+def integrate_plan(plan: MotionPlan) -> Integration:
+    """Return the run of a plan; constraints are held by `Projection` if the plan leaves that open.
+
+    Raises
+    ------
+    UsageError
+        If the integrator cannot hold the constraints as the plan requires.
+    SimulationError
+        If the law of an input fails.
+    """
+    integration, integrator = plan.integration, plan.integrator
+    constraints = _fitting_constraints(plan)
+    # Methods that do not project after steps do so after events, except `Baumgarte`.
+    projection = constraints if isinstance(constraints, Projection) else Projection()
+    closing = None if isinstance(constraints, Baumgarte) else integration.projection(projection)
+    watch = integration.event_watch(closing)
+    raw, notes = _run_method(integration, integrator, constraints, closing, watch)
+    step = integrator.step if isinstance(integrator, FixedStep) else None
+    return Integration(raw, (*notes, *integration.breakpoints.notes(step)), watch)
+
+
+def _fitting_constraints(plan: MotionPlan) -> Constraints:
+    """Return how constraints are held: without any, all ways are `Projection`."""
+    constraints = plan.constraints or Projection()
+    fits: tuple[type, ...]
+    if isinstance(constraints, GGL):
+        fits, name, why, fix = (Stiff,), "sb.GGL()", "are implicit equations", "sb.Stiff()"
+    elif isinstance(constraints, Partition):
+        fits, name, why, fix = (Explicit,), "sb.Partition()", "is integrated explicitly", "sb.Explicit()"
+    else:
+        return constraints
+    if not (plan.integrator is None or isinstance(plan.integrator, fits)):
+        what = f"this integrator cannot be combined with {name}"
+        raise UsageError(Problem("simulation.combination", "integrator", what, f"{name} {why}", f"use {fix}"))
+    return constraints if plan.integration.eqs.multiplier_names else Projection()
+
+
+def _run_method(
+    integration: IntegrationProblem,
+    integrator: Integrator | None,
+    constraints: Constraints,
+    closing: StateProjector | None,
+    watch: EventWatch | None,
+) -> tuple[RawRun, Notes]:
+    """Return the run by a method that can hold the constraints, and what to note about it."""
+    if isinstance(constraints, GGL):
+        return run_ggl(integration, integrator if isinstance(integrator, Stiff) else Stiff(), watch)
+    if isinstance(constraints, Partition):
+        explicit = integrator if isinstance(integrator, Explicit) else DEFAULT
+        return run_partition(integration, constraints, explicit, watch)
+    if isinstance(integrator, Stiff):
+        return run_stiff(integration, integrator, constraints, watch), ()
+    if integrator is not None:
+        return run_explicit(integration, integrator, closing, watch), ()
+    raw = run_explicit(integration, DEFAULT, closing, watch, stop_when_stiff=True)
+    if raw.status is not Status.STIFF or raw.dense_output is None:
+        return raw, ()
+    if watch is None and _steps_left(raw.dense_output, integration.span[1]) < BEARABLE:
+        return run_explicit(integration, DEFAULT, closing, watch), ()  # events would be noted twice
+    return _continue_stiff(integration, raw, raw.dense_output(raw.reached), constraints, watch)
+
+
+def run_explicit(
+    integration: IntegrationProblem,
+    method: Explicit | FixedStep,
+    closing: StateProjector | None,
+    watch: EventWatch | None,
+    *,
+    stop_when_stiff: bool = False,
+) -> RawRun:
+    """Return the run of the compiled loop; the compiled functions live until it ends.
+
+    Raises
+    ------
+    SimulationError
+        If the law of an input fails.
+    """
+    problem, laws = integration.problem, integration.problem.laws
+    # The work is one more state: the function writes its rate, the power, behind xdot.
+    function = problem.compile_outputs(("xdot", "power"))
+    python_laws = CallbackFunction(function, laws) if laws.callbacks else None
+    projector = NOTHING_TO_PROJECT if closing is None else closing.projector
+    if isinstance(method, FixedStep):  # its steps never become shorter, however far one went
+        projector = projector._replace(limit=math.inf)
+    run = partial(
+        integrate,
+        function.address if python_laws is None else python_laws.address,
+        function.work_size,
+        integration.n_u,
+        integration.x0.size - integration.n_u,
+        integration.x0,
+        integration.span,
+        method=method,
+        inputs=np.zeros(len(laws.callbacks)),
+        constants=function.constants(),
+        times=integration.times,
+        rtol=integration.rtol,
+        atol=[*integration.tolerances, _work_tolerance(integration)],
+        max_steps=integration.max_steps,
+        stop_when_stiff=stop_when_stiff,
+        progress=integration.progress,
+        projector=projector,
+        watch=watch,
+        breakpoints=integration.breakpoints,
+    )
+    if python_laws is None:
+        return run()
+    with python_laws.interruptible():
+        raw = run()
+    if python_laws.error is None:
+        return raw
+    if isinstance(python_laws.error, KeyboardInterrupt):
+        return replace(raw, status=Status.INTERRUPTED, kernel=None, state=None)
+    raise python_laws.error
+
+
+def _work_tolerance(integration: IntegrationProblem) -> float:
+    """Return how large a local error of the work may be.
+
+    Work starts at zero, but energies are known to `rtol` at best: `atol` alone for work done on a mechanism
+    in fast motion would need steps without end.
+    """
+    problem, n_u, x = integration.problem, integration.n_u, integration.state
+    kinetic = problem.interpret("kinetic_energy", integration.span[0], x[n_u:], x[:n_u])
+    usual = CLOSED * problem.scales.energy if integration.atol is None else integration.atol
+    return min(max(usual, integration.rtol * kinetic), sys.float_info.max)
+
+
+def _steps_left(dense: DenseOutput, end: float) -> float:
+    """Return how many steps like the last one lead to the end."""
+    last, reached = dense.breaks[-2:]
+    return float((end - reached) / (reached - last))
+
+
+def _continue_stiff(
+    integration: IntegrationProblem,
+    first: RawRun,
+    x: Floats,
+    constraints: Projection | Baumgarte,
+    watch: EventWatch | None,
+) -> tuple[RawRun, Notes]:
+    """Return an explicit run that was broken off as stiff in a state `x`, carried on by `Stiff`."""
+    start, end = first.reached, integration.span[1]
+    times = None
+    if integration.times is not None:
+        samples = np.asarray(integration.times)
+        times = samples[(samples - start) * np.sign(end - start) > 0.0]
+    remainder = replace(
+        integration,
+        x0=x,
+        span=(start, end),
+        times=times,
+        max_steps=integration.max_steps - first.statistics.accepted - (first.statistics.rejected or 0),
+        before=first,
+    )
+    note = f"from t = {start:.6g} s on the motion is stiff and sb.Stiff() integrates it"
+    try:
+        return run_stiff(remainder, Stiff(), constraints, watch), (note,)
+    except KeyboardInterrupt:  # while it compiled: what came before is kept
+        return replace(first, status=Status.INTERRUPTED), ()

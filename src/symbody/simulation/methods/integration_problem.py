@@ -1,0 +1,211 @@
+"""`IntegrationProblem`: one smooth motion, as the integrators that take single steps read it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from symbody.codegen.function import CompiledFunction
+from symbody.equations.equation_set import EquationSet
+from symbody.simulation.events.event_watch import EventFunctions, EventWatch
+from symbody.simulation.events.events import Event
+from symbody.simulation.inputs.breakpoints import Breakpoints
+from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.methods.constraints import PROJECTED, Projection, make_projector
+from symbody.simulation.methods.explicit import (
+    check_rtol,
+    check_single_atol,
+    check_span,
+    check_times,
+    make_goal,
+)
+from symbody.simulation.methods.stepping import Course, StepEnds
+from symbody.simulation.native.interface import Projector
+from symbody.simulation.native.layout import COUNTS
+from symbody.simulation.native.loop import project_row
+from symbody.simulation.native.run import Progress, RawRun
+from symbody.simulation.native.segments import Watch
+from symbody.simulation.simulation_problem import SimulationProblem
+
+Floats = NDArray[np.float64]
+
+NOTHING: Final = np.zeros(0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class IntegrationProblem:
+    """What moves, from which state, how far and how carefully.
+
+    Attributes
+    ----------
+    x0 : (n_u + n_q + 1,) array
+        Speeds, coordinates, and the work done before.
+    times : array, optional
+        Samples to store; None stores every step.
+    atol : float, optional
+        Absolute tolerance of every state; None follows the scales of the problem.
+    events : tuple of Event
+        What is watched on the way.
+    before : RawRun, optional
+        A run that was broken off where this one starts.
+
+    Raises
+    ------
+    UsageError
+        If the span, times or tolerances make no sense.
+    """
+
+    problem: SimulationProblem
+    x0: Floats
+    span: tuple[float, float]
+    times: ArrayLike | None = None
+    rtol: float = 1e-8
+    atol: float | None = None
+    max_steps: int = 1_000_000
+    progress: Progress | None = None
+    events: tuple[Event, ...] = ()
+    before: RawRun | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "span", check_span(self.span))
+        object.__setattr__(self, "times", check_times(self.times, *self.span))
+        object.__setattr__(self, "rtol", check_rtol(self.rtol))
+        object.__setattr__(self, "atol", check_single_atol(self.atol))
+
+    @property
+    def eqs(self) -> EquationSet:
+        """The equations."""
+        return self.problem.eqs
+
+    @property
+    def tolerances(self) -> Floats:
+        """The absolute tolerance of each speed and coordinate (n_u + n_q,)."""
+        return self.problem.scales.tolerances(self.eqs, self.state, self.atol)
+
+    @property
+    def n_u(self) -> int:
+        """Number of speeds."""
+        return len(self.eqs.speed_names)
+
+    @property
+    def state(self) -> Floats:
+        """The first state without the work."""
+        return self.x0[:-1].copy()
+
+    @property
+    def breakpoints(self) -> Breakpoints:
+        """Where what depends on time alone changes."""
+        return self.problem.breakpoints(self.span, [str(event.expression) for event in self.events])
+
+    def part(
+        self, x: Floats, span: tuple[float, float], times: Floats | None, steps_before: int
+    ) -> IntegrationProblem:
+        """Return the problem of a part of this motion, from a state x = (u, q).
+
+        Parameters
+        ----------
+        times : array or None
+            The samples of this part.
+        steps_before : int
+            How many steps were tried before it.
+        """
+        (start, end), progress = self.span, self.progress
+        first, length = (span[0] - start) / (end - start or 1.0), (span[1] - span[0]) / (end - start or 1.0)
+
+        def scale(share: float) -> bool | None:
+            return None if progress is None else progress(first + share * length)
+
+        return replace(
+            self, x0=np.append(x, 0.0), span=span, times=times, max_steps=self.max_steps - steps_before,
+            progress=None if progress is None else scale,
+        )  # fmt: skip
+
+    def compile_outputs(self, outputs: str | Sequence[str], eqs: EquationSet | None = None) -> StateFunction:
+        """Return a function of time and state, by default of these equations."""
+        problem = self.problem if eqs is None else replace(self.problem, eqs=eqs)
+        return StateFunction(problem.compile_outputs(outputs), self.problem.laws, self.n_u)
+
+    def step_ends(self, share: float = 1.0) -> StepEnds:
+        """Return what bounds the steps, each by a share of the piece of time it is in."""
+        bounds = self.breakpoints
+        bounds = replace(bounds, longest=share * bounds.longest)
+        goal = make_goal(self.span, self.rtol, np.zeros(1), np.inf, [bounds])
+        return StepEnds(goal, np.zeros(COUNTS, dtype=np.int64))
+
+    def projection(self, method: Projection) -> StateProjector | None:
+        """Return what brings states back onto the constraints; None if there are none."""
+        if not self.problem.is_closed:
+            return None
+        function = self.problem.compile_outputs(PROJECTED)
+        projector = make_projector(function, self.eqs, self.problem.scales, method, self.atol)
+        return StateProjector(function, projector, self.rtol, self.tolerances)
+
+    def event_watch(self, closing: StateProjector | None) -> EventWatch | None:
+        """Return what looks for events, if there are any; states after actions are closed."""
+        if not self.events:
+            return None
+        functions = EventFunctions(
+            self.problem, self.events, None if closing is None else closing.projector.scales
+        )
+        return EventWatch(self.events, functions, abs(self.span[1] - self.span[0]))
+
+    def course(self, watch: Watch | None, closed: Callable[[Floats, Floats], Floats] | None = None) -> Course:
+        """Return the course to march; samples are brought onto the constraints by `closed`."""
+        n_u, function = self.n_u, self.problem.compile_outputs("power")
+
+        def power(t: Floats, x: Floats) -> Floats:
+            values: Floats = self.problem.evaluate(function, t, x[:, n_u:].T, x[:, :n_u].T)
+            return values
+
+        def keep(t: Floats, x: Floats) -> Floats:
+            return x
+
+        times = None if self.times is None else np.asarray(self.times)
+        return Course(
+            self.x0, *self.span, times, int(self.max_steps), self.progress, power, closed or keep, watch,
+            self.before,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StateFunction:
+    """A compiled function of time and of a state x = (u, q), with the inputs that are callbacks."""
+
+    function: CompiledFunction
+    laws: InputLaws
+    n_u: int
+
+    def __call__(self, t: float, x: Floats, more: Floats = NOTHING) -> Any:
+        """Return the outputs; `more` are arguments behind the inputs."""
+        u, q = x[: self.n_u], x[self.n_u :]
+        inputs = self.laws.evaluate(t, q, u) if self.laws.callbacks else NOTHING
+        return self.function(t, q, u, np.concatenate([inputs, more]))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StateProjector:
+    """Brings states back onto the constraints; `function` keeps the compiled code alive."""
+
+    function: CompiledFunction
+    projector: Projector
+    rtol: float
+    atol: Floats
+
+    def project_one(self, t: float, x: Floats) -> tuple[Floats, float]:
+        """Return a closed state, and its distance from `x` over the tolerated error."""
+        rows = x[np.newaxis].copy()
+        moved = float(project_row(self.projector, self.rtol, self.atol, t, rows, 0))
+        return rows[0], moved
+
+    def project_all(self, t: Floats, x: Floats) -> Floats:
+        """Return closed states; those out of reach stay what they are."""
+        rows = np.ascontiguousarray(x)
+        for k, time in enumerate(t):
+            kept = rows[k].copy()
+            if not np.isfinite(project_row(self.projector, self.rtol, self.atol, float(time), rows, k)):
+                rows[k] = kept
+        return rows

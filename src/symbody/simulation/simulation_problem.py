@@ -1,0 +1,156 @@
+"""One motion to compute: equations with the values of parameters, and the laws of inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.scales import Scales
+from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.function import CompiledFunction, Signature
+from symbody.equations.equation_set import EquationSet
+from symbody.expr.evaluate import evaluate_sequence
+from symbody.expr.sequence import Sequence as Program
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
+from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.inputs.time_functions import time_functions
+from symbody.simulation.native.dense_output import DenseOutput
+from symbody.single_flight import SingleFlight
+
+Floats = NDArray[np.float64]
+
+# Outputs that are measured by the scales of a motion.
+VIOLATIONS: Final = ("constraint_violation", "velocity_violation")
+
+
+@dataclass(frozen=True, slots=True)
+class SimulationProblem:
+    """Equations with the values of parameters, the laws of all inputs, and what counts as large."""
+
+    eqs: EquationSet
+    parameters: Mapping[str, Value]
+    laws: InputLaws
+    scales: Scales
+    # Functions already compiled; they follow from the fields above.
+    _functions: SingleFlight[tuple[EquationSet, tuple[str, ...], bool, bool], CompiledFunction] = field(
+        default_factory=SingleFlight, repr=False, compare=False
+    )
+    _sequences: SingleFlight[tuple[EquationSet, tuple[str, ...]], tuple[Program, Signature]] = field(
+        default_factory=SingleFlight, repr=False, compare=False
+    )
+    _breakpoints: dict[tuple[EquationSet, tuple[str, ...]], tuple[list[float], Breakpoints]] = field(
+        default_factory=dict, repr=False, compare=False
+    )
+
+    def compile_outputs(self, outputs: str | Sequence[str], *, quick: bool = False) -> CompiledFunction:
+        """Return a function of t, q and u, and of the inputs that are callbacks; `quick` for few calls."""
+        is_one = isinstance(outputs, str)
+        key = (self.eqs, (outputs,) if isinstance(outputs, str) else tuple(outputs), is_one, quick)
+
+        def compile_function() -> CompiledFunction:
+            return CompiledFunction(*self._form_outputs(outputs), quick=quick)
+
+        return self._functions.get(key, compile_function)
+
+    def _form_outputs(self, outputs: str | Sequence[str]) -> tuple[Program, Signature]:
+        names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+        return self._sequences.get(
+            (self.eqs, names),
+            lambda: form_sequence(self.eqs, outputs, self.parameters, (), self.laws.formulas),
+        )
+
+    def breakpoints(self, span: tuple[float, float], watched: Sequence[str] = ()) -> Breakpoints:
+        """Return where what depends on time alone changes, in the equations and in expressions `watched`."""
+        pieces_of_all = NO_BREAKPOINTS
+        for outputs in (("xdot", "power"), tuple(watched)):
+            key = self.eqs, outputs
+            if outputs and (key not in self._breakpoints or not _contains(self._breakpoints[key][0], span)):
+                functions = time_functions(self._form_outputs(outputs)[0], self.laws.tables)
+                pieces = NO_BREAKPOINTS if functions is None else find_breakpoints(functions, span)[0]
+                self._breakpoints[key] = sorted(span), pieces
+            if outputs:
+                pieces_of_all = pieces_of_all.unite(self._breakpoints[key][1])
+        return pieces_of_all
+
+    def evaluate(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
+        """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""
+        return function(t, q.T, u.T, self.laws.values(t, q, u))
+
+    def interpret(self, output: str, t: float, q: Iterable[float], u: Iterable[float]) -> float:
+        """Return a number at one state, without compiling for it."""
+        sequence, _ = form_sequence(self.eqs, output, self.parameters, (), self.laws.formulas)
+        q, u = list(q), list(u)
+        inputs = self.laws.evaluate(t, np.array(q), np.array(u)) if self.laws.callbacks else []
+        return float(evaluate_sequence(sequence, {"t": [t], "q": q, "u": u, "r": inputs})[0][0])
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether states have to be projected."""
+        return bool(self.eqs.multiplier_names or self.eqs.quaternions)
+
+
+def _contains(known: Sequence[float], span: tuple[float, float]) -> bool:
+    """Return whether a span lies in one that is known."""
+    return known[0] <= min(span) and max(span) <= known[1]
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluator:
+    """Computes outputs that are not stored, each compiled when it is first read."""
+
+    problem: SimulationProblem
+    work: DenseOutput | None
+
+    def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
+        """Return the output with time last; q is (n_q, N), u is (n_u, N)."""
+        return self.together((name,), t, q, u)[0]
+
+    def together(self, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
+        """Return outputs with time last, all that are compiled in one function."""
+        special = {name: self._special(name, t, q, u) for name in names}
+        plain = tuple(name for name, values in special.items() if values is None)
+        made: dict[str, Floats] = {}
+        if plain:
+            outputs = plain[0] if len(plain) == 1 else plain
+            values = self.problem.evaluate(self.problem.compile_outputs(outputs, quick=True), t, q, u)
+            made = dict(zip(plain, (values,) if len(plain) == 1 else values, strict=True))
+        angles = self.problem.eqs.measured_angles
+        return [
+            _in_time(name, made[name], angles) if (array := special[name]) is None else array
+            for name in names
+        ]
+
+    def _special(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats | None:
+        """Return what is not compiled as it stands; None for all else."""
+        if name == "work" and self.work is not None:
+            done: Floats = self.work(t)[0]
+            return done
+        if name == VIOLATIONS[0]:
+            return self._violation("constraints", t, q, u)
+        if name == VIOLATIONS[1]:
+            sizes = self.problem.scales.displacements(self.problem.eqs)[:, np.newaxis]
+            fastest = np.abs(u / sizes).max(axis=0, initial=0.0)
+            violation = self._violation("velocity_constraints", t, q, u)
+            moving = fastest > 0.0
+            return np.where(moving, violation / np.where(moving, fastest, 1.0), violation)
+        return None
+
+    def _violation(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
+        """Return the largest constraint over its scale at each time."""
+        problem = self.problem
+        if not problem.eqs.multiplier_names:
+            return np.zeros_like(t)
+        values = problem.evaluate(problem.compile_outputs(name, quick=True), t, q, u)
+        scales = problem.scales.constraints(problem.eqs)[: values.shape[-1]]
+        largest: Floats = np.abs(values / scales).max(axis=-1, initial=0.0)
+        return largest
+
+
+def _in_time(name: str, values: Floats, angles: Sequence[str]) -> Floats:
+    """Return values with time last; angles measured within half a turn go on."""
+    symbol = name[1:-1] if name.startswith("(") and name.endswith(")") else name
+    return np.unwrap(values) if values.ndim == 1 and symbol in angles else np.moveaxis(values, 0, -1)

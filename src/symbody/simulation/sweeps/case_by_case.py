@@ -1,0 +1,79 @@
+"""Cases that are computed by `simulate`: whatever the loop over many cases cannot do."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.ropes import ropes
+from symbody.errors import SymbodyError
+from symbody.simulation.hybrid.concatenate import Piecewise
+from symbody.simulation.hybrid.rate_jumps import may_jump
+from symbody.simulation.hybrid.switching import switches
+from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.methods.constraints import Baumgarte, Projection
+from symbody.simulation.methods.explicit import Explicit
+from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.native import layout
+from symbody.simulation.status import Status
+from symbody.simulation.sweeps.records import NOT_STARTED, CaseDetails, Records
+from symbody.simulation.sweeps.sweep_job import SweepJob
+
+# Code of a case whose verdict the loop over many cases does not know: this one plus the place in `Status`.
+OTHERS: Final = 100
+
+
+def reason_for_simulate(
+    eqs: EquationSet, laws: InputLaws, integrator: object, constraints: object, has_events: bool
+) -> str:
+    """Return why `simulate` has to compute the cases, empty if the loop over many cases can."""
+    reasons = {
+        "events are watched": has_events,
+        f"inputs {', '.join(laws.callbacks)} are computed in Python": bool(laws.callbacks),
+        f"{type(integrator).__name__} takes its steps in Python": not isinstance(
+            integrator, Explicit | FixedStep | None
+        ),
+        f"{type(constraints).__name__} takes its steps in Python": not isinstance(
+            constraints, Projection | Baumgarte | None
+        ),
+        "joints stick and slip, or ropes slacken": switches(eqs.formed) or bool(ropes(eqs.formed)),
+        "prescribed rates may jump": may_jump(eqs),
+        "dependent speeds are watched": bool(
+            eqs.formed.elimination is not None and eqs.formed.elimination.pivots
+        ),
+    }
+    return "; ".join(reason for reason, holds in reasons.items() if holds)
+
+
+def compute_case(job: SweepJob, case: int, records: Records) -> None:
+    """Compute one case and write down how it ended; a fault of one case does not end the sweep."""
+    row = case - records.first
+    try:
+        run = job.simulate_case(case)
+    except SymbodyError as error:
+        records.codes[row] = NOT_STARTED
+        records.details[case] = CaseDetails(str(error))
+        return
+    samples = run.t.size
+    records.x[row] = np.nan
+    records.x[row, :samples] = np.concatenate([run.u, run.q]).T
+    records.codes[row] = OTHERS + list(Status).index(run.status)
+    statistics = run.statistics
+    counts = {
+        layout.ACCEPTED: statistics.accepted,
+        layout.REJECTED: statistics.rejected or 0,
+        layout.EVALUATIONS: statistics.evaluations,
+        layout.SAMPLES: samples,
+    }
+    records.counts[row] = [counts.get(k, 0) for k in range(layout.COUNTS)]
+    records.reached[row] = run.t[-1] if samples else np.nan
+    parts = run.evaluate if isinstance(run.evaluate, Piecewise) and run.evaluate.modes else None
+    records.details[case] = CaseDetails(
+        "; ".join(run.notes),
+        run.events,
+        run.stored["work"],
+        () if parts is None else tuple(parts.starts.tolist()),
+        () if parts is None else parts.modes,
+    )

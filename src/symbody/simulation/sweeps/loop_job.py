@@ -1,0 +1,125 @@
+"""Code and first states for the loop over many cases."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.codegen.compile import Value, form_sequence, form_values
+from symbody.codegen.function import CompiledFunction
+from symbody.equations.equation_set import EquationSet
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
+from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.inputs.time_functions import time_functions
+from symbody.simulation.methods.constraints import (
+    PROJECTED,
+    ROUNDED_PER_COORDINATE,
+    Baumgarte,
+    Projection,
+    residual_share,
+)
+from symbody.simulation.methods.explicit import Explicit
+from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.methods.integration import DEFAULT
+from symbody.simulation.native.loop import EPSILON
+from symbody.simulation.sweeps.case_table import CaseTable
+from symbody.simulation.sweeps.first_states import first_states
+from symbody.simulation.sweeps.records import Chunk, LoopJob
+from symbody.simulation.sweeps.sweep_job import MotionOptions
+
+Floats = NDArray[np.float64]
+
+# Cases from which on several are computed side by side.
+CASES_THAT_PAY: Final = 256
+
+
+def prepare_loop(
+    eqs: EquationSet, table: CaseTable, guess: Mapping[str, Value], laws: InputLaws, options: MotionOptions
+) -> tuple[LoopJob, Chunk, dict[int, str]]:
+    """Return code and numbers for the loop over many cases, and why some cannot start.
+
+    Raises
+    ------
+    CompileError, AssemblyError
+        If parameters have no value, or names are unknown.
+    """
+    constraints = options.constraints
+    first = first_states(eqs, table, guess, laws.formulas, options.span, options.scales)
+    stabilized = constraints.stabilize(eqs) if isinstance(constraints, Baumgarte) else eqs
+    values = table.fixed_parameters, table.parameter_names, laws.formulas
+    function = CompiledFunction(*form_sequence(stabilized, "xdot", *values))
+    method = options.integrator if isinstance(options.integrator, Explicit | FixedStep) else DEFAULT
+    closing, scales, sizes = None, np.zeros((table.count, 0)), np.zeros((table.count, 0))
+    rounding, limit = 0.0, np.inf
+    if (eqs.multiplier_names or eqs.quaternions) and not isinstance(constraints, Baumgarte):
+        projection = constraints if isinstance(constraints, Projection) else Projection()
+        tolerance = residual_share(projection, options.atol)
+        closing = CompiledFunction(*form_sequence(eqs, PROJECTED, *values))
+        own_scales = first.scales.constraints()
+        scales = np.ones(
+            (table.count, closing.sequence.outputs[0].shape[0])
+        )  # norms of quaternions come last
+        scales[:, : own_scales.shape[1]] = own_scales
+        scales, sizes = tolerance * scales, first.scales.coordinates()
+        rounding = ROUNDED_PER_COORDINATE * len(eqs.coordinate_names) * EPSILON / tolerance
+        limit = np.inf if isinstance(method, FixedStep) else projection.limit
+    job = LoopJob(
+        function,
+        closing,
+        options.span,
+        options.times,
+        method,
+        options.rtol,
+        options.max_steps,
+        stop_when_stiff=options.integrator is None,
+        lanes=table.count >= CASES_THAT_PAY if options.lanes is None else options.lanes,
+        breakpoints=_breakpoints(function, method, options.span),
+        rounding=rounding,
+        limit=limit,
+    )
+    tolerances = first.scales.tolerances(first.states, options.atol)
+    chunk = Chunk(0, first.states, table.parameters, scales, sizes, tolerances)
+    return job, chunk, dict(first.notes)
+
+
+def _breakpoints(
+    function: CompiledFunction, method: Explicit | FixedStep, span: tuple[float, float]
+) -> tuple[Breakpoints, ...] | None:
+    """Return the breakpoints of all cases, None if they follow from what varies; see `LoopJob`."""
+    if isinstance(method, FixedStep):
+        return (NO_BREAKPOINTS,)
+    varied = time_functions(function.sequence, {}, with_parameters=True)
+    if varied is not None and varied.needs_parameters():
+        return None
+    functions = time_functions(function.sequence, {})
+    return (NO_BREAKPOINTS,) if functions is None else tuple(find_breakpoints(functions, span))
+
+
+def cases_apart(eqs: EquationSet, table: CaseTable) -> list[int]:
+    """Return the cases whose values fulfil constraints that others do not; `simulate` treats these.
+
+    A constraint that is zero but for rounding at some values of the parameters would be taken for one.
+    """
+    if not (eqs.multiplier_names and table.parameter_names):
+        return []
+    names = eqs.parameter_names
+    sequence = form_values(eqs, {name: name for name in names}, table.fixed_parameters, table.parameter_names)
+    found = CompiledFunction(*sequence, quick=True)(0.0, (), (), (), table.parameters)
+    columns = found if len(names) > 1 else (found,)
+    rows = np.stack([np.broadcast_to(column, (table.count,)) for column in columns], axis=1)
+    varied = {name for k, name in enumerate(names) if (rows[:, k] != rows[0, k]).any()}
+    known = {name: float(rows[0, k]) for k, name in enumerate(names) if name not in varied}
+    usual = _rows(eqs.for_values(known))
+    different, place = np.unique(rows, axis=0, return_inverse=True)
+    is_apart = [
+        _rows(eqs.for_values(dict(zip(names, row, strict=True)))) != usual for row in different.tolist()
+    ]
+    return np.flatnonzero(np.array(is_apart)[np.ravel(place)]).tolist()
+
+
+def _rows(eqs: EquationSet) -> list[tuple[int, ...]]:
+    """Return the nodes of all constraints."""
+    return [(row.value.index, row.gamma.index, *row.slopes) for row in eqs.formed.rows]

@@ -1,0 +1,241 @@
+"""What a worker receives, what it computes, and what it returns: code and numbers, or a sweep to simulate.
+
+A case comes out the same whatever else is computed beside it, so results do not depend on how cases are cut
+into parts, nor on who computes them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.codegen.function import CompiledFunction
+from symbody.simulation.events.events import Occurrence
+from symbody.simulation.inputs.breakpoints import Breakpoints
+from symbody.simulation.methods.explicit import Explicit
+from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.native import layout
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+# Codes of cases besides those of the compiled loop.
+NOT_ENDED: Final = -1
+NOT_STARTED: Final = -2
+WORKER_LOST: Final = -3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LoopJob:
+    """A sweep for the compiled loop over many cases.
+
+    Attributes
+    ----------
+    function : CompiledFunction
+        The derivative xdot, with what varies as its arguments p.
+    closing : CompiledFunction or None
+        Computes `constraints.PROJECTED`.
+    times : (N,) array
+        The samples to store.
+    lanes : bool
+        Whether several cases are computed side by side; results do not depend on it.
+    breakpoints : tuple of Breakpoints or None
+        Of all cases the same, or to be found for each from its parameters.
+    rounding, limit : float
+        As in `Projector`.
+    """
+
+    function: CompiledFunction
+    closing: CompiledFunction | None
+    span: tuple[float, float]
+    times: Floats
+    method: Explicit | FixedStep
+    rtol: float
+    max_steps: int
+    stop_when_stiff: bool
+    lanes: bool
+    breakpoints: tuple[Breakpoints, ...] | None = None
+    rounding: float = 0.0
+    limit: float = math.inf
+
+    @property
+    def state_size(self) -> int:
+        """Number of speeds and coordinates."""
+        return len(self.function.signature.u) + len(self.function.signature.q)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chunk:
+    """Some cases to compute; one row each.
+
+    Attributes
+    ----------
+    first : int
+        The number of the first.
+    states : (cases, n) array
+        First states x = (u, q); a row that is not finite is left out.
+    parameters : (cases, n_p) array
+        What varies.
+    scales, sizes : (cases, constraints), (cases, n_q) arrays
+        As in `Projector`.
+    atol : (cases, n) array
+        As in `Goal`.
+    """
+
+    first: int
+    states: Floats
+    parameters: Floats
+    scales: Floats
+    sizes: Floats
+    atol: Floats
+
+    @classmethod
+    def blank(cls, count: int) -> Chunk:
+        """Return cases that are found by their numbers alone."""
+        return cls(0, *[np.zeros((count, 0))] * 5)
+
+    @property
+    def count(self) -> int:
+        """How many cases."""
+        return len(self.states)
+
+    def cut(self, start: int, stop: int) -> Chunk:
+        """Return some of the cases."""
+        rows = slice(start, stop)
+        return Chunk(
+            self.first + start,
+            self.states[rows],
+            self.parameters[rows],
+            self.scales[rows],
+            self.sizes[rows],
+            self.atol[rows],
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CaseDetails:
+    """What `simulate` returns of a case besides its samples.
+
+    Attributes
+    ----------
+    notes : str
+        What there is to say of it.
+    events : tuple of Occurrence
+        What happened.
+    work : (N,) array, optional
+        The work done until each sample [J].
+    starts, modes : tuples
+        When the equations changed [s], and the modes from then on; see `hybrid.modes`.
+    """
+
+    notes: str
+    events: tuple[Occurrence, ...] = ()
+    work: Floats | None = None
+    starts: tuple[float, ...] = ()
+    modes: tuple[tuple[int, ...], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Records:
+    """What is known of some cases; one row each.
+
+    Attributes
+    ----------
+    x : (cases, N, n) array
+        The samples, not a number where a motion did not reach.
+    codes : (cases,) array of int
+        How each ended.
+    counts : (cases, `layout.COUNTS`) array of int
+        What each cost, and what is to blame.
+    reached : (cases,) array
+        Time up to which each is known [s].
+    details : dict of case to CaseDetails
+        Of cases computed by `simulate`.
+    """
+
+    first: int
+    x: Floats
+    codes: Integers
+    counts: Integers
+    reached: Floats
+    details: dict[int, CaseDetails] = field(default_factory=dict)
+
+    @classmethod
+    def empty(cls, first: int, count: int, samples: int, states: int) -> Records:
+        """Return records of cases that nothing is known of."""
+        return cls(
+            first,
+            np.full((count, samples, states), np.nan),
+            np.full(count, NOT_ENDED, dtype=np.int64),
+            np.zeros((count, layout.COUNTS), dtype=np.int64),
+            np.full(count, np.nan),
+        )
+
+    @property
+    def count(self) -> int:
+        """How many cases."""
+        return len(self.codes)
+
+    def cut(self, start: int, stop: int) -> Records:
+        """Return some of the cases, the same memory."""
+        rows = slice(start, stop)
+        return Records(
+            self.first + start,
+            self.x[rows],
+            self.codes[rows],
+            self.counts[rows],
+            self.reached[rows],
+            self.details,
+        )
+
+    def has_room_for(self, other: Records) -> bool:
+        """Return whether others are of some of these cases, in arrays of the same kinds."""
+        start, stop = other.first - self.first, other.first - self.first + other.codes.size
+        return 0 <= start <= stop <= self.count and all(
+            theirs.shape == (stop - start, *own.shape[1:]) and theirs.dtype == own.dtype
+            for own, theirs in (
+                (self.x, other.x),
+                (self.codes, other.codes),
+                (self.counts, other.counts),
+                (self.reached, other.reached),
+            )
+        )
+
+    def put(self, other: Records) -> None:
+        """Take over what others know of some of these cases."""
+        rows = slice(other.first - self.first, other.first - self.first + other.count)
+        self.x[rows], self.codes[rows] = other.x, other.codes
+        self.counts[rows], self.reached[rows] = other.counts, other.reached
+        self.details.update(other.details)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Signal:
+    """Numbers that the compiled loop shares with the thread that waits for it.
+
+    Attributes
+    ----------
+    stop : array of one int
+        Anything but 0 ends the loop.
+    done : array of one int
+        How many cases have ended.
+    """
+
+    stop: Integers
+    done: Integers
+
+    @classmethod
+    def new(cls) -> Signal:
+        """Return a signal for a loop that has not begun."""
+        return cls(np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
+
+
+def blocks(count: int, size: int) -> Iterator[tuple[int, int]]:
+    """Yield the ends of blocks of a size; the last may be shorter."""
+    for start in range(0, count, size):
+        yield start, min(start + size, count)
