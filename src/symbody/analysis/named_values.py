@@ -74,7 +74,7 @@ def refuse_unknown(eqs: EquationSet, given: Iterable[str]) -> None:
 
 
 def _unknown(eqs: EquationSet, name: str) -> Problem:
-    meaning, place = _meaning(eqs, name)
+    meaning, place = _describe_name(eqs, name)
     if meaning:
         what = f"{name!r} is {meaning}, not a coordinate or a speed"
         return Problem(
@@ -84,7 +84,7 @@ def _unknown(eqs: EquationSet, name: str) -> Problem:
     return Problem("assembly.unknown_name", name, f"there is no coordinate or speed {name!r}", "", cure)
 
 
-def _meaning(eqs: EquationSet, name: str) -> tuple[str, str]:
+def _describe_name(eqs: EquationSet, name: str) -> tuple[str, str]:
     """Return the meaning of a name that is not a state, and the argument for it; empty without a meaning."""
     if name in eqs.parameter_names:
         return "a parameter", f"give it in parameters={{{name!r}: ...}}"
