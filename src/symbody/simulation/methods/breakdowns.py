@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.dependent_speeds import CURE, pivot_groups
+from symbody.analysis.velocities import CURE, pivot_groups
 from symbody.simulation.events.events import Event
 from symbody.simulation.methods.integration import Integration
 from symbody.simulation.simulation_problem import SimulationProblem
