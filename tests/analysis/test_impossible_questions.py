@@ -80,7 +80,7 @@ OTHERS: dict[str, Refusal] = {
                       lambda: sb.linearize(crank(), {"theta": 0.5}, independent=["theta", "s"])),
     "closed form of one": ("positions.number", "2 constraints", "name 2 of theta, beta, s",
                            lambda: sb.solve_positions(crank(), ["beta"])),
-    "traced by none": ("kinematics.values", "nothing is led", "over={",
+    "traced by none": ("kinematics.values", "no coordinate is led", "over={",
                        lambda: sb.trace_positions(crank(), {})),
     "inverse with freedoms left": ("inverse.no_motion", "motion", "motion",
                                    lambda: sb.inverse_dynamics(FOUR_BAR, {}, "T", [0.0, 1.0])),

@@ -252,7 +252,7 @@ def test_ranges_out_of_reach_tell_where_the_loop_closes() -> None:
         with pytest.raises(sb.AssemblyError) as caught:
             sb.assemble(eqs, {"theta": 0.7}, ranges=ranges)
         assert caught.value.problems[0].code == code and caught.value.problems[0].fix
-    with pytest.raises(sb.AssemblyError, match="no position"):
+    with pytest.raises(sb.AssemblyError, match="not a position"):
         sb.assemble(eqs, {"theta": 0.7}, ranges={"theta_dot": (0, 1)})
 
 

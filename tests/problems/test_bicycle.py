@@ -56,6 +56,12 @@ def test_three_freedoms_of_nine_speeds() -> None:
     assert found.degrees_of_freedom == 3 and not found.dropped
 
 
+def test_it_stands_upright_though_some_starts_end_where_forces_are_not_finite() -> None:
+    state = sb.find_equilibrium(equations_of(NAME))
+    assert state.q["lean"] == pytest.approx(0.0, abs=1e-9) and state.q["z"] == pytest.approx(RADIUS)
+    assert max(map(abs, state.udot.values())) < 1e-6
+
+
 def test_steady_ride_upright() -> None:
     state = sb.assemble(equations_of(NAME), UPRIGHT | {"rear_dot": 5 / RADIUS})
     assert state["z"] == pytest.approx(RADIUS, abs=1e-12) and state["x_dot"] == pytest.approx(5, abs=1e-12)

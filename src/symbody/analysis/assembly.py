@@ -7,7 +7,7 @@ with fixed values never moved; then velocities, then accelerations and multiplie
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
 from typing import Final
@@ -15,10 +15,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import Closure, closure
+from symbody.analysis.accelerations import complete_state
+from symbody.analysis.closure import STARTS, Closure, closure
 from symbody.analysis.least_open import least_open
-from symbody.analysis.named_values import checked_mappings, checked_pairs, named_values
-from symbody.analysis.quaternions import unit_quaternions
+from symbody.analysis.named_values import checked_mappings, checked_pairs, named_values, unit_quaternions
 from symbody.analysis.ranges import (
     Ranges,
     checked_ranges,
@@ -37,21 +37,15 @@ from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError, Problem
+from symbody.manifold import Configuration, least_step
+from symbody.tolerances import ASSEMBLED
 
 Floats = NDArray[np.float64]
 
 NO_RANGES: Final[Ranges] = MappingProxyType({})
-CLOSED: Final = 1e-9  # of the size of the mechanism: closer than any loop is built
-_FAR: Final = 1e-6  # the rounding of a coordinate so many sizes away is a fifth of what counts as closed
-_STARTS: Final = 24
-_STEPS: Final = 80
-# A step is halved until it gains a share of what it promises; one so short that this never happens ends where
-# gaps are least, or where all conditions hold to rounding.
-_HALVINGS: Final = 12
-_DECREASE: Final = 1e-3  # Nocedal & Wright 2006, equation 3.4
-# The nearest of all ends from which the least gaps are looked for, and gaps too small to tell.
-_LEAST_OPEN: Final = 3
-_TOLD: Final = 1e-6
+# So many of the nearest ends are starts for the search of the least gaps; smaller gaps are not shown.
+_GAP_TRIALS: Final = 3
+_VISIBLE: Final = 1e-6
 
 
 @checked_arguments
@@ -76,7 +70,7 @@ def assemble(
     guess : mapping of name to number or formula in parameters
         Where to look for the others; by default the model's initial values, then 0. Among several
         assemblies the nearest to the guess is taken; speeds and rates take their guesses exactly, in their
-        order, those of the model last, as long as they are independent. `State.moved` tells which are not.
+        order, those of the model last, as long as they are independent. `State.moved` lists the others.
     parameters, inputs : mapping
         As for `simulate`; they matter for explicit time, accelerations and multipliers.
     t : float
@@ -85,11 +79,11 @@ def assemble(
         Positions that must lie between these; angles are turned by whole turns into their ranges. Starts
         are spread over the ranges too.
     scales : mapping of "length", "time", "mass" to float, optional
-        What counts as large [m, s, kg]; by default it follows from the model. Constraints are closed to 1e-9
-        of the length, or rad.
+        Sizes of the mechanism [m, s, kg]; by default they follow from the model. Constraints are closed to
+        1e-9 of the length, or rad.
 
     Ropes are closed where the guess would have them longer than they are, and where their ends would move
-    apart although they are taut, unless fixed speeds ask for that; those that are shorter are left alone.
+    apart although they are taut, unless fixed speeds demand that; those that are shorter are left alone.
 
     Raises
     ------
@@ -106,11 +100,11 @@ def assemble(
     def attempt(equations: EquationSet, values: Mapping[str, float]) -> State:
         return assemble_taut(equations, values, guess, parameters, inputs, t, ranges, scales)
 
-    known = named_values(eqs, _guessed(eqs, guess), parameters, strict=set(guess or ()))
-    wanted = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
+    near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess or ()))
+    exact = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     values = dict(parameters or {}), dict(inputs or {})
-    own = mechanism_scales(eqs, values[0], scales, {**known, **wanted})
-    return assembled_with_ropes(eqs, wanted, known, attempt, lambda held: closure(held, *values, t, own))
+    mechanism = mechanism_scales(eqs, values[0], scales, {**near, **exact})
+    return assembled_with_ropes(eqs, exact, near, attempt, lambda held: closure(held, *values, t, mechanism))
 
 
 def assemble_taut(
@@ -124,32 +118,34 @@ def assemble_taut(
     scales: Mapping[str, float] | None = None,
 ) -> State:
     """Return a state in which all constraints hold, those of ropes too; otherwise as `assemble`."""
-    known = named_values(eqs, _guessed(eqs, guess), parameters, strict=set(guess or ()))
-    wanted = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
-    own = mechanism_scales(eqs, dict(parameters or {}), scales, {**known, **wanted})
-    task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, own)
-    positions, rates = task.parted(wanted)
-    positions, known = unit_quaternions(eqs.quaternions, positions, known)
+    near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess or ()))
+    values = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
+    mechanism = mechanism_scales(eqs, dict(parameters or {}), scales, {**near, **values})
+    evaluator = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism)
+    positions, rates = evaluator.parted(values)
+    positions, near = unit_quaternions(eqs.quaternions, positions, near)
     lower, upper = (
         named_values(
             eqs, {name: pair[k] for name, pair in (ranges or {}).items()}, parameters, set(ranges or ())
         )
         for k in (0, 1)
     )
-    within = checked_ranges(task, lower, upper)
-    start = nearest_in_ranges(task, task.start({**known, **positions}), within, positions)
-    found = _closed(task, _near_measured(task, start, positions, known), positions, within)
-    if found is None:
-        raise AssemblyError(_why_open(task, task.start(known), start, positions, within))
-    q = found.q
-    guessed = {name: value for name, value in known.items() if name not in positions and name not in rates}
-    u = consistent_speeds(task, q, rates, guessed)
-    others = partial(_other_states, task, start, positions, q, within, rates, guessed)
-    return task.state(q, u, start, guessed, others)
+    within = checked_ranges(evaluator, lower, upper)
+    start = nearest_in_ranges(evaluator, evaluator.start({**near, **positions}), within, positions)
+    assembly = _find_assembly(
+        evaluator, _measured_start(evaluator, start, positions, near), positions, within
+    )
+    if assembly is None:
+        raise AssemblyError(_open_problem(evaluator, evaluator.start(near), start, positions, within))
+    q = assembly.q
+    guessed = {name: value for name, value in near.items() if name not in positions and name not in rates}
+    u = consistent_speeds(evaluator, q, rates, guessed)
+    others = partial(_other_states, evaluator, start, positions, q, within, rates, guessed)
+    return complete_state(evaluator, q, u, start, guessed, others)
 
 
 def _other_states(
-    task: Closure,
+    evaluator: Closure,
     start: Floats,
     fixed: Mapping[str, float],
     q: Floats,
@@ -157,18 +153,21 @@ def _other_states(
     rates: Mapping[str, float],
     guess: Mapping[str, float],
 ) -> list[State]:
-    attempts = _others(task, start, fixed, q, ranges)
-    return [task.state(b.q, consistent_speeds(task, b.q, rates, guess), start, guess) for b in attempts]
+    attempts = _further_assemblies(evaluator, start, fixed, q, ranges)
+    return [
+        complete_state(evaluator, b.q, consistent_speeds(evaluator, b.q, rates, guess), start, guess)
+        for b in attempts
+    ]
 
 
-def _guessed(eqs: EquationSet, guess: Mapping[str, Value] | None) -> dict[str, Value]:
+def _all_guesses(eqs: EquationSet, guess: Mapping[str, Value] | None) -> dict[str, Value]:
     """Return the guesses, and behind them what only the model says of the start."""
     given = dict(guess or {})
     return given | {name: value for name, value in eqs.model.initial.items() if name not in given}
 
 
 def consistent_start(
-    task: Closure, fixed: Mapping[str, float], known: Mapping[str, float]
+    evaluator: Closure, fixed: Mapping[str, float], near: Mapping[str, float]
 ) -> tuple[Floats, Floats]:
     """Return q and u in which all constraints hold, as `assemble` does with values instead of formulas.
 
@@ -177,14 +176,14 @@ def consistent_start(
     AssemblyError
         As `assemble`.
     """
-    positions, rates = task.parted(fixed)
-    positions, known = unit_quaternions(task.eqs.quaternions, positions, known)
-    q = consistent_positions(task, positions, known)
-    guess = {name: value for name, value in known.items() if name not in positions and name not in rates}
-    return q, consistent_speeds(task, q, rates, guess)
+    positions, rates = evaluator.parted(fixed)
+    positions, near = unit_quaternions(evaluator.eqs.quaternions, positions, near)
+    q = consistent_positions(evaluator, positions, near)
+    guess = {name: value for name, value in near.items() if name not in positions and name not in rates}
+    return q, consistent_speeds(evaluator, q, rates, guess)
 
 
-def consistent_positions(task: Closure, fixed: Mapping[str, float], known: Mapping[str, float]) -> Floats:
+def consistent_positions(evaluator: Closure, fixed: Mapping[str, float], near: Mapping[str, float]) -> Floats:
     """Return coordinates (n_q,) in which all constraints hold; of what is fixed the positions count.
 
     Raises
@@ -192,183 +191,141 @@ def consistent_positions(task: Closure, fixed: Mapping[str, float], known: Mappi
     AssemblyError
         As `assemble`.
     """
-    positions, known = unit_quaternions(task.eqs.quaternions, task.parted(fixed)[0], known)
-    start = task.start({**known, **positions})
-    closed = _closed(task, _near_measured(task, start, positions, known), positions)
-    if closed is None:
-        raise AssemblyError(_why_open(task, task.start(known), start, positions, NO_RANGES))
-    return closed.q
+    positions, near = unit_quaternions(evaluator.eqs.quaternions, evaluator.parted(fixed)[0], near)
+    start = evaluator.start({**near, **positions})
+    assembly = _find_assembly(evaluator, _measured_start(evaluator, start, positions, near), positions)
+    if assembly is None:
+        raise AssemblyError(_open_problem(evaluator, evaluator.start(near), start, positions, NO_RANGES))
+    return assembly.q
 
 
-def _near_measured(
-    task: Closure, start: Floats, fixed: Mapping[str, float], known: Mapping[str, float]
+def _measured_start(
+    evaluator: Closure, start: Floats, fixed: Mapping[str, float], near: Mapping[str, float]
 ) -> Floats:
     """Return a start at which coordinates of cut joints have the values guessed for them, if there is one."""
-    guessed = {name: known[name] for name in task.parted(known)[0] if name not in task.eqs.coordinate_names}
+    guessed = {
+        name: near[name] for name in evaluator.parted(near)[0] if name not in evaluator.eqs.coordinate_names
+    }
     measured = {name: value for name, value in guessed.items() if name not in fixed}
     if not measured:
         return start
-    attempt = _newton(task, start, {**fixed, **measured})
+    attempt = _newton(evaluator, start, {**fixed, **measured})
     return attempt.q if attempt.is_closed else start
 
 
 def assembled_configuration(
-    task: Closure, guess: Mapping[str, Value], parameters: Mapping[str, Value] | None
+    evaluator: Closure, guess: Mapping[str, Value], parameters: Mapping[str, Value] | None
 ) -> Floats | None:
     """Return the configuration nearest to a guess that closes the loops, or None."""
-    eqs = task.eqs
-    known = named_values(eqs, _guessed(eqs, guess), parameters, strict=set(guess))
-    found = _closed(task, _near_measured(task, task.start(known), {}, known), {})
-    return None if found is None else found.q
+    eqs = evaluator.eqs
+    near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess))
+    assembly = _find_assembly(evaluator, _measured_start(evaluator, evaluator.start(near), {}, near), {})
+    return None if assembly is None else assembly.q
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Attempt:
-    """Where Newton's method ended."""
-
-    q: Floats
-    residual: float
-    is_closed: bool
-
-
-def _closed(
-    task: Closure, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
-) -> _Attempt | None:
+def _find_assembly(
+    evaluator: Closure, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
+) -> Configuration | None:
     """Return the assembly nearest to the start, trying starts farther and farther away; or None."""
-    starts = _starts(task, start, fixed, ranges)
+    starts = _starts(evaluator, start, fixed, ranges)
     for guess in starts:
-        attempt = _ranged(task, _newton(task, guess, fixed), ranges)
+        attempt = _restrict_to_ranges(evaluator, _newton(evaluator, guess, fixed), ranges)
         if attempt.is_closed:
             return attempt
-        if task.is_tree:
+        if evaluator.is_tree:
             return None
-    for guess, inside in zip(starts, measured_in_ranges(task, ranges, fixed, _STARTS), strict=False):
-        attempt = _ranged(task, _newton(task, guess, {**fixed, **inside}), ranges)
+    for guess, inside in zip(starts, measured_in_ranges(evaluator, ranges, fixed, STARTS), strict=False):
+        attempt = _restrict_to_ranges(evaluator, _newton(evaluator, guess, {**fixed, **inside}), ranges)
         if attempt.is_closed:
             return attempt
     return None
 
 
-def _ranged(task: Closure, attempt: _Attempt, ranges: Ranges) -> _Attempt:
-    """Return where Newton's method ended, with angles in their ranges; not closed outside of these."""
+def _restrict_to_ranges(evaluator: Closure, attempt: Configuration, ranges: Ranges) -> Configuration:
+    """Return an end of Newton's method with angles in their ranges; not closed outside of these."""
     if not attempt.is_closed or not ranges:
         return attempt
-    q = into_ranges(task, attempt.q, ranges)
+    q = into_ranges(evaluator, attempt.q, ranges)
     return replace(attempt, is_closed=False) if q is None else replace(attempt, q=q)
 
 
 def _starts(
-    task: Closure, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
+    evaluator: Closure, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
 ) -> list[Floats]:
     """Return the start and starts about it, and in the ranges, the same at every call."""
-    random = np.random.default_rng(1)
-    free = task.free(fixed)
-    starts = [start]
-    for k in range(1, _STARTS):
-        spread = 0.1 * 1.25**k
-        moved = start.copy()
-        moved[free] += spread * random.standard_normal(int(free.sum())) * task.sizes[free]
-        starts.append(task.normalized(moved))
-    return [*starts, *starts_in_ranges(task, start, ranges, fixed, _STARTS)]
+    return [*evaluator.starts(start, fixed), *starts_in_ranges(evaluator, start, ranges, fixed, STARTS)]
 
 
-def _newton(task: Closure, q: Floats, fixed: Mapping[str, float]) -> _Attempt:
-    """Return where steps of least length lead."""
-    free = task.free(fixed)
-    values, slopes = task.residuals(q, fixed)
-    norm = float(np.linalg.norm(values))
-    for _ in range(_STEPS):
-        if not (np.isfinite(norm) and np.isfinite(slopes).all()) or norm < 1e-15 * task.size:
-            break
-        columns = slopes[:, free] * task.sizes[free]
-        step = np.linalg.lstsq(columns, -values, rcond=1e-10)[0] * task.sizes[free]
-        share = min(1.0, 1.0 / max(float(np.abs(step / task.sizes[free]).max(initial=0.0)), 1e-300))
-        for _ in range(_HALVINGS):
-            tried = q.copy()
-            tried[free] += share * step
-            new_values, new_slopes = task.residuals(tried, fixed)
-            new_norm = float(np.linalg.norm(new_values))
-            if new_norm < (1.0 - _DECREASE * share) * norm:
-                break
-            share /= 2.0
-        else:
-            break
-        q, values, slopes, norm = tried, new_values, new_slopes, new_norm
-    residual = float(np.abs(values).max(initial=0.0))
-    # Residuals are known to the rounding of the largest coordinate, which may exceed the mechanism by far.
-    closed = CLOSED * max(1.0, _FAR * float(np.abs(q / task.sizes).max(initial=0.0)))
-    return _Attempt(q, residual, residual <= closed * task.size and task.is_aligned(q))
+def _newton(evaluator: Closure, q: Floats, fixed: Mapping[str, float]) -> Configuration:
+    """Return the end of steps of least length."""
+    return evaluator.manifold(fixed).project(q, least_step)
 
 
-def _others(
-    task: Closure, start: Floats, fixed: Mapping[str, float], q: Floats, ranges: Ranges
-) -> list[_Attempt]:
+def _further_assemblies(
+    evaluator: Closure, start: Floats, fixed: Mapping[str, float], q: Floats, ranges: Ranges
+) -> list[Configuration]:
     """Return further assemblies, nearest to the start first."""
-    if task.is_tree:
+    if evaluator.is_tree:
         return []
-    found = [q]
+    different = [q]
     others = []
-    for guess in _starts(task, start, fixed, ranges)[1:]:
-        attempt = _ranged(task, _newton(task, guess, fixed), ranges)
-        if attempt.is_closed and all(task.differs(attempt.q, other) for other in found):
-            if task.is_isolated(attempt.q, fixed):
-                found.append(attempt.q)
+    for guess in _starts(evaluator, start, fixed, ranges)[1:]:
+        attempt = _restrict_to_ranges(evaluator, _newton(evaluator, guess, fixed), ranges)
+        if attempt.is_closed and all(evaluator.differs(attempt.q, other) for other in different):
+            if evaluator.is_isolated(attempt.q, fixed):
+                different.append(attempt.q)
                 others.append(attempt)
-    return sorted(others, key=lambda attempt: float(np.abs((attempt.q - start) / task.sizes).max()))
+    return sorted(others, key=lambda attempt: float(np.abs((attempt.q - start) / evaluator.sizes).max()))
 
 
-def _why_open(
-    task: Closure, guess: Floats, start: Floats, fixed: Mapping[str, float], ranges: Ranges
+def _open_problem(
+    evaluator: Closure, guess: Floats, start: Floats, fixed: Mapping[str, float], ranges: Ranges
 ) -> Problem:
-    """Say which fixed values contradict each other, which joint stays open, or what is out of range."""
+    """Return the contradiction of fixed values, the joint that stays open, or the ranges that are missed."""
     if ranges:
-        outside = _closed(task, start, fixed)
+        outside = _find_assembly(evaluator, start, fixed)
         if outside is not None:
-            others = _others(task, start, fixed, outside.q, NO_RANGES)
-            return out_of_range(task, [outside.q, *(other.q for other in others)], ranges)
-    if fixed and _closed(task, guess, {}) is not None:
+            others = _further_assemblies(evaluator, start, fixed, outside.q, NO_RANGES)
+            return out_of_range(evaluator, [outside.q, *(other.q for other in others)], ranges)
+    if fixed and _find_assembly(evaluator, guess, {}) is not None:
         conflict = dict(fixed)
         for name in fixed:
-            rest = {key: value for key, value in conflict.items() if key != name}
-            if (
-                _closed(
-                    task,
-                    task.start({**dict(zip(task.eqs.coordinate_names, guess, strict=True)), **rest}),
-                    rest,
-                )
-                is None
-            ):
-                conflict = rest
+            fewer = {key: value for key, value in conflict.items() if key != name}
+            near = evaluator.start({**dict(zip(evaluator.eqs.coordinate_names, guess, strict=True)), **fewer})
+            if _find_assembly(evaluator, near, fewer) is None:
+                conflict = fewer
         listed = ", ".join(f"{name} = {value:g}" for name, value in conflict.items())
         return Problem(
             "assembly.conflict", "fixed", f"no configuration has {listed}",
             "the loops close without these values, but not with them", "leave one of them to guess=",
         )  # fmt: skip
-    attempts = sorted((_newton(task, guess, fixed) for guess in _starts(task, start, fixed)),
+    attempts = sorted((_newton(evaluator, guess, fixed) for guess in _starts(evaluator, start, fixed)),
                       key=lambda attempt: np.nan_to_num(attempt.residual, nan=np.inf))  # fmt: skip
-    return _open_joints(task, attempts, fixed)
+    return _open_joints(evaluator, attempts, fixed)
 
 
-def _open_joints(task: Closure, attempts: Sequence[_Attempt], fixed: Mapping[str, float]) -> Problem:
+def _open_joints(
+    evaluator: Closure, attempts: Sequence[Configuration], fixed: Mapping[str, float]
+) -> Problem:
     """Say by how much joints stay open, from where Newton's method came nearest to closing them."""
     best = attempts[0]
-    told = f"{_STARTS} starts about the guess were tried"
-    if not task.is_aligned(best.q) and best.residual <= CLOSED * task.size:
-        joint = next(iter(task.gaps(best.q)), "")
+    why = f"{STARTS} starts about the guess were tried"
+    if not evaluator.is_aligned(best.q) and best.residual <= ASSEMBLED:
+        joint = next(iter(evaluator.gaps(best.q)), "")
         what = f"joint {joint} closes only with its axes opposite to each other"
     else:
-        finite = [attempt.q for attempt in attempts if np.isfinite(attempt.residual)][:_LEAST_OPEN]
-        trials = [(best.q, np.inf), *(least_open(task, task.normalized(q), fixed) for q in finite)]
+        finite = [attempt.q for attempt in attempts if np.isfinite(attempt.residual)][:_GAP_TRIALS]
+        trials = [(best.q, np.inf), *(least_open(evaluator, evaluator.normalized(q), fixed) for q in finite)]
         q, _ = min(trials, key=lambda trial: trial[1])
-        (joint, gap), *others = task.gaps(q).items() or [("", (0.0, 0.0))]
-        size = task.mechanism.length
+        (joint, gap), *others = evaluator.gaps(q).items() or [("", (0.0, 0.0))]
+        size = evaluator.mechanism.length
         what = f"joint {joint} stays open by {_width(gap, size)}"
-        wide = [(name, gap) for name, gap in others if gap[0] > _TOLD * size or gap[1] > _TOLD]
+        wide = [(name, gap) for name, gap in others if gap[0] > _VISIBLE * size or gap[1] > _VISIBLE]
         if wide:
             listed = ", ".join(f"joint {name} by {_width(gap, size)}" for name, gap in wide)
-            told += f"; with the least squares of all gaps {listed}"
+            why += f"; with the least squares of all gaps {listed}"
     return Problem(
-        "assembly.open", f"joint {joint}", what, told,
+        "assembly.open", f"joint {joint}", what, why,
         "check lengths and frames of the loop, or give guess= values nearer to a configuration that closes",
     )  # fmt: skip
 
@@ -376,6 +333,6 @@ def _open_joints(task: Closure, attempts: Sequence[_Attempt], fixed: Mapping[str
 def _width(gap: tuple[float, float], size: float) -> str:
     """Return a distance and an angle in words, without the rounding of what is closed."""
     distance, angle = (
-        value if value > _TOLD * unit else 0.0 for value, unit in zip(gap, (size, 1.0), strict=True)
+        value if value > _VISIBLE * unit else 0.0 for value, unit in zip(gap, (size, 1.0), strict=True)
     )
     return f"{distance:.3g} m and {np.degrees(angle):.3g} deg"

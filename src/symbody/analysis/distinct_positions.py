@@ -23,13 +23,13 @@ from symbody.expr.graph import Graph, Kind
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Input, Roots, build_sequence
 from symbody.expr.sequence import Sequence as Program
+from symbody.tolerances import ROOT, TINY
 
 Floats = NDArray[np.float64]
 
 _SAMPLES: Final = 12
 _TRIALS: Final = 240
 _SPREAD: Final = 0.1  # of the values of parameters
-_CLOSED: Final = 1e-7  # of the terms of a row: a root of a squared equation is open by far more
 _ROUNDING: Final = 1e3 * float(np.finfo(float).eps)  # of the terms of long formulas
 _NEAREST: Final = 1e-9
 _FARTHEST: Final = 1e-3  # of what a root that is nearly double is still compared to
@@ -50,11 +50,11 @@ class Formulas:
     solutions : tuple of tuple of int
         Each with one node for every unknown.
     placements : tuple of int
-        Of each body place (3) and rotation matrix (9), in all symbols; empty: the unknowns tell poses apart.
+        Of each body place (3) and rotation matrix (9), in all symbols; without, unknowns are compared.
     values : mapping of name to float
         Of parameters, about which values are drawn.
     length : float or None
-        What counts as a large length [m]; None: the largest of the values drawn that are no angles.
+        Size of lengths [m]; None: the largest of the values drawn that are not angles.
     """
 
     graph: Graph
@@ -68,7 +68,7 @@ class Formulas:
 
 
 def distinct(formulas: Formulas) -> list[int]:
-    """Return which solutions give poses that no earlier ones give, in their order."""
+    """Return the places of solutions with poses that no earlier ones give."""
     kept = list(range(len(formulas.solutions)))
     if len(kept) < 2:
         return kept
@@ -91,7 +91,7 @@ def _is_among(pose: _Pose | None, others: Sequence[_Pose | None]) -> bool:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Pose:
-    """What tells a pose from another, in units of its size, and how well it is known."""
+    """Numbers by which poses are compared, in units of their size, and the error of these."""
 
     place: Floats
     radius: float
@@ -116,14 +116,14 @@ class _Samples:
     def poses(self) -> list[list[_Pose | None]]:
         """Return the poses of each solution, None where it has none, at values where there is one."""
         random = np.random.default_rng(1)
-        found = []
+        samples = []
         for _ in range(_TRIALS):
-            sample = self._at(self._drawn(random))
+            sample = self._evaluate_poses(self._draw(random))
             if any(pose is not None for pose in sample):
-                found.append(sample)
-            if len(found) == _SAMPLES:
+                samples.append(sample)
+            if len(samples) == _SAMPLES:
                 break
-        return found
+        return samples
 
     def _label(self, node: int) -> str:
         graph = self._formulas.graph
@@ -134,7 +134,7 @@ class _Samples:
             self._formulas.graph, [Roots("values", (len(nodes),), tuple(nodes))], dict(order)
         )
 
-    def _drawn(self, random: np.random.Generator) -> Floats:
+    def _draw(self, random: np.random.Generator) -> Floats:
         """Return values of all symbols, 0 for the unknowns."""
         graph, given = self._formulas.graph, self._formulas.values or {}
         drawn = np.zeros(self._width)
@@ -152,21 +152,21 @@ class _Samples:
             drawn[self._places[node]] = value
         return drawn
 
-    def _at(self, drawn: Floats) -> list[_Pose | None]:
+    def _evaluate_poses(self, drawn: Floats) -> list[_Pose | None]:
         """Return the pose of each solution at values of what is known."""
         numbers = self._numbers(self._solved, drawn)
         n = len(self._formulas.unknowns)
         poses: list[_Pose | None] = []
         for k in range(len(self._formulas.solutions)):
-            own = numbers[k * n : (k + 1) * n]
-            poses.append(self._pose(drawn, own) if np.isfinite(own).all() else None)
+            solution = numbers[k * n : (k + 1) * n]
+            poses.append(self._pose(drawn, solution) if np.isfinite(solution).all() else None)
         return poses
 
-    def _pose(self, drawn: Floats, own: Floats) -> _Pose | None:
+    def _pose(self, drawn: Floats, numbers: Floats) -> _Pose | None:
         """Return the pose for values of the unknowns; None if the equations do not hold."""
-        formulas, n, m = self._formulas, len(own), len(self._formulas.rows)
+        formulas, n, m = self._formulas, len(numbers), len(self._formulas.rows)
         full = drawn.copy()
-        full[[self._places[node] for node in formulas.unknowns]] = own
+        full[[self._places[node] for node in formulas.unknowns]] = numbers
         length = self._length(drawn)
         values = self._numbers(self._checked, full)
         if not np.isfinite(values).all():
@@ -176,23 +176,25 @@ class _Samples:
         terms = np.abs(slopes).max(axis=1, initial=0.0)
         terms[terms == 0.0] = 1.0
         open_by = np.abs(values[:m]) / terms
-        if (open_by > _CLOSED).any():
+        if (open_by > ROOT).any():
             return None
         least = float(np.linalg.svd(slopes / terms[:, np.newaxis], compute_uv=False)[-1])
-        radius = (float(open_by.max(initial=0.0)) + _ROUNDING) / max(least, 1e-300)
+        radius = (float(open_by.max(initial=0.0)) + _ROUNDING) / max(least, TINY)
         if formulas.placements:
             place = values[m + m * n :].reshape(-1, 12) / ([length] * 3 + [1.0] * 9)
         else:
-            place = np.concatenate([np.cos(own[turning]), np.sin(own[turning]), own[~turning] / length])
+            place = np.concatenate(
+                [np.cos(numbers[turning]), np.sin(numbers[turning]), numbers[~turning] / length]
+            )
         return _Pose(np.ravel(place), min(max(radius, _NEAREST), _FARTHEST))
 
     def _length(self, drawn: Floats) -> float:
-        """Return what counts as a large length."""
+        """Return the size of lengths."""
         if self._formulas.length is not None:
             return self._formulas.length
         lengths = [drawn[self._places[node]] for node in self._known if node not in self._formulas.angles]
         return max(map(abs, lengths), default=1.0) or 1.0
 
     def _numbers(self, program: Program, values: Floats) -> Floats:
-        found = evaluate_sequence(program, {"q": values.tolist()})[0]
-        return np.array([x if isinstance(x, float) else float(x) for x in found], dtype=np.float64)
+        computed = evaluate_sequence(program, {"q": values.tolist()})[0]
+        return np.array([x if isinstance(x, float) else float(x) for x in computed], dtype=np.float64)

@@ -105,19 +105,19 @@ def solve_index_1(
     if isinstance(equations, EquationSet):
         return _of_mechanism(equations, given)
     form = index_one_form(equations, derivatives, reactions)
-    compiled = _compiled(form, given)
+    compiled = _compile(form, given)
     n, m = len(form.derivatives), len(form.reaction_names)
     low = form.lower
 
     def solve(t: Floats, x: Floats) -> tuple[Floats, Floats]:
-        found = compiled(t, x, ())
-        right = found.right[..., np.newaxis]
+        system = compiled(t, x, ())
+        right = system.right[..., np.newaxis]
         try:
-            solution = np.linalg.solve(found.matrix, right)[..., 0]
+            solution = np.linalg.solve(system.matrix, right)[..., 0]
         except np.linalg.LinAlgError:
-            _singular(form, found.matrix)
-        if not np.isfinite(solution).all() or _is_singular(found.matrix):
-            _singular(form, found.matrix)
+            _singular(form, system.matrix)
+        if not np.isfinite(solution).all() or _is_singular(system.matrix):
+            _singular(form, system.matrix)
         rates = np.concatenate([solution[..., :n], x[..., low]], axis=-1)
         return rates, solution[..., n : n + m]
 
@@ -129,18 +129,18 @@ def _of_mechanism(eqs: EquationSet, parameters: Mapping[str, Value]) -> IndexOne
     if eqs.input_names:
         raise FormulationError(
             Problem("index_1.inputs", "equations", f"the inputs {', '.join(eqs.input_names)} have no law",
-                    "rates are asked for as functions of time and state alone",
+                    "rates are functions of time and state alone",
                     "write the law into the model, or call simulate with inputs=")
         )  # fmt: skip
 
     def solve(t: Floats, x: Floats) -> tuple[Floats, Floats]:
-        found = function.of_state(t, x)
-        return found[0], found[1]
+        rates_and_multipliers = function.of_state(t, x)
+        return rates_and_multipliers[0], rates_and_multipliers[1]
 
     return IndexOneSolution(eqs.state_names, eqs.multiplier_names, solve)
 
 
-def _compiled(form: IndexOneForm, given: Mapping[str, Value]) -> CompiledFunction:
+def _compile(form: IndexOneForm, given: Mapping[str, Value]) -> CompiledFunction:
     graph = form.graph
     missing = [name for name in form.parameters if name not in given]
     unknown = [name for name in given if name not in form.parameters]
@@ -186,7 +186,7 @@ def _is_singular(matrix: Floats) -> bool:
 
 
 def _singular(form: IndexOneForm, matrix: Floats) -> NoReturn:
-    """Say which unknowns the equations leave open."""
+    """Raise an error that names the unknowns the equations leave open."""
     batch = np.reshape(matrix, (-1, *matrix.shape[-2:]))
     finite = [one for one in batch if np.isfinite(one).all()]
     worst = min(finite, key=lambda one: float(np.linalg.svd(one, compute_uv=False)[-1]), default=None)

@@ -1,8 +1,9 @@
-"""Values that a user gives by name: ``{"theta": "30 deg", "s": "2*L"}``."""
+"""Values that a user gives by name: ``{"theta": "30 deg", "s": "2*L"}``, of quaternions with unit norm."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Iterable, Mapping, Sequence
 
 from symbody.codegen.compile import Value, constant_values
 from symbody.equations.equation_set import EquationSet
@@ -11,7 +12,7 @@ from symbody.expr.parser import parse_angle
 
 
 def checked_mappings(**given: object) -> None:
-    """Refuse what is no mapping of names.
+    """Refuse arguments that are not mappings of names.
 
     Raises
     ------
@@ -19,7 +20,7 @@ def checked_mappings(**given: object) -> None:
         Naming each argument.
     """
     problems = [
-        Problem("assembly.not_a_mapping", name, f"{value!r} is no mapping of names to values", "",
+        Problem("assembly.not_a_mapping", name, f"{value!r} is not a mapping of names to values", "",
                 f'write {name}={{"NAME": VALUE}}')
         for name, value in given.items() if value is not None and not isinstance(value, Mapping)
     ]  # fmt: skip
@@ -28,7 +29,7 @@ def checked_mappings(**given: object) -> None:
 
 
 def checked_pairs(ranges: Mapping[str, tuple[Value, Value]]) -> None:
-    """Refuse ranges that are no pairs.
+    """Refuse ranges that are not pairs.
 
     Raises
     ------
@@ -36,7 +37,7 @@ def checked_pairs(ranges: Mapping[str, tuple[Value, Value]]) -> None:
         Naming each.
     """
     problems = [
-        Problem("assembly.not_a_range", f"ranges {name}", f"{pair!r} is no range", "",
+        Problem("assembly.not_a_range", f"ranges {name}", f"{pair!r} is not a range", "",
                 f'write ranges={{"{name}": (LOWER, UPPER)}}')
         for name, pair in ranges.items() if not isinstance(pair, tuple | list) or len(pair) != 2
     ]  # fmt: skip
@@ -66,16 +67,16 @@ def refuse_unknown(eqs: EquationSet, given: Iterable[str]) -> None:
     AssemblyError
         Naming each.
     """
-    known = positions_and_rates(eqs)
-    problems = [_unknown(eqs, name) for name in dict.fromkeys(given) if name not in known]
+    names = positions_and_rates(eqs)
+    problems = [_unknown(eqs, name) for name in dict.fromkeys(given) if name not in names]
     if problems:
         raise AssemblyError(*problems)
 
 
 def _unknown(eqs: EquationSet, name: str) -> Problem:
-    meaning, place = _meaning(eqs, name)
+    meaning, place = _describe_name(eqs, name)
     if meaning:
-        what = f"{name!r} is {meaning}, no coordinate or speed"
+        what = f"{name!r} is {meaning}, not a coordinate or a speed"
         return Problem(
             "assembly.no_state", name, what, "states are coordinates, their rates and speeds", place
         )
@@ -83,8 +84,8 @@ def _unknown(eqs: EquationSet, name: str) -> Problem:
     return Problem("assembly.unknown_name", name, f"there is no coordinate or speed {name!r}", "", cure)
 
 
-def _meaning(eqs: EquationSet, name: str) -> tuple[str, str]:
-    """Return what a name that is no state stands for, and where it is given; nothing if it has no meaning."""
+def _describe_name(eqs: EquationSet, name: str) -> tuple[str, str]:
+    """Return the meaning of a name that is not a state, and the argument for it; empty without a meaning."""
     if name in eqs.parameter_names:
         return "a parameter", f"give it in parameters={{{name!r}: ...}}"
     if name in eqs.input_names:
@@ -121,12 +122,56 @@ def named_values(
     if not formulas:
         return {}
     refuse_unknown(eqs, [name for name in formulas if name in strict])
-    known = positions_and_rates(eqs)
+    names = positions_and_rates(eqs)
     joints = (*eqs.model.joints, *eqs.model.free_joints)
     angles = {name for joint in joints for name in joint.angle_coordinates}
     read = {
         name: parse_angle(value, where=name) if name in angles and isinstance(value, str) else value
         for name, value in formulas.items()
-        if name in known
+        if name in names
     }
     return constant_values(eqs, read, parameters)
+
+
+def unit_quaternions(
+    quaternions: Sequence[Sequence[str]], fixed: Mapping[str, float], guess: Mapping[str, float]
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Return fixed values and guesses with which every quaternion that has fixed components is a unit.
+
+    Four fixed components are divided by their norm. Where fewer are fixed they stay, and the others are
+    guessed so that the norm is 1.
+
+    Raises
+    ------
+    AssemblyError
+        If fixed components are all 0, or some of them exceed a unit.
+    """
+    values, guesses = dict(fixed), dict(guess)
+    for names in quaternions:
+        fixed_names = [name for name in names if name in fixed]
+        square = sum(fixed[name] ** 2 for name in fixed_names)
+        free = [name for name in names if name not in fixed]
+        if not fixed_names:
+            continue
+        if not free:
+            if square == 0.0:
+                raise AssemblyError(_problem(fixed_names, "is zero", "its four components cannot all be 0"))
+            values.update((name, fixed[name] / math.sqrt(square)) for name in fixed_names)
+            continue
+        if square > 1.0 + 1e-9:
+            raise AssemblyError(
+                _problem(fixed_names, "is longer than 1", "no values of the others give it unit norm")
+            )
+        left = math.sqrt(max(1.0 - square, 0.0))
+        norm = math.hypot(*(guess.get(name, 0.0) for name in free))
+        for k, name in enumerate(free):
+            share = guess.get(name, 0.0) / norm if norm > 0.0 else float(k == 0)
+            guesses[name] = left * share
+    return values, guesses
+
+
+def _problem(names: Sequence[str], what: str, why: str) -> Problem:
+    return Problem(
+        "assembly.quaternion", ", ".join(names), f"the quaternion of {', '.join(names)} {what}", why,
+        "give a unit quaternion, scalar first, or leave components out",
+    )  # fmt: skip

@@ -16,6 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.accelerations import complete_state
 from symbody.analysis.closure import Closure, closure
 from symbody.analysis.ropes import AT_LENGTH, slackness, with_taut
 from symbody.analysis.state import State
@@ -23,6 +24,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.equations.solving.sticking import STICKS, in_modes, switching_joints
 from symbody.errors import AssemblyError, SimulationError
+from symbody.tolerances import AT_REST, BALANCED
 
 Floats = NDArray[np.float64]
 Modes = dict[str, int]
@@ -30,13 +32,11 @@ Modes = dict[str, int]
 _SLACK: Final = 2  # beside the modes of joints: sticking and the signs of slipping
 _TAUT: Final = 3
 _MOST_TRIED: Final = 81  # modes of four joints at rest
-_REST: Final = 1e-9  # of the largest speed, or the mechanism's own: slower is at rest
-_EDGE: Final = 1e-9  # of the largest force and acceleration, in units of the mechanism: less is nothing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sides:
-    """What one-sided elements do at a state.
+    """The modes of ropes and dry joints at a state.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Sides:
     state : State
         With their accelerations and multipliers.
     notes : tuple of str
-        What each element does.
+        The mode of each element.
     edges : tuple of str
         Elements that could do either: what holds on one side of the state does not hold on the other.
     """
@@ -57,13 +57,13 @@ class Sides:
 
 
 def settled(eqs: EquationSet, state: State) -> Sides:
-    """Return what ropes and dry joints do at a state of these equations."""
+    """Return the modes of ropes and dry joints at a state of these equations."""
     search = _search(eqs, state)
     if all(ways == (None,) for ways in search.ways.values()):
         return Sides(eqs, state)
     first: Sides | None = None
     for modes in search.candidates():
-        found = search.tried(modes)
+        found = search.try_modes(modes)
         if found is None:
             continue
         sides, fits = found
@@ -93,19 +93,19 @@ class _ModeSearch:
         for choice in islice(product(*self.ways.values()), _MOST_TRIED):
             yield {name: mode for name, mode in zip(self.ways, choice, strict=True) if mode is not None}
 
-    def tried(self, modes: Modes) -> tuple[Sides, bool] | None:
+    def try_modes(self, modes: Modes) -> tuple[Sides, bool] | None:
         """Return the state in some modes, and whether these hold; None where no accelerations exist."""
         held = self._equations(modes)
-        task = closure(held, self.state.parameters, self.state.inputs, self.state.t)
+        evaluator = closure(held, self.state.parameters, self.state.inputs, self.state.t)
         try:
-            state = task.state(self.q, self.u, self.q, {})
+            state = complete_state(evaluator, self.q, self.u, self.q, {})
         except (AssemblyError, SimulationError):
             return None
-        scales = self._scales(task, state)
+        scales = self._scales(evaluator, state)
         notes, edges, fits = [], [], True
         for name, mode in modes.items():
             surplus, note = self._surplus(state, name, mode)
-            limit = _EDGE * (scales[0] / self.unit(name) if mode in (STICKS, _TAUT) else
+            limit = BALANCED * (scales[0] / self.unit(name) if mode in (STICKS, _TAUT) else
                              scales[1] * self.unit(name))  # fmt: skip
             has_choice = len(self.ways[name]) > 1
             fits &= not has_choice or bool(surplus >= -limit)
@@ -124,7 +124,7 @@ class _ModeSearch:
         return EquationSet(held.model, in_modes(held.formed, joints), held.notes) if joints else held
 
     def _surplus(self, state: State, name: str, mode: int) -> tuple[float, str]:
-        """Return what is positive where a mode holds, and what the element does in words."""
+        """Return a number that is positive where a mode holds, and the mode in a sentence."""
         if mode == _TAUT:
             pull = float(state[f"rope_tension {name}"])
             return pull, f"rope {name} is taut with {pull + 0.0:.6g} N: it constrains small deviations"
@@ -141,7 +141,7 @@ class _ModeSearch:
         return mode * float(state[f"{coordinate}_ddot"]), f"joint {name} begins to slip {way}"
 
     def unit(self, name: str) -> float:
-        """Return what counts as a large displacement of an element: a length, or 1 for an angle."""
+        """Return the size of displacements of an element: a length, or 1 for an angle."""
         slides = name in self.ropes or self.eqs.units.get(self.coordinate(name)) == "m"
         return self.length if slides else 1.0
 
@@ -153,11 +153,11 @@ class _ModeSearch:
         return f"rope {name}" if name in self.ropes else f"the friction of joint {name}"
 
     @staticmethod
-    def _scales(task: Closure, state: State) -> tuple[float, float]:
+    def _scales(evaluator: Closure, state: State) -> tuple[float, float]:
         """Return the largest work of a force [J] and the largest acceleration [1/s^2], in sizes."""
-        work = np.abs(np.ravel(state["forcing"])) * task.speed_sizes
-        reactions = np.abs(list(state.multipliers.values())) * task.mechanism.constraints(task.eqs)
-        rates = np.abs(list(state.udot.values())) / task.speed_sizes
+        work = np.abs(np.ravel(state["forcing"])) * evaluator.speed_sizes
+        reactions = np.abs(list(state.multipliers.values())) * evaluator.mechanism.constraints(evaluator.eqs)
+        rates = np.abs(list(state.udot.values())) / evaluator.speed_sizes
         return max(work.max(initial=0.0), reactions.max(initial=0.0)), float(rates.max(initial=0.0))
 
 
@@ -168,15 +168,17 @@ def _search(eqs: EquationSet, state: State) -> _ModeSearch:
     ways: dict[str, tuple[int | None, ...]] = {}
     if not cords and not joints:
         return _ModeSearch(eqs, state, q, u, 1.0, frozenset(), ways)
-    task = closure(with_taut(eqs, ()), state.parameters, state.inputs, state.t)
-    small = _REST * float(np.abs(u / task.speed_sizes).max(initial=1.0 / task.mechanism.time))
+    evaluator = closure(with_taut(eqs, ()), state.parameters, state.inputs, state.t)
+    small = AT_REST * float(np.abs(u / evaluator.speed_sizes).max(initial=1.0 / evaluator.mechanism.time))
     if cords:
         rows = {row.element for row in eqs.formed.rows}
-        for name, share in slackness(task, q).items():
-            rate = float(task.function(f"rope_slack_dot {name}")(task.t, q, u))
-            at_length = name in rows and share <= AT_LENGTH and abs(rate) <= small * task.mechanism.length
+        for name, share in slackness(evaluator, q).items():
+            rate = float(evaluator.function(f"rope_slack_dot {name}")(evaluator.t, q, u))
+            at_length = (
+                name in rows and share <= AT_LENGTH and abs(rate) <= small * evaluator.mechanism.length
+            )
             ways[name] = (_TAUT, _SLACK) if at_length else (_SLACK,)
-    search = _ModeSearch(eqs, state, q, u, task.mechanism.length, frozenset(cords), ways)
+    search = _ModeSearch(eqs, state, q, u, evaluator.mechanism.length, frozenset(cords), ways)
     for name in joints:
         rate = abs(float(state[f"{search.coordinate(name)}_dot"]))
         ways[name] = (STICKS, 1, -1) if rate <= small * search.unit(name) else (None,)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
 
 from symbody.analysis.distinct_positions import Formulas, distinct
 from symbody.analysis.ropes import rope_assumptions
@@ -29,10 +28,10 @@ from symbody.expr.sympy_bridge import (
     to_sympy,
 )
 from symbody.model.model import Model, resolve_parameters
+from symbody.tolerances import ROOT
 
 # Open by more, of what rows change by in moves as large as the mechanism, is no assembly: a root of a squared
 # equation.
-_CLOSED: Final = 1e-7
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +41,7 @@ class PositionSolutions:
     Attributes
     ----------
     dependent : tuple of SymPy functions of time
-        In the order in which they were asked for.
+        In the order of the argument.
     branches : tuple of mapping of coordinate to expression
         One for each way to assemble the mechanism.
     notes : tuple of str
@@ -76,7 +75,7 @@ class PositionSolutions:
         CompileError
             If something has no value, listing all of it, or a name is unknown.
         """
-        known = self._known(values)
+        known = self._known_values(values)
         found: list[Mapping[str, float] | None] = []
         for nodes in self._values:
             numbers = _numbers(self._graph, nodes, known)
@@ -98,7 +97,7 @@ class PositionSolutions:
         for k, value in enumerate(numbers[: len(rows)]):
             own = numbers[len(rows) + k * len(names) : len(rows) + (k + 1) * len(names)]
             scale = max((abs(x) * s for x, s in zip(own, sizes, strict=True)), default=0.0) or size
-            if not abs(value) <= _CLOSED * scale:
+            if not abs(value) <= ROOT * scale:
                 return False
         return True
 
@@ -113,13 +112,13 @@ class PositionSolutions:
         AssemblyError
             If no branch reaches these values.
         CompileError
-            If something has no value or is no dependent coordinate.
+            If something has no value or is not a dependent coordinate.
         """
         wanted = {_name(key): float(value) for key, value in guess.items()}
         unknown = [name for name in wanted if name not in self._names]
         if unknown:
             raise CompileError(
-                *(Problem("positions.guess", name, f"{name!r} is no dependent coordinate", "",
+                *(Problem("positions.guess", name, f"{name!r} is not a dependent coordinate", "",
                           nearest(name, self._names)) for name in unknown)
             )  # fmt: skip
         distances = {}
@@ -143,15 +142,15 @@ class PositionSolutions:
         """Names of the dependent coordinates that the constraints are periodic in."""
         return _periodic(self._graph, self._constraints, self._names)
 
-    def _known(self, values: Mapping[object, float]) -> dict[str, float]:
+    def _known_values(self, values: Mapping[object, float]) -> dict[str, float]:
         graph = self._graph
         nodes = [*self._constraints, *(node for row in self._values for node in row)]
         symbols = [graph.symbols[graph.left[node]] for node in symbols_of(graph, nodes)]
         needed = {symbol.label: symbol for symbol in symbols if symbol.label not in self._names}
         given = {_name(key): value for key, value in values.items()}
         defaults = _parameters(self._model, given)
-        known = {"t": 0.0, **defaults, **given}
-        missing = [name for name in needed if name not in known]
+        numbers = {"t": 0.0, **defaults, **given}
+        missing = [name for name in needed if name not in numbers]
         problems = [
             Problem("compile.unknown_parameter", name, f"the solution does not depend on {name!r}", "",
                     nearest(name, needed))
@@ -164,7 +163,7 @@ class PositionSolutions:
             )  # fmt: skip
         if problems:
             raise CompileError(*problems)
-        return {name: float(known[name]) for name in needed}
+        return {name: float(numbers[name]) for name in needed}
 
 
 @checked_arguments
@@ -206,26 +205,27 @@ def solve_positions(
     unknowns = _unknowns(graph, rows, names)
     if not seconds > 0.0:
         raise FormulationError(
-            Problem("positions.seconds", "seconds", f"seconds = {seconds!r} is no time", "",
+            Problem("positions.seconds", "seconds", f"seconds = {seconds!r} is not a time", "",
                     "give seconds > 0")
         )  # fmt: skip
-    found = solve_within(graph, rows, unknowns, seconds)
-    if not found:
+    solutions = solve_within(graph, rows, unknowns, seconds)
+    if not solutions:
         raise FormulationError(
             Problem("positions.none", "positions", "no closed form was found",
                     "the equations contradict each other, depend on each other, or have no solution by roots "
                     "and arcs", "take other dependent coordinates, or assemble with numbers")
         )  # fmt: skip
-    found = [found[k] for k in distinct(_formulas(constraints, graph, rows, unknowns, found))]
-    shown = readable(graph, [node for row in found for node in row])
+    solutions = [solutions[k] for k in distinct(_formulas(constraints, graph, rows, unknowns, solutions))]
+    shown = readable(graph, [node for row in solutions for node in row])
     formulas = to_sympy(graph, shown)
     coordinates = tuple(to_sympy(graph, unknowns))
     width = len(unknowns)
     branches = tuple(
-        dict(zip(coordinates, formulas[k * width : (k + 1) * width], strict=True)) for k in range(len(found))
+        dict(zip(coordinates, formulas[k * width : (k + 1) * width], strict=True))
+        for k in range(len(solutions))
     )
     return PositionSolutions(
-        coordinates, branches, graph, tuple(rows), tuple(map(tuple, found)), tuple(names), model, notes
+        coordinates, branches, graph, tuple(rows), tuple(map(tuple, solutions)), tuple(names), model, notes
     )
 
 
@@ -234,9 +234,9 @@ def _formulas(
     graph: Graph,
     rows: Sequence[int],
     unknowns: Sequence[int],
-    found: Sequence[Sequence[int]],
+    solutions: Sequence[Sequence[int]],
 ) -> Formulas:
-    """Return what tells the solutions apart: the placements of bodies where these are known."""
+    """Return the solutions with what distinguishes them: the placements of bodies, for a model."""
     placements: tuple[int, ...] = ()
     values: dict[str, float] = {}
     length = None
@@ -247,9 +247,9 @@ def _formulas(
         placements = tuple(entry.index for entries in frames for entry in entries)
         values = _parameters(constraints.model, {})
         length = mechanism_scales(constraints, {}).length if values else None
-    turning = _turning(graph, (*rows, *placements))
-    solutions = tuple(tuple(solution) for solution in found)
-    return Formulas(graph, tuple(rows), tuple(unknowns), turning, solutions, placements, values, length)
+    turning = _rotation_symbols(graph, (*rows, *placements))
+    rows, unknowns, branches = tuple(rows), tuple(unknowns), tuple(map(tuple, solutions))
+    return Formulas(graph, rows, unknowns, turning, branches, placements, values, length)
 
 
 def _unknowns(graph: Graph, rows: Sequence[int], names: Sequence[str]) -> list[int]:
@@ -306,10 +306,12 @@ def _numbers(graph: Graph, nodes: Sequence[int], known: Mapping[str, float]) -> 
 
 def _periodic(graph: Graph, rows: Sequence[int], names: Sequence[str]) -> set[str]:
     """Return the names of coordinates that stand inside sines and cosines."""
-    return {graph.symbols[graph.left[node]].label for node in _turning(graph, rows)}.intersection(names)
+    return {graph.symbols[graph.left[node]].label for node in _rotation_symbols(graph, rows)}.intersection(
+        names
+    )
 
 
-def _turning(graph: Graph, rows: Sequence[int]) -> frozenset[int]:
+def _rotation_symbols(graph: Graph, rows: Sequence[int]) -> frozenset[int]:
     """Return the symbols that stand inside sines and cosines."""
     inside = [node for node in graph.reachable(rows) if graph.ops[node] in (SIN, COS, TAN)]
     return frozenset(symbols_of(graph, [graph.left[node] for node in inside]))

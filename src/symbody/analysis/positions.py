@@ -24,14 +24,14 @@ class PositionSolver:
 
     Attributes
     ----------
-    task : Closure or None
+    evaluator : Closure or None
         None where ropes decide what is closed.
     parameters : mapping of name to number or formula
         Take the place of the model's values.
     """
 
     eqs: EquationSet
-    task: Closure | None
+    evaluator: Closure | None
     parameters: Mapping[str, Value] = field(default_factory=dict)
 
     def positions(self, fixed: Mapping[str, Value], guess: Mapping[str, Value]) -> dict[str, float]:
@@ -42,7 +42,7 @@ class PositionSolver:
         AssemblyError
             As `assemble`; but accelerations need not exist.
         """
-        if self.task is None:
+        if self.evaluator is None:
             return dict(assemble(self.eqs, fixed, guess, self.parameters).q)
         model = self.eqs.model.initial
         guessed: dict[str, Value] = {
@@ -51,7 +51,7 @@ class PositionSolver:
         }
         near = named_values(self.eqs, guessed, self.parameters, strict=set(guess))
         values = named_values(self.eqs, fixed, self.parameters, strict=set(fixed)) if fixed else {}
-        q = consistent_positions(self.task, values, near)
+        q = consistent_positions(self.evaluator, values, near)
         return dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
 
     def nearest(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -65,9 +65,9 @@ class PositionSolver:
             If they close nowhere near.
         """
         guess = dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
-        if self.task is None:
+        if self.evaluator is None:
             return np.array(list(assemble(self.eqs, None, guess, self.parameters).q.values()))
-        return consistent_positions(self.task, {}, guess)
+        return consistent_positions(self.evaluator, {}, guess)
 
 
 def position_solver(

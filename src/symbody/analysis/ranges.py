@@ -1,4 +1,4 @@
-"""Ranges that coordinates shall lie in: of several assemblies those outside are not taken."""
+"""Ranges of coordinates: assemblies outside are not taken."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ Ranges = Mapping[str, tuple[float, float]]
 _EDGE: Final = 1e-8
 
 
-def checked_ranges(task: Closure, lower: Mapping[str, float], upper: Mapping[str, float]) -> Ranges:
+def checked_ranges(evaluator: Closure, lower: Mapping[str, float], upper: Mapping[str, float]) -> Ranges:
     """Return ranges with their ends.
 
     Raises
     ------
     AssemblyError
-        Naming each range that is empty or is none of positions.
+        Naming each range that is empty or is not of a position.
     """
-    positions, _ = task.parted(lower)
+    positions, _ = evaluator.parted(lower)
     problems = [
-        Problem("assembly.range", name, f"{name} is no position", "only positions have ranges",
+        Problem("assembly.range", name, f"{name} is not a position", "only positions have ranges",
                 "leave it out, or give its value in fixed=")
         for name in lower if name not in positions
     ]  # fmt: skip
@@ -42,14 +42,14 @@ def checked_ranges(task: Closure, lower: Mapping[str, float], upper: Mapping[str
     return {name: (lower[name], upper[name]) for name in lower}
 
 
-def into_ranges(task: Closure, q: Floats, ranges: Ranges) -> Floats | None:
+def into_ranges(evaluator: Closure, q: Floats, ranges: Ranges) -> Floats | None:
     """Return coordinates with angles turned by whole turns into their ranges; None if one is outside."""
     result = q.copy()
-    names = task.eqs.coordinate_names
+    names = evaluator.eqs.coordinate_names
     for name, (low, high) in ranges.items():
-        edge = _EDGE * (1.0 if name in task.angles else float(task.sizes.max(initial=1.0)))
-        value = float(q[names.index(name)]) if name in names else task.measured(name, q)
-        if name in task.angles:
+        edge = _EDGE * (1.0 if name in evaluator.angles else float(evaluator.sizes.max(initial=1.0)))
+        value = float(q[names.index(name)]) if name in names else evaluator.measured(name, q)
+        if name in evaluator.angles:
             value += 2 * np.pi * np.ceil((low - edge - value) / (2 * np.pi))
         if not low - edge <= value <= high + edge:
             return None
@@ -58,40 +58,40 @@ def into_ranges(task: Closure, q: Floats, ranges: Ranges) -> Floats | None:
     return result
 
 
-def nearest_in_ranges(task: Closure, q: Floats, ranges: Ranges, fixed: Mapping[str, float]) -> Floats:
+def nearest_in_ranges(evaluator: Closure, q: Floats, ranges: Ranges, fixed: Mapping[str, float]) -> Floats:
     """Return coordinates with those outside their ranges at the nearer end; fixed ones stay."""
     result = q.copy()
-    for k, name in enumerate(task.eqs.coordinate_names):
+    for k, name in enumerate(evaluator.eqs.coordinate_names):
         if name in ranges and name not in fixed:
-            turned = into_ranges(task, result, {name: ranges[name]})
+            turned = into_ranges(evaluator, result, {name: ranges[name]})
             result[k] = np.clip(result[k], *ranges[name]) if turned is None else turned[k]
     return result
 
 
 def starts_in_ranges(
-    task: Closure, start: Floats, ranges: Ranges, fixed: Mapping[str, float], count: int
+    evaluator: Closure, start: Floats, ranges: Ranges, fixed: Mapping[str, float], count: int
 ) -> list[Floats]:
     """Return starts whose coordinates lie anywhere in their ranges, the same at every call."""
-    names = task.eqs.coordinate_names
+    names = evaluator.eqs.coordinate_names
     places = [k for k, name in enumerate(names) if name in ranges and name not in fixed]
     if not places:
         return []
     random = np.random.default_rng(2)
-    free = task.free(fixed)
+    free = evaluator.free(fixed)
     starts = []
     for _ in range(count):
         moved = start.copy()
-        moved[free] += random.standard_normal(int(free.sum())) * task.sizes[free]
+        moved[free] += random.standard_normal(int(free.sum())) * evaluator.sizes[free]
         moved[places] = [random.uniform(*ranges[names[k]]) for k in places]
-        starts.append(task.normalized(moved))
+        starts.append(evaluator.normalized(moved))
     return starts
 
 
 def measured_in_ranges(
-    task: Closure, ranges: Ranges, fixed: Mapping[str, float], count: int
+    evaluator: Closure, ranges: Ranges, fixed: Mapping[str, float], count: int
 ) -> list[dict[str, float]]:
     """Return values of coordinates of cut joints in their ranges, the middle first."""
-    names = [name for name in ranges if name not in task.eqs.coordinate_names and name not in fixed]
+    names = [name for name in ranges if name not in evaluator.eqs.coordinate_names and name not in fixed]
     if not names:
         return []
     random = np.random.default_rng(3)
@@ -99,16 +99,19 @@ def measured_in_ranges(
     return [middle, *({name: random.uniform(*ranges[name]) for name in names} for _ in range(count - 1))]
 
 
-def out_of_range(task: Closure, found: Sequence[Floats], ranges: Ranges) -> Problem:
+def out_of_range(evaluator: Closure, configurations: Sequence[Floats], ranges: Ranges) -> Problem:
     """Say that loops close outside the ranges only, and where."""
-    names = task.eqs.coordinate_names
-    wanted = ", ".join(f"{name} from {low:g} to {high:g}" for name, (low, high) in ranges.items())
+    names = evaluator.eqs.coordinate_names
+    limits = ", ".join(f"{name} from {low:g} to {high:g}" for name, (low, high) in ranges.items())
     values = [
-        {name: float(q[names.index(name)]) if name in names else task.measured(name, q) for name in ranges}
-        for q in found
+        {
+            name: float(q[names.index(name)]) if name in names else evaluator.measured(name, q)
+            for name in ranges
+        }
+        for q in configurations
     ]
-    told = "; ".join(", ".join(f"{name} = {value:.6g}" for name, value in one.items()) for one in values)
+    closed_at = "; ".join(", ".join(f"{name} = {value:.6g}" for name, value in one.items()) for one in values)
     return Problem(
-        "assembly.out_of_range", "ranges", f"no configuration found has {wanted}",
-        f"the loops close with {told}", "widen the ranges, or give fixed= values that reach them",
+        "assembly.out_of_range", "ranges", f"no configuration found has {limits}",
+        f"the loops close with {closed_at}", "widen the ranges, or give fixed= values that reach them",
     )  # fmt: skip

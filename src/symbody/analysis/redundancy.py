@@ -32,7 +32,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Redundancy:
-    """What the constraints of a mechanism amount to.
+    """The independent and the redundant constraints of a mechanism.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Redundancy:
     instantaneous : int or None
         Independent speeds at the guess itself, where these are not as many.
     notes : tuple of str
-        Where the two counts differ, where branches of several dimensions meet, and what stays undecided;
+        Where the two counts differ, where branches of several dimensions meet, and undecided counts; also
         ropes that are taken as taut.
     undetermined : tuple of str
         Outputs that do not follow from the motion: components of reactions, "reaction J Fz", and efforts that
@@ -67,7 +67,7 @@ def redundancy(
     *,
     scales: Mapping[str, float] | None = None,
 ) -> Redundancy:
-    """Return which constraints are independent for these values of the parameters.
+    """Return the independent and the redundant constraints for values of the parameters.
 
     Parameters
     ----------
@@ -85,25 +85,25 @@ def redundancy(
         If the loops close nowhere near the guess.
     """
     refuse_unknown(eqs, guess or ())
-    given, around = dict(parameters or {}), {**eqs.model.initial, **(guess or {})}
+    values, around = dict(parameters or {}), {**eqs.model.initial, **(guess or {})}
     near = named_values(eqs, around, parameters, strict=set(guess or ()))
-    task = closure(eqs, given, {}, 0.0, mechanism_scales(eqs, given, scales, near))
-    if task.is_tree:
-        somewhere = task.normalized(np.linspace(0.2, 0.8, len(eqs.coordinate_names)))
+    evaluator = closure(eqs, values, {}, 0.0, mechanism_scales(eqs, values, scales, near))
+    if evaluator.is_tree:
+        somewhere = evaluator.normalized(np.linspace(0.2, 0.8, len(eqs.coordinate_names)))
         names = undetermined_at(eqs, parameters or {}, [(0.0, somewhere)]) if eqs.formed.redundant else ()
         return Redundancy(len(eqs.speed_names), (), (), undetermined=names)
-    q = assembled_configuration(task, guess or {}, parameters)
+    q = assembled_configuration(evaluator, guess or {}, parameters)
     if q is None:
         raise AssemblyError(
             Problem("redundancy.open", eqs.model.name, "no configuration closes the loops", "",
                     "see assemble() for the joint that stays open, or give guess=")
         )  # fmt: skip
-    sizes = task.mechanism.constraints(eqs)[:, np.newaxis]
+    sizes = evaluator.mechanism.constraints(eqs)[:, np.newaxis]
 
     def velocity_rows(q: Floats) -> Floats:
-        return np.asarray(task.velocity_rows(q, {})[0] / sizes * task.speed_sizes)
+        return np.asarray(evaluator.velocity_rows(q, {})[0] / sizes * evaluator.speed_sizes)
 
-    branch = explore_branch(task.manifold, q)
+    branch = explore_branch(evaluator.manifold(), q)
     count = count_freedoms(eqs.formed, branch, velocity_rows)
     rows = eqs.formed.rows
     order = sorted(range(len(rows)), key=lambda k: (rows[k].force.is_zero, k))

@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.accelerations import complete_state
 from symbody.analysis.closure import Closure, closure
 from symbody.analysis.state import State
 from symbody.analysis.velocities import consistent_speeds
@@ -19,13 +20,13 @@ from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes, slackened
 from symbody.errors import AssemblyError, Problem
+from symbody.tolerances import AT_REST, TINY
 
 Floats = NDArray[np.float64]
 # From equations and fixed positions to a state in which their constraints hold.
 Attempt = Callable[[EquationSet, Mapping[str, float]], State]
 
 AT_LENGTH: Final = 2e-9  # of its length: a rope that is closer to it is taut
-_STEADY: Final = 1e-9  # of speeds: ends that move apart more slowly do not part
 LOOSE: Final = 1e-7  # of its length: what assembly and continuation leave of a rope that is taut
 _MEASURES: Final = ("rope_slack", "rope_length")
 
@@ -54,11 +55,11 @@ def assembled_with_ropes(
         If the mechanism does not close, or a rope is too short for the positions fixed.
     """
     positions, rates = closed(eqs).parted(fixed)
-    state = _placed(eqs, positions, attempt)
+    state = _place(eqs, positions, attempt)
     search = _Speeds(eqs, np.array([*state.q.values()]), rates, guess, closed)
-    found = search.found(state)
-    places = {name: change for name, change in state.moved.items() if name in found.q}
-    return replace(found, moved=places | dict(found.moved))
+    complete = search.solve(state)
+    places = {name: change for name, change in state.moved.items() if name in complete.q}
+    return replace(complete, moved=places | dict(complete.moved))
 
 
 def with_taut(eqs: EquationSet, names: Collection[str]) -> EquationSet:
@@ -67,17 +68,15 @@ def with_taut(eqs: EquationSet, names: Collection[str]) -> EquationSet:
     return EquationSet(eqs.model, slackened(eqs.formed, slack), eqs.notes) if slack else eqs
 
 
-def slackness(task: Closure, q: Floats) -> dict[str, float]:
+def slackness(evaluator: Closure, q: Floats) -> dict[str, float]:
     """Return by how much each rope is longer than the distance of its ends, over its length."""
-    names = ropes(task.eqs.formed)
+    names = ropes(evaluator.eqs.formed)
     if not names:
         return {}
     words = [f"{word} {name}" for name in names for word in _MEASURES]
-    values = np.ravel(task.function(words)(task.t, q, np.zeros(len(task.eqs.speed_names))))
+    values = np.ravel(evaluator.function(words)(evaluator.t, q, np.zeros(len(evaluator.eqs.speed_names))))
     pairs = zip(values[::2].tolist(), values[1::2].tolist(), strict=True)
-    return {
-        name: slack / max(abs(length), 1e-300) for name, (slack, length) in zip(names, pairs, strict=True)
-    }
+    return {name: slack / max(abs(length), TINY) for name, (slack, length) in zip(names, pairs, strict=True)}
 
 
 def equations_at(
@@ -85,7 +84,7 @@ def equations_at(
 ) -> tuple[EquationSet, tuple[str, ...]]:
     """Return equations with the ropes at their length at a configuration as constraints, and notes on it.
 
-    Positions alone do not tell whether a rope at its length pulls; it is taken to.
+    Whether a rope at its length pulls does not follow from positions; it is taken to.
     """
     if not ropes(eqs.formed):
         return eqs, ()
@@ -101,32 +100,32 @@ def equations_at(
 
 
 def rope_assumptions(eqs: EquationSet) -> tuple[str, ...]:
-    """Return what an analysis of all configurations assumes of ropes."""
+    """Return notes on the ropes that an analysis of all configurations takes as taut."""
     rows = {row.element for row in eqs.formed.rows}
     return tuple(f"rope {name} is taken as taut" for name in ropes(eqs.formed) if name in rows)
 
 
-def ropes_out_of_place(eqs: EquationSet, task: Closure, q: Floats) -> str:
-    """Return in words which ropes are not as these equations have them, where one would be; else nothing.
+def ropes_out_of_place(eqs: EquationSet, evaluator: Closure, q: Floats) -> str:
+    """Return a sentence on the ropes that are not as these equations have them; empty if all are.
 
     Parameters
     ----------
     eqs : EquationSet
         With taut ropes as constraints and without those that are slack.
-    task : Closure
+    evaluator : Closure
         Measures the ropes.
     """
     taut = {row.element for row in eqs.formed.rows}
-    found = []
-    for name, share in slackness(task, q).items():
+    misplaced = []
+    for name, share in slackness(evaluator, q).items():
         if name in taut and share > LOOSE:
-            found.append(f"rope {name} is slack, by {share:.3g} of its length")
+            misplaced.append(f"rope {name} is slack, by {share:.3g} of its length")
         elif share < -LOOSE:
-            found.append(f"the ends of rope {name} are farther apart than it is long")
-    return ", ".join(found)
+            misplaced.append(f"the ends of rope {name} are farther apart than it is long")
+    return ", ".join(misplaced)
 
 
-def _placed(eqs: EquationSet, fixed: Mapping[str, float], attempt: Attempt) -> State:
+def _place(eqs: EquationSet, fixed: Mapping[str, float], attempt: Attempt) -> State:
     """Return a state in which no rope is longer than it is; its speeds do not matter."""
     taut: list[str] = []
     state = attempt(with_taut(eqs, taut), fixed)
@@ -166,14 +165,14 @@ class _Speeds:
     guess: Mapping[str, float]
     closed: Callable[[EquationSet], Closure]
 
-    def found(self, state: State) -> State:
+    def solve(self, state: State) -> State:
         """Return the state with speeds and accelerations; the ropes that pull are its constraints."""
         near = [name for name in ropes(self.eqs.formed) if not _is_slack(state, name)]
         u, apart = self._speeds(near)
-        taut = [name for name in near if abs(apart[name]) <= _STEADY]
+        taut = [name for name in near if abs(apart[name]) <= AT_REST]
         while True:
-            task = self.closed(with_taut(self.eqs, taut))
-            result = task.state(self.q, u, self.q, self._guessed(task))
+            evaluator = self.closed(with_taut(self.eqs, taut))
+            result = complete_state(evaluator, self.q, u, self.q, self._guessed_rates(evaluator))
             pushes = {name: -float(result[f"rope_tension {name}"]) for name in taut}
             worst = max(pushes, key=lambda name: pushes[name], default="")
             if not worst or pushes[worst] <= 0.0:
@@ -187,7 +186,7 @@ class _Speeds:
         u = self._consistent(taut)
         while True:
             apart = self._apart(near, u)
-            longer = [n for n in near if apart[n] > _STEADY and n not in taut and n not in refused]
+            longer = [n for n in near if apart[n] > AT_REST and n not in taut and n not in refused]
             if not longer:
                 return u, apart
             try:
@@ -197,19 +196,22 @@ class _Speeds:
                 refused.add(longer[0])
 
     def _consistent(self, taut: list[str]) -> Floats:
-        task = self.closed(with_taut(self.eqs, taut))
-        return consistent_speeds(task, self.q, self.rates, self._guessed(task))
+        evaluator = self.closed(with_taut(self.eqs, taut))
+        return consistent_speeds(evaluator, self.q, self.rates, self._guessed_rates(evaluator))
 
-    def _guessed(self, task: Closure) -> dict[str, float]:
+    def _guessed_rates(self, evaluator: Closure) -> dict[str, float]:
         """Return the rates guessed that are not fixed."""
-        return {name: x for name, x in task.parted(self.guess)[1].items() if name not in self.rates}
+        return {name: x for name, x in evaluator.parted(self.guess)[1].items() if name not in self.rates}
 
     def _apart(self, names: list[str], u: Floats) -> dict[str, float]:
         """Return the rates at which ends move apart, over the largest speed or the mechanism's own."""
-        task = self.closed(with_taut(self.eqs, ()))
-        known, rates = task.mechanism, np.abs(u / task.speed_sizes)
-        fast = known.length * float(rates.max(initial=1.0 / known.time))
-        rates_of = {name: float(task.function(f"rope_slack_dot {name}")(task.t, self.q, u)) for name in names}
+        evaluator = self.closed(with_taut(self.eqs, ()))
+        mechanism, rates = evaluator.mechanism, np.abs(u / evaluator.speed_sizes)
+        fast = mechanism.length * float(rates.max(initial=1.0 / mechanism.time))
+        rates_of = {
+            name: float(evaluator.function(f"rope_slack_dot {name}")(evaluator.t, self.q, u))
+            for name in names
+        }
         return {name: -rate / fast for name, rate in rates_of.items()}
 
 

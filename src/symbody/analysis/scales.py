@@ -25,11 +25,10 @@ from symbody.expr.language.formula import Formula
 from symbody.model.constraints.couplings import Constraint
 from symbody.model.constraints.points import PointOnSurface
 from symbody.model.lengths import model_lengths
+from symbody.tolerances import CLOSED
 
 Floats = NDArray[np.float64]
 
-# Share of its size that the error of a step, and an open constraint, may have where no atol is given.
-USUAL_SHARE: Final = 1e-10
 # Sizes of coordinates and speeds are at least this share of the largest first value in the same unit: the
 # rounding of that value, 1e-16 of it, is a hundredth of what is tolerated then.
 RESOLVED: Final = 1e-4
@@ -42,7 +41,7 @@ _UNITS: Final = {"length": "m", "time": "s", "mass": "kg"}
 
 @dataclass(frozen=True, slots=True)
 class Scales:
-    """What counts as large in a mechanism.
+    """The sizes of a mechanism.
 
     Attributes
     ----------
@@ -54,7 +53,7 @@ class Scales:
     mass : float
         The largest mass of a body [kg], or moment of inertia over the square of the length; 1 without any.
     equations : mapping of name to float
-        What a constraint is measured by, by the name of its multiplier, if it has a unit of its own.
+        Size of a constraint with a unit of its own, by the name of its multiplier.
     has_length, has_time : bool
         Whether these were given or found in the model.
     """
@@ -73,21 +72,21 @@ class Scales:
 
     @property
     def energy(self) -> float:
-        """What counts as a large energy [J]."""
+        """Size of energies [J]."""
         return self.mass * (self.length / self.time) ** 2
 
     def coordinates(self, eqs: EquationSet) -> Floats:
-        """Return what counts as a large change of each coordinate (n_q,): 1 rad, or the length."""
+        """Return the sizes of the coordinates (n_q,): 1 rad, or the length."""
         units = eqs.units
         return np.array([self.length if units.get(name) == "m" else 1.0 for name in eqs.coordinate_names])
 
     def displacements(self, eqs: EquationSet) -> Floats:
-        """Return what counts as a large displacement along each speed (n_u,): 1 rad, or the length."""
+        """Return the sizes of displacements along the speeds (n_u,): 1 rad, or the length."""
         units = eqs.units
         return np.array([self.length if units.get(name) == "m/s" else 1.0 for name in eqs.speed_names])
 
     def constraints(self, eqs: EquationSet) -> Floats:
-        """Return what each constraint is measured by (n_c,): the length, or 1 for angles.
+        """Return the sizes of the constraints (n_c,): the length, or 1 for angles.
 
         Those on positions come first, as in ``eqs.formed.holonomic``.
         """
@@ -115,7 +114,7 @@ class Scales:
         return self if self.has_time or span == 0.0 else replace(self, time=TIME_OF_SPAN * span)
 
     def notes(self, eqs: EquationSet, atol: float | None = None) -> tuple[str, ...]:
-        """Return what was assumed, if it matters: not where an absolute tolerance was given."""
+        """Return notes on assumptions that matter: none where an absolute tolerance was given."""
         if (
             atol is not None
             or self.has_length
@@ -139,7 +138,7 @@ def mechanism_scales(
     Parameters
     ----------
     given : mapping of "length", "time", "mass" to float
-        Those that are told [m, s, kg].
+        Those that the caller chooses [m, s, kg].
     near : mapping of name to float
         A configuration, by default the model's initial values: its displacements count where the model has no
         other length.
@@ -149,10 +148,10 @@ def mechanism_scales(
     UsageError
         If a name in `given` is unknown, or a value is not positive.
     """
-    told = checked_scales(given)
+    chosen = checked_scales(given)
     groups = {"length": model_lengths(eqs.model), "pull": eqs.model.gravity, "mass": _masses(eqs)}
     lengths, pulls, masses = _values_of_groups(eqs, groups, parameters)
-    length = told.get("length", largest(lengths))
+    length = chosen.get("length", largest(lengths))
     if not length and near is None:
         initial = {name: value for name, value in eqs.model.initial.items() if _is_length(eqs, name)}
         length = largest(values_at_start(eqs, initial, parameters).values())
@@ -161,8 +160,8 @@ def mechanism_scales(
     scales = Scales(length or 1.0, has_length=bool(length))
     gravity = math.hypot(*pulls)
     fallen = math.sqrt(scales.length / gravity) if gravity else 1.0
-    scales = replace(scales, time=told.get("time", fallen), has_time="time" in told or gravity > 0.0)
-    mass = told.get("mass", largest(masses) or _moment(eqs, parameters) / scales.length**2) or 1.0
+    scales = replace(scales, time=chosen.get("time", fallen), has_time="time" in chosen or gravity > 0.0)
+    mass = chosen.get("mass", largest(masses) or _moment(eqs, parameters) / scales.length**2) or 1.0
     return replace(scales, mass=mass, equations=_equations(eqs, parameters, scales))
 
 
@@ -185,18 +184,18 @@ def state_tolerances(eqs: EquationSet, lengths: Floats, times: Floats, x: Floats
         places = units == unit
         resolved = RESOLVED * np.abs(x[:, places]).max(axis=1, initial=0.0)
         sizes[:, places] = np.maximum(sizes[:, places], resolved[:, np.newaxis])
-    return np.asarray(USUAL_SHARE * sizes)
+    return np.asarray(CLOSED * sizes)
 
 
 def checked_scales(given: Mapping[str, float] | None) -> dict[str, float]:
-    """Return what was told of a mechanism's scales.
+    """Return the scales that the caller chose.
 
     Raises
     ------
     UsageError
         If a name is unknown, or a value is not a positive number.
     """
-    problems, told = [], {}
+    problems, chosen = [], {}
     for name, value in (given or {}).items():
         if name not in _UNITS:
             problems.append(
@@ -210,10 +209,10 @@ def checked_scales(given: Mapping[str, float] | None) -> dict[str, float]:
                         f"give a finite number above 0 [{_UNITS[name]}], or leave it out")
             )  # fmt: skip
         else:
-            told[name] = float(value)
+            chosen[name] = float(value)
     if problems:
         raise UsageError(*problems)
-    return told
+    return chosen
 
 
 def geometry(eqs: EquationSet) -> dict[str, Value]:
@@ -222,7 +221,7 @@ def geometry(eqs: EquationSet) -> dict[str, Value]:
 
 
 def are_lengths(eqs: EquationSet) -> list[bool]:
-    """Return which constraints are measured in lengths; the others are angles."""
+    """Return a mask of the constraints that are lengths; the others are angles."""
     units = eqs.units
     return [
         not row.force.is_zero or units.get(row.coordinate) == "m" or units.get(row.name) == "N"
@@ -270,19 +269,19 @@ def _values_of_groups(
 
 
 def _equations(eqs: EquationSet, parameters: Mapping[str, Value], scales: Scales) -> dict[str, float]:
-    """Return what each constraint of a unit of its own changes by in motions as large as the mechanism.
+    """Return the change of each constraint with a unit of its own in motions as large as the mechanism.
 
     That is the largest of its derivatives times the displacements, at `pose_share` of the sizes.
     """
-    own = own_equations(eqs)
-    if not own:
+    written = own_equations(eqs)
+    if not written:
         return {}
     sequence, _ = form_sequence(eqs, "jacobian", parameters, (), dict.fromkeys(eqs.input_names, 0))
     q = (pose_share(eqs) * scales.coordinates(eqs)).tolist()
-    found = evaluate_sequence(sequence, {"t": [0.0], "q": q, "u": [0.0] * len(eqs.speed_names), "r": []})[0]
-    rows = np.array([float(x) for x in found]).reshape(len(eqs.formed.rows), -1)
+    entries = evaluate_sequence(sequence, {"t": [0.0], "q": q, "u": [0.0] * len(eqs.speed_names), "r": []})[0]
+    rows = np.array([float(x) for x in entries]).reshape(len(eqs.formed.rows), -1)
     sizes = np.abs(rows * scales.displacements(eqs)).max(axis=1, initial=0.0)
-    return {eqs.multiplier_names[k]: float(sizes[k]) for k in own if 0.0 < sizes[k] < math.inf}
+    return {eqs.multiplier_names[k]: float(sizes[k]) for k in written if 0.0 < sizes[k] < math.inf}
 
 
 def own_equations(eqs: EquationSet) -> list[int]:

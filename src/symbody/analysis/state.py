@@ -75,11 +75,11 @@ class State(Displayed):
             if name in values:
                 return values[name]
 
-        def compiled() -> CompiledFunction:
+        def compile_output() -> CompiledFunction:
             inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
             sequence = form_sequence(self.eqs, name, self.parameters, (), inputs)
             return CompiledFunction(*sequence, quick=True)
 
-        function = self._functions.get(name, compiled)
+        function = self._functions.get(name, compile_output)
         value = np.asarray(function(self.t, list(self.q.values()), list(self.u.values())))
         return float(value) if value.ndim == 0 else value

@@ -1,30 +1,32 @@
-"""Velocities that fit the constraints and the values given."""
+"""Velocities that fit the constraints and given values, where eliminated speeds follow from the others."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.closure import Closure
-from symbody.analysis.dependent_speeds import check_pivots
+from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
+from symbody.manifold import least_solution, row_space
+from symbody.tolerances import ASSEMBLED, RANK
 
 Floats = NDArray[np.float64]
-
-# Of the terms of a row, and of the fastest rate that is given or of the mechanism's own: what closeness of
-# positions explains.
-_CONSISTENT = 1e-9
-_INDEPENDENT = 1e-6  # smaller singular values mean that a speed is given already, up to closeness
+CURE: Final = (
+    "name other dependent_speeds, whose pivot does not vanish on the way, or leave dependent_speeds out: "
+    "multipliers have no such place"
+)
 
 
 def consistent_speeds(
-    task: Closure, q: Floats, fixed: Mapping[str, float], guess: Mapping[str, float]
+    evaluator: Closure, q: Floats, fixed: Mapping[str, float], guess: Mapping[str, float]
 ) -> Floats:
     """Return u with ``J u + b = 0`` and the fixed rates; independent speeds left take their guess, else 0.
 
-    Speeds and rates with a guess are asked first, in the order of the guesses, also those of cut joints; then
+    Speeds and rates with a guess come first, in the order of the guesses, also those of cut joints; then
     the other speeds, in their order; eliminated ones too, so that both forms of the equations start alike.
 
     Raises
@@ -33,70 +35,91 @@ def consistent_speeds(
         If dependent speeds do not follow from the others, or the fixed rates contradict the constraints or
         each other, naming the smallest set that does.
     """
-    check_pivots(task, q)
-    rows, right = _conditions(task, q, fixed)
-    if not _fulfils(task, _solved(rows, right), rows, right):
-        raise AssemblyError(_conflict(task, q, fixed))
-    basis = _basis(rows)
-    for name in dict.fromkeys([*task.parted(guess)[1], *task.all_speeds]):
-        own, value = task.speed_row(q, name, guess.get(name, 0.0))
-        row, wanted = _measured(task, own[np.newaxis, :], np.array([value]))
-        left = _outside(basis, row[0])
+    check_pivots(evaluator, q)
+    rows, right = _conditions(evaluator, q, fixed)
+    if not _fulfils(evaluator, least_solution(rows, right), rows, right):
+        raise AssemblyError(_conflict(evaluator, q, fixed))
+    basis = row_space(rows)
+    for name in dict.fromkeys([*evaluator.parted(guess)[1], *evaluator.all_speeds]):
+        condition, value = evaluator.speed_row(q, name, guess.get(name, 0.0))
+        row, target = _scale_conditions(evaluator, condition[np.newaxis, :], np.array([value]))
+        left = _project_out(basis, row[0])
         distance = float(np.linalg.norm(left))
-        if distance > _INDEPENDENT:
+        if distance > RANK:
             rows = np.vstack([rows, row])
-            right = np.concatenate([right, wanted])
-            basis = np.vstack([basis, _outside(basis, left / distance)])
-    return _solved(rows, right) * task.speed_sizes
+            right = np.concatenate([right, target])
+            basis = np.vstack([basis, _project_out(basis, left / distance)])
+    return least_solution(rows, right) * evaluator.speed_sizes
 
 
-def _conditions(task: Closure, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, Floats]:
+def _conditions(evaluator: Closure, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, Floats]:
     """Return A and b of all conditions ``A v = b``, v the speeds over their sizes."""
-    return _measured(task, *task.velocity_rows(q, fixed))
+    return _scale_conditions(evaluator, *evaluator.velocity_rows(q, fixed))
 
 
-def _measured(task: Closure, rows: Floats, right: Floats) -> tuple[Floats, Floats]:
+def _scale_conditions(evaluator: Closure, rows: Floats, right: Floats) -> tuple[Floats, Floats]:
     """Return conditions on speeds over their sizes, with rows of length 1: they have no unit of length."""
-    sized = rows * task.speed_sizes
+    sized = rows * evaluator.speed_sizes
     lengths = np.linalg.norm(sized, axis=1)
     lengths[lengths == 0.0] = 1.0
     return sized / lengths[:, np.newaxis], right / lengths
 
 
-def _solved(rows: Floats, right: Floats) -> Floats:
-    """Return the least solution, with one correction: rows hold to rounding of their own terms."""
-    if rows.shape[0] == 0:
-        return np.zeros(rows.shape[1])
-    found = np.linalg.lstsq(rows, right, rcond=1e-10)[0]
-    return np.asarray(found + np.linalg.lstsq(rows, right - rows @ found, rcond=1e-10)[0])
-
-
-def _fulfils(task: Closure, found: Floats, rows: Floats, right: Floats) -> bool:
+def _fulfils(evaluator: Closure, speeds: Floats, rows: Floats, right: Floats) -> bool:
     """Return whether all rows hold."""
-    sizes = 1.0 / task.mechanism.time + np.abs(right).max(initial=0.0) + np.abs(rows) @ np.abs(found)
-    return bool((np.abs(rows @ found - right) <= _CONSISTENT * sizes).all())
+    sizes = 1.0 / evaluator.mechanism.time + np.abs(right).max(initial=0.0) + np.abs(rows) @ np.abs(speeds)
+    return bool((np.abs(rows @ speeds - right) <= ASSEMBLED * sizes).all())
 
 
-def _basis(rows: Floats) -> Floats:
-    """Return orthonormal rows that span the rows given."""
-    sizes, right = np.linalg.svd(rows, full_matrices=False)[1:]
-    return np.asarray(right[sizes > _INDEPENDENT * sizes.max(initial=1e-300)])
-
-
-def _outside(basis: Floats, row: Floats) -> Floats:
+def _project_out(basis: Floats, row: Floats) -> Floats:
     """Return the part of a row that is perpendicular to the basis."""
     return np.asarray(row - basis.T @ (basis @ row))
 
 
-def _conflict(task: Closure, q: Floats, fixed: Mapping[str, float]) -> Problem:
+def _conflict(evaluator: Closure, q: Floats, fixed: Mapping[str, float]) -> Problem:
     conflict = dict(fixed)
     for name in fixed:
-        rest = {key: value for key, value in conflict.items() if key != name}
-        rows, right = _conditions(task, q, rest)
-        if not _fulfils(task, _solved(rows, right), rows, right):
-            conflict = rest
+        others = {key: value for key, value in conflict.items() if key != name}
+        rows, right = _conditions(evaluator, q, others)
+        if not _fulfils(evaluator, least_solution(rows, right), rows, right):
+            conflict = others
     listed = ", ".join(f"{name} = {value:g}" for name, value in conflict.items()) or "the motions in time"
     return Problem(
         "assembly.velocity_conflict", "fixed", f"no motion from this configuration has {listed}",
         "the constraints tie these rates to each other", "leave one of them out",
+    )  # fmt: skip
+
+
+def pivot_groups(eqs: EquationSet) -> list[list[str]]:
+    """Return the dependent speeds that have a pivot which may vanish, those that share one together."""
+    elimination = eqs.formed.elimination
+    groups: dict[int, list[str]] = {}
+    for name, pivot in () if elimination is None else elimination.pivots.items():
+        groups.setdefault(pivot.index, []).append(name.removesuffix("_pivot"))
+    return list(groups.values())
+
+
+def check_pivots(evaluator: Closure, q: NDArray[np.float64]) -> None:
+    """Refuse a configuration at which dependent speeds do not follow from the others.
+
+    Raises
+    ------
+    AssemblyError
+        Naming the speeds.
+    """
+    groups = pivot_groups(evaluator.eqs)
+    if not groups:
+        return
+    still = np.zeros(len(evaluator.eqs.speed_names))
+    found = np.ravel(evaluator.function([f"{names[0]}_pivot" for names in groups])(evaluator.t, q, still))
+    lost = [names for names, value in zip(groups, found, strict=True) if not abs(value) > ASSEMBLED]
+    if lost:
+        raise AssemblyError(*(_vanishing_pivot(", ".join(names)) for names in lost))
+
+
+def _vanishing_pivot(names: str) -> Problem:
+    return Problem(
+        "assembly.dependent_speeds", "dependent_speeds",
+        f"at this configuration {names} do not follow from the other speeds",
+        "the coefficients of these speeds in the constraints on velocities form a singular matrix", CURE,
     )  # fmt: skip

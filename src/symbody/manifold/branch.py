@@ -72,7 +72,7 @@ def explore_branch(manifold: ConstraintManifold, q: Floats) -> Branch:
     ends = search.tangent_ends(q, basis)
     if ends is not None:
         return Branch(q, instantaneous, instantaneous, (instantaneous,), (q, *ends))
-    regular, is_decided = search.beside(q, basis)
+    regular, is_decided = search.find_regular(q, basis)
     if not regular:
         return Branch(q, 0, instantaneous, (0,), (q,), is_decided)
     dimensions = sorted({count for count, _ in regular}, reverse=True)
@@ -89,7 +89,7 @@ class _BranchSearch:
     random: np.random.Generator = field(default_factory=lambda: np.random.default_rng(1))
 
     def tangent_ends(self, q: Floats, basis: Floats) -> list[Floats] | None:
-        """Return where moves along random tangents end; None if one of them leaves its tangent."""
+        """Return the ends of moves along random tangents; None if one of them leaves its tangent."""
         ends: list[Floats] = []
         if not basis.shape[1]:
             return ends
@@ -106,7 +106,7 @@ class _BranchSearch:
                 return None
         return ends
 
-    def beside(self, q: Floats, basis: Floats) -> tuple[list[tuple[int, Floats]], bool]:
+    def find_regular(self, q: Floats, basis: Floats) -> tuple[list[tuple[int, Floats]], bool]:
         """Return regular configurations about a singular one, each with the dimension of its branch.
 
         Also whether the search is decided: configurations were found, or all moves led back.

@@ -9,20 +9,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.manifold.ranks import null_space
-from symbody.manifold.tolerances import CLOSED, EXACT
+from symbody.manifold.newton import Step, correct, damped_step, descend
+from symbody.manifold.ranks import null_space, unit_rows
+from symbody.tolerances import CLOSED, FAR
 
 Floats = NDArray[np.float64]
 
-_ITERATIONS: Final = 80
-# A step is halved until it gains a share of what it promises (Nocedal & Wright 2006, equation 3.4).
-_HALVINGS: Final = 12
-_DECREASE: Final = 1e-3
+
+class LinearConstraints(NamedTuple):
+    """Constraints at a configuration, or at several (leading axes), to first order.
+
+    Attributes
+    ----------
+    q : (.., n) array
+    values : (.., m) array
+        In their scales.
+    slopes : (.., m, f) array
+        Derivatives by those of ``q / sizes`` that may move.
+    """
+
+    q: Floats
+    values: Floats
+    slopes: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,16 +63,20 @@ class ConstraintManifold:
     Attributes
     ----------
     evaluate : callable
-        From q (n,) to the values (m,) of the constraints and their derivatives (m, n), row by row.
+        From q (.., n) to the values (.., m) of the constraints and their derivatives (.., m, n), row by row.
     sizes : (n,) array
-        What counts as one for each coordinate.
+        Size of each coordinate.
     scales : (m,) array
-        What counts as one for each constraint.
+        Size of each constraint.
     quaternions : sequence of four places
         Coordinates that are components of unit quaternions.
     admits : callable
         Whether a configuration on which all constraints hold is one of the mechanism: the equations of a
         hinge hold with opposite axes, too.
+    free : (n,) array of bool or None
+        Mask of the coordinates that may move; None: all.
+    closed : float
+        The largest residual of constraints that hold.
     """
 
     evaluate: Callable[[Floats], Sequence[ArrayLike]]
@@ -67,55 +84,75 @@ class ConstraintManifold:
     scales: Floats
     quaternions: Sequence[Sequence[int]] = ()
     admits: Callable[[Floats], bool] = lambda q: True
+    free: NDArray[np.bool_] | None = None
+    closed: float = CLOSED
 
-    def constraints(self, q: Floats) -> tuple[Floats, Floats]:
-        """Return values (m',) and derivatives (m', n) by ``q / sizes``, norms of quaternions included."""
-        values, slopes = (np.asarray(part, dtype=np.float64) for part in self.evaluate(q))
-        slopes = slopes.reshape(self.scales.size, self.sizes.size)
-        parts, rows = [values / self.scales], [slopes * self.sizes / self.scales[:, np.newaxis]]
-        for places in self.quaternions:
-            row = np.zeros((1, q.size))
-            row[0, list(places)] = q[list(places)]
-            parts.append(np.array([(q[list(places)] @ q[list(places)] - 1.0) / 2.0]))
-            rows.append(row)
-        return np.concatenate(parts), np.vstack(rows)
+    def constraints(self, q: Floats) -> LinearConstraints:
+        """Return values and derivatives of the constraints, norms of quaternions included."""
+        evaluated, derivatives = self.evaluate(q)
+        shape = (*q.shape[:-1], self.scales.size, self.sizes.size)
+        values: Floats = np.asarray(evaluated, dtype=np.float64) / self.scales
+        slopes: Floats = np.asarray(derivatives, dtype=np.float64).reshape(shape)
+        slopes = slopes * self.sizes / self.scales[:, np.newaxis]
+        for places in map(list, self.quaternions):
+            row = np.zeros((*q.shape[:-1], 1, q.shape[-1]))
+            row[..., 0, places] = q[..., places]
+            norm = ((q[..., places] ** 2).sum(axis=-1, keepdims=True) - 1.0) / 2.0
+            values, slopes = np.concatenate([values, norm], -1), np.concatenate([slopes, row], -2)
+        return LinearConstraints(q, values, slopes if self.free is None else slopes[..., self.free])
 
     def jacobian(self, q: Floats) -> Floats:
-        """Return the derivatives (m', n) of the constraints by ``q / sizes``."""
-        return self.constraints(q)[1]
+        """Return the derivatives (m', f) of the constraints by what may move of ``q / sizes``."""
+        return self.constraints(q).slopes
 
     def tangent(self, q: Floats) -> Floats:
-        """Return an orthonormal basis (n, d) of the directions that the constraints admit to first order."""
-        return null_space(self.jacobian(q))
+        """Return an orthonormal basis (f, d) of the directions that the constraints admit to first order."""
+        return null_space(unit_rows(self.jacobian(q)))
 
-    def project(self, guess: ArrayLike) -> Configuration:
-        """Return a configuration on the constraints near a guess.
+    def tolerance(self, q: Floats) -> float:
+        """Return the largest residual of constraints that hold at coordinates as large as these."""
+        return max(self.closed, FAR * float(np.abs(q / self.sizes).max(initial=0.0)))
 
-        Levenberg-Marquardt steps damped by the residual: they converge quadratically to sets of solutions as
-        well as to single ones (Fan & Yuan, Computing 74 (2005), 23-39). Newton's method, undamped, runs into
-        the crossing of branches from all about it.
-        """
-        q = np.array(guess, dtype=np.float64)
-        values, slopes = self.constraints(q)
-        norm = float(np.linalg.norm(values))
-        for _ in range(_ITERATIONS):
-            if not (np.isfinite(norm) and np.isfinite(slopes).all()) or norm < EXACT:
-                break
-            step = _damped_step(values, slopes, norm)
-            share = min(1.0, 1.0 / max(float(np.abs(step).max(initial=0.0)), 1e-300))
-            for _ in range(_HALVINGS):
-                trial = q + share * step * self.sizes
-                new_values, new_slopes = self.constraints(trial)
-                new_norm = float(np.linalg.norm(new_values))
-                if new_norm < (1.0 - _DECREASE * share) * norm:
-                    break
-                share /= 2.0
-            else:
-                break
-            q, values, slopes, norm = trial, new_values, new_slopes, new_norm
+    def project(self, guess: ArrayLike, step: Step = damped_step) -> Configuration:
+        """Return a configuration on the constraints near a guess, by steps of a kind."""
+        start = self.constraints(np.array(guess, dtype=np.float64))
+        q, values, slopes = descend(
+            start, lambda point, move: self.constraints(self._step_from(point.q, move)), step
+        )
         residual = float(np.abs(values).max(initial=0.0))
-        is_closed = residual <= CLOSED and bool(np.isfinite(slopes).all()) and self.admits(q)
+        is_closed = residual <= self.tolerance(q) and bool(np.isfinite(slopes).all()) and self.admits(q)
         return Configuration(q, residual, is_closed)
+
+    def correct(self, guess: Floats, plane: tuple[Floats, float] | None = None) -> Floats | None:
+        """Return the configuration on the constraints beside a guess, by whole steps, or None.
+
+        Parameters
+        ----------
+        plane : (n,) array and number, optional
+            One more condition, ``normal @ q / sizes = number``.
+        """
+
+        def evaluate(q: Floats) -> LinearConstraints:
+            point = self.constraints(q)
+            if plane is None:
+                return point
+            values = np.append(point.values, plane[0] @ (q / self.sizes) - plane[1])
+            return LinearConstraints(q, values, np.vstack([point.slopes, plane[0]]))
+
+        end = correct(
+            evaluate(guess),
+            lambda point, move: evaluate(self._step_from(point.q, move)),
+            self.tolerance(guess),
+        )
+        return None if end is None else end.q
+
+    def _step_from(self, q: Floats, move: Floats) -> Floats:
+        """Return coordinates after a step of those that may move, in sizes."""
+        if self.free is None:
+            return np.asarray(q + move * self.sizes)
+        result = q.copy()
+        result[self.free] += move * self.sizes[self.free]
+        return result
 
 
 def constraint_manifold(
@@ -129,10 +166,3 @@ def constraint_manifold(
     return ConstraintManifold(
         evaluate, np.array(sizes, dtype=np.float64), np.array(scales, dtype=np.float64), quaternions, admits
     )
-
-
-def _damped_step(values: Floats, slopes: Floats, damping: float) -> Floats:
-    """Return the step s that minimizes ``|values + slopes s|^2 + damping |s|^2``."""
-    n = slopes.shape[1]
-    rows = np.vstack([slopes, np.sqrt(damping) * np.eye(n)])
-    return np.asarray(np.linalg.lstsq(rows, np.concatenate([-values, np.zeros(n)]), rcond=None)[0])

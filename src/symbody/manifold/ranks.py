@@ -1,16 +1,18 @@
-"""Ranks of constraint Jacobians, and rows or columns that span the others.
+"""Ranks of constraint Jacobians, the spaces that their rows span or leave, and rows that span the others.
 
-Rows are compared at unit length (columns in units of their sizes), so that no choice of units decides a rank.
+Columns are in units of their sizes. Where rows may be of any length they are compared at unit length
+(`unit_rows`), so that no choice of units decides a rank.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.manifold.tolerances import RANK, VANISHING
+from symbody.tolerances import NEGLIGIBLE, RANK, VANISHING
 
 Floats = NDArray[np.float64]
 
@@ -22,27 +24,39 @@ def unit_rows(rows: Floats) -> Floats:
     return np.asarray(np.where(counts, rows, 0.0) / np.where(counts, lengths, 1.0))
 
 
-def singular_values(rows: Floats) -> Floats:
-    """Return the singular values of unit rows, the largest first."""
-    if not rows.size:
-        return np.zeros(0)
-    return np.asarray(np.linalg.svd(unit_rows(rows), compute_uv=False))
+def count_significant(singular: NDArray[np.floating[Any]], cut: float = RANK) -> int:
+    """Return the number of singular values above a share of the largest; the most of several matrices."""
+    counts = (singular > cut * singular.max(initial=0.0)).sum(axis=-1)
+    return int(counts.max(initial=0))
 
 
-def rank(rows: ArrayLike) -> int:
-    """Return the number of independent rows; 0 where they are not finite."""
+def rank(rows: ArrayLike, cut: float = RANK) -> int:
+    """Return the number of independent rows, compared at unit length; 0 where they are not finite."""
     matrix = np.asarray(rows, dtype=np.float64)
-    if not np.isfinite(matrix).all():
+    if not matrix.size or not np.isfinite(matrix).all():
         return 0
-    values = singular_values(matrix)
-    return int((values > RANK * values.max(initial=0.0)).sum()) if values.any() else 0
+    return count_significant(np.linalg.svd(unit_rows(matrix), compute_uv=False), cut)
 
 
-def null_space(rows: Floats) -> Floats:
+def null_space(rows: ArrayLike, cut: float = RANK) -> Floats:
     """Return an orthonormal basis (n, d) of the directions along which no row changes."""
-    if not rows.size or not rows.any():
-        return np.eye(rows.shape[1])
-    return np.asarray(np.linalg.svd(unit_rows(rows))[2][rank(rows) :].T)
+    matrix = np.asarray(rows, dtype=np.float64)
+    if not matrix.size:
+        return np.eye(matrix.shape[1])
+    _, singular, right = np.linalg.svd(matrix)
+    return np.asarray(right[count_significant(singular, cut) :].T)
+
+
+def row_space(rows: Floats, cut: float = RANK) -> Floats:
+    """Return orthonormal rows (r, n) that span the rows given."""
+    _, singular, right = np.linalg.svd(rows, full_matrices=False)
+    return np.asarray(right[: count_significant(singular, cut)])
+
+
+def least_solution(rows: Floats, right: Floats, cut: float = NEGLIGIBLE) -> Floats:
+    """Return the least solution of ``rows x = right``; corrected once, it holds to rounding of its terms."""
+    x = np.linalg.lstsq(rows, right, rcond=cut)[0]
+    return np.asarray(x + np.linalg.lstsq(rows, right - rows @ x, rcond=cut)[0])
 
 
 def independent_rows(rows: Floats, order: Sequence[int] | None = None) -> list[int]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-# How far one moment may exceed the sum of the others, relative to the largest: thin bodies after rounding.
-_ROUNDING: Final = 1e-9
+from symbody.tolerances import TYPED
+
 # A 2 x 2 minor or a determinant of the three entries below is rounded by less than this many units.
 _MINOR: Final = 1e-14
 
@@ -25,7 +25,7 @@ def is_possible_inertia(moments: Sequence[float], products: Sequence[float]) -> 
     scale = max(map(abs, (*moments, *products)))
     if scale == 0:
         return True
-    half = sum(moments) / (2 * scale) + _ROUNDING / 2
+    half = sum(moments) / (2 * scale) + TYPED / 2
     a, b, c = (half - moment / scale for moment in moments)
     d, e, f = (-product / scale for product in products)
     minors = (a * b - d * d, a * c - e * e, b * c - f * f)

@@ -23,21 +23,20 @@ from symbody.expr.expression import Expr
 from symbody.expr.graph import TIME, Kind, Symbol
 from symbody.expr.rewrite import substitute, symbols_of
 from symbody.expr.sequence import Roots
+from symbody.tolerances import BALANCED, BEARING, TINY
 
 Floats = NDArray[np.float64]
 
 _FORCES: Final = "rest forces"
 _SLOPES: Final = "rest slopes"
 _SHARES: Final = "rest shares"
-LOADED: Final = 1e-9  # of the largest singular value of the loads: less is rounding, and bears nothing
 _CROSSING: Final = 1e-7  # of the largest term, where branches cross: as well as the place is known
-_BALANCED: Final = 1e-9  # of the terms of an equation
 _ROUNDING: Final = 1e-13  # of the largest term of all equations
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rest:
-    """What is left at a configuration.
+    """Forces and constraints that do not vanish at a configuration.
 
     Attributes
     ----------
@@ -45,22 +44,22 @@ class Rest:
         Where; the inputs are those unknown.
     left : (n_u,) array
         Unbalanced forces as work on unit displacements, in units of the largest term.
-    rows, values : arrays
+    values, slopes : arrays
         All equations that are to vanish, and their derivatives by q in units of sizes.
     terms : (n_u,) array
-        What the forces are small against.
+        Sums of absolute terms, which the forces are compared with.
     shares : (n,) array
         Singular values of what unit multipliers and unknown inputs do, over the largest.
     bearing : int or None
-        How many of these bear loads, if that is given.
+        The number of these that bear loads, if that is given.
     """
 
     q: Floats
     inputs: Floats
     multipliers: Floats
     left: Floats
-    rows: Floats
     values: Floats
+    slopes: Floats
     terms: Floats
     shares: Floats
     bearing: int | None
@@ -79,7 +78,7 @@ class Rest:
     def is_balanced(self) -> bool:
         """Whether the forces are in balance up to rounding."""
         rounding = _ROUNDING if self.bearing is None else _CROSSING
-        return bool((np.abs(self.left) <= _BALANCED * self.terms + rounding).all())
+        return bool((np.abs(self.left) <= BALANCED * self.terms + rounding).all())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,21 +87,21 @@ class Balance:
 
     Attributes
     ----------
-    task : Closure
+    evaluator : Closure
         The constraints as numbers.
     function : CompiledFunction
         Forces and their derivatives.
     unknowns : int
-        How many inputs are unknown.
+        Number of unknown inputs.
     sizes : (n_u,) array
-        What counts as a large displacement along each speed.
+        Size of displacements along each speed.
     scales : (n_c,) array
-        What the constraints are measured by.
+        Sizes of the constraints.
     timed : bool
         Whether the forces depend on time.
     """
 
-    task: Closure
+    evaluator: Closure
     function: CompiledFunction
     unknowns: int
     sizes: Floats
@@ -111,66 +110,70 @@ class Balance:
 
     def largest(self, q: Floats) -> float:
         """Return the largest of the terms that are to balance, as work [J]; 1 if there are none."""
-        found = self._called(q, np.zeros(self.unknowns), np.zeros(len(self.task.eqs.multiplier_names)))
-        slopes = np.abs(found[1]) * self.task.sizes * self.sizes[:, np.newaxis]
-        forces = np.abs(found[0]) * self.sizes
+        terms = self._evaluate(q, np.zeros(self.unknowns), np.zeros(len(self.evaluator.eqs.multiplier_names)))
+        slopes = np.abs(terms[1]) * self.evaluator.sizes * self.sizes[:, np.newaxis]
+        forces = np.abs(terms[0]) * self.sizes
         return max(float(slopes.max(initial=0.0)), float(forces.max(initial=0.0))) or 1.0
 
     def rest(self, q: Floats, inputs: Floats, largest: float, bearing: int | None = None) -> Rest:
-        """Return what is left at a configuration, with the best multipliers and unknown inputs.
+        """Return the residual at a configuration, with the best multipliers and unknown inputs.
 
         Parameters
         ----------
         largest : float
             The unit of work [J].
         bearing : int, optional
-            How many singular values of the loads count, the largest first; by default all but rounding.
+            Number of singular values of the loads that count, the largest first; by default all but rounding.
         """
-        none = np.zeros(len(self.task.eqs.multiplier_names))
+        none = np.zeros(len(self.evaluator.eqs.multiplier_names))
         scale = self.sizes / largest
-        first = self._called(q, inputs, none)
+        first = self._evaluate(q, inputs, none)
         shares = np.hstack([first[3].T, first[2]]) * scale[:, np.newaxis]
         weights = np.linalg.norm(shares, axis=0)
         # Rows of J are of order 1 in their scales: one that is less is nearly none, as where branches cross.
         weights[: none.size] = self.scales / largest
         weights[weights == 0.0] = 1.0
-        loads = _Loads(shares / weights, bearing)
+        is_finite = bool(np.isfinite(shares).all())
+        loads = _Loads(shares / weights if is_finite else np.zeros_like(shares), bearing)
         fit = loads.fit(-first[0] * scale) / weights
         multipliers, inputs = fit[: none.size], inputs + fit[none.size :]
-        found = self._called(q, inputs, multipliers)
-        left = found[0] * scale
+        found = self._evaluate(q, inputs, multipliers)
+        left = found[0] * scale if is_finite else np.full_like(scale, np.nan)
         slopes = found[1] * scale[:, np.newaxis]
-        open_values, open_rows = self.task.residuals(q, {})
-        rows = np.vstack([loads.outside(slopes), open_rows]) * self.task.sizes
-        terms = np.abs(shares) @ np.abs(fit) + np.abs(slopes) @ self.task.sizes
-        return Rest(q, inputs, multipliers, left, rows, np.concatenate([left, open_values]), terms,
-                    loads.shares, bearing)  # fmt: skip
+        _, open_values, open_rows = self.evaluator.manifold().constraints(q)
+        rows = np.vstack([loads.project_out(slopes) * self.evaluator.sizes, open_rows])
+        values = np.concatenate([left, open_values])
+        with np.errstate(invalid="ignore"):  # where forces or constraints are not finite
+            terms = np.abs(shares) @ np.abs(fit) + np.abs(slopes) @ self.evaluator.sizes
+        return Rest(q, inputs, multipliers, left, values, rows, terms, loads.shares, bearing)
 
-    def _called(self, q: Floats, inputs: Floats, multipliers: Floats) -> Any:
+    def _evaluate(self, q: Floats, inputs: Floats, multipliers: Floats) -> Any:
         """Return forces, their derivatives by q and by unknown inputs, and J."""
-        still = np.zeros(len(self.task.eqs.speed_names))
-        return self.function(self.task.t, q, still, np.concatenate([inputs, multipliers]))
+        still = np.zeros(len(self.evaluator.eqs.speed_names))
+        return self.function(self.evaluator.t, q, still, np.concatenate([inputs, multipliers]))
 
 
-def balance(task: Closure, unknowns: Sequence[str]) -> Balance:
-    """Return the forces at rest of the equations of a task; `unknowns` are inputs."""
-    eqs = task.eqs
+def balance(evaluator: Closure, unknowns: Sequence[str]) -> Balance:
+    """Return the forces at rest of the equations of an evaluator; `unknowns` are inputs."""
+    eqs = evaluator.eqs
     given: dict[str, Value] = {
-        name: task.inputs.get(name, 0) for name in eqs.input_names if name not in unknowns
+        name: evaluator.inputs.get(name, 0) for name in eqs.input_names if name not in unknowns
     }
-    own = [symbol for symbol in eqs.formed.inputs if symbol.name in unknowns]
+    symbols = [symbol for symbol in eqs.formed.inputs if symbol.name in unknowns]
     forces, pulls = _forces(eqs, given)
     roots = [
         Roots(_FORCES, (len(forces),), tuple(forces)),
         partial_derivatives(eqs, _SLOPES, forces, eqs.formed.q),
-        partial_derivatives(eqs, _SHARES, forces, own),
+        partial_derivatives(eqs, _SHARES, forces, symbols),
     ]
     wider = with_outputs(eqs, roots, pulls)
     words = (_FORCES, _SLOPES, _SHARES, "jacobian")
-    function = CompiledFunction(*form_sequence(wider, words, task.parameters, (), given))
+    function = CompiledFunction(*form_sequence(wider, words, evaluator.parameters, (), given))
     graph = eqs.formed.graph
     timed = graph.symbol(TIME) in symbols_of(graph, [*forces, *eqs.roots("constraints").nodes])
-    return Balance(task, function, len(own), task.speed_sizes, task.mechanism.constraints(eqs), timed)
+    return Balance(
+        evaluator, function, len(symbols), evaluator.speed_sizes, evaluator.mechanism.constraints(eqs), timed
+    )
 
 
 def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], dict[str, Symbol]]:
@@ -190,21 +193,21 @@ def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], di
 
 
 class _Loads:
-    """What unit multipliers and unknown inputs do, as columns, by singular values."""
+    """Generalized forces of unit multipliers and unknown inputs, as columns, by singular values."""
 
     def __init__(self, columns: Floats, bearing: int | None) -> None:
         self._left, singular, self._right = np.linalg.svd(columns, full_matrices=False)
-        self.shares = np.asarray(singular / singular.max(initial=1e-300))
-        least = LOADED if bearing is None else _ROUNDING
+        self.shares = np.asarray(singular / singular.max(initial=TINY))
+        least = BEARING if bearing is None else _ROUNDING
         self._count = min(int((self.shares > least).sum()), len(self.shares) if bearing is None else bearing)
         self._singular = singular[: self._count]
 
-    def fit(self, wanted: Floats) -> Floats:
-        """Return the least loads that come nearest to what is wanted."""
+    def fit(self, forces: Floats) -> Floats:
+        """Return the least loads that come nearest to some forces."""
         k = self._count
-        return np.asarray(self._right[:k].T @ ((self._left[:, :k].T @ wanted) / self._singular))
+        return np.asarray(self._right[:k].T @ ((self._left[:, :k].T @ forces) / self._singular))
 
-    def outside(self, rows: Floats) -> Floats:
+    def project_out(self, rows: Floats) -> Floats:
         """Return the part of rows that no loads balance."""
         kept = self._left[:, : self._count]
         return np.asarray(rows - kept @ (kept.T @ rows))

@@ -10,10 +10,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.accelerations import complete_state
 from symbody.analysis.assembly import assemble
-from symbody.analysis.closure import Closure, closure
-from symbody.analysis.equilibrium.continuation import continued
-from symbody.analysis.equilibrium.search import STARTS
+from symbody.analysis.closure import STARTS, Closure, closure
+from symbody.analysis.equilibrium.search import continued
 from symbody.analysis.equilibrium.taut_search import Candidate, TautSearch
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.linearize import linearize
@@ -26,10 +26,10 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.sticking import switching_joints
 from symbody.errors import AssemblyError, Problem, SimulationError, nearest
 from symbody.single_flight import SingleFlight
+from symbody.tolerances import BALANCED
 
 Floats = NDArray[np.float64]
 
-_STUCK: Final = 1e-9  # of the largest term of the balance: forces that friction leaves
 _VERDICTS: Final = {"stable": True, "unstable": False}
 
 
@@ -40,11 +40,11 @@ class Equilibrium(State):
     Attributes
     ----------
     notes : tuple of str
-        What should be known about it.
+        Properties beyond the numbers.
     """
 
     notes: tuple[str, ...] = ()
-    # Why linear equations do not tell whether it is stable; empty where they may.
+    # Why linear equations do not show whether it is stable; empty where they may.
     _doubt: str = field(default="", repr=False)
     _linear: SingleFlight[None, Linearization] = field(default_factory=SingleFlight, repr=False)
 
@@ -55,7 +55,7 @@ class Equilibrium(State):
 
     @property
     def verdict(self) -> str:
-        """What is known of small deviations: the verdict of the linear equations, see `Linearization`.
+        """The verdict of the linear equations on small deviations, see `Linearization`.
 
         "critical" where the stiffness vanishes along a direction in which equilibria do not go on: terms of
         higher order decide, unless something else grows. "undecided" where there are no linear equations:
@@ -68,7 +68,7 @@ class Equilibrium(State):
 
     @property
     def stable(self) -> bool | None:
-        """True if all small deviations die out, False if some grow, None if linear equations do not tell."""
+        """True if all small deviations die out, False if some grow, None if linear equations show neither."""
         return _VERDICTS.get(self.verdict)
 
 
@@ -102,7 +102,7 @@ def find_equilibrium(
     t : float
         Time at which motions and forces that depend on it are frozen [s].
     scales : mapping of "length", "time", "mass" to float, optional
-        What counts as large [m, s, kg]; by default it follows from the model, see `assemble`.
+        Sizes of the mechanism [m, s, kg]; by default they follow from the model, see `assemble`.
 
     Raises
     ------
@@ -113,36 +113,38 @@ def find_equilibrium(
     first = assemble(eqs, fixed, guess, parameters, dict(inputs or {}), t, scales=scales)
     unknowns = (unknowns,) if isinstance(unknowns, str) else unknowns
     _check(eqs, unknowns, fixed or {})
-    known = mechanism_scales(eqs, dict(parameters or {}), scales, first.q)
-    task = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, known)
-    searches = TautSearch(task, tuple(unknowns), np.array(list(first.q.values())), frozenset(fixed or ()))
+    mechanism = mechanism_scales(eqs, dict(parameters or {}), scales, first.q)
+    evaluator = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism)
+    searches = TautSearch(
+        evaluator, tuple(unknowns), np.array(list(first.q.values())), frozenset(fixed or ())
+    )
     searches.nearest_set().check_at_rest()
     try:
-        found = _different(task, searches)
+        candidates = _distinct_equilibria(evaluator, searches)
     except AssemblyError:
-        stuck = None if unknowns else _stuck(searches)
+        stuck = None if unknowns else _friction_equilibrium(searches)
         if stuck is None:
             raise
         return stuck
-    states = [_state(candidate, unknowns) for candidate in found]
+    states = [_state(candidate, unknowns) for candidate in candidates]
     return replace(states[0], _others=partial(tuple, states[1:]))
 
 
 def _check(eqs: EquationSet, unknowns: Sequence[str], fixed: Mapping[str, Value]) -> None:
     problems = [
-        Problem("equilibrium.unknown_name", name, f"there is no {word} {name!r}", "", nearest(name, known))
-        for word, names, known in (
+        Problem("equilibrium.unknown_name", name, f"there is no {word} {name!r}", "", nearest(name, existing))
+        for word, names, existing in (
             ("input", unknowns, eqs.input_names),
             ("coordinate in q", fixed, eqs.coordinate_names),
         )
         for name in names
-        if name not in known
+        if name not in existing
     ]
     if problems:
         raise AssemblyError(*problems)
 
 
-def _different(task: Closure, searches: TautSearch) -> list[Candidate]:
+def _distinct_equilibria(evaluator: Closure, searches: TautSearch) -> list[Candidate]:
     """Return different equilibria, the nearest first.
 
     Raises
@@ -154,21 +156,21 @@ def _different(task: Closure, searches: TautSearch) -> list[Candidate]:
     regular = [one for one in candidates if one.search.is_regular(one.rest)]
     good = sorted(regular, key=lambda one: one.search.distance(one.rest))
     if candidates and not good:
-        raise AssemblyError(_singular(task, candidates[0].rest.q))
+        raise AssemblyError(_singular(evaluator, candidates[0].rest.q))
     if not good:
-        raise AssemblyError(_why(others))
-    found = [good[0]]
+        raise AssemblyError(_unbalanced_problem(others))
+    different = [good[0]]
     for one in good[1:]:
         isolated = one.search.flat_directions(one.rest).shape[1] == 0
-        if isolated and all(task.differs(one.rest.q, other.rest.q) for other in found):
-            found.append(one)
-    return found
+        if isolated and all(evaluator.differs(one.rest.q, other.rest.q) for other in different):
+            different.append(one)
+    return different
 
 
-def _why(attempts: Sequence[Candidate]) -> Problem:
-    """Say what is left of the forces where least is left."""
+def _unbalanced_problem(attempts: Sequence[Candidate]) -> Problem:
+    """Return the refusal, with the unbalanced force at the best configuration."""
     finite = [one for one in attempts if np.isfinite(one.rest.merit)]
-    eqs = attempts[0].search.task.eqs
+    eqs = attempts[0].search.evaluator.eqs
     if not finite:
         what = "the forces are not finite"
     else:
@@ -188,10 +190,10 @@ def _why(attempts: Sequence[Candidate]) -> Problem:
     )  # fmt: skip
 
 
-def _singular(task: Closure, q: Floats) -> Problem:
-    place = ", ".join(f"{name} = {x:.4g}" for name, x in zip(task.eqs.coordinate_names, q, strict=True))
+def _singular(evaluator: Closure, q: Floats) -> Problem:
+    place = ", ".join(f"{name} = {x:.4g}" for name, x in zip(evaluator.eqs.coordinate_names, q, strict=True))
     return Problem(
-        "equilibrium.singular", task.eqs.model.name, "forces balance only where no acceleration exists",
+        "equilibrium.singular", evaluator.eqs.model.name, "forces balance only where no acceleration exists",
         f"at {place} angles are singular, or no mass resists some motion",
         "take a quaternion or other angles, give mass to what moves, or give guess= nearer to a balance",
     )  # fmt: skip
@@ -199,40 +201,42 @@ def _singular(task: Closure, q: Floats) -> Problem:
 
 def _state(candidate: Candidate, unknowns: Sequence[str]) -> Equilibrium:
     search, rest = candidate.search, candidate.rest
-    task, eqs = search.task, search.task.eqs
+    evaluator, eqs = search.evaluator, search.evaluator.eqs
     order = [name for name in eqs.input_names if name in unknowns]
     held = dict(zip(order, rest.inputs.tolist(), strict=True))
     if held:
-        task = closure(eqs, task.parameters, {**task.inputs, **held}, task.t, task.mechanism)
-    state = task.state(rest.q, np.zeros(len(eqs.speed_names)), search.start, {})
+        evaluator = closure(
+            eqs, evaluator.parameters, {**evaluator.inputs, **held}, evaluator.t, evaluator.mechanism
+        )
+    state = complete_state(evaluator, rest.q, np.zeros(len(eqs.speed_names)), search.start, {})
     further = continued(search, rest)
-    notes = [*task.mechanism.notes(eqs), *further.notes, *candidate.notes]
+    notes = [*evaluator.mechanism.notes(eqs), *further.notes, *candidate.notes]
     if search.balance.timed:
-        notes.append(f"forces or motions depend on time: they are frozen at t = {task.t:g} s")
+        notes.append(f"forces or motions depend on time: they are frozen at t = {evaluator.t:g} s")
     if eqs.formed.friction:
         notes.append("friction is 0 at rest: sticking holds more configurations than this")
     edges = (*candidate.edges, *(settled(eqs, state).edges if switching_joints(eqs.formed) else ()))
     return _equilibrium(state, notes, "undecided" if edges else further.doubt)
 
 
-def _stuck(searches: TautSearch) -> Equilibrium | None:
+def _friction_equilibrium(searches: TautSearch) -> Equilibrium | None:
     """Return the guess as an equilibrium if dry joints hold it there; None if they do not."""
     search = searches.nearest_set()
-    task, eqs = search.task, search.task.eqs
+    evaluator, eqs = search.evaluator, search.evaluator.eqs
     if not switching_joints(eqs.formed):
         return None
     still = np.zeros(len(eqs.speed_names))
     try:
-        sides = settled(eqs, task.state(search.start, still, search.start, {}))
+        sides = settled(eqs, complete_state(evaluator, search.start, still, search.start, {}))
     except (AssemblyError, SimulationError):
         return None
-    left = np.asarray(sides.state["mass_matrix"]) @ list(sides.state.udot.values()) * task.speed_sizes
-    if not float(np.abs(left).max(initial=0.0)) <= _STUCK * search.balance.largest(search.start):
+    left = np.asarray(sides.state["mass_matrix"]) @ list(sides.state.udot.values()) * evaluator.speed_sizes
+    if not float(np.abs(left).max(initial=0.0)) <= BALANCED * search.balance.largest(search.start):
         return None
     note = "friction holds the guess, though forces balance nowhere without it: places about it are held, too"
     return _equilibrium(sides.state, [note, *sides.notes], "undecided" if sides.edges else "")
 
 
 def _equilibrium(state: State, notes: Sequence[str], doubt: str) -> Equilibrium:
-    known = {entry.name: getattr(state, entry.name) for entry in fields(State)}
-    return Equilibrium(**known, notes=tuple(notes), _doubt=doubt)
+    entries = {entry.name: getattr(state, entry.name) for entry in fields(State)}
+    return Equilibrium(**entries, notes=tuple(notes), _doubt=doubt)

@@ -16,36 +16,27 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import CLOSED
 from symbody.analysis.closure import Closure
-from symbody.analysis.equilibrium.balance import LOADED, Balance, Rest
+from symbody.analysis.equilibrium.balance import Balance, Rest
 from symbody.errors import AssemblyError, Problem, SimulationError
-from symbody.manifold import explore_branch
-from symbody.manifold.tolerances import RANK
+from symbody.manifold import descend, explore_branch, least_step, null_space
+from symbody.tolerances import ASSEMBLED, AT_REST, BEARING, EXACT, RANK, SHARP_RANK
 
 Floats = NDArray[np.float64]
 
-STARTS: Final = 24
-_STEPS: Final = 60
-# How often a step is halved: what does not help by then ends in a valley without equilibrium; where all
-# equations hold to rounding, steps only polish.
-_HALVINGS: Final = 12
-_POLISHED: Final = 1e-12
-_POLISHINGS: Final = 2
-_DECREASE: Final = 1e-3  # of what a full step promises (Nocedal & Wright 2006, equation 3.4)
-_MOVING: Final = 1e-9
-_SMALL: Final = 1e-10  # of the largest singular value: directions in which nothing changes
-_FLAT: Final = 1e-8  # of the largest singular value, at an equilibrium
+_GROWTH: Final = 1.2  # of the distances of starts
 # Constraints open by e have the Jacobian of a place sqrt(2 e / K) beside; K, their curvature, is of order 1.
 _BESIDE: Final = 10.0
-_RESOLVED: Final = 1e-15  # rounding of the constraints
 _SAME_CROSSING: Final = 1e-3
 _MOST_BESIDE: Final = 4  # starts beside a crossing
+_STEP: Final = 0.05  # in sizes: finite, so that terms of higher order show
+_STAYED: Final = 0.5  # of the step: equilibria go on where Newton's method leads back by less
+_LISTED: Final = 1e-6  # of the largest component
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Search:
-    """Where to look for equilibria from.
+    """A search for equilibria from a guess.
 
     Attributes
     ----------
@@ -65,14 +56,14 @@ class Search:
     _generic: list[int | None] = field(default_factory=list, repr=False)
 
     @property
-    def task(self) -> Closure:
+    def evaluator(self) -> Closure:
         """The constraints."""
-        return self.balance.task
+        return self.balance.evaluator
 
     @property
     def free(self) -> NDArray[np.bool_]:
-        """Which coordinates may move."""
-        return self.task.free(dict.fromkeys(self.fixed, 0.0))
+        """Mask of the coordinates that may move."""
+        return self.evaluator.free(dict.fromkeys(self.fixed, 0.0))
 
     def check_at_rest(self) -> None:
         """Refuse constraints that demand motion.
@@ -82,97 +73,84 @@ class Search:
         AssemblyError
             Naming the rows.
         """
-        task = self.task
-        drift = task.velocity_rows(self.start, {})[1] / task.mechanism.constraints(task.eqs)
-        fast = _MOVING / task.mechanism.time
-        moving = [name for name, b in zip(task.eqs.multiplier_names, drift, strict=True) if abs(b) > fast]
+        evaluator = self.evaluator
+        drift = evaluator.velocity_rows(self.start, {})[1] / evaluator.mechanism.constraints(evaluator.eqs)
+        fast = AT_REST / evaluator.mechanism.time
+        moving = [
+            name for name, b in zip(evaluator.eqs.multiplier_names, drift, strict=True) if abs(b) > fast
+        ]
         if moving:
             raise AssemblyError(
                 Problem("equilibrium.moving", ", ".join(moving), "these constraints demand motion",
-                        f"they depend on time, at t = {task.t:g} s with rates", "give a t at which they rest")
+                        f"they depend on time, at t = {evaluator.t:g} s with rates",
+                        "give a t at which they rest")
             )  # fmt: skip
 
     def starts(self) -> list[Floats]:
         """Return the guess and starts about it, the same at every call."""
-        random = np.random.default_rng(1)
-        free = self.free
-        starts = [self.start]
-        for k in range(1, STARTS):
-            moved = self.start.copy()
-            moved[free] += 0.1 * 1.2**k * random.standard_normal(int(free.sum())) * self.task.sizes[free]
-            starts.append(self.task.normalized(moved))
-        return starts
+        return self.evaluator.starts(self.start, dict.fromkeys(self.fixed, 0.0), _GROWTH)
 
     def newton(self, q: Floats, bearing: int | None = None) -> Rest:
-        """Return where steps of least length lead; `bearing` as of `Balance.rest`."""
-        free, sizes, balance = self.free, self.task.sizes, self.balance
+        """Return the end of steps of least length; `bearing` as of `Balance.rest`."""
+        free, sizes, balance = self.free, self.evaluator.sizes, self.balance
         largest = balance.largest(self.start)
         rest = balance.rest(q, np.zeros(balance.unknowns), largest, bearing)
-        for _ in range(_STEPS):
-            if not (np.isfinite(rest.merit) and np.isfinite(rest.rows).all()) or rest.merit == 0.0:
-                break
-            step = np.linalg.lstsq(rest.rows[:, free], -rest.values, rcond=_SMALL)[0]
-            share = min(1.0, 1.0 / max(float(np.abs(step).max(initial=0.0)), 1e-300))
-            for _ in range(_HALVINGS if rest.merit > _POLISHED else _POLISHINGS):
-                moved = rest.q.copy()
-                moved[free] += share * step * sizes[free]
-                tried = balance.rest(self.task.normalized(moved), rest.inputs, largest, bearing)
-                if tried.merit < (1.0 - _DECREASE * share) * rest.merit:
-                    break
-                share /= 2.0
-            else:
-                break
-            rest = tried
-        return rest
+
+        def move(rest: Rest, step: Floats) -> Rest:
+            q = rest.q.copy()
+            q[free] += step * sizes[free]
+            return balance.rest(self.evaluator.normalized(q), rest.inputs, largest, bearing)
+
+        return descend(rest, move, lambda values, slopes: least_step(values, slopes[:, free]))
 
     def attempts(self, q: Floats) -> list[Rest]:
-        """Return where a start leads: an equilibrium, or what is left of the forces where least is left.
+        """Return the ends of a start: equilibria, or places with the least unbalanced forces.
 
         A start that ends at a crossing of branches without balance goes on from places beside it.
         """
-        end = self.newton(q, self._generic_count())
-        rest = self._confirmed(end)
-        if rest is end or self.is_good(rest) or self._seen_before(end):
+        end = self.newton(q, self._count_generic_loads())
+        rest = self._confirm(end)
+        if rest is end or self.is_good(rest) or self._is_repeated(end):
             return [rest]
-        found = [rest]
-        for place in self._beside(end.q)[:_MOST_BESIDE]:
+        ends = [rest]
+        for place in self._regular_neighbours(end.q)[:_MOST_BESIDE]:
             place[~self.free] = self.start[~self.free]
-            found.append(self._confirmed(self.newton(place, self._count_at(place))))
-        return found
+            ends.append(self._confirm(self.newton(place, self._count_loads(place))))
+        return ends
 
-    def _confirmed(self, rest: Rest) -> Rest:
+    def _confirm(self, rest: Rest) -> Rest:
         """Return an end of Newton's method with the loads that stay bounded about it."""
         if not self._is_closed(rest):
             return rest
-        cut = _BESIDE * float(np.sqrt(max(rest.open, _RESOLVED)))
-        bearing = rest.shares[rest.shares > LOADED] if rest.bearing is None else rest.shares[: rest.bearing]
+        cut = _BESIDE * float(np.sqrt(max(rest.open, EXACT)))
+        bearing = rest.shares[rest.shares > BEARING] if rest.bearing is None else rest.shares[: rest.bearing]
         if (bearing >= cut).all():
             return rest
         return self.newton(rest.q, int((bearing >= cut).sum()))
 
-    def _seen_before(self, rest: Rest) -> bool:
+    def _is_repeated(self, rest: Rest) -> bool:
         """Return whether starts beside this crossing were tried already."""
-        if any(not self.task.differs(rest.q, other, _SAME_CROSSING) for other in self._crossings):
+        if any(not self.evaluator.differs(rest.q, other, _SAME_CROSSING) for other in self._crossings):
             return True
         self._crossings.append(rest.q)
         return False
 
-    def _beside(self, q: Floats) -> list[Floats]:
+    def _regular_neighbours(self, q: Floats) -> list[Floats]:
         """Return regular configurations of the mechanism beside one."""
-        end = self.task.manifold.project(q)
-        points = explore_branch(self.task.manifold, end.q).points if end.is_closed else ()
+        end = self.evaluator.manifold().project(q)
+        points = explore_branch(self.evaluator.manifold(), end.q).points if end.is_closed else ()
         return [point.copy() for point in points]
 
-    def _count_at(self, q: Floats) -> int:
-        """Return how many loads are independent at a regular configuration."""
+    def _count_loads(self, q: Floats) -> int:
+        """Return the number of independent loads at a regular configuration."""
         rest = self.balance.rest(q, np.zeros(self.balance.unknowns), 1.0)
         return int((rest.shares > RANK).sum())
 
-    def _generic_count(self) -> int | None:
-        """Return how many loads are independent on the branch of the guess; None where it is not closed."""
+    def _count_generic_loads(self) -> int | None:
+        """Return the number of independent loads on the branch of the guess; None where it is not closed."""
         if not self._generic:
-            places = [] if self.task.is_tree else self._beside(self.start)
-            self._generic.append(max(map(self._count_at, places), default=None))
+            places = [] if self.evaluator.is_tree else self._regular_neighbours(self.start)
+            self._generic.append(max(map(self._count_loads, places), default=None))
         return self._generic[0]
 
     def is_good(self, rest: Rest) -> bool:
@@ -181,22 +159,22 @@ class Search:
 
     def is_crossing(self, rest: Rest) -> bool:
         """Return whether other directions are open at an equilibrium than on the branches through it."""
-        if self.task.is_tree:
+        if self.evaluator.is_tree:
             return False
-        branch = explore_branch(self.task.manifold, rest.q)
+        branch = explore_branch(self.evaluator.manifold(), rest.q)
         return branch.instantaneous != branch.dimension or len(branch.dimensions) > 1
 
     def is_regular(self, rest: Rest) -> bool:
         """Return whether accelerations exist: where angles are singular, forces along them vanish anyway."""
-        still = np.zeros(len(self.task.eqs.speed_names))
+        still = np.zeros(len(self.evaluator.eqs.speed_names))
         try:
-            return bool(np.isfinite(self.task.function("udot")(self.task.t, rest.q, still)).all())
+            return bool(np.isfinite(self.evaluator.function("udot")(self.evaluator.t, rest.q, still)).all())
         except SimulationError:
             return False
 
     def unwound(self, rest: Rest) -> Rest:
-        """Return an equilibrium without full turns from the guess, unless springs tell these apart."""
-        angles = [name in self.task.angles for name in self.task.eqs.coordinate_names]
+        """Return an equilibrium without full turns from the guess, unless springs distinguish these."""
+        angles = [name in self.evaluator.angles for name in self.evaluator.eqs.coordinate_names]
         turns = np.where(angles, np.round((rest.q - self.start) / (2 * np.pi)), 0.0)
         if not turns.any():
             return rest
@@ -205,30 +183,90 @@ class Search:
         return moved if self.is_good(moved) else rest
 
     def distance(self, rest: Rest) -> float:
-        """Return how far an equilibrium is from the guess, the same way for both signs of a quaternion."""
-        apart = (rest.q - self.start) / self.task.sizes
-        for places in self.task.quaternions():
+        """Return the distance of an equilibrium from the guess, the same for both signs of a quaternion."""
+        apart = (rest.q - self.start) / self.evaluator.sizes
+        for places in self.evaluator.quaternions():
             if rest.q[places] @ self.start[places] < 0.0:
                 apart[places] = rest.q[places] + self.start[places]
         return float(np.linalg.norm(apart))
 
     def flat_directions(self, rest: Rest) -> Floats:
         """Return the directions of free coordinates, in sizes, in which no force changes, as columns."""
-        rows = rest.rows[:, self.free]
-        if not rows.shape[1]:
-            return rows[:0]
-        singular, right = np.linalg.svd(rows)[1:]
-        count = int((singular > _FLAT * singular.max(initial=1e-300)).sum())
-        return np.asarray(right[count:].T)
+        return null_space(rest.slopes[:, self.free], SHARP_RANK)
 
     def _is_closed(self, rest: Rest) -> bool:
-        return rest.open <= CLOSED * self.task.size and self.task.is_aligned(rest.q)
+        return rest.open <= ASSEMBLED and self.evaluator.is_aligned(rest.q)
 
     def undetermined(self, rest: Rest) -> Floats:
         """Return the changes of multipliers that change no force, as columns (n_c, k)."""
-        rows = self.task.velocity_rows(rest.q, {})[0] * self.balance.sizes
-        if not rows.size:
-            return np.zeros((len(rows), 0))
-        left, singular, _ = np.linalg.svd(rows / self.balance.scales[:, np.newaxis])
-        count = int((singular > _FLAT * singular.max(initial=1e-300)).sum())
-        return np.asarray(left[:, count:] / self.balance.scales[:, np.newaxis])
+        rows = self.evaluator.velocity_rows(rest.q, {})[0] * self.balance.sizes
+        scales = self.balance.scales[:, np.newaxis]
+        return np.asarray(null_space((rows / scales).T, SHARP_RANK) / scales)
+
+
+@dataclass(frozen=True, slots=True)
+class Continuation:
+    """The surroundings of an equilibrium.
+
+    Attributes
+    ----------
+    doubt : str
+        "critical" where the stiffness vanishes without further equilibria, "undecided" where branches cross,
+        else empty.
+    notes : tuple of str
+        The same in sentences.
+    """
+
+    doubt: str
+    notes: tuple[str, ...]
+
+
+def continued(search: Search, equilibrium: Rest) -> Continuation:
+    """Return whether other equilibria lie about one."""
+    if search.is_crossing(equilibrium):
+        note = (
+            "branches of the motion cross at this configuration: forces do no work along any of them, and "
+            "linear equations do not show whether it is stable"
+        )
+        return Continuation("undecided", (note,))
+    flat = search.flat_directions(equilibrium)
+    if not flat.shape[1]:
+        return Continuation("", ())
+    going, left = _split_directions(search, equilibrium, flat)
+    notes = []
+    if going.shape[1]:
+        notes.append(
+            f"equilibria form a continuum of {going.shape[1]} dimension(s) along "
+            f"{_names(search, going)}: the one nearest to the guess by the shortest steps is given"
+        )
+    if left.shape[1]:
+        notes.append(
+            f"the equilibrium is critical: its stiffness vanishes along {_names(search, left)}, but no "
+            "equilibria lie beside it, and terms of higher order decide whether it is stable"
+        )
+    return Continuation("critical" if left.shape[1] else "", tuple(notes))
+
+
+def _split_directions(search: Search, equilibrium: Rest, flat: Floats) -> tuple[Floats, Floats]:
+    """Return the flat directions in which equilibria go on, and the others.
+
+    From a step along each, Newton steps of least length lead to an equilibrium; across equilibria that go on
+    they leave the step as it is, and back along directions in which a force of higher order stands.
+    """
+    free, sizes = search.free, search.evaluator.sizes
+    moves = []
+    for direction in flat.T:
+        q = equilibrium.q.copy()
+        q[free] += _STEP * direction * sizes[free]
+        end = search.newton(search.evaluator.normalized(q), equilibrium.bearing)
+        move = (end.q - equilibrium.q)[free] / sizes[free] / _STEP
+        moves.append(flat.T @ move if search.is_good(end) else np.zeros(flat.shape[1]))
+    left, singular, _ = np.linalg.svd(np.array(moves).T)
+    count = int((singular > _STAYED).sum())
+    return flat @ left[:, :count], flat @ left[:, count:]
+
+
+def _names(search: Search, directions: Floats) -> str:
+    free = [name for name in search.evaluator.eqs.coordinate_names if name not in search.fixed]
+    shares = np.abs(directions).max(axis=1)
+    return ", ".join(n for n, share in zip(free, shares, strict=True) if share > _LISTED * shares.max())

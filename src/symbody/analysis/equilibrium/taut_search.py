@@ -22,27 +22,26 @@ from symbody.analysis.equilibrium.balance import Balance, Rest, balance
 from symbody.analysis.equilibrium.search import Search
 from symbody.analysis.ropes import AT_LENGTH, slackness, with_taut
 from symbody.equations.solving.ropes import rope_rows, ropes
+from symbody.tolerances import BALANCED, BEARING
 
 Floats = NDArray[np.float64]
 
 _MOST_SETS: Final = 64
 _FEW_STARTS: Final = 8  # for each set
-_LITTLE: Final = 1e-9  # of the largest multiplier: a tension that is none
-_DEPENDENT: Final = 1e-9  # of the largest singular value
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidate:
-    """A configuration, the equations whose forces were balanced there, and what is to be said of its ropes.
+    """A configuration, the equations whose forces were balanced there, and the states of its ropes.
 
     Attributes
     ----------
     notes : tuple of str
-        What the ropes do.
+        The state of each rope.
     edges : tuple of str
         Ropes that are at their length without tension.
     fault : str
-        Why it is no equilibrium although the forces balance; else empty.
+        Why it is not an equilibrium although the forces balance; else empty.
     """
 
     search: Search
@@ -54,9 +53,9 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TautSearch:
-    """Where to look for equilibria from, with any of the ropes taut; fields as of `Search`."""
+    """Searches for equilibria with any of the ropes taut; fields as of `Search`."""
 
-    task: Closure
+    evaluator: Closure
     unknowns: tuple[str, ...]
     start: Floats
     fixed: frozenset[str]
@@ -65,20 +64,22 @@ class TautSearch:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the ropes."""
-        return ropes(self.task.eqs.formed)
+        return ropes(self.evaluator.eqs.formed)
 
     def of(self, taut: frozenset[str]) -> Search:
         """Return the search with some of the ropes taut."""
         if taut not in self._searches:
-            eqs, task = self.task.eqs, self.task
-            held = with_taut(eqs, taut)
-            own = task if held is eqs else closure(held, task.parameters, task.inputs, task.t, task.mechanism)
-            self._searches[taut] = Search(self._balance(own), self.start, self.fixed)
+            evaluator, eqs = self.evaluator, with_taut(self.evaluator.eqs, taut)
+            if eqs is not evaluator.eqs:
+                evaluator = closure(
+                    eqs, evaluator.parameters, evaluator.inputs, evaluator.t, evaluator.mechanism
+                )
+            self._searches[taut] = Search(self._balance(evaluator), self.start, self.fixed)
         return self._searches[taut]
 
     def nearest_set(self) -> Search:
         """Return the search with the ropes taut that are at their length at the guess."""
-        return self.of(self._at_length(self.start, AT_LENGTH))
+        return self.of(self._taut_ropes(self.start, AT_LENGTH))
 
     def candidates(self) -> tuple[list[Candidate], list[Candidate]]:
         """Return the equilibria that starts lead to, and where other starts end."""
@@ -87,59 +88,61 @@ class TautSearch:
         others: list[Candidate] = []
         for start in starts:
             taut = (
-                self._at_length(start, 0.0) if start is not self.start else self._at_length(start, AT_LENGTH)
+                self._taut_ropes(start, 0.0)
+                if start is not self.start
+                else self._taut_ropes(start, AT_LENGTH)
             )
-            self._sort(self._settled(start, taut), good, others)
+            self._sort(self._settle(start, taut), good, others)
         if not good and self.names:
             for taut in self._sets():
                 for start in starts[:_FEW_STARTS]:
-                    self._sort(self._settled(start, taut), good, others)
+                    self._sort(self._settle(start, taut), good, others)
         return good, others
 
-    def _sort(self, found: list[Candidate], good: list[Candidate], others: list[Candidate]) -> None:
-        for one in found:
+    def _sort(self, ends: list[Candidate], good: list[Candidate], others: list[Candidate]) -> None:
+        for one in ends:
             (good if one.search.is_good(one.rest) and not one.fault else others).append(one)
 
-    def _balance(self, task: Closure) -> Balance:
-        return balance(task, self.unknowns)
+    def _balance(self, evaluator: Closure) -> Balance:
+        return balance(evaluator, self.unknowns)
 
     def _sets(self) -> Iterator[frozenset[str]]:
         """Return all sets of ropes, those of many first."""
         counts = range(len(self.names), -1, -1)
         return islice((frozenset(c) for n in counts for c in combinations(self.names, n)), _MOST_SETS)
 
-    def _at_length(self, q: Floats, share: float) -> frozenset[str]:
+    def _taut_ropes(self, q: Floats, share: float) -> frozenset[str]:
         """Return the ropes that are not slack by more than a share of their length."""
         if not self.names:
             return frozenset()
-        return frozenset(name for name, slack in slackness(self.task, q).items() if slack <= share)
+        return frozenset(name for name, slack in slackness(self.evaluator, q).items() if slack <= share)
 
-    def _settled(self, start: Floats, taut: frozenset[str]) -> list[Candidate]:
-        """Return where a start leads, with ropes going taut and slack as they must."""
+    def _settle(self, start: Floats, taut: frozenset[str]) -> list[Candidate]:
+        """Return the ends of a start, with ropes going taut and slack as they must."""
         seen: set[frozenset[str]] = set()
         while True:
             seen.add(taut)
             search = self.of(taut)
-            found = [self._candidate(search, rest, taut) for rest in search.attempts(start)]
-            if not self.names or not any(search.is_good(one.rest) for one in found):
-                return found
-            best = next(one for one in found if search.is_good(one.rest))
+            ends = [self._candidate(search, rest, taut) for rest in search.attempts(start)]
+            if not self.names or not any(search.is_good(one.rest) for one in ends):
+                return ends
+            best = next(one for one in ends if search.is_good(one.rest))
             change = self._change(best, taut) if best.fault else None
             if change is None or change in seen:
-                return found
+                return ends
             taut = change
 
-    def _candidate(self, search: Search, rest: Rest, taut: frozenset[str]) -> Candidate:
+    def _candidate(self, search: Search, end: Rest, taut: frozenset[str]) -> Candidate:
         """Return a configuration with what its ropes do."""
-        if not search.is_good(rest):
-            return Candidate(search, rest)
-        rest = search.unwound(rest)
+        if not search.is_good(end):
+            return Candidate(search, end)
+        end = search.unwound(end)
         if not self.names:
-            return Candidate(search, rest)
-        pulls, slack = self._pulls(search, rest, taut), slackness(self.task, rest.q)
+            return Candidate(search, end)
+        pulls, slack = self._pulls(search, end, taut), slackness(self.evaluator, end.q)
         longer = [name for name in self.names if name not in taut and slack[name] < -AT_LENGTH]
-        work = np.abs(rest.multipliers) * search.balance.scales
-        limit = _LITTLE * float(work.max(initial=0.0)) / search.task.mechanism.length
+        work = np.abs(end.multipliers) * search.balance.scales
+        limit = BALANCED * float(work.max(initial=0.0)) / search.evaluator.mechanism.length
         pushing = [name for name, pull in pulls.items() if pull < -limit]
         fault = ", ".join(
             [f"rope {name} would have to push by {-pulls[name]:.4g} N" for name in pushing]
@@ -153,16 +156,16 @@ class TautSearch:
         notes += [f"rope {name} is slack" for name in self.names if slack[name] > AT_LENGTH]
         notes += [
             f"rope {name} is at its length without tension: small deviations on one side only make it pull, "
-            "and linear equations do not tell whether the equilibrium is stable"
+            "and linear equations do not show whether the equilibrium is stable"
             for name in edges
         ]  # fmt: skip
-        return Candidate(search, rest, tuple(notes), tuple(edges), fault)
+        return Candidate(search, end, tuple(notes), tuple(edges), fault)
 
     def _change(self, candidate: Candidate, taut: frozenset[str]) -> frozenset[str] | None:
         """Return the ropes to be taut next: with those longer, or without the one that pushes most."""
         search, rest = candidate.search, candidate.rest
         pulls = self._pulls(search, rest, taut)
-        longer = self._at_length(rest.q, -AT_LENGTH) - taut
+        longer = self._taut_ropes(rest.q, -AT_LENGTH) - taut
         if longer:
             return taut | longer
         worst = min(pulls, key=lambda name: pulls[name], default="")
@@ -171,7 +174,7 @@ class TautSearch:
     def _pulls(self, search: Search, rest: Rest, taut: frozenset[str]) -> dict[str, float]:
         """Return the tensions; of those that the forces leave undetermined, the shares that push least."""
         order = [name for name in self.names if name in taut]
-        places = rope_rows(search.task.eqs.formed, order)
+        places = rope_rows(search.evaluator.eqs.formed, order)
         tensions = -rest.multipliers[places]
         if (tensions < 0.0).any():
             tensions = _least_pushing(tensions, -search.undetermined(rest)[places])
@@ -180,12 +183,12 @@ class TautSearch:
 
 def _least_pushing(tensions: Floats, freedoms: Floats) -> Floats:
     """Return tensions ``tensions + freedoms @ y`` of which the least is as large as it can be."""
-    if not freedoms.size or not np.abs(freedoms).max(initial=0.0) > _DEPENDENT:
+    if not freedoms.size or not np.abs(freedoms).max(initial=0.0) > BEARING:
         return tensions
     n, k = freedoms.shape
     scale = float(np.abs(tensions).max(initial=0.0)) or 1.0
     cost = np.append(np.zeros(k), -1.0)
     bounds = [(None, None)] * k + [(None, 1.0)]
     rows = np.hstack([-freedoms, np.ones((n, 1))])
-    found = linprog(cost, rows, tensions / scale, bounds=bounds)
-    return tensions if found.x is None else np.asarray(tensions + scale * freedoms @ found.x[:k])
+    optimum = linprog(cost, rows, tensions / scale, bounds=bounds)
+    return tensions if optimum.x is None else np.asarray(tensions + scale * freedoms @ optimum.x[:k])

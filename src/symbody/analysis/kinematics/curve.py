@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.kinematics.follower import Follower
+from symbody.manifold import count_significant
+from symbody.tolerances import SINGULAR, TINY
 
 Floats = NDArray[np.float64]
 
@@ -21,7 +23,6 @@ _STEP: Final = 0.05  # rad, or share of the mechanism's size
 _TURN: Final = 0.9  # cosine between tangents of neighbours
 _SHORTEST: Final = 1e-7
 _MOST: Final = 20_000
-_SINGULAR: Final = 1e-5
 
 
 class Point(NamedTuple):
@@ -49,16 +50,16 @@ class Curve:
         points, step = [first], _STEP
         while len(points) < _MOST:
             last = points[-1]
-            found = self.beyond(last, step)
-            if found is None or found.tangent @ last.tangent < _TURN:
+            point = self.beyond(last, step)
+            if point is None or point.tangent @ last.tangent < _TURN:
                 step /= 2.0
                 if step < _SHORTEST:
                     return points, False
                 continue
-            points.append(found)
-            if not inside(found.q):
+            points.append(point)
+            if not inside(point.q):
                 return points, False
-            if len(points) > 3 and self._returned(first, last, found):
+            if len(points) > 3 and self._has_returned(first, last, point):
                 return points, True
             step = min(1.5 * step, _STEP)
         return points, False
@@ -80,35 +81,34 @@ class Curve:
         mechanism = self.mechanism
         still = np.zeros(mechanism.speed_sizes.size)
         jacobian = mechanism.rows(0.0, q, still)[0]
-        rows = jacobian / mechanism.scales[:, np.newaxis] * mechanism.speed_sizes
-        sizes, right = np.linalg.svd(rows)[1:]
-        least = sizes.size if not sizes.size else int((sizes > _SINGULAR * sizes[0]).sum())
-        basis = right[min(least, len(q) - 1, right.shape[0] - 1) :].T * mechanism.speed_sizes[:, np.newaxis]
-        rest = mechanism.qdot(0.0, q, still)
-        moves = [(mechanism.qdot(0.0, q, u) - rest) / mechanism.sizes for u in basis.T]
+        singular, right = np.linalg.svd(mechanism.scaled_rows(jacobian))[1:]
+        count = min(count_significant(singular, SINGULAR), len(q) - 1, right.shape[0] - 1)
+        basis = right[count:].T * mechanism.speed_sizes[:, np.newaxis]
+        still_rates = mechanism.qdot(0.0, q, still)
+        moves = [(mechanism.qdot(0.0, q, u) - still_rates) / mechanism.sizes for u in basis.T]
         orthonormal: Floats = np.linalg.qr(np.array(moves).T)[0]
         return orthonormal
 
-    def _returned(self, first: Point, last: Point, found: Point) -> bool:
+    def _has_returned(self, first: Point, last: Point, found: Point) -> bool:
         """Return whether the first point lies between two neighbours."""
         way = (found.q - last.q) / self.mechanism.sizes
-        back = self._apart(first.q, last.q)
+        back = self.difference(first.q, last.q)
         length = float(np.linalg.norm(way))
-        share = float(back @ way) / max(length, 1e-300) ** 2
+        share = float(back @ way) / max(length, TINY) ** 2
         aside = float(np.linalg.norm(back - share * way))
         return 0.0 < share <= 1.0 and aside < 0.1 * length and float(first.tangent @ found.tangent) > _TURN
 
-    def _apart(self, a: Floats, b: Floats) -> Floats:
+    def difference(self, a: Floats, b: Floats) -> Floats:
         """Return the difference of two positions in scaled coordinates, angles within half a turn."""
         apart: Floats = (a - b) / self.mechanism.sizes
         return np.where(self.mechanism.angles, np.arctan2(np.sin(apart), np.cos(apart)), apart)
 
     def holds(self, points: list[Point], q: Floats) -> bool:
         """Return whether a position lies on the curve through points."""
-        apart = self._apart(q, np.array([point.q for point in points]))
+        apart = self.difference(q, np.array([point.q for point in points]))
         near = points[int(np.abs(apart).max(axis=1).argmin())]
-        ahead = float(near.tangent @ self._apart(q, near.q))
+        ahead = float(near.tangent @ self.difference(q, near.q))
         if abs(ahead) > 2.0 * _STEP:
             return False
-        found = self.beyond(near, ahead)
-        return found is not None and bool(np.abs(self._apart(q, found.q)).max() < 1e-6)
+        end = self.beyond(near, ahead)
+        return end is not None and bool(np.abs(self.difference(q, end.q)).max() < 1e-6)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,28 +20,18 @@ from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.language.formula import Formula
+from symbody.manifold import ConstraintManifold, least_solution, null_space
 from symbody.model.door import plain
+from symbody.tolerances import SHARP_RANK, TRACED
 
 Floats = NDArray[np.float64]
 # From the parameter of a path to a coordinate, its first and its second derivative.
 Law = Callable[[float], tuple[float, float, float]]
 
-# Tighter than in assembly: beyond a limit positions that are almost closed go on for a while.
-_CLOSED: Final = 1e-12
-_EXACT: Final = 1e-14
-_ITERATIONS: Final = 15
 _LARGEST_MOVE: Final = 0.3  # of a coordinate in one step [rad, or sizes of the mechanism]
 _CORRECTION: Final = 0.25  # of the move; more means that the tangent leads elsewhere
 _SMALL: Final = 0.02  # corrections below are always believed
 _SHORTEST: Final = 1e-11  # share of a path below which a step leads nowhere
-_RANK: Final = 1e-8  # of the largest singular value; assembly is good to 1e-9
-
-
-class Freedom(NamedTuple):
-    """What the constraints and the driven coordinates leave: unit speeds (n_u, f) over `speed_sizes`."""
-
-    rank: int
-    basis: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,13 +49,13 @@ class Follower:
     clock : callable
         From that parameter to time.
     sizes, speed_sizes : (n_q,), (n_u,) arrays
-        What counts as large: 1 for angles, the size of the mechanism for lengths.
+        Sizes: 1 for angles, that of the mechanism for lengths.
     scales : (n_c,) array
-        What constraints are measured by.
+        Sizes of the constraints.
     time : float
         The time of the mechanism [s], see `Scales`.
     angles : (n_q,) array
-        Which coordinates are angles.
+        Mask of the angles.
     wrapped : tuple of int
         Rows of measured angles, which jump by a turn.
     """
@@ -85,15 +75,15 @@ class Follower:
     rates: CompiledFunction
     formulas: CompiledFunction
 
-    def scaled(self, known: Scales) -> Follower:
+    def scaled(self, mechanism: Scales) -> Follower:
         """Return the same with other scales, as those of a configuration where the model has no length."""
         eqs = self.eqs
         return replace(
             self,
-            sizes=known.coordinates(eqs),
-            speed_sizes=known.displacements(eqs),
-            scales=_scales(eqs, known),
-            time=known.time,
+            sizes=mechanism.coordinates(eqs),
+            speed_sizes=mechanism.displacements(eqs),
+            scales=_scales(eqs, mechanism),
+            time=mechanism.time,
         )
 
     @property
@@ -103,108 +93,77 @@ class Follower:
 
     @property
     def own_rows(self) -> NDArray[np.bool_]:
-        """Which rows of J belong to the mechanism."""
+        """Mask of the rows of J that belong to the mechanism itself."""
         return np.array([not row.name.startswith(HELD) for row in self.eqs.formed.rows], dtype=np.bool_)
 
     def targets(self, s: float) -> Floats:
-        """Return value, rate and acceleration that laws ask of each driven coordinate, (3, n)."""
-        asked = [self.laws[name](s) if name in self.laws else (0.0, 0.0, 0.0) for name in self.driven]
-        return np.array(asked, dtype=np.float64).reshape(-1, 3).T
+        """Return value, rate and acceleration of each driven coordinate by its law, (3, n)."""
+        values = [self.laws[name](s) if name in self.laws else (0.0, 0.0, 0.0) for name in self.driven]
+        return np.array(values, dtype=np.float64).reshape(-1, 3).T
 
     def asked(self, s: float) -> dict[str, float]:
-        """Return the values asked of the driven coordinates."""
+        """Return the values of the driven coordinates."""
         q, u, t = np.zeros(self.sizes.size), np.zeros(self.speed_sizes.size), self.clock(s)
-        found = dict(zip(self.driven, self.targets(s)[0].tolist(), strict=True))
+        by_laws = dict(zip(self.driven, self.targets(s)[0].tolist(), strict=True))
         values = self.formulas(t, q, u)[:-2]
-        return found | {name: float(x) for name, x in zip(self.driven, values, strict=False)}
+        return by_laws | {name: float(x) for name, x in zip(self.driven, values, strict=False)}
 
-    def residuals(self, s: float, q: Floats) -> tuple[Floats, Floats]:
-        """Return all conditions on positions, scaled, and their derivatives by q."""
-        found = self.positions(self.clock(s), q, np.zeros(self.speed_sizes.size))
-        values = np.array(found.constraints)
+    def manifold(self, s: float) -> ConstraintManifold:
+        """Return the conditions on positions at the parameter of the path."""
+        t, targets, still = self.clock(s), self.targets(s)[0], np.zeros(self.speed_sizes.size)
         places = slice(self.n_h - len(self.driven), self.n_h)
-        values[places] -= self.targets(s)[0]
         jumping = list(self.wrapped)
-        values[jumping] = np.arctan2(np.sin(values[jumping]), np.cos(values[jumping]))
-        scales = self.scales[: self.n_h]
-        parts = [values / scales]
-        slopes = [found.position_jacobian / scales[:, np.newaxis]]
+
+        def evaluate(q: Floats) -> tuple[Floats, Floats]:
+            point = self.positions(t, q, still)
+            values = np.array(point.constraints)
+            values[places] -= targets
+            values[jumping] = np.arctan2(np.sin(values[jumping]), np.cos(values[jumping]))
+            return values, point.position_jacobian
+
         names = self.eqs.coordinate_names
-        for four in self.eqs.quaternions:
-            spots = [names.index(name) for name in four]
-            row = np.zeros((1, q.size))
-            row[0, spots] = q[spots]
-            parts.append(np.array([(q[spots] @ q[spots] - 1.0) / 2.0]))
-            slopes.append(row)
-        return np.concatenate(parts), np.vstack(slopes)
+        quaternions = [[names.index(name) for name in four] for four in self.eqs.quaternions]
+        return ConstraintManifold(evaluate, self.sizes, self.scales[: self.n_h], quaternions, closed=TRACED)
 
     def closed(self, s: float, q: Floats, plane: tuple[Floats, float] | None = None) -> Floats | None:
-        """Return positions near a guess that fulfil all conditions, or None.
-
-        Parameters
-        ----------
-        plane : (n_q,) array and number, optional
-            One more condition, ``normal @ q / sizes = number``.
-        """
-        q = q.copy()
-        last = np.inf
-        closed = _CLOSED * max(1.0, float(np.abs(q / self.sizes).max(initial=0.0)))
-        for _ in range(_ITERATIONS):
-            values, slopes = self.residuals(s, q)
-            if plane is not None:
-                values = np.append(values, plane[0] @ (q / self.sizes) - plane[1])
-                slopes = np.vstack([slopes, plane[0] / self.sizes])
-            if not (np.isfinite(values).all() and np.isfinite(slopes).all()):
-                return None
-            worst = float(np.abs(values).max(initial=0.0))
-            if worst <= _EXACT or (worst <= closed and worst > last / 4.0):
-                return q
-            last = min(last, worst)
-            step = np.linalg.lstsq(slopes * self.sizes, -values, rcond=1e-12)[0]
-            if float(np.abs(step).max(initial=0.0)) > 1.0:
-                return None
-            q += step * self.sizes
-        return q if last <= closed else None
+        """Return positions near a guess that fulfil all conditions, or None; `plane` adds one of them."""
+        return self.manifold(s).correct(q, plane)
 
     def rows(self, s: float, q: Floats, u: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return J, the speeds ``J u`` and accelerations ``J u'`` that all rows ask for."""
-        found = self.motions(self.clock(s), q, u)
-        rate, acceleration = -np.array(found.velocity_constraints), np.array(found.gamma)
-        jacobian = np.asarray(found.jacobian, dtype=np.float64)
+        """Return J, and the right-hand sides of ``J u`` and ``J u'`` for all rows."""
+        motion = self.motions(self.clock(s), q, u)
+        rate, acceleration = -np.array(motion.velocity_constraints), np.array(motion.gamma)
+        jacobian = np.asarray(motion.jacobian, dtype=np.float64)
         rate += jacobian @ u
         places = slice(self.n_h - len(self.driven), self.n_h)
         rate[places] += self.targets(s)[1]
         acceleration[places] += self.targets(s)[2]
         return jacobian, rate, acceleration
 
+    def scaled_rows(self, jacobian: Floats) -> Floats:
+        """Return rows of J, all or the mechanism's own, in their scales and by speeds in theirs."""
+        scales = self.scales if len(jacobian) == len(self.scales) else self.scales[self.own_rows]
+        return np.asarray(jacobian / scales[:, np.newaxis] * self.speed_sizes)
+
     def solve(self, jacobian: Floats, right: Floats) -> tuple[Floats, float]:
         """Return the least solution of ``J x = right`` and its largest scaled residual."""
-        rows = jacobian / self.scales[:, np.newaxis] * self.speed_sizes
-        x = np.linalg.lstsq(rows, right / self.scales, rcond=_RANK)[0]
-        # One round of iterative refinement, since times and turns may be of any size.
-        x += np.linalg.lstsq(rows, right / self.scales - rows @ x, rcond=_RANK)[0]
-        error = float(np.abs(rows @ x - right / self.scales).max(initial=0.0))
-        return x * self.speed_sizes, error
+        rows, scaled = self.scaled_rows(jacobian), right / self.scales
+        x = least_solution(rows, scaled, SHARP_RANK)
+        return x * self.speed_sizes, float(np.abs(rows @ x - scaled).max(initial=0.0))
 
-    def freedom(self, jacobian: Floats) -> Freedom:
-        """Return the rank of rows of J, and the speeds they leave."""
-        scales = self.scales if len(jacobian) == len(self.scales) else self.scales[self.own_rows]
-        rows = jacobian / scales[:, np.newaxis] * self.speed_sizes
-        if not rows.size:
-            return Freedom(0, np.eye(self.speed_sizes.size))
-        sizes, right = np.linalg.svd(rows)[1:]
-        rank = int((sizes > _RANK * sizes.max(initial=1e-300)).sum())
-        return Freedom(rank, right[rank:].T)
+    def freedoms(self, jacobian: Floats) -> Floats:
+        """Return unit speeds (n_u, f), in sizes, that rows of J leave."""
+        return null_space(self.scaled_rows(jacobian), SHARP_RANK)
 
     def speeds(self, s: float, q: Floats) -> Floats:
-        """Return the speeds that the driven coordinates ask for."""
+        """Return the speeds that follow from the driven coordinates."""
         jacobian, rate, _ = self.rows(s, q, np.zeros(self.speed_sizes.size))
         return self.solve(jacobian, rate)[0]
 
     def qdot(self, s: float, q: Floats, u: Floats) -> Floats:
         """Return the rates of the coordinates."""
-        found: Floats = self.rates(self.clock(s), q, u)
-        return found
+        rates: Floats = self.rates(self.clock(s), q, u)
+        return rates
 
     def reached(self, start: float, q: Floats, stop: float) -> tuple[float, Floats]:
         """Follow the path from positions at its parameter `start`; return how far it leads, and where to."""
@@ -212,23 +171,22 @@ class Follower:
         shortest = _SHORTEST * max(abs(step), abs(start) * 1e-3)
         while s != stop:
             trial = stop if abs(stop - s) <= abs(step) else s + step
-            found = self._stepped(s, q, trial)
-            if found is None:
+            trial_q = self._step(s, q, trial)
+            if trial_q is None:
                 step = (trial - s) / 2.0
                 if abs(step) < shortest:
                     return s, q
                 continue
-            q, s, step = found, trial, 2.0 * step
+            q, s, step = trial_q, trial, 2.0 * step
         return s, q
 
     def stuck(self, s: float, q: Floats) -> str:
         """Return the joint that moves fastest where a path ends."""
         jacobian = self.rows(s, q, np.zeros(self.speed_sizes.size))[0]
-        rows = jacobian / self.scales[:, np.newaxis] * self.speed_sizes
-        direction = np.linalg.svd(rows)[2][-1]
+        direction = np.linalg.svd(self.scaled_rows(jacobian))[2][-1]
         return joint_of(self.eqs, self.eqs.speed_names[int(np.abs(direction).argmax())])
 
-    def _stepped(self, s: float, q: Floats, to: float) -> Floats | None:
+    def _step(self, s: float, q: Floats, to: float) -> Floats | None:
         """Return positions one step on, or None where the step is too large."""
         clocked = 1.0 if self.clock(to) != self.clock(s) else 0.0
         still = np.zeros(self.speed_sizes.size)
@@ -238,11 +196,11 @@ class Follower:
         length = float(np.abs(move / self.sizes).max(initial=0.0))
         if not length <= _LARGEST_MOVE:
             return None
-        found = self.closed(to, q + move)
-        if found is None:
+        end = self.closed(to, q + move)
+        if end is None:
             return None
-        change = float(np.abs((found - q - move) / self.sizes).max(initial=0.0))
-        return found if change <= max(_CORRECTION * length, _SMALL) else None
+        change = float(np.abs((end - q - move) / self.sizes).max(initial=0.0))
+        return end if change <= max(_CORRECTION * length, _SMALL) else None
 
 
 def follower(
@@ -265,40 +223,40 @@ def follower(
     Raises
     ------
     UsageError
-        If what is driven is no free coordinate, or its law no function of time.
+        If a driven coordinate is not free, or its law not a function of time.
     """
-    held = held_equations(eqs, {**formulas, **dict.fromkeys(laws)})
-    known, units = mechanism_scales(eqs, parameters), eqs.units
-    first = len(held.formed.holonomic) - len(formulas) - len(laws)
+    driven = held_equations(eqs, {**formulas, **dict.fromkeys(laws)})
+    mechanism, units = mechanism_scales(eqs, parameters), eqs.units
+    first = len(driven.formed.holonomic) - len(formulas) - len(laws)
 
-    def compiled(*names: str) -> CompiledFunction:
+    def compile_outputs(*names: str) -> CompiledFunction:
         outputs = names if len(names) > 1 else names[0]
         silent = dict.fromkeys(eqs.input_names, 0)
-        return CompiledFunction(*form_sequence(held, outputs, parameters, (), silent))
+        return CompiledFunction(*form_sequence(driven, outputs, parameters, (), silent))
 
     return Follower(
-        held,
+        driven,
         (*formulas, *laws),
         laws,
         clock,
-        known.coordinates(eqs),
-        known.displacements(eqs),
-        _scales(held, known),
-        known.time,
+        mechanism.coordinates(eqs),
+        mechanism.displacements(eqs),
+        _scales(driven, mechanism),
+        mechanism.time,
         np.array([units.get(name) == "rad" for name in eqs.coordinate_names], dtype=np.bool_),
         tuple(first + k for k, name in enumerate((*formulas, *laws)) if name in eqs.measured_angles),
-        compiled("constraints", "position_jacobian"),
-        compiled("jacobian", "velocity_constraints", "gamma"),
-        compiled("qdot"),
+        compile_outputs("constraints", "position_jacobian"),
+        compile_outputs("jacobian", "velocity_constraints", "gamma"),
+        compile_outputs("qdot"),
         # Two outputs at least, so that the values are a tuple.
-        compiled(*(f"({Formula.of(plain(law)).text})" for law in formulas.values()), "(0)", "(0)"),
+        compile_outputs(*(f"({Formula.of(plain(law)).text})" for law in formulas.values()), "(0)", "(0)"),
     )
 
 
-def _scales(held: EquationSet, known: Scales) -> Floats:
-    """Return what constraints are measured by, those of driven coordinates too."""
-    scales = known.constraints(held)
-    for k, row in enumerate(held.formed.rows):
+def _scales(driven: EquationSet, mechanism: Scales) -> Floats:
+    """Return the sizes of constraints, those of driven coordinates too."""
+    scales = mechanism.constraints(driven)
+    for k, row in enumerate(driven.formed.rows):
         if row.name.startswith(HELD):
-            scales[k] = known.length if held.units.get(row.name.removeprefix(HELD)) == "m" else 1.0
+            scales[k] = mechanism.length if driven.units.get(row.name.removeprefix(HELD)) == "m" else 1.0
     return scales

@@ -1,4 +1,4 @@
-"""Equations in which coordinates are held: each by one more constraint ``coordinate - law(t) = 0``.
+"""Equations in which coordinates are driven: each by one more constraint ``coordinate - law(t) = 0``.
 
 So driven motions need no code of their own: their rates and accelerations are those of constraints that
 depend on time (Haug 1989, section 3.6; Nikravesh 1988, section 5.2).
@@ -19,7 +19,7 @@ from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import dependence
 from symbody.model.door import plain
 
-# What no element of a model can be called, so that rows are told apart from the mechanism's own.
+# No element of a model can have this name, which distinguishes rows from the mechanism's own.
 HELD: Final = "held "
 
 
@@ -35,7 +35,7 @@ def held_equations(eqs: EquationSet, laws: Mapping[str, Value | None]) -> Equati
     Raises
     ------
     UsageError
-        Naming all that are no coordinates, are prescribed by the model, or follow no law in t alone.
+        Naming all that are not coordinates, are prescribed by the model, or have a law in more than t.
     """
     problems: list[Problem] = []
     rows = []
@@ -52,19 +52,19 @@ def held_equations(eqs: EquationSet, laws: Mapping[str, Value | None]) -> Equati
     if problems:
         raise UsageError(*problems)
     formed = eqs.formed
-    own = [row for row in formed.rows if row.is_holonomic]
-    rest = [row for row in formed.rows if not row.is_holonomic]
-    return EquationSet(eqs.model, formed.with_rows((*own, *rows, *rest)), eqs.notes)
+    positions = [row for row in formed.rows if row.is_holonomic]
+    speeds = [row for row in formed.rows if not row.is_holonomic]
+    return EquationSet(eqs.model, formed.with_rows((*positions, *rows, *speeds)), eqs.notes)
 
 
 def free_coordinates(eqs: EquationSet) -> tuple[str, ...]:
-    """Return the names of all coordinates that may be held: those in q, and those of cut joints."""
+    """Return the names of all coordinates that may be driven: those in q, and those of cut joints."""
     formed = eqs.formed
     measured = (name for use in formed.uses for name in use.joint.coordinates)
-    known = dict.fromkeys((*eqs.coordinate_names, *measured))
+    names = dict.fromkeys((*eqs.coordinate_names, *measured))
     driven = {name for use in formed.uses for name in use.prescribed}
     return tuple(
-        name for name in known if name not in driven and formed.readable_names.node(name) is not None
+        name for name in names if name not in driven and formed.readable_names.node(name) is not None
     )
 
 
@@ -79,15 +79,15 @@ def joint_of(eqs: EquationSet, name: str) -> str:
 
 
 def element_of(eqs: EquationSet, name: str) -> str:
-    """Return `joint_of` with what it is: "joint A", or "coordinate s"."""
+    """Return `joint_of` with its kind: "joint A", or "coordinate s"."""
     joint = joint_of(eqs, name)
     return f"{'joint' if eqs.formed.uses else 'coordinate'} {joint}"
 
 
 def _not_free(eqs: EquationSet, name: str) -> Problem | None:
-    """Return why a name cannot be held, or None."""
-    known = free_coordinates(eqs)
-    if name in known:
+    """Return why a name cannot be driven, or None."""
+    free = free_coordinates(eqs)
+    if name in free:
         return None
     if any(name in use.prescribed for use in eqs.formed.uses):
         return Problem(
@@ -102,13 +102,13 @@ def _not_free(eqs: EquationSet, name: str) -> Problem | None:
             "give the coordinate as a function of time, or sb.simulate with an input",
         )  # fmt: skip
     return Problem(
-        "kinematics.unknown_coordinate", f"motion {name}", f"there is no coordinate {name!r} to drive", "",
-        nearest(name, known),
+        "kinematics.unknown_coordinate", f"motion {name}",
+        f"the equations have no coordinate {name!r} to drive", "", nearest(name, free),
     )  # fmt: skip
 
 
 def _row(eqs: EquationSet, name: str, law: Value | None) -> Row:
-    """Return the row that holds a coordinate.
+    """Return the row that drives a coordinate.
 
     Raises
     ------
@@ -135,10 +135,10 @@ def _row(eqs: EquationSet, name: str, law: Value | None) -> Row:
 def _target(eqs: EquationSet, name: str, law: Value) -> Expr:
     where = f"motion {name}"
     target = eqs.formed.names.expression(Formula.of(plain(law), where=where), where)
-    found = dependence(eqs.formed.graph, [target.index])[target.index]
-    if not found <= {Kind.TIME, Kind.PARAMETER}:
+    kinds = dependence(eqs.formed.graph, [target.index])[target.index]
+    if not kinds <= {Kind.TIME, Kind.PARAMETER}:
         raise ExpressionError(
             Problem("kinematics.motion_law", where, f"{law} depends on more than time and parameters",
-                    "the motion has to be known before the mechanism is", "write it in t and parameters")
+                    "the motion is given before the mechanism moves", "write it in t and parameters")
         )  # fmt: skip
     return target

@@ -1,9 +1,9 @@
-"""`singular_configurations`: where independent coordinates do not tell the motion of the others.
+"""`singular_configurations`: where independent coordinates do not determine the motion of the others.
 
-There det(J_D) = 0 on the constraints. The curve of positions is traced, so that only such places are told as
-can be reached, and the sign of the determinant is watched on it. By ranks (Haug 1989, section 3.7): if J has
-a higher rank than J_D the mechanism locks up, because the independent coordinate is at a limit and the others
-run away from it; if the rank of J itself drops, branches of the motion cross (bifurcation).
+There det(J_D) = 0 on the constraints. The curve of positions is traced, so that only places that
+can be reached are listed, and the sign of the determinant is watched on it. By ranks (Haug 1989, section
+3.7): if J has a higher rank than J_D the mechanism locks up, because the independent coordinate is at a limit
+and the others run away from it; if the rank of J itself drops, branches of the motion cross (bifurcation).
 """
 
 from __future__ import annotations
@@ -30,14 +30,11 @@ from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError, Problem, UsageError
+from symbody.tolerances import ASSEMBLED, BALANCED, SAME_POSITION, SINGULAR
 
 Floats = NDArray[np.float64]
 
 _STARTS: Final = 5
-_RANK: Final = 1e-5  # of the largest singular value; places are found to 1e-7 or better
-_TOUCHES: Final = 1e-9  # of the largest determinant on the curve
-_SAME: Final = 1e-5
-_EDGE: Final = 1e-9
 _NEAR: Final = 1e-3  # of the largest singular value: there a position may be off by 1e-14 over its square
 _BESIDE: Final = 1e-2
 
@@ -56,7 +53,7 @@ class SingularConfiguration:
         The joint of the coordinate that stands still at a lock-up, or that coordinate where frames were
         placed by hand; the cut joint or constraint whose equations depend on others at a bifurcation.
     limits : mapping of coordinate to str
-        What independent coordinates do there along the curve: "maximum", "minimum" or "passes".
+        Behaviour of independent coordinates there along the curve: "maximum", "minimum" or "passes".
     determinant : float
         det(J_D) of scaled rows and speeds there, as a measure of how well the place is known.
     """
@@ -100,7 +97,7 @@ def singular_configurations(
     guess : mapping of name to number or formula in parameters
         Near which the loops close; other assemblies that are found are followed, too.
     scales : mapping of "length", "time", "mass" to float, optional
-        What counts as large [m, s, kg]; by default it follows from the model, and without any length there
+        Sizes of the mechanism [m, s, kg]; by default they follow from the model, and without any length there
         from the range and a configuration near the guess.
 
     Raises
@@ -113,13 +110,15 @@ def singular_configurations(
     first = _first(eqs, over, guess, parameters, scales)
     ratios = velocity_ratios(eqs, independent, first, parameters, scales=scales)
     search = _search(ratios, over, dict(parameters or {}), first, scales)
-    found: list[SingularConfiguration] = []
+    configurations: list[SingularConfiguration] = []
     for points in search.curves(guess, parameters, scales):
-        for one in search.on(points):
-            if not any(search.same(one, other) for other in found):
-                found.append(one)
+        for one in search.find_on_curve(points):
+            if not any(search.same(one, other) for other in configurations):
+                configurations.append(one)
     return tuple(
-        sorted(found, key=lambda one: [one.q[name] for name in (search.along, *one.q) if name in one.q])
+        sorted(
+            configurations, key=lambda one: [one.q[name] for name in (search.along, *one.q) if name in one.q]
+        )
     )
 
 
@@ -141,31 +140,31 @@ class _Search:
         scales: Mapping[str, float] | None,
     ) -> Iterator[list[Point]]:
         """Return all curves that are met from several starts in the range."""
-        known: list[list[Point]] = []
+        traced: list[list[Point]] = []
         for state in self._starts(guess, parameters, scales):
             q = np.array(list(state.q.values()))
             first = self.curve.start(q)
-            if first is None or any(self.curve.holds(points, q) for points in known):
+            if first is None or any(self.curve.holds(points, q) for points in traced):
                 continue
-            points, is_closed = self.curve.traced(first, self._inside)
+            points, is_closed = self.curve.traced(first, self._is_inside)
             if not is_closed:
-                back, _ = self.curve.traced(Point(q, -first.tangent), self._inside)
+                back, _ = self.curve.traced(Point(q, -first.tangent), self._is_inside)
                 points = [Point(p.q, -p.tangent) for p in back[:0:-1]] + points
-            known.append(points)
+            traced.append(points)
             yield points
 
-    def on(self, points: list[Point]) -> Iterator[SingularConfiguration]:
+    def find_on_curve(self, points: list[Point]) -> Iterator[SingularConfiguration]:
         """Return the singular configurations on a curve."""
         values = [self.determinant(point.q) for point in points]
         largest = max(map(abs, values))
         for k, (a, b) in enumerate(pairwise(values)):
             if a * b <= 0.0 and a != b:
-                yield from self._told(self._crossing(points[k], points[k + 1]))
+                yield from self._classify(self._find_crossing(points[k], points[k + 1]))
         for k in range(1, len(points) - 1):
             a, b, c = values[k - 1 : k + 2]
             if a * b > 0.0 and b * c > 0.0 and abs(b) <= min(abs(a), abs(c)) and abs(b) < 0.1 * largest:
-                touched = self._touch(points[k], points[k - 1], points[k + 1], _TOUCHES * largest)
-                yield from self._told(touched)
+                touched = self._find_touch(points[k], points[k - 1], points[k + 1], BALANCED * largest)
+                yield from self._classify(touched)
 
     def determinant(self, q: Floats) -> float:
         """Return det(J_D) of scaled independent rows and speeds."""
@@ -174,9 +173,8 @@ class _Search:
 
     def same(self, one: SingularConfiguration, other: SingularConfiguration) -> bool:
         """Return whether two places are one; whole turns do not count."""
-        apart = (np.array([*one.q.values()]) - [*other.q.values()]) / self.mechanism.sizes
-        apart = np.where(self.mechanism.angles, np.arctan2(np.sin(apart), np.cos(apart)), apart)
-        return bool(np.abs(apart).max() <= _SAME)
+        apart = self.curve.difference(np.array([*one.q.values()]), np.array([*other.q.values()]))
+        return bool(np.abs(apart).max() <= SAME_POSITION)
 
     def _starts(
         self,
@@ -200,44 +198,40 @@ class _Search:
         if not count:
             raise failed[0]
 
-    def _inside(self, q: Floats) -> bool:
+    def _is_inside(self, q: Floats) -> bool:
         k = self.ratios.eqs.coordinate_names.index(self.along)
-        edge = _EDGE * self.mechanism.sizes[k]
+        edge = ASSEMBLED * self.mechanism.sizes[k]
         return bool(self.ends[0] - edge <= q[k] <= self.ends[1] + edge)
 
     def _blocks(self, q: Floats) -> tuple[Floats, Floats]:
         """Return scaled independent rows of J, and of these the columns of dependent speeds."""
         mechanism, eqs = self.mechanism, self.ratios.eqs
         jacobian = mechanism.rows(0.0, q, np.zeros(mechanism.speed_sizes.size))[0]
-        rows = jacobian / mechanism.scales[:, np.newaxis] * mechanism.speed_sizes
+        rows = mechanism.scaled_rows(jacobian)
         names = [row.name for row in mechanism.eqs.formed.rows]
         kept = rows[[names.index(name) for name in self.ratios.rows]]
         return kept, kept[:, [eqs.speed_names.index(name) for name in self.ratios.dependent]]
 
-    def _crossing(self, a: Point, b: Point) -> Point | None:
+    def _find_crossing(self, a: Point, b: Point) -> Point | None:
         length = float(a.tangent @ ((b.q - a.q) / self.mechanism.sizes))
-        lost: list[float] = []
 
         def value(s: float) -> float:
             point = self.curve.beyond(a, s)
-            if point is None:
-                lost.append(s)
-                return 0.0
-            return self.determinant(point.q)
+            return 0.0 if point is None else self.determinant(point.q)
 
         ends = self.determinant(a.q), value(length)
         if ends[0] == 0.0 or ends[0] * ends[1] > 0.0:
             return a if ends[0] == 0.0 else b
         s = float(brentq(value, 0.0, length, xtol=1e-13))
-        found = self.curve.beyond(a, s)
-        return self._between(a, s) if found is None or self._is_crossing(found) else found
+        point = self.curve.beyond(a, s)
+        return self._interpolate_zero(a, s) if point is None or self._is_crossing(point) else point
 
     def _is_crossing(self, point: Point) -> bool:
         """Return whether positions are badly determined, since branches cross."""
         sizes = np.linalg.svd(self._blocks(point.q)[0], compute_uv=False)
         return bool(sizes.size and sizes[-1] < _NEAR * sizes[0])
 
-    def _between(self, a: Point, s: float) -> Point | None:
+    def _interpolate_zero(self, a: Point, s: float) -> Point | None:
         """Return a zero from points beside it, by a cubic: at a crossing itself Newton's method fails."""
         places = s + _BESIDE * np.array([-0.6, -0.2, 0.2, 0.6])
         points = [self.curve.beyond(a, float(place)) for place in places]
@@ -251,7 +245,7 @@ class _Search:
         root = float(brentq(lambda x: float(smooth(x)[0]), places[1], places[2], xtol=1e-14))
         return Point(np.asarray(smooth(root)[1:]), a.tangent)
 
-    def _touch(self, at: Point, before: Point, after: Point, enough: float) -> Point | None:
+    def _find_touch(self, at: Point, before: Point, after: Point, enough: float) -> Point | None:
         sizes = self.mechanism.sizes
         bounds = [float(at.tangent @ ((p.q - at.q) / sizes)) for p in (before, after)]
 
@@ -262,57 +256,57 @@ class _Search:
         best = minimize_scalar(value, bounds=bounds, method="bounded", options={"xatol": 1e-10})
         return self.curve.beyond(at, float(best.x)) if best.fun <= enough else None
 
-    def _told(self, point: Point | None) -> Iterator[SingularConfiguration]:
-        """Return what a place is, if it lies within the range."""
+    def _classify(self, point: Point | None) -> Iterator[SingularConfiguration]:
+        """Yield a place with its kind, if it lies within the range."""
         eqs = self.ratios.eqs
         if point is None:
             return
         k = eqs.coordinate_names.index(self.along)
-        value, near = point.q[k], _SAME * self.mechanism.sizes[k]
+        value, near = point.q[k], SAME_POSITION * self.mechanism.sizes[k]
         inside = self.ends[0] - near <= value <= self.ends[1] + near
         if not inside or self.ratios.ropes_out_of_place(point.q):
             return
         kept, block = self._blocks(point.q)
         ranks = [
-            int(np.linalg.matrix_rank(rows, tol=_RANK * np.linalg.norm(kept, 2))) for rows in (kept, block)
+            int(np.linalg.matrix_rank(rows, tol=SINGULAR * np.linalg.norm(kept, 2))) for rows in (kept, block)
         ]
         place = dict(zip(eqs.coordinate_names, point.q.tolist(), strict=True))
         for name, is_angle in zip(eqs.coordinate_names, self.mechanism.angles, strict=True):
             if is_angle and name != self.along:
                 place[name] = float(np.arctan2(np.sin(place[name]), np.cos(place[name])))
         if ranks[0] > ranks[1]:
-            kind, joint = "lock-up", self._standing(kept)
+            kind, joint = "lock-up", self._standing_joint(kept)
         else:
-            kind, joint = "bifurcation", self._depending(kept)
+            kind, joint = "bifurcation", self._dependent_element(kept)
         yield SingularConfiguration(kind, place, joint, self._limits(point), self.determinant(point.q))
 
-    def _standing(self, kept: Floats) -> str:
+    def _standing_joint(self, kept: Floats) -> str:
         """Return the joint of the independent speed that stands still in every motion."""
         eqs = self.ratios.eqs
         basis = np.linalg.svd(kept)[2][len(kept) :].T
-        own = [eqs.speed_names.index(name) for name in self.ratios.independent]
-        left = np.linalg.svd(basis[own])[0][:, -1]
+        places = [eqs.speed_names.index(name) for name in self.ratios.independent]
+        left = np.linalg.svd(basis[places])[0][:, -1]
         return joint_of(eqs, self.ratios.independent[int(np.abs(left).argmax())])
 
-    def _depending(self, kept: Floats) -> str:
+    def _dependent_element(self, kept: Floats) -> str:
         """Return the element whose equations depend on others."""
         left = np.linalg.svd(kept)[0][:, -1]
         name = self.ratios.rows[int(np.abs(left).argmax())]
         return next(row.element for row in self.ratios.eqs.formed.rows if row.name == name)
 
     def _limits(self, point: Point) -> dict[str, str]:
-        """Return what independent coordinates do along the curve."""
+        """Return the behaviour of independent coordinates along the curve."""
         names = self.ratios.eqs.coordinate_names
         sides = [self.curve.beyond(point, s) for s in (-_BESIDE, _BESIDE)]
-        found = {}
+        limits = {}
         for speed in self.ratios.independent:
             name = speed.removesuffix("_dot")
             if name in names and None not in sides:
                 k = names.index(name)
                 rise = [float(side.q[k] - point.q[k]) for side in sides if side is not None]
                 end = "minimum" if min(rise) > 0.0 else "maximum" if max(rise) < 0.0 else "passes"
-                found[name] = end
-        return found
+                limits[name] = end
+        return limits
 
 
 def _range(
@@ -349,14 +343,14 @@ def _first(
     Raises
     ------
     UsageError
-        If a name in `over` is no coordinate of the equations.
+        If a name in `over` is not a coordinate of the equations.
     """
     along, _, _ = _range(over)
     if along not in eqs.coordinate_names:
         raise UsageError(
             Problem("kinematics.range_coordinate", f"over {along}",
-                    f"{along!r} is no coordinate of these equations",
-                    "coordinates of cut joints and prescribed ones are none",
+                    f"{along!r} is not a coordinate of these equations",
+                    "coordinates of cut joints and prescribed ones are not among them",
                     f"name one of {', '.join(eqs.coordinate_names)}, or put its joint into the tree")
         )  # fmt: skip
     return assemble(eqs, None, guess, parameters, scales=scales)
@@ -369,7 +363,7 @@ def _search(
     first: State,
     scales: Mapping[str, float] | None,
 ) -> _Search:
-    """Return what looks for singular configurations.
+    """Return the search for singular configurations.
 
     Raises
     ------

@@ -39,13 +39,13 @@ class Positions:
     q : (n_q, N) array
         As far as the mechanism could be led.
     driven : mapping of coordinate to (N,) array
-        What was led.
+        Values of the driven coordinates.
     limits : mapping of coordinate to float
         Empty if all values were reached; else where the driven coordinates stood at the dead end.
     joint : str
         The joint that moves fastest at the dead end; empty if there is none, or a rope ends the path.
     notes : tuple of str
-        What happened there, and which ropes are taken as taut.
+        The reason for the dead end, and the ropes that are taken as taut.
     """
 
     coordinate_names: tuple[str, ...]
@@ -68,13 +68,13 @@ class Positions:
         UsageError
             An unknown name.
         """
-        found = self.columns()
-        if name not in found:
+        columns = self.columns()
+        if name not in columns:
             raise UsageError(
                 Problem("kinematics.unknown_column", repr(name), f"the positions have no {name!r}", "",
-                        nearest(name, found))
+                        nearest(name, columns))
             )  # fmt: skip
-        return found[name]
+        return columns[name]
 
     def columns(self) -> dict[str, Floats]:
         """Return all coordinates by name, the driven ones first."""
@@ -119,13 +119,13 @@ def trace_positions(
     t : float
         Time [s], for explicit time in the model.
     scales : mapping of "length", "time", "mass" to float, optional
-        What counts as large [m, s, kg]; by default it follows from the model, and without any length there
+        Sizes of the mechanism [m, s, kg]; by default they follow from the model, and without any length there
         from the first position and the values led through.
 
     Returns
     -------
     Positions
-        Up to the dead end, where there is one; `limits` tells the values there, to about 1e-9.
+        Up to the dead end, where there is one; `limits` has the values there, to about 1e-9.
 
     Raises
     ------
@@ -135,69 +135,69 @@ def trace_positions(
         If the loops do not close at the first values.
     """
     values = _values(over)
-    given = dict(parameters or {})
-    driven = follower(eqs, {}, _laws(values), given, lambda _: t)
+    values_given = dict(parameters or {})
+    driven = follower(eqs, {}, _laws(values), values_given, lambda _: t)
     start = {name: float(x[0]) for name, x in values.items()}
     state = assemble(eqs, start, guess, parameters, None, t, scales=scales)
     q = np.array(list(state.q.values()))
-    held, notes = equations_at(eqs, q, given, t)
+    held, notes = equations_at(eqs, q, values_given, t)
     if held is not eqs:
-        driven = follower(held, {}, _laws(values), given, lambda _: t)
+        driven = follower(held, {}, _laws(values), values_given, lambda _: t)
     farthest = {name: float(np.abs(x).max()) for name, x in values.items()}
-    known = mechanism_scales(eqs, given, scales, {**state.q, **farthest})
-    closer = (driven := driven.scaled(known)).closed(0.0, q)
+    mechanism = mechanism_scales(eqs, values_given, scales, {**state.q, **farthest})
+    closer = (driven := driven.scaled(mechanism)).closed(0.0, q)
     q = q if closer is None else closer
     check_driven(driven, 0.0, q, notes)
-    loose = _Slack(driven, closure(held, given, {}, t, known) if notes else None)
+    loose = _SlackRopes(driven, closure(held, values_given, {}, t, mechanism) if notes else None)
     count = len(next(iter(values.values())))
     columns, reached = [q], 0.0
     for k in range(1, count):
         before = q
         reached, q = driven.reached(float(k - 1), q, float(k))
-        rope, place, at = loose.ended(float(k - 1), before, reached, q)
+        rope, place, at = loose.first_taut(float(k - 1), before, reached, q)
         if rope or reached != k:
-            return _ended(driven, values, np.array(columns).T, place, at, rope, notes)
+            return _stop_at_limit(driven, values, np.array(columns).T, place, at, rope, notes)
         columns.append(q)
     return Positions(eqs.coordinate_names, np.array(columns).T, values, {}, notes=notes)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Slack:
-    """The ropes that are slack on a path; `task` measures them, and is None where there are none."""
+class _SlackRopes:
+    """The ropes that are slack on a path; `evaluator` measures them, and is None where there are none."""
 
     driven: Follower
-    task: Closure | None
+    evaluator: Closure | None
 
-    def ended(self, start: float, before: Floats, stop: float, q: Floats) -> tuple[str, float, Floats]:
+    def first_taut(self, start: float, before: Floats, stop: float, q: Floats) -> tuple[str, float, Floats]:
         """Return the rope that is at its length first, and where on the path; else no name, and its end."""
-        if self.task is None or self._least(q)[1] >= -LOOSE:
+        if self.evaluator is None or self._least_slack(q)[1] >= -LOOSE:
             return "", stop, q
         low, high = start, stop
         while high - low > _EXACT * max(1.0, abs(high)):
             middle = (low + high) / 2.0
             place, at = self.driven.reached(start, before, middle)
-            if place == middle and self._least(at)[1] >= 0.0:
+            if place == middle and self._least_slack(at)[1] >= 0.0:
                 low = middle
             else:
                 high = middle
-        return self._least(q)[0], low, self.driven.reached(start, before, low)[1]
+        return self._least_slack(q)[0], low, self.driven.reached(start, before, low)[1]
 
-    def _least(self, q: Floats) -> tuple[str, float]:
+    def _least_slack(self, q: Floats) -> tuple[str, float]:
         """Return the rope with the least slack, and this over its length."""
-        assert self.task is not None
-        return min(slackness(self.task, q).items(), key=lambda pair: pair[1])
+        assert self.evaluator is not None
+        return min(slackness(self.evaluator, q).items(), key=lambda pair: pair[1])
 
 
 def check_driven(driven: Follower, s: float, q: Floats, notes: tuple[str, ...] = ()) -> None:
-    """Refuse driven coordinates that leave freedoms, with notes that tell which ropes are slack.
+    """Refuse driven coordinates that leave freedoms, with notes on the ropes that are slack.
 
     Raises
     ------
     UsageError
-        Telling how many.
+        With their number.
     """
     jacobian = driven.rows(s, q, np.zeros(driven.speed_sizes.size))[0]
-    left = driven.freedom(jacobian).basis.shape[1]
+    left = driven.freedoms(jacobian).shape[1]
     if left:
         names = ", ".join(driven.driven) or "nothing"
         raise UsageError(
@@ -208,7 +208,7 @@ def check_driven(driven: Follower, s: float, q: Floats, notes: tuple[str, ...] =
         )  # fmt: skip
 
 
-def _ended(
+def _stop_at_limit(
     driven: Follower,
     values: Mapping[str, Floats],
     q: Floats,
@@ -220,10 +220,10 @@ def _ended(
     """Return the positions up to a dead end, which is the last column."""
     limits = driven.asked(s)
     joint = "" if rope else driven.stuck(s, last)
-    told = ", ".join(f"{name} = {value:.9g}" for name, value in limits.items())
+    reached = ", ".join(f"{name} = {value:.9g}" for name, value in limits.items())
     element = f"rope {rope}" if rope else element_of(driven.eqs, joint)
     why = "it would have to be longer" if rope else "it is a limit of what is driven"
-    note = f"{element}: no position follows beyond {told}; {why}"
+    note = f"{element}: no position follows beyond {reached}; {why}"
     done = {name: np.append(x[: q.shape[1]], limits[name]) for name, x in values.items()}
     return Positions(
         driven.eqs.coordinate_names, np.column_stack([q, last]), done, limits, joint, (*notes, note)
@@ -244,7 +244,7 @@ def _values(over: Mapping[str, ArrayLike]) -> dict[str, Floats]:
            if x.ndim != 1 or x.size not in (1, count) or not np.isfinite(x).all()]  # fmt: skip
     if not over:
         raise UsageError(
-            Problem("kinematics.values", "over", "nothing is led", "positions follow from values given",
+            Problem("kinematics.values", "over", "no coordinate is led", "positions follow from values given",
                     'give a coordinate its values: over={"theta": [0.1, 0.2, 0.3]}')
         )  # fmt: skip
     if bad or not count:
@@ -262,11 +262,11 @@ def _laws(values: Mapping[str, Floats]) -> dict[str, Law]:
     def law(x: Floats) -> Law:
         places = np.arange(x.size)
 
-        def at(s: float) -> tuple[float, float, float]:
+        def evaluate(s: float) -> tuple[float, float, float]:
             k = min(int(s), x.size - 2)
             slope = float(x[k + 1] - x[k]) if x.size > 1 else 0.0
             return float(np.interp(s, places, x)), slope, 0.0
 
-        return at
+        return evaluate
 
     return {name: law(x) for name, x in values.items()}

@@ -13,7 +13,6 @@ from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr
 
 from symbody.analysis.assembly import assemble, assemble_taut
 from symbody.analysis.closure import Closure, closure
@@ -30,6 +29,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, SimulationError, UsageError, nearest
 from symbody.expr.sympy_bridge import SympyExpr, SympyMatrix
+from symbody.manifold import least_solution, pivot_order
 
 Floats = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ _BRIEF: Final = 400  # operations up to which formulas are simplified
 
 
 class Samples(Protocol):
-    """What a motion has: times (N,), coordinates (n_q, N), speeds (n_u, N)."""
+    """A motion: times (N,), coordinates (n_q, N), speeds (n_u, N)."""
 
     @property
     def t(self) -> Floats:
@@ -56,7 +56,7 @@ class Samples(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VelocityRatios:
-    """Which speeds follow from which, as formulas and as numbers.
+    """Ratios of dependent to independent speeds, as formulas and as numbers.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class VelocityRatios:
     rows : tuple of str
         Names of the multipliers of the constraints that `dependent_jacobian` is made of.
     notes : tuple of str
-        What was chosen, and why.
+        Choices that were made, with reasons.
     """
 
     eqs: EquationSet = field(repr=False)
@@ -91,7 +91,7 @@ class VelocityRatios:
     @property
     def determinant(self) -> SympyExpr:
         """det(J_D): where it is 0 on the constraints, the mechanism is in a singular position."""
-        return _shortened(self.dependent_jacobian.det(method="berkowitz"))
+        return _simplify_short(self.dependent_jacobian.det(method="berkowitz"))
 
     @property
     def tau(self) -> SympyMatrix:
@@ -99,9 +99,9 @@ class VelocityRatios:
         block = self.dependent_jacobian
         if not block.rows:
             return self.independent_jacobian
-        found = -(block.adjugate(method="berkowitz") * self.independent_jacobian)
+        ratios = -(block.adjugate(method="berkowitz") * self.independent_jacobian)
         determinant = self.determinant
-        return found.applyfunc(lambda entry: _shortened(entry / determinant))
+        return ratios.applyfunc(lambda entry: _simplify_short(entry / determinant))
 
     @property
     def force_balance(self) -> SympyMatrix:
@@ -109,8 +109,8 @@ class VelocityRatios:
         still = {speed: 0 for speed in self.eqs.speeds}
         forces = self.eqs.forcing.subs(still)
         parts = [forces.extract(self._places(names), [0]) for names in (self.independent, self.dependent)]
-        found = parts[0] + self.tau.T * parts[1] if self.dependent else parts[0]
-        return found.applyfunc(_shortened)
+        balance = parts[0] + self.tau.T * parts[1] if self.dependent else parts[0]
+        return balance.applyfunc(_simplify_short)
 
     @checked_arguments
     def holding(self, unknown: str) -> SympyExpr:
@@ -124,7 +124,7 @@ class VelocityRatios:
         names = self.eqs.input_names
         if unknown not in names or len(self.independent) != 1:
             what = (
-                f"{unknown!r} is no input"
+                f"{unknown!r} is not an input"
                 if unknown not in names
                 else f"there are {len(self.independent)} freedoms"
             )
@@ -135,14 +135,14 @@ class VelocityRatios:
             )  # fmt: skip
         symbol = self.eqs.inputs[names.index(unknown)]
         balance = self.force_balance[0]
-        slope = _shortened(balance.diff(symbol))
+        slope = _simplify_short(balance.diff(symbol))
         if slope == 0 or slope.has(symbol):
             raise UsageError(
                 Problem("kinematics.holding", f"holding {unknown}", f"{unknown} does not hold the mechanism",
                         "its coefficient in the balance of forces is zero, or depends on it",
                         "name an input that works along the motion")
             )  # fmt: skip
-        return _shortened(-balance.subs(symbol, 0) / slope)
+        return _simplify_short(-balance.subs(symbol, 0) / slope)
 
     @checked_arguments
     def at(self, state: State | Mapping[str, Value]) -> Floats:
@@ -153,22 +153,22 @@ class VelocityRatios:
         SimulationError
             At a singular position, naming joint and configuration.
         """
-        found = self._state(state)
-        return self._tau(found.t, np.array(list(found.q.values())))
+        complete = self._state(state)
+        return self._tau(complete.t, np.array(list(complete.q.values())))
 
     @checked_arguments
     def along(self, run: Samples) -> Floats:
         """Return tau along a motion, (n_D, n_I, N)."""
-        found = [self._tau(float(t), q) for t, q in zip(run.t, run.q.T, strict=True)]
-        return np.moveaxis(np.array(found), 0, -1)
+        ratios = [self._tau(float(t), q) for t, q in zip(run.t, run.q.T, strict=True)]
+        return np.moveaxis(np.array(ratios), 0, -1)
 
     @checked_arguments
     def speeds(self, state: State | Mapping[str, Value], rates: Mapping[str, float]) -> dict[str, float]:
         """Return all speeds at a position, from the independent ones; those not given are 0."""
-        found = self._state(state)
-        q = np.array(list(found.q.values()))
-        self._tau(found.t, q)
-        u = self._completed(found.t, q, np.zeros(len(self.eqs.speed_names)), rates, 1)
+        complete = self._state(state)
+        q = np.array(list(complete.q.values()))
+        self._tau(complete.t, q)
+        u = self._complete(complete.t, q, np.zeros(len(self.eqs.speed_names)), rates, 1)
         return dict(zip(self.eqs.speed_names, u.tolist(), strict=True))
 
     @checked_arguments
@@ -188,10 +188,10 @@ class VelocityRatios:
         names = self.eqs.acceleration_names
         of_speed = dict(zip(names, self.eqs.speed_names, strict=True))
         asked = {of_speed.get(name, name): value for name, value in accelerations.items()}
-        found = self._state(state)
-        q = np.array(list(found.q.values()))
-        u = np.array(list(self.speeds(found, rates).values()))
-        return dict(zip(names, self._completed(found.t, q, u, asked, 2).tolist(), strict=True))
+        complete = self._state(state)
+        q = np.array(list(complete.q.values()))
+        u = np.array(list(self.speeds(complete, rates).values()))
+        return dict(zip(names, self._complete(complete.t, q, u, asked, 2).tolist(), strict=True))
 
     @checked_arguments
     def generalized_forces(self, state: State | Mapping[str, Value]) -> Floats:
@@ -199,13 +199,13 @@ class VelocityRatios:
 
         A mapping fixes coordinates and speeds, as in `assemble`; inputs are then 0.
         """
-        found = self._state(state)
-        q, u = (np.array(list(x.values())) for x in (found.q, found.u))
-        inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(found.inputs)
+        complete = self._state(state)
+        q, u = (np.array(list(x.values())) for x in (complete.q, complete.u))
+        inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(complete.inputs)
         sequence = form_sequence(self.eqs, "forcing", self._parameters, (), inputs)
-        forces = CompiledFunction(*sequence)(found.t, q, u)
-        own, others = self._places(self.independent), self._places(self.dependent)
-        along: Floats = forces[own] + self._tau(found.t, q).T @ forces[others]
+        forces = CompiledFunction(*sequence)(complete.t, q, u)
+        places, others = self._places(self.independent), self._places(self.dependent)
+        along: Floats = forces[places] + self._tau(complete.t, q).T @ forces[others]
         return along
 
     def _part(self, speeds: Sequence[str]) -> SympyMatrix:
@@ -224,7 +224,7 @@ class VelocityRatios:
         return complete(self.eqs, state, None, self._parameters)
 
     def ropes_out_of_place(self, q: Floats) -> str:
-        """Return in words which ropes are not taut or slack as the ratios have them at a position."""
+        """Return a sentence on the ropes that are not as the ratios assume; empty if all are."""
         return "" if self._ropes is None else ropes_out_of_place(self.eqs, self._ropes, q)
 
     def _check_ropes(self, q: Floats) -> None:
@@ -248,21 +248,21 @@ class VelocityRatios:
         mechanism = self._mechanism
         self._check_ropes(q)
         jacobian = mechanism.rows(t, q, np.zeros(mechanism.speed_sizes.size))[0]
-        basis = mechanism.freedom(jacobian).basis
-        own, others = self._places(self.independent), self._places(self.dependent)
-        if basis.shape[1] != len(own):
+        basis = mechanism.freedoms(jacobian)
+        places, others = self._places(self.independent), self._places(self.dependent)
+        if basis.shape[1] != len(places):
             raise SimulationError(
                 self._singular(q, "the constraints depend on each other here (bifurcation)")
             )
-        left, sizes, _ = np.linalg.svd(basis[own])
+        left, sizes, _ = np.linalg.svd(basis[places])
         if sizes.size and sizes[-1] < _SINGULAR:
             k = int(np.abs(left[:, -1]).argmax())
             element = element_of(self.eqs, self.independent[k])
             why = f"{element} stands still while others move (lock-up): {self.independent[k]} cannot drive"
             raise SimulationError(self._singular(q, why))
-        ratios = np.linalg.solve(basis[own].T, basis[others].T).T if own else np.zeros((len(others), 0))
-        found: Floats = ratios * mechanism.speed_sizes[others][:, np.newaxis] / mechanism.speed_sizes[own]
-        return found
+        ratios = np.linalg.solve(basis[places].T, basis[others].T).T if places else np.zeros((len(others), 0))
+        tau: Floats = ratios * mechanism.speed_sizes[others][:, np.newaxis] / mechanism.speed_sizes[places]
+        return tau
 
     def _singular(self, q: Floats, why: str) -> Problem:
         place = ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.eqs.coordinate_names, q, strict=True))
@@ -270,7 +270,7 @@ class VelocityRatios:
                        f"other speeds do not follow from these at {place}", why,
                        "choose other independent speeds, or a position beside this one")  # fmt: skip
 
-    def _completed(self, t: float, q: Floats, u: Floats, asked: Mapping[str, float], order: int) -> Floats:
+    def _complete(self, t: float, q: Floats, u: Floats, asked: Mapping[str, float], order: int) -> Floats:
         """Return all speeds (order 1) or accelerations (order 2) that fit the constraints."""
         unknown = [self._label(name) for name in asked if self._label(name) not in self.independent]
         if unknown:
@@ -282,16 +282,15 @@ class VelocityRatios:
         mechanism, values = self._mechanism, {self._label(name): x for name, x in asked.items()}
         jacobian, rate, acceleration = mechanism.rows(t, q, u)
         right = rate if order == 1 else acceleration
-        own = self._places(self.independent)
-        wanted = np.array([values.get(name, 0.0) for name in self.independent])
-        found = np.zeros(mechanism.speed_sizes.size)
-        found[own] = wanted
+        places = self._places(self.independent)
+        independent = np.array([values.get(name, 0.0) for name in self.independent])
+        result = np.zeros(mechanism.speed_sizes.size)
+        result[places] = independent
         others = self._places(self.dependent)
-        scales = mechanism.scales[:, np.newaxis]
-        columns = jacobian[:, others] / scales * mechanism.speed_sizes[others]
-        rest = (right - jacobian[:, own] @ wanted) / mechanism.scales
-        found[others] = np.linalg.lstsq(columns, rest, rcond=1e-10)[0] * mechanism.speed_sizes[others]
-        return found
+        columns = mechanism.scaled_rows(jacobian)[:, others]
+        missing = (right - jacobian[:, places] @ independent) / mechanism.scales
+        result[others] = least_solution(columns, missing) * mechanism.speed_sizes[others]
+        return result
 
     def _label(self, name: str) -> str:
         return name if name in self.eqs.speed_names else f"{name}_dot"
@@ -306,7 +305,7 @@ def velocity_ratios(
     *,
     scales: Mapping[str, float] | None = None,
 ) -> VelocityRatios:
-    """Return how dependent speeds follow from independent ones.
+    """Return the ratios of dependent to independent speeds.
 
     Parameters
     ----------
@@ -316,7 +315,7 @@ def velocity_ratios(
     at : State
         That configuration; by default one near the model's initial values.
     scales : mapping of "length", "time", "mass" to float, optional
-        What counts as large [m, s, kg]; by default it follows from the model, and without any length there
+        Sizes of the mechanism [m, s, kg]; by default they follow from the model, and without any length there
         from the configuration.
 
     Raises
@@ -326,23 +325,25 @@ def velocity_ratios(
     AssemblyError
         If the loops do not close.
     """
-    given = dict(parameters or {})
+    values = dict(parameters or {})
     state = at or assemble(eqs, None, None, parameters, scales=scales)
-    known = mechanism_scales(eqs, given, scales, state.q)
+    mechanism_sizes = mechanism_scales(eqs, values, scales, state.q)
     q = np.array(list(state.q.values()))
-    eqs, notes = equations_at(eqs, q, given, state.t)
-    mechanism = follower(eqs, {}, {}, given).scaled(known)
-    freedoms = redundancy(eqs, given, dict(state.q), scales=scales) if eqs.multiplier_names else None
+    eqs, notes = equations_at(eqs, q, values, state.t)
+    mechanism = follower(eqs, {}, {}, values).scaled(mechanism_sizes)
+    freedoms = redundancy(eqs, values, dict(state.q), scales=scales) if eqs.multiplier_names else None
     rows = () if freedoms is None else freedoms.kept
     count = len(eqs.speed_names) - len(rows)
     if independent is None:
         chosen = _best(mechanism, eqs, state.t, q, count)
         notes += (f"independent speeds are {', '.join(chosen)}: from them the others follow best",)
     else:
-        chosen = _named(eqs, (independent,) if isinstance(independent, str) else tuple(independent), count)
+        chosen = _check_names(
+            eqs, (independent,) if isinstance(independent, str) else tuple(independent), count
+        )
     others = tuple(name for name in eqs.speed_names if name not in chosen)
-    measured = closure(eqs, given, {}, state.t, known) if ropes(eqs.formed) else None
-    return VelocityRatios(eqs, chosen, others, rows, notes, mechanism, given, measured)
+    measured = closure(eqs, values, {}, state.t, mechanism_sizes) if ropes(eqs.formed) else None
+    return VelocityRatios(eqs, chosen, others, rows, notes, mechanism, values, measured)
 
 
 def _best(mechanism: Follower, eqs: EquationSet, t: float, q: Floats, count: int) -> tuple[str, ...]:
@@ -351,8 +352,7 @@ def _best(mechanism: Follower, eqs: EquationSet, t: float, q: Floats, count: int
     if not jacobian.size:
         return eqs.speed_names
     weights = [_DRIVEN if _has_input(eqs, name) else 1.0 for name in eqs.speed_names]
-    columns = jacobian / mechanism.scales[:, np.newaxis] * mechanism.speed_sizes * np.array(weights)
-    order = qr(columns, pivoting=True, mode="r")[-1]
+    order, _ = pivot_order(mechanism.scaled_rows(jacobian) * np.array(weights))
     places = sorted(int(k) for k in order[len(eqs.speed_names) - count :])
     return tuple(eqs.speed_names[k] for k in places)
 
@@ -367,11 +367,11 @@ def _has_input(eqs: EquationSet, speed: str) -> bool:
     return False
 
 
-def _named(eqs: EquationSet, names: Sequence[str], count: int) -> tuple[str, ...]:
+def _check_names(eqs: EquationSet, names: Sequence[str], count: int) -> tuple[str, ...]:
     labels = [name if name in eqs.speed_names else f"{name}_dot" for name in names]
     problems = [
-        Problem("kinematics.unknown_speed", f"independent {name}", f"{name} is no speed of these equations",
-                "coordinates of cut joints are none",
+        Problem("kinematics.unknown_speed", f"independent {name}",
+                f"{name} is not a speed of these equations", "coordinates of cut joints have none",
                 nearest(name, (*eqs.coordinate_names, *eqs.speed_names)))
         for name, label in zip(names, labels, strict=True) if label not in eqs.speed_names
     ]  # fmt: skip
@@ -386,6 +386,6 @@ def _named(eqs: EquationSet, names: Sequence[str], count: int) -> tuple[str, ...
     return tuple(sorted(labels, key=eqs.speed_names.index))
 
 
-def _shortened(value: SympyExpr) -> SympyExpr:
+def _simplify_short(value: SympyExpr) -> SympyExpr:
     """Return a short formula simplified, a long one as it is."""
     return value.simplify() if value.count_ops() <= _BRIEF else value

@@ -15,17 +15,23 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.linear.absence import is_absent
 from symbody.analysis.linear.independence import Selection
 from symbody.analysis.linear.matrices import Matrices
 from symbody.analysis.linear.orbits import PLACES, Orbit, Place, natural_rate, not_cyclic, symbol_node
 from symbody.analysis.linear.slopes import SlopeFunction
 from symbody.errors import AssemblyError
+from symbody.expr.calculus import forward
+from symbody.expr.canonical import ONE, ZERO
+from symbody.expr.fingerprint import vanishing
+from symbody.expr.graph import Graph
+from symbody.expr.opcodes import EQ, FLOOR, LE, LT, PICK, SADDLE, SIGN
+from symbody.expr.program import unrolled
+from symbody.expr.rewrite import symbols_of
+from symbody.tolerances import ASSEMBLED
 
 Floats = NDArray[np.float64]
-
-_CLOSED: Final = 1e-9  # of the terms of an entry: what closing loops leaves
-_SWITCHED: Final = 1e-9  # of what conditions change by over the size of the mechanism
+# What a coordinate can decide although derivatives by it are 0.
+_STEPS: Final = frozenset({LT, LE, EQ, SIGN, FLOOR})
 
 
 def check_cyclic(
@@ -45,10 +51,10 @@ def check_cyclic(
     closed = orbit.closed(q, u)
     start = orbit.place(q, u) if closed is None else orbit.place(*closed)
     for name in shown:
-        _refuse([name], _with(orbit, start, [name]))
+        _refuse([name], _changes_with(orbit, start, [name]))
     for names, step in orbit.directions(start):
         for place in orbit.places(start, names, step):
-            _refuse(names, [*_with(orbit, place, names), *_between(orbit, start, place)])
+            _refuse(names, [*_changes_with(orbit, place, names), *_changes_between(orbit, start, place)])
     return (
         f"that {', '.join(shown)} can be cyclic is concluded from {PLACES} places along the motion, at which "
         "nothing else changes; the formulas alone do not prove it",
@@ -66,25 +72,25 @@ def _is_absent(function: SlopeFunction, name: str, cyclic: Sequence[str]) -> boo
     if name not in eqs.coordinate_names:
         return False
     speeds = len(eqs.speed_names)
-    own = {speeds + k for k, other in enumerate(eqs.coordinate_names) if other in cyclic}
-    read = [node for k, node in enumerate(function.nodes) if k not in own]
+    cyclic_rates = {speeds + k for k, other in enumerate(eqs.coordinate_names) if other in cyclic}
+    read = [node for k, node in enumerate(function.nodes) if k not in cyclic_rates]
     return is_absent(eqs.formed.graph, read, symbol_node(function, name))
 
 
-def _with(orbit: Orbit, place: Place, names: Sequence[str]) -> list[str]:
-    """Return what changes with cyclic coordinates at a place, to first order."""
+def _changes_with(orbit: Orbit, place: Place, names: Sequence[str]) -> list[str]:
+    """Return the names of all that changes with cyclic coordinates at a place, to first order."""
     bounds, kept = _bounds(orbit, place, place), orbit.kept
     columns = [k for k, name in enumerate(orbit.selection.names) if name in names and name in orbit.shown]
     rates = np.abs(place.matrices.A) > bounds.A
     shown = np.abs(place.matrices.C) > bounds.C
     return [
         *_rates(orbit, [k for k in kept if rates[k, columns].any()]),
-        *_named(orbit.function.outputs, _rows(shown[:, columns])),
+        *_names_where(orbit.function.outputs, _rows(shown[:, columns])),
     ]
 
 
-def _between(orbit: Orbit, start: Place, here: Place) -> list[str]:
-    """Return what is not the same at two places."""
+def _changes_between(orbit: Orbit, start: Place, here: Place) -> list[str]:
+    """Return the names of all that differs between two places."""
     bounds, kept = _bounds(orbit, start, here), orbit.kept
 
     def differs(one: Floats, other: Floats, bound: Floats) -> NDArray[np.bool_]:
@@ -97,12 +103,15 @@ def _between(orbit: Orbit, start: Place, here: Place) -> list[str]:
     D = _rows(differs(one.D, other.D, bounds.D))
     near, far = start.slopes.switches, here.slopes.switches
     sizes = np.fmax(np.abs(near), np.abs(orbit.function.beside - near))  # the second need not exist
-    over = differs(near, far, _SWITCHED * sizes)
+    over = differs(near, far, ASSEMBLED * sizes)
     return [
         *_rates(orbit, [k for k in kept if A[k].any() or affine[k]]),
-        *(f"the effect of {name}" for name in _named(orbit.function.inputs, _rows(B[kept].T))),
-        *_named(orbit.function.outputs, C | D),
-        *(f"the condition on {what}" for what in _named([what for what, _ in orbit.function.switches], over)),
+        *(f"the effect of {name}" for name in _names_where(orbit.function.inputs, _rows(B[kept].T))),
+        *_names_where(orbit.function.outputs, C | D),
+        *(
+            f"the condition on {what}"
+            for what in _names_where([what for what, _ in orbit.function.switches], over)
+        ),
     ]
 
 
@@ -115,16 +124,16 @@ def _rows(entries: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.asarray(entries.any(axis=1))
 
 
-def _named(names: Sequence[str], chosen: NDArray[np.bool_]) -> Iterator[str]:
+def _names_where(names: Sequence[str], chosen: NDArray[np.bool_]) -> Iterator[str]:
     return (name for name, yes in zip(names, chosen, strict=True) if yes)
 
 
 def _bounds(orbit: Orbit, start: Place, here: Place) -> Matrices:
-    """Return how large a difference rounding, and the closing of loops, may make of each entry."""
+    """Return bounds of the differences that rounding and the closing of loops may make."""
     a, b = start.terms, here.terms
     n, w = len(orbit.selection.speeds.independent), natural_rate(start, orbit.selection)
     noise = max(start.noise, here.noise)
-    close = noise + (_CLOSED if orbit.selection.coordinates.dependent else 0.0)
+    close = noise + (ASSEMBLED if orbit.selection.coordinates.dependent else 0.0)
     A, B, C, D = (np.maximum(x, y) for x, y in ((a.A, b.A), (a.B, b.B), (a.C, b.C), (a.D, b.D)))
     # Rounding of one row gets into all others by the solution for accelerations; their units are the same.
     powers = np.ones_like(A)
@@ -141,3 +150,31 @@ def _bounds(orbit: Orbit, start: Place, here: Place) -> Matrices:
         close * D + noise * D.max(axis=0, initial=0.0),
         affine,
     )
+
+
+def is_absent(graph: Graph, roots: Sequence[int], symbol: int) -> bool:
+    """Return whether nothing in `roots` changes with a symbol.
+
+    True is certain. Systems of equations are compared by their coefficients, so that False may also mean
+    that these change and their solution does not.
+    """
+    if symbol not in symbols_of(graph, roots):
+        return True
+    roots = unrolled(graph, roots)
+    derivatives = {symbol: ONE}
+    for operands, results in _stages(graph, roots):
+        if not all(vanishing(graph, forward(graph, operands, derivatives))):
+            return False
+        derivatives.update(dict.fromkeys(results, ZERO))
+    return all(vanishing(graph, forward(graph, roots, derivatives)))
+
+
+def _stages(graph: Graph, roots: Sequence[int]) -> Iterator[tuple[tuple[int, ...], list[int]]]:
+    """Return the operands of systems of equations and of steps, in order, and the nodes of their results."""
+    for node in graph.reachable(roots):
+        op = graph.ops[node]
+        if op == SADDLE:
+            kernel = graph.kernels[graph.right[node]]
+            yield graph.operands(node), [graph.node(PICK, node, k) for k in range(kernel.n + kernel.m)]
+        elif op in _STEPS:
+            yield graph.operands(node), [node]

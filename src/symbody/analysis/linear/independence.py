@@ -1,4 +1,4 @@
-"""Which states are independent at a point, and how all deviations follow from theirs."""
+"""The independent states at a point, and the matrices from their deviations to all others."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from symbody.analysis.linear.variations import (
     Rotations,
     choose,
     followed,
-    rank,
     rotations,
     solved,
-    unit_rows,
 )
 from symbody.analysis.scales import Scales
 from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, nearest
+from symbody.manifold import rank
+from symbody.tolerances import SHARP_RANK
 
 Floats = NDArray[np.float64]
 
@@ -38,9 +38,9 @@ class Selection:
     speeds, coordinates : Choice
         Their places in u, and in the coordinates with rotation vectors.
     u_sizes, q_sizes : (n_u,), (n,) arrays
-        What counts as a large deviation of each: 1 for angles, the size of the mechanism [m] for lengths.
+        Size of deviations of each: 1 for angles, the size of the mechanism [m] for lengths.
     notes : tuple of str
-        What was chosen.
+        Choices that were made.
     """
 
     names: tuple[str, ...]
@@ -52,7 +52,7 @@ class Selection:
 
     @property
     def sizes(self) -> Floats:
-        """What counts as a large deviation of each independent state."""
+        """Sizes of deviations of the independent states."""
         return np.concatenate(
             [self.u_sizes[list(self.speeds.independent)], self.q_sizes[list(self.coordinates.independent)]]
         )
@@ -60,14 +60,14 @@ class Selection:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Basis:
-    """How deviations of all states follow from those of the independent ones, at a state.
+    """Matrices from deviations of the independent states to those of all, at a state.
 
     Attributes
     ----------
     out, back : arrays
         d(u, q) for their deviations, (n_u + n_q, n); and back, for those that keep the constraints.
     turning : (n, n) array
-        What their rates have beside ``back d(u, q)'``, per deviation: axes of rotation vectors turn.
+        Their rates beyond ``back d(u, q)'``, per deviation: axes of rotation vectors turn.
     all_names, recovery : tuple of str, array
         All speeds and coordinates, and how their deviations follow.
     """
@@ -82,38 +82,38 @@ class Basis:
 def select(
     eqs: EquationSet,
     state: State,
-    found: Slopes,
+    slopes: Slopes,
     asked: Sequence[str] | None,
     cyclic: Collection[str],
-    known: Scales,
+    mechanism: Scales,
 ) -> Selection:
-    """Return which states are independent at a state, by the scales that are known.
+    """Return the independent states at a state, by the scales of the mechanism.
 
     Raises
     ------
     AssemblyError
         If names are unknown, too few or too many, or do not determine the others.
     """
-    turned = _rotations_at(eqs, np.array(list(state.q.values())), found)
+    turned = _local_rotations(eqs, np.array(list(state.q.values())), slopes)
     _check_cyclic_names(turned, cyclic)
-    q_sizes, u_sizes = turned.sizes(known.coordinates(eqs)), known.displacements(eqs)
-    coordinates, speeds = _parted(eqs, turned, asked)
-    positions = found.position_jacobian @ turned.out
-    q = _chosen("coordinates", positions * q_sizes, turned.names, coordinates, cyclic, ())
-    own = [turned.names[k] for k in q.independent]
-    rates = {f"{name}_dot" for name in own}
-    u = _chosen("speeds", found.jacobian * u_sizes, eqs.speed_names, speeds, (), rates)
-    names = tuple(eqs.speed_names[k] for k in u.independent) + tuple(own)
+    q_sizes, u_sizes = turned.sizes(mechanism.coordinates(eqs)), mechanism.displacements(eqs)
+    coordinates, speeds = _split_names(eqs, turned, asked)
+    positions = slopes.position_jacobian @ turned.out
+    q = _choose("coordinates", positions * q_sizes, turned.names, coordinates, cyclic, ())
+    chosen = [turned.names[k] for k in q.independent]
+    rates = {f"{name}_dot" for name in chosen}
+    u = _choose("speeds", slopes.jacobian * u_sizes, eqs.speed_names, speeds, (), rates)
+    names = tuple(eqs.speed_names[k] for k in u.independent) + tuple(chosen)
     return Selection(names, u, q, u_sizes, q_sizes, _notes(q, u, names, asked))
 
 
-def basis(eqs: EquationSet, q_values: Floats, found: Slopes, selection: Selection) -> Basis:
-    """Return how all deviations follow from those of independent states at a configuration."""
-    turned = _rotations_at(eqs, q_values, found)
+def basis(eqs: EquationSet, q_values: Floats, slopes: Slopes, selection: Selection) -> Basis:
+    """Return the matrices from deviations of independent states to all others at a configuration."""
+    turned = _local_rotations(eqs, q_values, slopes)
     q, u, q_sizes, u_sizes = selection.coordinates, selection.speeds, selection.q_sizes, selection.u_sizes
-    positions, rows = found.position_jacobian @ turned.out * q_sizes, found.jacobian * u_sizes
+    positions, rows = slopes.position_jacobian @ turned.out * q_sizes, slopes.jacobian * u_sizes
     R_q, R_u = followed(positions, q, q_sizes), followed(rows, u, u_sizes)
-    bent = found.of_velocity_rows[:, len(u_sizes) :] @ turned.out @ R_q
+    bent = slopes.of_velocity_rows[:, len(u_sizes) :] @ turned.out @ R_q
     W = np.zeros((len(u_sizes), R_q.shape[1]))
     if u.dependent:
         W[list(u.dependent)] = -solved(rows, u, bent) * u_sizes[list(u.dependent), np.newaxis]
@@ -131,21 +131,21 @@ def basis(eqs: EquationSet, q_values: Floats, found: Slopes, selection: Selectio
     return Basis(out, back, turning, eqs.speed_names + turned.names, recovery)
 
 
-def _rotations_at(eqs: EquationSet, q: Floats, found: Slopes) -> Rotations:
-    return rotations(eqs, q, found.rates[len(eqs.speed_names) :])
+def _local_rotations(eqs: EquationSet, q: Floats, slopes: Slopes) -> Rotations:
+    return rotations(eqs, q, slopes.rates[len(eqs.speed_names) :])
 
 
-def _parted(
+def _split_names(
     eqs: EquationSet, turned: Rotations, asked: Sequence[str] | None
 ) -> tuple[list[str] | None, list[str] | None]:
     """Return the coordinates and the speeds that were named; None where none were."""
     if asked is None:
         return None, None
-    known = (*turned.names, *eqs.speed_names)
+    names = (*turned.names, *eqs.speed_names)
     problems = [
-        Problem("linearize.unknown_name", name, f"there is no coordinate or speed {name!r}", "",
-                nearest(name, known))
-        for name in asked if name not in known
+        Problem("linearize.unknown_name", name, f"the equations have no coordinate or speed {name!r}", "",
+                nearest(name, names))
+        for name in asked if name not in names
     ]  # fmt: skip
     if problems:
         raise AssemblyError(*problems)
@@ -156,7 +156,7 @@ def _parted(
 
 def _check_cyclic_names(turned: Rotations, cyclic: Collection[str]) -> None:
     problems = [
-        Problem("linearize.unknown_name", name, f"there is no coordinate {name!r} to be cyclic", "",
+        Problem("linearize.unknown_name", name, f"the equations have no coordinate {name!r} to be cyclic", "",
                 nearest(name, turned.names))
         for name in cyclic if name not in turned.names
     ]  # fmt: skip
@@ -164,7 +164,7 @@ def _check_cyclic_names(turned: Rotations, cyclic: Collection[str]) -> None:
         raise AssemblyError(*problems)
 
 
-def _chosen(
+def _choose(
     word: str,
     rows: Floats,
     names: Sequence[str],
@@ -175,7 +175,7 @@ def _chosen(
     """Return a choice of independent unknowns, as named or by pivots."""
     if asked is None:
         return choose(rows, names, kept, liked)
-    count = len(names) - rank(unit_rows(rows))
+    count = len(names) - rank(rows, SHARP_RANK)
     if len(asked) != count:
         raise AssemblyError(
             Problem("linearize.independent", "independent",

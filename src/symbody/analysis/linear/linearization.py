@@ -38,16 +38,17 @@ class Linearization(Displayed):
     A, B, C, D : arrays
         (n, n), (n, n_r), (n_y, n), (n_y, n_r); x are independent speeds, then independent coordinates.
     state_names, input_names, output_names : tuple of str
-        What x, r, y are deviations of. The rotation vector of a quaternion's joint from its attitude in that
-        motion is ``<joint>_rx, _ry, _rz`` [rad], in its end axes there, which turn with it.
+        Names of the quantities that x, r, y are deviations of. The rotation vector of a quaternion's joint
+        from its attitude in that motion is ``<joint>_rx, _ry, _rz`` [rad], in its end axes there, which turn
+        with it.
     affine : (n,) array
-        What the states change by in that motion itself; 0 at an equilibrium or in a stationary motion.
+        Rates of the states in that motion itself; 0 at an equilibrium or in a stationary motion.
     is_stationary : bool
         Whether it is, up to rounding.
     at : State
         The state.
     notes : tuple of str
-        What should be known about the result.
+        Choices that were made, and limits of the result.
     """
 
     A: Floats
@@ -86,20 +87,20 @@ class Linearization(Displayed):
     @property
     def modes(self) -> tuple[Mode, ...]:
         """Eigenvalues with frequency, damping ratio, time constant and shape, the fastest growing first."""
-        return self._found.modes
+        return self._computed_spectrum.modes
 
     @property
     def verdict(self) -> str:
-        """What the linear equations say of small deviations.
+        """The verdict of the linear equations on small deviations.
 
         "stable": all die out. "unstable": some grow. "drifting": a coordinate can be displaced without being
-        driven back. "marginal": some neither grow nor die out, and linear equations alone do not tell what
+        driven back. "marginal": some neither grow nor die out, and linear equations alone do not show what
         the full ones do.
         """
-        return self._found.verdict
+        return self._computed_spectrum.verdict
 
     @property
-    def _found(self) -> Spectrum:
+    def _computed_spectrum(self) -> Spectrum:
         coordinates = len(self.state_names) - self._speeds
         return self._spectrum.get(None, lambda: spectrum(self.A, self.state_names, coordinates, self._noise))
 
@@ -129,8 +130,8 @@ class Linearization(Displayed):
                 Problem("linearize.deviations", ", ".join(unknown), "these are not deviations of the states",
                         "", f"the states are {', '.join(names)}")
             )  # fmt: skip
-        found = np.tensordot(self._recovery, x, axes=1)
-        return dict(zip(self._recovered, found, strict=True))
+        recovered = np.tensordot(self._recovery, x, axes=1)
+        return dict(zip(self._recovered, recovered, strict=True))
 
     def to_control(self) -> Any:
         """Return a ``control.StateSpace`` with all names, of the package python-control.

@@ -61,7 +61,7 @@ def linearize(
     inputs : mapping of name to number or formula
         Values that r deviates from, by default 0. Formulas in states close a loop: these are no inputs then.
     outputs : str or sequence of str
-        What y deviates of: any output names or expressions.
+        Quantities that y has the deviations of: any output names or expressions.
     independent : sequence of str, optional
         Coordinates, or coordinates and speeds, that make up the states; all others follow from them. By
         default those are dependent that have the largest pivots, and speeds go with the coordinates.
@@ -70,8 +70,8 @@ def linearize(
         the states, speeds stay. With them steady motions such as precession or a ride straight on have
         constant states.
     scales : mapping of "length", "time", "mass" to float, optional
-        What counts as large [m, s, kg], and so what counts as rest; by default it follows from the model, and
-        without any length there from the state.
+        Sizes of the mechanism [m, s, kg], to which rest is relative, too; by default they follow from the
+        model, and without any length there from the state.
 
     Raises
     ------
@@ -85,13 +85,13 @@ def linearize(
     listed = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     sides = settled(eqs, state)
     eqs, state = sides.eqs, sides.state
-    known = mechanism_scales(eqs, state.parameters, scales, state.q)
-    function = slope_function(eqs, state, listed, known)
+    mechanism = mechanism_scales(eqs, state.parameters, scales, state.q)
+    function = slope_function(eqs, state, listed, mechanism)
     q, u = np.array(list(state.q.values())), np.array(list(state.u.values()))
-    found = function.checked_at(q, u)
-    selection = select(eqs, state, found, independent, cyclic, known)
+    slopes = function.checked_at(q, u)
+    selection = select(eqs, state, slopes, independent, cyclic, mechanism)
     notes = (*sides.notes, *check_cyclic(function, q, u, selection, cyclic))
-    point = _Point(state, function, found, selection, basis(eqs, q, found, selection), known.time)
+    point = _Point(state, function, slopes, selection, basis(eqs, q, slopes, selection), mechanism.time)
     return point.linearization(cyclic, notes)
 
 
@@ -107,9 +107,9 @@ def _state(
         if parameters is None and inputs is None and at.eqs is eqs:
             return at
         values = {**at.q, **at.u}
-        own = at.inputs if inputs is None else inputs
+        inputs_there = at.inputs if inputs is None else inputs
         chosen = at.parameters if parameters is None else parameters
-        return assemble(eqs, values, None, chosen, own, at.t, scales=scales)
+        return assemble(eqs, values, None, chosen, inputs_there, at.t, scales=scales)
     return assemble(eqs, at, None, parameters, inputs, t, scales=scales)
 
 
@@ -131,7 +131,7 @@ class _Point:
         kept = [k for k, name in enumerate(self.selection.names) if name not in cyclic]
         A, B, C, D = full.A[np.ix_(kept, kept)], full.B[kept], full.C[:, kept], full.D
         affine = full.affine[kept]
-        moving = self._moving(A, affine, kept)
+        moving = self._moving_states(A, affine, kept)
         for matrix in (A, B, C, D, affine):
             matrix.flags.writeable = False
         names = tuple(self.selection.names[k] for k in kept)
@@ -141,7 +141,7 @@ class _Point:
             len(self.selection.speeds.independent), rounding(self.slopes, space, self.selection),
         )  # fmt: skip
 
-    def _moving(self, A: Floats, affine: Floats, kept: list[int]) -> list[int]:
+    def _moving_states(self, A: Floats, affine: Floats, kept: list[int]) -> list[int]:
         """Return the states that change at the point itself, beyond rounding."""
         sizes, independent = self.selection.sizes[kept], self.selection.speeds.independent
         rate = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0)) if A.size else 0.0
@@ -158,11 +158,11 @@ class _Point:
         eqs = self.function.eqs
         if moving:
             worst = max(moving, key=lambda k: abs(affine[k]))
-            own = eqs.units.get(names[worst], "")
+            unit = eqs.units.get(names[worst], "")
             listed = ", ".join(f"{names[k]}' = {affine[k]:.6g}" for k in moving)
             notes.append(
                 f"the state is neither an equilibrium nor a stationary motion: {listed} (largest for "
-                f"{names[worst]}{f' [{own}]' if own else ''}, per second); x' = A x + B r holds for "
+                f"{names[worst]}{f' [{unit}]' if unit else ''}, per second); x' = A x + B r holds for "
                 "deviations from the motion through it, at this instant: eigenvalues do not show whether "
                 "that motion is stable. find_equilibrium gives an equilibrium; coordinates that change "
                 "steadily can be named cyclic"

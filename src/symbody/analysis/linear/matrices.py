@@ -24,20 +24,20 @@ class Matrices:
     affine: Floats
 
 
-def matrices(found: Slopes, space: Basis) -> Matrices:
+def matrices(slopes: Slopes, space: Basis) -> Matrices:
     """Return the linear equations at a state."""
-    n = len(found.rates)
-    A = space.back @ found.of_rates @ space.out + space.turning
-    B, D = space.back @ found.by_input[:n], found.by_input[n : n + found.outputs].copy()
-    return Matrices(A, B, found.of_outputs @ space.out, D, space.back @ found.rates)
+    n = len(slopes.rates)
+    A = space.back @ slopes.of_rates @ space.out + space.turning
+    B, D = space.back @ slopes.by_input[:n], slopes.by_input[n : n + slopes.outputs].copy()
+    return Matrices(A, B, slopes.of_outputs @ space.out, D, space.back @ slopes.rates)
 
 
-def term_sizes(found: Slopes, space: Basis) -> Matrices:
+def term_sizes(slopes: Slopes, space: Basis) -> Matrices:
     """Return the sums of absolute terms in place of the sums."""
-    n, back, out = len(found.rates), np.abs(space.back), np.abs(space.out)
-    A = back @ np.abs(found.of_rates) @ out + np.abs(space.turning)
-    B, D = back @ np.abs(found.by_input[:n]), np.abs(found.by_input[n : n + found.outputs])
-    return Matrices(A, B, np.abs(found.of_outputs) @ out, D, back @ np.abs(found.rates))
+    n, back, out = len(slopes.rates), np.abs(space.back), np.abs(space.out)
+    A = back @ np.abs(slopes.of_rates) @ out + np.abs(space.turning)
+    B, D = back @ np.abs(slopes.by_input[:n]), np.abs(slopes.by_input[n : n + slopes.outputs])
+    return Matrices(A, B, np.abs(slopes.of_outputs) @ out, D, back @ np.abs(slopes.rates))
 
 
 def scaled(given: Matrices, selection: Selection) -> Matrices:
@@ -48,10 +48,10 @@ def scaled(given: Matrices, selection: Selection) -> Matrices:
     )  # fmt: skip
 
 
-def rounding(found: Slopes, space: Basis, selection: Selection) -> float:
+def rounding(slopes: Slopes, space: Basis, selection: Selection) -> float:
     """Return the relative error of A in eps: the condition of M on the admissible speeds, scaled."""
-    mass = space.out[: len(found.mass_matrix), : len(selection.speeds.independent)]
-    projected = mass.T @ found.mass_matrix @ mass
+    mass = space.out[: len(slopes.mass_matrix), : len(selection.speeds.independent)]
+    projected = mass.T @ slopes.mass_matrix @ mass
     if not projected.size:
         return 1.0
     scale = np.sqrt(np.abs(np.diag(projected)))

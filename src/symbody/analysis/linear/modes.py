@@ -33,7 +33,7 @@ class Mode(Displayed):
     eigenvalue : complex
         [1/s]; of a pair the one with positive imaginary part stands first.
     tolerance : float
-        How far rounding may have moved it [1/s].
+        Bound of its rounding [1/s].
     shape : mapping of name to complex
         The eigenvector by names of states, the largest component 1, each in its own unit.
     """
@@ -73,7 +73,7 @@ def spectrum(A: Floats, names: Sequence[str], coordinates: int, noise: float) ->
     Parameters
     ----------
     coordinates : int
-        How many states are coordinates; they stand last.
+        Number of coordinates among the states; they stand last.
     noise : float
         Relative error of A, in units of eps.
     """

@@ -16,6 +16,8 @@ from symbody.analysis.linear.slopes import SlopeFunction, Slopes
 from symbody.analysis.linear.variations import moved, rotations, solved
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.rewrite import symbols_of
+from symbody.manifold import LinearConstraints, correct
+from symbody.tolerances import ASSEMBLED, AT_REST
 
 Floats = NDArray[np.float64]
 
@@ -23,9 +25,6 @@ ROUNDING: Final = 100.0 * float(np.finfo(float).eps)  # of the terms of a row
 # Three turns and a half, or 22 times the size, in steps that no fraction of a turn is a multiple of.
 PLACES: Final = 60
 _PACE: Final = 0.37
-_STILL: Final = 1e-9  # of the natural rate of the mechanism
-_NEWTON: Final = 12
-_CLOSED: Final = 1e-9  # the last step of closing, of the size of the mechanism
 
 
 def symbol_node(function: SlopeFunction, name: str) -> int:
@@ -41,7 +40,7 @@ class Place:
     Attributes
     ----------
     follow : (n, independent) array
-        How steps of all coordinates follow from those of the independent ones.
+        Matrix from steps of the independent coordinates to steps of all.
     noise : float
         Rounding relative to the terms.
     """
@@ -77,13 +76,14 @@ class Orbit:
 
     def place(self, q: Floats, u: Floats) -> Place:
         """Return the linear equations at a state."""
-        found = self.function.at(q, u)
-        space = basis(self.function.eqs, q, found, self.selection)
+        slopes = self.function.at(q, u)
+        space = basis(self.function.eqs, q, slopes, self.selection)
         independent = len(self.selection.speeds.independent)
         return Place(
-            q, u, found, space.recovery[len(u) :, independent:],
-            scaled(matrices(found, space), self.selection), scaled(term_sizes(found, space), self.selection),
-            ROUNDING * rounding(found, space, self.selection),
+            q, u, slopes, space.recovery[len(u) :, independent:],
+            scaled(matrices(slopes, space), self.selection),
+            scaled(term_sizes(slopes, space), self.selection),
+            ROUNDING * rounding(slopes, space, self.selection),
         )  # fmt: skip
 
     def directions(self, start: Place) -> Iterator[tuple[list[str], Floats]]:
@@ -96,7 +96,7 @@ class Orbit:
         at = len(self.selection.speeds.independent)
         rates = start.matrices.affine.copy()
         rates[[k for k, name in enumerate(names) if name not in self.cyclic]] = 0.0
-        rates[np.abs(rates) <= _STILL * natural_rate(start, self.selection)] = 0.0
+        rates[np.abs(rates) <= AT_REST * natural_rate(start, self.selection)] = 0.0
         running = [name for name, rate in zip(names, rates, strict=True) if rate]
         if not set(running).isdisjoint(self.shown):
             yield running, (rates / np.abs(rates).max() * self.selection.sizes)[at:]
@@ -135,24 +135,33 @@ class Orbit:
         """Return the nearby state on the constraints with the same independent coordinates and speeds."""
         eqs, chosen = self.function.eqs, self.selection
         dependent = list(chosen.coordinates.dependent)
-        for _ in range(_NEWTON):
-            found = self.function.at(q, u)
-            turned = rotations(eqs, q, found.rates[len(u) :])
-            step = np.zeros(len(chosen.q_sizes))
-            if dependent:
-                rows = found.position_jacobian @ turned.out * chosen.q_sizes
-                step[dependent] = -solved(rows, chosen.coordinates, found.constraints[:, np.newaxis])[:, 0]
-            q, open_by = moved(eqs, q, step * chosen.q_sizes), float(np.abs(step).max(initial=0.0))
-            if not open_by > ROUNDING:
-                break
-        if open_by > _CLOSED:
+
+        def evaluate(q: Floats) -> LinearConstraints:
+            slopes = self.function.at(q, u)
+            turned = rotations(eqs, q, slopes.rates[len(u) :])
+            rows = slopes.position_jacobian @ turned.out * chosen.q_sizes
+            lengths = np.linalg.norm(rows, axis=1)
+            lengths[lengths == 0.0] = 1.0
+            columns = rows[:, dependent] / lengths[:, np.newaxis]
+            return LinearConstraints(q, slopes.constraints / lengths, columns)
+
+        def move(point: LinearConstraints, step: Floats) -> LinearConstraints:
+            by = np.zeros(len(chosen.q_sizes))
+            by[dependent] = step * chosen.q_sizes[dependent]
+            return evaluate(moved(eqs, point.q, by))
+
+        end = correct(evaluate(q), move, ASSEMBLED)
+        if end is None:
             return None
+        q = end.q
+        rows = self.function.at(q, u).jacobian * chosen.u_sizes
         u = u.copy()
-        own = list(chosen.speeds.dependent)
-        for _ in range(2 if own else 0):
+        dependent_speeds = list(chosen.speeds.dependent)
+        for _ in range(2 if dependent_speeds else 0):
             missing = self.function.at(q, u).velocity_constraints
-            rows = found.jacobian * chosen.u_sizes
-            u[own] -= solved(rows, chosen.speeds, missing[:, np.newaxis])[:, 0] * chosen.u_sizes[own]
+            u[dependent_speeds] -= (
+                solved(rows, chosen.speeds, missing[:, np.newaxis])[:, 0] * chosen.u_sizes[dependent_speeds]
+            )
         return q, u
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -10,24 +10,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
-from symbody.analysis.linear.kinks import Switch, kink_notes, switches
 from symbody.analysis.scales import Scales
 from symbody.analysis.state import State
 from symbody.codegen.compile import Value, constant_values, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
+from symbody.expr.canonical import sub
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME, Kind
 from symbody.expr.language.formula import Formula
+from symbody.expr.opcodes import ABS, EQ, LE, LT, MAX, MIN, NAMES, SIGN
+from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Roots
+from symbody.tolerances import ASSEMBLED
 
 Floats = NDArray[np.float64]
 
 _BY_STATE: Final = "linear slopes by states"
 _BY_INPUT: Final = "linear slopes by inputs"
 _KINKS: Final = "linear kinks"
+Switch = tuple[str, int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +45,7 @@ class Slopes:
     by_state, by_input : arrays
         Of x', the outputs and the conditions on velocities by (u, q), and by the inputs.
     outputs : int
-        How many scalars the outputs are.
+        Number of scalars among the outputs.
     jacobian, position_jacobian, mass_matrix : arrays
         J, dPhi/dq, M.
     constraints, velocity_constraints : arrays
@@ -92,7 +96,7 @@ class SlopeFunction:
     nodes : tuple of int
         x', outputs, and conditions on velocities and positions, with the laws of inputs.
     switches : tuple of (what, node)
-        What changes over at 0.
+        Expressions at whose zeros derivatives jump.
     beside : (n,) array
         Values of these at a state as far away as the mechanism is large.
     """
@@ -120,24 +124,26 @@ class SlopeFunction:
         AssemblyError
             If one of them is infinite or does not exist.
         """
-        found = self.at(q, u)
-        _check_finite(self.eqs, found.rates, found.by_state, found.by_input, self.inputs)
-        return found
+        slopes = self.at(q, u)
+        _check_finite(self.eqs, slopes.rates, slopes.by_state, slopes.by_input, self.inputs)
+        return slopes
 
-    def kinks(self, found: Slopes) -> tuple[str, ...]:
-        """Return what is not differentiable at a state."""
-        return kink_notes(self.eqs, self.switches, found.switches, self.beside)
+    def kinks(self, slopes: Slopes) -> tuple[str, ...]:
+        """Return notes on whatever is not differentiable at a state."""
+        return kink_notes(self.eqs, self.switches, slopes.switches, self.beside)
 
 
-def slope_function(eqs: EquationSet, state: State, outputs: Sequence[str], known: Scales) -> SlopeFunction:
+def slope_function(
+    eqs: EquationSet, state: State, outputs: Sequence[str], mechanism: Scales
+) -> SlopeFunction:
     """Return the derivatives with the parameters, inputs and time of a state."""
     parameters = state.parameters
     if eqs.multiplier_names:
         eqs = eqs.for_values(constant_values(eqs, {p: p for p in eqs.parameter_names}, parameters))
     laws = _laws(eqs, state.inputs)
     shown = [eqs.roots(name) for name in outputs]
-    wanted = [*eqs.roots("xdot").nodes, *(node for roots in shown for node in roots.nodes)]
-    nodes = with_laws(eqs, [*wanted, *eqs.roots("velocity_constraints").nodes], laws)
+    rates_and_outputs = [*eqs.roots("xdot").nodes, *(node for roots in shown for node in roots.nodes)]
+    nodes = with_laws(eqs, [*rates_and_outputs, *eqs.roots("velocity_constraints").nodes], laws)
     inputs = tuple(symbol for symbol in eqs.formed.inputs if symbol.name not in laws)
     by_state = partial_derivatives(eqs, _BY_STATE, nodes, (*eqs.formed.u, *eqs.formed.q))
     by_input = partial_derivatives(eqs, _BY_INPUT, nodes, inputs)
@@ -150,7 +156,7 @@ def slope_function(eqs: EquationSet, state: State, outputs: Sequence[str], known
     function = CompiledFunction(*form_sequence(wider, words, parameters, (), given))
     # Without the accelerations, as far as it goes: there need be none at a place that fits no constraint.
     kinks_alone, _ = form_sequence(wider, _KINKS, parameters, (), given)
-    far = {"t": [state.t], "r": [], **_beside(eqs, known, state)}
+    far = {"t": [state.t], "r": [], **_far_state(eqs, mechanism, state)}
     beside = np.array(evaluate_sequence(kinks_alone, far)[0], dtype=np.float64)
     graph, every = eqs.formed.graph, (*nodes, *eqs.roots("constraints").nodes)
     timed = graph.symbol(TIME) in symbols_of(graph, every)
@@ -158,7 +164,7 @@ def slope_function(eqs: EquationSet, state: State, outputs: Sequence[str], known
     return SlopeFunction(eqs, state.t, _scalars(shown), names, timed, every, between, beside, function)
 
 
-def _beside(eqs: EquationSet, scales: Scales, state: State) -> dict[str, list[float]]:
+def _far_state(eqs: EquationSet, scales: Scales, state: State) -> dict[str, list[float]]:
     """Return coordinates and speeds that differ by what counts as large, without symmetry."""
     q, u = np.array(list(state.q.values())), np.array(list(state.u.values()))
     shares = np.cos(np.arange(1.0, 1.0 + q.size + u.size))
@@ -189,12 +195,12 @@ def _check_finite(
 def _laws(eqs: EquationSet, inputs: Mapping[str, Value]) -> dict[str, Value]:
     """Return the inputs that depend on states or time; values in parameters are points to deviate from."""
     names, graph = eqs.formed.names, eqs.formed.graph
-    found = {}
+    laws = {}
     for name, value in inputs.items():
         node = names.expression(Formula.of(value, where=f"input {name}"), f"input {name}").index
         if any(graph.symbols[graph.left[s]].kind != Kind.PARAMETER for s in symbols_of(graph, [node])):
-            found[name] = value
-    return found
+            laws[name] = value
+    return laws
 
 
 def _scalars(shown: Sequence[Roots]) -> tuple[str, ...]:
@@ -206,3 +212,44 @@ def _scalars(shown: Sequence[Roots]) -> tuple[str, ...]:
             places = np.ndindex(*roots.shape)
             names += [f"{roots.name}[{','.join(str(k) for k in place)}]" for place in places]
     return tuple(names)
+
+
+def switches(eqs: EquationSet, nodes: Sequence[int]) -> tuple[Switch, ...]:
+    """Return functions whose derivatives jump, and the nodes that are zero there."""
+    first: dict[int, str] = {}
+    for what, node in _switches(eqs, nodes):
+        first.setdefault(node, what)
+    return tuple((what, node) for node, what in first.items())
+
+
+def _switches(eqs: EquationSet, nodes: Sequence[int]) -> Iterator[Switch]:
+    for law in eqs.formed.friction:
+        if law.switches:
+            yield f"the friction of joint {law.joint.name}", law.rate.index
+    graph = eqs.formed.graph
+    for node in graph.reachable(nodes):
+        op, a, b = graph.ops[node], graph.left[node], graph.right[node]
+        if op in (ABS, SIGN) and symbols_of(graph, [a]):
+            yield NAMES[op], a
+        elif op in (MIN, MAX, LT, LE, EQ) and symbols_of(graph, [a, b]):
+            yield NAMES[op], sub(graph, a, b)
+
+
+def kink_notes(
+    eqs: EquationSet,
+    listed: Sequence[Switch],
+    values: NDArray[np.float64],
+    beside: NDArray[np.float64],
+) -> tuple[str, ...]:
+    """Return notes on the derivatives at a state, where switches have `values`.
+
+    `beside` are their values at a state as far away as the mechanism is large.
+    """
+    changes = np.abs(np.asarray(beside) - values)
+    is_zero = np.abs(values) <= ASSEMBLED * np.where(np.isfinite(changes), changes, 1.0)
+    here = [switch for switch, yes in zip(listed, is_zero, strict=True) if yes]
+    return tuple(
+        f"{what} changes over at this state, where {to_text(eqs.formed.graph, node)} = 0: the matrices hold "
+        "on one side of it at most; a smooth law, such as friction with v0, holds on both"
+        for what, node in here
+    )

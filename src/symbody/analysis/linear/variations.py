@@ -25,15 +25,15 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, qr
+from scipy.linalg import block_diag
 
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
+from symbody.manifold import pivot_order, rank, unit_rows
+from symbody.tolerances import NEGLIGIBLE, SHARP_RANK
 
 Floats = NDArray[np.float64]
 
-# Of rows of length 1: assembly closes to 1e-9 at worst, and is 1e-12 as a rule.
-DEPENDENT: Final = 1e-8
 # A choice of independent coordinates this near to a singular one loses four digits.
 _POOR: Final = 1e-4
 
@@ -51,7 +51,7 @@ class Rotations:
     back : (n, n_q) array
         The deviations for dq on the unit sphere.
     turning : (n, n) array
-        What their own rates have beside ``back dq'``, per deviation: ``-Omega x`` / 2, as their axes turn.
+        Their own rates beyond ``back dq'``, per deviation: ``-Omega x`` / 2, as their axes turn.
     """
 
     names: tuple[str, ...]
@@ -60,12 +60,12 @@ class Rotations:
     turning: Floats
 
     def sizes(self, sizes: Floats) -> Floats:
-        """Return what counts as a large deviation of each, from the sizes of q."""
+        """Return the size of deviations of each, from the sizes of q."""
         return np.array([sizes @ (column != 0.0) / max((column != 0.0).sum(), 1) for column in self.out.T])
 
 
 def rotations(eqs: EquationSet, q: Floats, q_dot: Floats) -> Rotations:
-    """Return what stands for quaternions at a configuration that changes at a rate."""
+    """Return rotation vectors for quaternions at a configuration that changes at a rate."""
     places = {name: k for k, name in enumerate(eqs.coordinate_names)}
     joints: dict[tuple[str, ...] | None, str] = {
         joint.quaternion: joint.name for joint in eqs.formed.topology.joints
@@ -83,13 +83,13 @@ def rotations(eqs: EquationSet, q: Floats, q_dot: Floats) -> Rotations:
             turning.append(np.zeros((1, 1)))
         elif name == four[0]:
             stem = joints.get(four, four[0])
-            names += _unused([f"{stem}_r{axis}" for axis in "xyz"], places)
-            own = [places[other] for other in four]
+            names += _unused_names([f"{stem}_r{axis}" for axis in "xyz"], places)
+            quaternion = [places[other] for other in four]
             block = np.zeros((len(places), 3))
-            block[own] = _turns(q[own])
+            block[quaternion] = _turns(q[quaternion])
             out.append(block / 2.0)
             back.append(2.0 * block.T)
-            turning.append(_turns(q_dot[own]).T @ block[own])
+            turning.append(_turns(q_dot[quaternion]).T @ block[quaternion])
     width = np.zeros((len(places), 0))
     empty = np.zeros((0, 0))
     return Rotations(
@@ -116,7 +116,7 @@ def moved(eqs: EquationSet, q: Floats, by: Floats) -> Floats:
     return result
 
 
-def _unused(names: list[str], taken: Collection[str]) -> list[str]:
+def _unused_names(names: list[str], taken: Collection[str]) -> list[str]:
     return [name if name not in taken else f"{name}_turn" for name in names]
 
 
@@ -128,7 +128,7 @@ def _turns(e: Floats) -> Floats:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Which of some unknowns are independent, by place, and the smallest pivot of the others.
+    """Places of independent and dependent unknowns, and the smallest pivot of the latter.
 
     Attributes
     ----------
@@ -144,17 +144,6 @@ class Choice:
     def is_poor(self) -> bool:
         """Whether digits are lost because the choice is nearly singular."""
         return self.pivot < _POOR
-
-
-def rank(rows: Floats) -> int:
-    """Return the number of independent rows, each of length 1."""
-    return int((np.linalg.svd(rows, compute_uv=False) > DEPENDENT).sum()) if rows.size else 0
-
-
-def unit_rows(rows: Floats) -> Floats:
-    """Return rows of length 1; those that are 0 stay so."""
-    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
-    return np.asarray(rows / np.where(lengths > 0.0, lengths, 1.0))
 
 
 def choose(rows: Floats, names: Sequence[str], kept: Collection[str], asked: Collection[str]) -> Choice:
@@ -175,36 +164,33 @@ def choose(rows: Floats, names: Sequence[str], kept: Collection[str], asked: Col
         If the unknowns kept are not independent, naming them, or those that they leave are too few.
     """
     rows = unit_rows(rows)
-    wanted = rank(rows)
+    count = rank(rows, SHARP_RANK)
     others = [k for k, name in enumerate(names) if name not in kept]
     first = [k for k in others if names[k] not in asked]
     dependent = _pivots(rows[:, first], first, _POOR)
-    if len(dependent) < wanted:
-        left = rows - _projected(rows, rows[:, list(dependent)])
-        rest = [k for k in others if k not in dependent]
-        dependent += _pivots(left[:, rest], rest, DEPENDENT)[: wanted - len(dependent)]
-    if len(dependent) < wanted:
-        raise AssemblyError(_not_independent(kept, len(names) - wanted))
+    if len(dependent) < count:
+        left = rows - _project(rows, rows[:, list(dependent)])
+        remaining = [k for k in others if k not in dependent]
+        dependent += _pivots(left[:, remaining], remaining, SHARP_RANK)[: count - len(dependent)]
+    if len(dependent) < count:
+        raise AssemblyError(_not_independent(kept, len(names) - count))
     dependent = sorted(dependent)
     independent = tuple(k for k in range(len(names)) if k not in dependent)
     singular = np.linalg.svd(rows[:, dependent], compute_uv=False)
-    return Choice(independent, tuple(dependent), float(singular[wanted - 1]) if wanted else 1.0)
+    return Choice(independent, tuple(dependent), float(singular[count - 1]) if count else 1.0)
 
 
 def _pivots(columns: Floats, places: Sequence[int], least: float) -> list[int]:
     """Return the places of columns that are independent, the largest pivots first."""
-    if not columns.size:
-        return []
-    triangle, order = qr(columns, mode="r", pivoting=True)
-    pivots = np.abs(np.diagonal(triangle))
+    order, pivots = pivot_order(columns)
     return [places[k] for k in order[: int((pivots > least).sum())]]
 
 
-def _projected(rows: Floats, columns: Floats) -> Floats:
+def _project(rows: Floats, columns: Floats) -> Floats:
     """Return the part of rows within the span of columns."""
     if not columns.size:
         return np.zeros_like(rows)
-    return np.asarray(columns @ np.linalg.lstsq(columns, rows, rcond=DEPENDENT)[0])
+    return np.asarray(columns @ np.linalg.lstsq(columns, rows, rcond=SHARP_RANK)[0])
 
 
 def followed(rows: Floats, choice: Choice, sizes: Floats) -> Floats:
@@ -222,7 +208,7 @@ def solved(rows: Floats, choice: Choice, right: Floats) -> Floats:
     lengths = np.linalg.norm(rows, axis=1, keepdims=True)
     lengths = np.where(lengths > 0.0, lengths, 1.0)
     columns = (rows / lengths)[:, list(choice.dependent)]
-    return np.asarray(np.linalg.lstsq(columns, right / lengths, rcond=DEPENDENT / 10)[0])
+    return np.asarray(np.linalg.lstsq(columns, right / lengths, rcond=NEGLIGIBLE)[0])
 
 
 def _not_independent(names: Collection[str], count: int) -> Problem:

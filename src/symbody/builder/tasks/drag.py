@@ -12,7 +12,6 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import null_space
 
 from symbody.analysis.closure import Closure, closure
 from symbody.analysis.positions import PositionSolver
@@ -23,6 +22,8 @@ from symbody.builder.tasks.placement import placed_motion, scene_bodies
 from symbody.builder.tasks.reading import Data, Latest, complete_model, model_key
 from symbody.builder.worker_process import Report, TaskFailure
 from symbody.errors import AssemblyError, Problem, SymbodyError
+from symbody.manifold import null_space
+from symbody.tolerances import DIFFERENCE, SHARP_RANK
 
 Floats = NDArray[np.float64]
 
@@ -34,8 +35,6 @@ _NEAR: Final = 1e-5  # of the size of the mechanism: the point is where the poin
 _DAMPING: Final = 3e-2  # of the size of the mechanism: what keeps steps short near dead centres
 _STILL: Final = 1e-6  # of the size of the mechanism: what moves a point less than this does not move it
 _TINY: Final = 1e-4  # of sizes: steps and gains below this are not worth another round
-_DIFFERENCE: Final = 1e-6  # of central differences, in sizes of coordinates
-_DEPENDENT: Final = 1e-8  # constraints that differ less are one
 _GRIPS: Final[Latest[Grip]] = Latest(8)
 
 
@@ -64,14 +63,13 @@ class Grip:
         columns = np.zeros((3, q.size))
         for k in range(q.size):
             step = np.zeros(q.size)
-            step[k] = _DIFFERENCE * self.task.sizes[k]
+            step[k] = DIFFERENCE * self.task.sizes[k]
             columns[:, k] = self.place(q + step, point) - self.place(q - step, point)
-        return columns / (2.0 * _DIFFERENCE)
+        return columns / (2.0 * DIFFERENCE)
 
     def freedoms(self, q: Floats) -> Floats:
         """Return the directions (n_q, f) of coordinates, each in its size, that the constraints leave."""
-        rows = self.task.residuals(q, {})[1] * self.task.sizes
-        return np.asarray(null_space(rows, rcond=_DEPENDENT)) if rows.size else np.eye(q.size)
+        return null_space(self.task.manifold().jacobian(q), SHARP_RANK)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -200,7 +198,7 @@ def _grip(data: Data, folder: str, body: str) -> Grip:
     if body not in scene_bodies(model):
         raise TaskFailure([page_problem(_unknown(body), data)])
     solver = known_solver(model, model_key(data, folder))
-    return Grip(solver, solver.task or closure(with_taut(solver.eqs, ()), {}, {}, 0.0), body)
+    return Grip(solver, solver.evaluator or closure(with_taut(solver.eqs, ()), {}, {}, 0.0), body)
 
 
 def _start(solver: PositionSolver, guess: Mapping[str, float]) -> Floats:

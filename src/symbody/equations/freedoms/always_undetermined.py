@@ -15,9 +15,9 @@ from symbody.errors import AssemblyError, ModelError
 from symbody.expr.graph import Graph
 from symbody.graph.topology import choose_topology
 from symbody.model.model import resolve_parameters
+from symbody.tolerances import TYPED
 
 _POINTS: Final = 2
-_ROUNDING: Final = 1e-9  # of axes typed with 10 digits; see `solving.noise`
 
 
 def always_undetermined(formed: EquationsOfMotion) -> tuple[str, ...]:
@@ -33,7 +33,7 @@ def always_undetermined(formed: EquationsOfMotion) -> tuple[str, ...]:
     certain = identically_undetermined(formed)
     random = Random(7)
     points = [random_point(formed, {}, random) for _ in range(_POINTS)]
-    everywhere = frozenset.intersection(*(one.names for one in undetermined(formed, points, _ROUNDING)))
+    everywhere = frozenset.intersection(*(one.names for one in undetermined(formed, points, TYPED)))
     if everywhere.issubset(certain):
         return certain
     try:

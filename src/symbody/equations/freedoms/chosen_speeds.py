@@ -16,10 +16,11 @@ from symbody.equations.elimination.dependent_speeds import nothing_to_eliminate
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.freedoms.mobility import assembled_values
 from symbody.errors import FormulationError, Problem
+from symbody.manifold import column_volume, pivot_order
+from symbody.tolerances import RANK
 
 Rows = list[list[float]]
 
-_INDEPENDENT: Final = 1e-6
 _LEAST_MASS: Final = 1e-12  # of the largest: what is lighter counts as this, so that it is taken first
 
 
@@ -44,7 +45,7 @@ def chosen_speeds(formed: EquationsOfMotion) -> tuple[str, ...]:
     whole = [columns for columns in proposals if len(columns) == len(places)]
     if not whole:
         raise FormulationError(_dependent(formed, places, found[0]))
-    best = max(whole, key=lambda columns: min(_share(rows, columns) for rows in found))
+    best = max(whole, key=lambda columns: min(column_volume(rows, columns) for rows in found))
     return tuple(formed.u[k].label for k in sorted(best))
 
 
@@ -65,36 +66,8 @@ def _scaled(
 
 def _pivots(rows: Rows) -> tuple[int, ...]:
     """Return the columns of a factorization with column pivoting, as many as are independent."""
-    left = [list(column) for column in zip(*rows, strict=True)]
-    chosen: list[int] = []
-    for _ in rows:
-        sizes = [sum(x * x for x in column) for column in left]
-        k = max(range(len(left)), key=sizes.__getitem__)
-        if sizes[k] <= _INDEPENDENT**2:
-            break
-        unit = [x / math.sqrt(sizes[k]) for x in left[k]]
-        for _ in range(2):
-            for column in left:
-                share = sum(x * y for x, y in zip(unit, column, strict=True))
-                column[:] = [x - share * y for x, y in zip(column, unit, strict=True)]
-        chosen.append(k)
-    return tuple(sorted(chosen))
-
-
-def _share(rows: Rows, columns: Sequence[int]) -> float:
-    """Return the size of the determinant of some columns, at most 1 for rows of unit length."""
-    matrix = [[row[k] for k in columns] for row in rows]
-    size = 1.0
-    for k in range(len(matrix)):
-        place = max(range(k, len(matrix)), key=lambda i: abs(matrix[i][k]))
-        matrix[k], matrix[place] = matrix[place], matrix[k]
-        if matrix[k][k] == 0.0:
-            return 0.0
-        size *= abs(matrix[k][k])
-        for row in matrix[k + 1 :]:
-            factor = row[k] / matrix[k][k]
-            row[:] = [x - factor * y for x, y in zip(row, matrix[k], strict=True)]
-    return size
+    order, pivots = pivot_order(rows)
+    return tuple(sorted(int(k) for k in order[: int((pivots > RANK).sum())]))
 
 
 def _dependent(formed: EquationsOfMotion, places: Sequence[int], rows: Rows) -> Problem:

@@ -25,7 +25,6 @@ from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.sequence import Input, Roots, build_sequence
 from symbody.expr.sequence import Sequence as Program
 from symbody.manifold import (
-    ALIGNED,
     Branch,
     ConstraintManifold,
     constraint_manifold,
@@ -35,6 +34,7 @@ from symbody.manifold import (
 )
 from symbody.model.lengths import model_lengths
 from symbody.model.model import resolve_parameters
+from symbody.tolerances import ALIGNED
 
 # Spreads of starts about the initial values, in rad and in the mechanism's own length.
 _NEAR: Final = 0.3

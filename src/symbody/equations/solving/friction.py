@@ -27,6 +27,7 @@ from symbody.expr.expression import Expr, maximum, minimum, number, sqrt
 from symbody.expr.graph import Symbol
 from symbody.expr.opcodes import ABS, LT, SELECT
 from symbody.expr.rewrite import substitute
+from symbody.tolerances import UNSOLVED
 from symbody.vectors.vector import components, dot, vector
 
 # From forcing and gamma to accelerations and multipliers.
@@ -34,7 +35,6 @@ Linear = Callable[[Sequence[Expr], Sequence[Expr]], tuple[list[Expr], list[Expr]
 
 # Of 36,000 random systems with a spectral radius of 0.3 to 0.99, 99.9 in 100 end below 1e-13.
 _STEPS: Final = 7
-_TOLERANCE: Final = 1e-9  # of the residuals
 _TINY: Final = 1e-200  # N^2 and N m below which a reaction has no direction
 
 
@@ -229,7 +229,7 @@ def _guarded(normals: list[Expr], margins: list[Expr], residuals: list[Expr]) ->
         doubt = minimum(doubt, margin)
     if len(normals) > 1:  # one alone is found in closed form
         for residual in residuals:
-            doubt = minimum(doubt, _TOLERANCE - residual)
+            doubt = minimum(doubt, UNSOLVED - residual)
     zero, one = number(doubt.graph, 0), number(doubt.graph, 1)
     sound = zero.apply(LT, doubt).apply(SELECT, one, sqrt(doubt - 1))
     return [normal * sound for normal in normals]

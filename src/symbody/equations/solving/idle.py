@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.errors import FormulationError, Problem
@@ -12,9 +11,7 @@ from symbody.expr.graph import Kind
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import dependence, symbols_of
 from symbody.expr.sequence import Input, Roots, build_sequence
-
-# Of the parameters compared; lengths typed with 10 digits still count as what they mean.
-_NOISE: Final = 1e-9
+from symbody.tolerances import TYPED
 
 
 def check_idle(formed: EquationsOfMotion, parameters: Mapping[str, float]) -> None:
@@ -44,7 +41,7 @@ def check_idle(formed: EquationsOfMotion, parameters: Mapping[str, float]) -> No
         places = {formed.names.value(name).index: Input(name, "p", k) for k, name in enumerate(names)}
         program = build_sequence(graph, [Roots("value", (), (row.value.index,))], places)
         value = float(evaluate_sequence(program, {"p": known})[0][0])
-        if not abs(value) <= _NOISE * max(map(abs, known)):
+        if not abs(value) <= TYPED * max(map(abs, known)):
             given = ", ".join(f"{name} = {x:g}" for name, x in zip(names, known, strict=True))
             problems.append(
                 Problem("equations.never_closed", f"constraint {row.element}",

@@ -17,12 +17,10 @@ from symbody.equations.kinematics.row import Row
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, number
 from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
+from symbody.tolerances import TYPED
 from symbody.vectors.vector import dot
 
 _POINTS: Final = 3
-# Of the motions a row compares. Axes typed with 10 digits still count as what they mean; no mechanism works
-# in a direction of a thousand-millionth.
-_NOISE: Final = 1e-9
 
 
 def without_noise(
@@ -62,14 +60,14 @@ def noise_program(formed: EquationsOfMotion) -> Sequence:
 
 
 def _silent(formed: EquationsOfMotion, program: Sequence, parameters: Mapping[str, float]) -> list[bool]:
-    """Return which rows are below `_NOISE` of the motions they compare, in every speed and at every point."""
+    """Return which rows are below `TYPED` of the motions they compare, in every speed and at every point."""
     silent = [True] * len(formed.rows)
     random = Random(3)
     for _ in range(_POINTS):
         values = evaluate_sequence(program, random_point(formed, parameters, random))
         for k in range(len(silent)):
             slopes, squares = values[2 * k], values[2 * k + 1]
-            limits = (_NOISE * max(float(square), 0.0) ** 0.5 for square in squares)
+            limits = (TYPED * max(float(square), 0.0) ** 0.5 for square in squares)
             quiet = all(abs(float(x)) <= limit for x, limit in zip(slopes, limits, strict=True))
             silent[k] = silent[k] and quiet
     return silent

@@ -19,11 +19,9 @@ from symbody.equations.solving.noise import input_places, random_point
 from symbody.equations.solving.self_stress import Block, Component, SelfStress, self_stress
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.sequence import Roots, build_sequence
+from symbody.manifold import null_space
+from symbody.tolerances import RANK
 
-# Assembly leaves 1e-10 of the mechanism's size; a pose one twentieth of a radian off leaves far more.
-_DEPENDENT: Final = 1e-6
-_NEGLIGIBLE: Final = 1e-6  # of the largest component, which is at most 1
-_ROUNDS: Final = 2  # orthogonalized twice is enough (Golub & Van Loan 2013, section 5.2.9)
 _FORCES: Final = ("Fx", "Fy", "Fz")
 
 
@@ -58,12 +56,12 @@ def _always(formed: EquationsOfMotion, stress: SelfStress) -> tuple[str, ...]:
             blocks.append(Block(tuple(block.rows[k] for k in idle), (), *parts))
     if not blocks:
         return ()
-    (found,) = _undetermined(formed, blocks, [random_point(formed, {}, Random(7))], _DEPENDENT)
+    (found,) = _undetermined(formed, blocks, [random_point(formed, {}, Random(7))], RANK)
     return in_order(formed, found.names)
 
 
 def undetermined(
-    formed: EquationsOfMotion, points: Iterable[Mapping[str, Sequence[float]]], cut: float = _DEPENDENT
+    formed: EquationsOfMotion, points: Iterable[Mapping[str, Sequence[float]]], cut: float = RANK
 ) -> list[Undetermined]:
     """Return the outputs that each of some configurations leaves undetermined.
 
@@ -144,12 +142,13 @@ def _undetermined_at(
         slopes, changes, weighted = (list(_rows(group, n)) for group in values[3 * k : 3 * k + 3])
         pairs = list(zip(changes, weighted, strict=True))
         sizes = [math.sqrt(sum(b[i] * w[i] for b, w in pairs)) or 1.0 for i in range(n)]
-        basis = _orthonormal([[x / size for x, size in zip(row, sizes, strict=True)] for row in slopes], cut)
-        count += n - len(basis)
+        scaled = ([x / size for x, size in zip(row, sizes, strict=True)] for row in slopes)
+        free = null_space([unit for row in scaled if (unit := _unit(row))] or [[0.0] * n], cut)
+        count += free.shape[1]
         for place, (row, other) in zip(block.changes, pairs, strict=True):
-            scaled = [math.sqrt(x * y) / size for x, y, size in zip(row, other, sizes, strict=True)]
-            signed = [math.copysign(x, y) for x, y in zip(scaled, row, strict=True)]
-            if math.hypot(*_beside(signed, basis)) > _NEGLIGIBLE:
+            share = [math.sqrt(x * y) / size for x, y, size in zip(row, other, sizes, strict=True)]
+            signed = [math.copysign(x, y) for x, y in zip(share, row, strict=True)]
+            if math.hypot(*(signed @ free)) > RANK:
                 names.add(components[place].name)
     return Undetermined(count, frozenset(names))
 
@@ -158,27 +157,7 @@ def _rows(values: Sequence[float], n: int) -> Iterator[list[float]]:
     return (list(values[k : k + n]) for k in range(0, len(values), n))
 
 
-def _orthonormal(rows: Iterable[list[float]], cut: float) -> list[list[float]]:
-    """Return an orthonormal basis of rows, the longest beside those taken first."""
-    lengths = ((math.hypot(*row), row) for row in rows)
-    left = [[x / length for x in row] for length, row in lengths if length > 0.0]
-    basis: list[list[float]] = []
-    while left:
-        beside = [_beside(row, basis) for row in left]
-        k = max(range(len(left)), key=lambda i: math.hypot(*beside[i]))
-        length = math.hypot(*beside[k])
-        if not length > cut:
-            break
-        basis.append([x / length for x in beside[k]])
-        del left[k]
-    return basis
-
-
-def _beside(row: list[float], basis: Iterable[list[float]]) -> list[float]:
-    """Return the part of a row that is perpendicular to a basis."""
-    vectors = list(basis)
-    for _ in range(_ROUNDS):
-        for unit in vectors:
-            share = sum(x * y for x, y in zip(unit, row, strict=True))
-            row = [x - share * y for x, y in zip(row, unit, strict=True)]
-    return row
+def _unit(row: Sequence[float]) -> list[float]:
+    """Return a row of length 1; nothing of one of zeros."""
+    length = math.hypot(*row)
+    return [x / length for x in row] if length > 0.0 else []

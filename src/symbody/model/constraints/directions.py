@@ -11,8 +11,8 @@ from symbody.model.constraint import Contact
 from symbody.model.element_fields import Directions, element
 from symbody.model.fields import AngleQuantity
 from symbody.model.uses import Scope
+from symbody.tolerances import TYPED
 
-_FLAT: Final = 1e-9  # rad
 _BOTH: Final = "A direction in the start frame and one in the end frame."
 
 
@@ -21,7 +21,7 @@ def _check_cosine(check: Checker, angle: Formula, where: str) -> None:
     value = check.value(angle, where)
     if value is None:
         return
-    if abs(math.sin(value)) < _FLAT:
+    if abs(math.sin(value)) < TYPED:
         check.refuse(
             "model.flat_angle",
             where,

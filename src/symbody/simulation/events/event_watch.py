@@ -19,16 +19,16 @@ from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.segments import Cut, steps_before
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
+from symbody.tolerances import INSTANT
 
 Floats = NDArray[np.float64]
 
 # Slices where events may change the motion: what is computed beyond them is thrown away.
 _ACTING_STEPS: Final = 64
 _RECORDING_STEPS: Final = 1024
-# So many events of one kind within this share of the run are one too many.
+# So many events of one kind at one instant are one too many.
 _MOST_ACTING: Final = 10
 _MOST_RECORDED: Final = 100
-_INSTANT: Final = 1e-7
 _SIMULTANEOUS: Final = 1e-12
 # A value that changes by such a share of its largest within such a share of the run has jumped.
 _BESIDE: Final = 1e-10
@@ -290,7 +290,7 @@ class EventWatch:
     def _chatters(self, crossing: Crossing) -> bool:
         recent = self._recent[crossing.place]
         recent.append(crossing.t)
-        if len(recent) < (recent.maxlen or 0) or abs(recent[-1] - recent[0]) > _INSTANT * self._span:
+        if len(recent) < (recent.maxlen or 0) or abs(recent[-1] - recent[0]) > INSTANT * self._span:
             return False
         self.chattering = self._events[crossing.place].label
         return True

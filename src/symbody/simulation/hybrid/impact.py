@@ -19,10 +19,10 @@ from symbody.equations.solving.ropes import rope_rows
 from symbody.expr.saddle import solve_saddle
 from symbody.simulation.hybrid.modes import HybridState, evaluate_outputs
 from symbody.simulation.hybrid.ropes import RATE, TAUT, RopeElements
+from symbody.tolerances import BALANCED
 
 Floats = NDArray[np.float64]
 
-_SLIGHT: Final = 1e-9  # of the largest impulse, or of the largest rate
 _MOST_TRIED: Final = 4096
 
 
@@ -89,7 +89,7 @@ def rope_impact(ropes: RopeElements, state: HybridState) -> RopeImpact | None:
         if solution.ok and _is_inelastic(pulls, after[left], rates):
             moved = x.copy()
             moved[: du.size] += du
-            least = _SLIGHT * float(pulls.max())
+            least = BALANCED * float(pulls.max())
             pairs = zip(some, pulls, strict=True)
             impulses = {ropes.names[places.index(k)]: float(pull) for k, pull in pairs if pull > least}
             change = float(evaluate_outputs(problem, ("energy",), t, moved)[0] - energy)
@@ -110,6 +110,6 @@ def _subsets(places: Sequence[int]) -> Iterator[tuple[int, ...]]:
 
 def _is_inelastic(pulls: Floats, left: Floats, rates: Floats) -> bool:
     """Return whether no rope pushes, and the ends of those that do not pull do not move apart."""
-    least = -_SLIGHT * float(np.abs(pulls).max(initial=0.0))
-    most = _SLIGHT * float(np.abs(rates).max(initial=0.0))
+    least = -BALANCED * float(np.abs(pulls).max(initial=0.0))
+    most = BALANCED * float(np.abs(rates).max(initial=0.0))
     return bool((pulls >= least).all() and (left <= most).all())

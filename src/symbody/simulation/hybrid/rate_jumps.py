@@ -30,12 +30,11 @@ from symbody.simulation.methods.integration_problem import IntegrationProblem
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
+from symbody.tolerances import AT_REST
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-# Positions and rates that change by less, of their largest value, have not jumped.
-_SLIGHT: Final = 1e-9
 # Nor where it is less, of the mechanism's size: rows that always hold are zero but for rounding.
 _ROUNDED: Final = 1e-12
 _SAMPLES: Final = 33  # of a motion, for the size of what is prescribed
@@ -128,7 +127,7 @@ def jump_times(problem: SimulationProblem, x: Floats, span: tuple[float, float])
     positions[: len(names)] = remove_turns(positions[: len(names)], np.array(turning, dtype=np.bool_))
     width = 4.0 * margin * (fastest[: len(largest)] + np.abs(rates[: len(largest)]).max(axis=1, initial=0.0))
     rounded = _ROUNDED * _sizes(problem, names)
-    torn = np.abs(positions) > (_SLIGHT * largest + width + rounded[: len(largest)])[:, np.newaxis]
+    torn = np.abs(positions) > (AT_REST * largest + width + rounded[: len(largest)])[:, np.newaxis]
     if torn.any():
         row, k = np.argwhere(torn)[0]
         raise UsageError(
@@ -136,7 +135,7 @@ def jump_times(problem: SimulationProblem, x: Floats, span: tuple[float, float])
                 [*names, *(row.coordinate or row.name for row in eqs.formed.rows)][row], float(times[k])
             )
         )
-    least = (_SLIGHT * fastest + rounded / problem.scales.time)[:, np.newaxis]
+    least = (AT_REST * fastest + rounded / problem.scales.time)[:, np.newaxis]
     found: list[float] = times[(np.abs(rates) > least).any(axis=0)].tolist()
     return found if span[1] >= span[0] else found[::-1], margin
 

@@ -22,14 +22,13 @@ from symbody.expr.saddle import solve_saddle
 from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.modes import HybridState, Modes, ModeTrial, evaluate_outputs
 from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.tolerances import BALANCED, CANCELLED
 
 Floats = NDArray[np.float64]
 
 SLACK: Final = 0
 TAUT: Final = 1
 _WORDS: Final = MappingProxyType({SLACK: "slack", TAUT: "taut"})
-_ROUNDING: Final = 1e-12  # of what cancels in the tension of a rope that carries nothing
-_LITTLE: Final = 1e-9  # of the same, when modes are compared
 _SLOW: Final = 1e-3  # of speeds: ends that approach faster do not come back at once
 # Rows of the motion of the ropes, and of their outputs in some modes.
 _MOTION: Final = ("rope_slack", "rope_slack_dot", "rope_length")
@@ -74,7 +73,7 @@ class RopeElements:
         candidates: list[tuple[int, ...]] = []
         tight = self.tight(state.before, motion)
         for k, name in enumerate(self.names):
-            parting = self._approach(state, k, motion) > _SLOW / _LITTLE * state.small * state.length
+            parting = self._approach(state, k, motion) > _SLOW / BALANCED * state.small * state.length
             if name in state.forced_modes or not tight[k] or parting:
                 candidates.append((SLACK,))
             else:
@@ -105,13 +104,13 @@ class RopeElements:
         rate = 0.0 if trial.state is None else self._approach(trial.state, place, motion)
         is_parting = trial.state is not None and rate > trial.state.small * trial.state.length
         if trial.modes[element] == TAUT:
-            pulls = bool(values[_TENSION] >= -_LITTLE / _ROUNDING * self._limit(trial, place))
+            pulls = bool(values[_TENSION] >= -BALANCED / CANCELLED * self._limit(trial, place))
             if not (pulls and is_parting):
                 return pulls
             # A rope that is taut again before its ends have measurably approached stays taut.
             back = -trial.with_mode(element, SLACK).values(self)[_ACCELERATION, place]
             return bool(rate**2 <= 2.0 * back * AT_LENGTH * motion[_LENGTH, place])
-        return not is_open or is_parting or bool(values[_ACCELERATION] >= -_LITTLE * values[_SIZE])
+        return not is_open or is_parting or bool(values[_ACCELERATION] >= -BALANCED * values[_SIZE])
 
     def end_event(self, trial: ModeTrial, place: int, mode: int) -> Event:
         """Return what ends a mode: no tension, or the rope's length."""
@@ -147,7 +146,7 @@ class RopeElements:
         gamma = [*[0.0] * len(others), 1.0]
         solution = solve_saddle(mass.ravel().tolist(), chosen.ravel().tolist(), [0.0] * len(mass), gamma)
         moved = abs(solution.multipliers[-1]) if solution.ok else 0.0
-        return float(_ROUNDING * moved * trial.values(self)[_SIZE, place])
+        return float(CANCELLED * moved * trial.values(self)[_SIZE, place])
 
 
 def rope_elements(problem: SimulationProblem) -> RopeElements:

@@ -19,10 +19,10 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.sticking import STICKS, in_modes, switching_joints
 from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.modes import HybridState, Modes, ModeTrial
+from symbody.tolerances import BALANCED
 
 Floats = NDArray[np.float64]
 
-_SLACK: Final = 1e-9  # of limits and accelerations, when modes are compared
 _WORDS: Final = MappingProxyType({STICKS: "sticks", 1: "slips forward", -1: "slips backward"})
 # Rows of what is known of the joints.
 _RESERVE, _EFFORT, _ACCELERATION = range(3)
@@ -78,13 +78,13 @@ class StickSlipJoints:
             return False
         if mode == STICKS:
             limit = values[_RESERVE, place] + abs(values[_EFFORT, place])
-            return bool(values[_RESERVE, place] >= -_SLACK * limit)
+            return bool(values[_RESERVE, place] >= -BALANCED * limit)
         acceleration = values[_ACCELERATION, place]
         if not is_open or acceleration * mode >= 0.0:
             return True
         # At the limit itself nothing accelerates yet: rounding, beside what the other direction would do.
         other = trial.with_mode(element, -mode).values(self)[_ACCELERATION, place]
-        return bool(abs(acceleration) <= _SLACK * abs(other))
+        return bool(abs(acceleration) <= BALANCED * abs(other))
 
     def end_event(self, trial: ModeTrial, place: int, mode: int) -> Event:
         """Return what ends a mode: no reserve, or no rate."""

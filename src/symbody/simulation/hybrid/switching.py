@@ -32,13 +32,11 @@ from symbody.simulation.methods.integration import MotionPlan
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
+from symbody.tolerances import AT_REST, INSTANT
 
 Floats = NDArray[np.float64]
-# Rates below this share of the largest speed so far, or of the mechanism's own, are rounding of what rests.
-_AT_REST: Final = 1e-9
-# So many changes within this share of the run are one too many.
+# So many changes at one instant are one too many.
 _MOST_CHANGES: Final = 50
-_INSTANT: Final = 1e-7
 _MOST_NOTES: Final = 20  # of impacts
 _UNDETERMINED: Final = "no way of sticking and slipping fits the friction of the joints at rest"
 
@@ -127,7 +125,7 @@ class _History:
         scales, n_u = problem.scales, len(problem.eqs.speed_names)
         rates = np.abs(x[:n_u] / scales.displacements(problem.eqs))
         self.fastest.append(float(rates.max(initial=1.0 / scales.time)))
-        return HybridState(t, x, before, forced_modes, _AT_REST * max(self.fastest), scales.length)
+        return HybridState(t, x, before, forced_modes, AT_REST * max(self.fastest), scales.length)
 
     def run_part(self, modes: Modes, state: HybridState) -> HybridState | None:
         """Add the part of the motion in some modes; return the state in which they end, if they do."""
@@ -191,7 +189,7 @@ class _History:
         """Return whether modes change again and again within an instant."""
         start, end = self.plan.integration.span
         recent = self.changes[-_MOST_CHANGES:]
-        return len(self.changes) > _MOST_CHANGES and t - recent[0] < _INSTANT * (end - start)
+        return len(self.changes) > _MOST_CHANGES and t - recent[0] < INSTANT * (end - start)
 
     def trajectory(self) -> Trajectory:
         """Return the motion so far."""

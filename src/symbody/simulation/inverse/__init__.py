@@ -1,1 +1,1 @@
-"""Inverse dynamics: what makes a mechanism move as it is told to."""
+"""Inverse dynamics: the inputs of a prescribed motion."""

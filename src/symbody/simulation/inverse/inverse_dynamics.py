@@ -1,4 +1,4 @@
-"""`inverse_dynamics`: the inputs that make a mechanism move as it is told to.
+"""`inverse_dynamics`: the inputs that make a mechanism move as prescribed.
 
 Positions by continuation along the times, speeds and accelerations from the differentiated constraints, then
 one linear system in the unknown inputs at each time (García de Jalón & Bayo 1994, section 5.2; Haug 1989,
@@ -25,10 +25,9 @@ from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, UsageError, nearest
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
 from symbody.simulation.inputs.tables import Table
-from symbody.simulation.inverse.influence import influence
 from symbody.simulation.inverse.motion_laws import Motion, motion_laws
 from symbody.simulation.inverse.path import Samples, path_of
-from symbody.simulation.inverse.unknowns import Unknowns
+from symbody.simulation.inverse.unknowns import Unknowns, influence
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.provenance import provenance_of
 from symbody.simulation.results.trajectory import Trajectory
@@ -50,7 +49,7 @@ def inverse_dynamics(
     *,
     scales: Mapping[str, float] | None = None,
 ) -> Trajectory:
-    """Return the motion asked for, with the inputs that make it.
+    """Return the prescribed motion with the inputs that make it.
 
     Parameters
     ----------
@@ -67,8 +66,8 @@ def inverse_dynamics(
     guess : mapping of name to number or formula in parameters
         Near which the loops close at the first time.
     scales : mapping of "length", "time", "mass" to float, optional
-        What counts as large [m, s, kg]; by default it follows from the model, and without any length there
-        from the motion asked for and the first position.
+        Sizes of the mechanism [m, s, kg]; by default they follow from the model, and without any length there
+        from the prescribed motion and the first position.
 
     Returns
     -------
@@ -93,20 +92,20 @@ def inverse_dynamics(
     span = (float(t[0]), float(t[-1]))
     driven = follower(eqs, *motion_laws(motion, span), given)
     path = path_of(eqs, driven, given, dict(guess or {}), checked_scales(scales), t)
-    known = input_laws([name for name in eqs.input_names if name not in names], others, span)
-    solver = Unknowns(path, eqs, known, names, influence(eqs, names))
+    laws = input_laws([name for name in eqs.input_names if name not in names], others, span)
+    solver = Unknowns(path, eqs, laws, names, influence(eqs, names))
     samples = path.samples(t)
-    found = solver.solved(samples)
-    notes = tuple(_notes(eqs, names, others, known, redundant=found.redundant))
-    return _trajectory(solver, samples, found.values, notes, started)
+    inputs_found = solver.solved(samples)
+    notes = tuple(_notes(eqs, names, others, laws, redundant=inputs_found.redundant))
+    return _trajectory(solver, samples, inputs_found.values, notes, started)
 
 
 def _trajectory(
     solver: Unknowns, samples: Samples, r: Floats, notes: tuple[str, ...], started: float
 ) -> Trajectory:
     """Return the motion with the inputs found, and what follows from both."""
-    eqs, known = solver.eqs, solver.laws
-    laws = FoundLaws(known.formulas, known.callbacks, known.notes, known.tables, solver, {_key(samples): r})
+    eqs, given = solver.eqs, solver.laws
+    laws = FoundLaws(given.formulas, given.callbacks, given.notes, given.tables, solver, {_key(samples): r})
     evaluate = Evaluator(SimulationProblem(eqs, solver.path.parameters, laws, solver.path.scales), None)
     power = evaluate("power", samples.t, samples.q, samples.u)
     count = samples.t.size
@@ -124,16 +123,16 @@ def _trajectory(
         units=eqs.units,
         notes=notes,
         name=eqs.model.name,
-        provenance=provenance_of(eqs, solver.path.parameters, known, tables),
+        provenance=provenance_of(eqs, solver.path.parameters, given, tables),
     )
 
 
 @dataclass(frozen=True, slots=True)
 class FoundLaws(InputLaws):
-    """Laws of inputs, of which the unknown ones are solved for where they are asked."""
+    """Laws of inputs, of which the unknown ones are solved for at each evaluation."""
 
     solver: Unknowns
-    # Of the samples of the motion, and whatever else was asked for.
+    # Solved so far, by times and states.
     found: dict[bytes, Floats] = field(repr=False)
 
     def values(self, t: Floats, q: Floats, u: Floats) -> Floats:
@@ -154,14 +153,14 @@ def _key(samples: Samples) -> bytes:
 
 def _times(times: ArrayLike) -> Floats:
     try:
-        found = np.atleast_1d(np.array(times, dtype=np.float64))
+        rising = np.atleast_1d(np.array(times, dtype=np.float64))
     except (TypeError, ValueError) as error:
         raise _wrong_times(f"{times!r} are not numbers") from error
-    if found.ndim != 1 or not found.size or not np.isfinite(found).all():
-        raise _wrong_times(f"they have shape {found.shape}, or are not finite")
-    if (np.diff(found) <= 0.0).any():
+    if rising.ndim != 1 or not rising.size or not np.isfinite(rising).all():
+        raise _wrong_times(f"they have shape {rising.shape}, or are not finite")
+    if (np.diff(rising) <= 0.0).any():
         raise _wrong_times("they do not rise")
-    return found
+    return rising
 
 
 def _wrong_times(what: str) -> UsageError:
@@ -201,8 +200,8 @@ def _check_questions(
         )  # fmt: skip
     problems += [
         Problem("inverse.rope", f"constraint {name}",
-                "a rope may be slack or taut, and a motion does not tell",
-                "", "use a Distance that is no rope where it is taut, or leave it out where it is slack")
+                "whether a rope is slack or taut does not follow from a motion",
+                "", "use a Distance that is not a rope where it is taut, or leave it out where it is slack")
         for name in ropes(eqs.formed)
     ]  # fmt: skip
     if problems:
@@ -212,7 +211,7 @@ def _check_questions(
 def _no_input(eqs: EquationSet, name: str) -> Problem:
     if name in eqs.multiplier_names or name.startswith(("reaction ", "effort ")):
         return Problem(
-            "inverse.always_known", f"unknown {name}", f"{name} is no input of the model",
+            "inverse.always_known", f"unknown {name}", f"{name} is not an input of the model",
             "multipliers, reactions and efforts are always solved for",
             f"leave it out here and read run[{name!r}] from the result",
         )  # fmt: skip
@@ -224,7 +223,7 @@ def _no_input(eqs: EquationSet, name: str) -> Problem:
 
 
 def _notes(
-    eqs: EquationSet, unknowns: Sequence[str], inputs: Mapping[str, Any], known: InputLaws, *, redundant: bool
+    eqs: EquationSet, unknowns: Sequence[str], inputs: Mapping[str, Any], laws: InputLaws, *, redundant: bool
 ) -> list[str]:
     silent = [name for name in eqs.input_names if name not in inputs and name not in unknowns]
     notes = [f"input {name} has no value and is 0" for name in silent]
@@ -233,7 +232,7 @@ def _notes(
             f"{', '.join(unknowns)} are more than the motion determines: of all values that give it, "
             "these have the least sum of squares"
         )
-    return [*notes, *known.notes]
+    return [*notes, *laws.notes]
 
 
 def _integral(t: Floats, power: Floats) -> Floats:

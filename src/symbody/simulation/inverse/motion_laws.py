@@ -1,4 +1,4 @@
-"""Motions that are given: formulas become constraints, tables and callables are asked along the way."""
+"""Prescribed motions: formulas become constraints, tables and callables are evaluated along the path."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ def motion_laws(
         elif isinstance(table, str | int | float | Formula):
             formulas[name] = table
         elif is_expression(table):
-            formulas[name] = _written(table)
+            formulas[name] = _formula_of(table)
         elif callable(table):
-            laws[name] = _asked(name, table)
+            laws[name] = _wrap_function(name, table)
         else:
             formulas[name] = Formula.of(plain(table))
     if problems:
@@ -56,7 +56,7 @@ def motion_laws(
     return formulas, laws
 
 
-def _written(law: object) -> Formula:
+def _formula_of(law: object) -> Formula:
     """Return a law that SymPy wrote as a formula."""
     graph = Graph()
     return Formula.of(to_text(graph, from_sympy(law, graph)))
@@ -64,20 +64,20 @@ def _written(law: object) -> Formula:
 
 def _table_problems(name: str, table: Table, span: tuple[float, float]) -> list[Problem]:
     where, times = f"motion {name}", np.asarray(table.t, dtype=np.float64)
-    found = []
+    problems = []
     if table.kind != "cubic":
-        found.append(
+        problems.append(
             Problem("inverse.table_corners", where, "a table of straight lines has infinite accelerations",
                     "its rate jumps at every point", 'write sb.Table(..., kind="cubic")')
         )  # fmt: skip
     if span[0] < times[0] or span[1] > times[-1]:
-        found.append(
+        problems.append(
             Problem("inverse.table_span", where,
                     f"the table reaches from {times[0]:g} s to {times[-1]:g} s, the times from "
                     f"{span[0]:g} s to {span[1]:g} s", "",
                     "extend the table, or ask for times within it")
         )  # fmt: skip
-    return found
+    return problems
 
 
 def _spline(table: Table) -> Law:
@@ -89,20 +89,22 @@ def _spline(table: Table) -> Law:
     return law
 
 
-def _asked(name: str, function: Callable[[float], tuple[float, float, float]]) -> Law:
+def _wrap_function(name: str, function: Callable[[float], tuple[float, float, float]]) -> Law:
     def law(t: float) -> tuple[float, float, float]:
         try:
             given = np.asarray(function(t), dtype=np.float64)
         except Exception as error:
-            raise _failed(name, f"at t = {t:.9g} s it raised {type(error).__name__}: {error}") from error
+            raise _function_problem(
+                name, f"at t = {t:.9g} s it raised {type(error).__name__}: {error}"
+            ) from error
         if given.shape != (3,) or not np.isfinite(given).all():
-            raise _failed(name, f"at t = {t:.9g} s it returned {given.tolist()}")
+            raise _function_problem(name, f"at t = {t:.9g} s it returned {given.tolist()}")
         return float(given[0]), float(given[1]), float(given[2])
 
     return law
 
 
-def _failed(name: str, what: str) -> UsageError:
+def _function_problem(name: str, what: str) -> UsageError:
     return UsageError(
         Problem("inverse.motion_function", f"motion {name}", what,
                 "accelerations need the motion and two derivatives",

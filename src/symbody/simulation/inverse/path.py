@@ -1,4 +1,4 @@
-"""The motion that is asked for: positions by continuation, speeds and accelerations exactly."""
+"""The prescribed motion: positions by continuation, speeds and accelerations exactly."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Samples(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Path:
-    """What is asked of a mechanism, of what it consists, and its first position."""
+    """A mechanism with a motion of its driven coordinates, and its first position."""
 
     eqs: EquationSet
     follower: Follower
@@ -54,15 +54,15 @@ class Path:
         """
         first = self.follower.closed(float(times[0]), self.first)
         q = self.first if first is None else first
-        found = []
+        states = []
         for k, t in enumerate(times.tolist()):
             if k:
                 reached, q = self.follower.reached(float(times[k - 1]), q, t)
                 if reached != t:
-                    raise SimulationError(self._lost(reached, t, q))
+                    raise SimulationError(self._reach_problem(reached, t, q))
             u, udot = self.motion(t, q)
-            found.append((q, u, udot))
-        columns = [np.array([one[k] for one in found]).T for k in range(3)]
+            states.append((q, u, udot))
+        columns = [np.array([one[k] for one in states]).T for k in range(3)]
         return Samples(times, *columns)
 
     def motion(self, t: float, q: Floats) -> tuple[Floats, Floats]:
@@ -78,9 +78,9 @@ class Path:
         follower = self.follower
         still = np.zeros(len(self.eqs.speed_names))
         jacobian, rate, _ = follower.rows(t, q, still)
-        freedom = follower.freedom(jacobian)
-        if freedom.basis.shape[1]:
-            raise UsageError(self._free(t, q, freedom.basis * follower.speed_sizes[:, np.newaxis]))
+        basis = follower.freedoms(jacobian)
+        if basis.shape[1]:
+            raise UsageError(self._freedoms_left(t, q, basis * follower.speed_sizes[:, np.newaxis]))
         u, error = follower.solve(jacobian, rate)
         self._check(t, "speeds", error, rate)
         jacobian, _, acceleration = follower.rows(t, q, u)
@@ -88,28 +88,28 @@ class Path:
         self._check(t, "accelerations", error, acceleration)
         return u, udot
 
-    def _check(self, t: float, what: str, error: float, wanted: Floats) -> None:
-        largest = float(np.abs(wanted / self.follower.scales).max(initial=0.0))
-        own = self.follower.time ** (-2 if what == "accelerations" else -1)
-        if error <= _CONSISTENT * (own + largest):
+    def _check(self, t: float, what: str, error: float, demanded: Floats) -> None:
+        largest = float(np.abs(demanded / self.follower.scales).max(initial=0.0))
+        natural = self.follower.time ** (-2 if what == "accelerations" else -1)
+        if error <= _CONSISTENT * (natural + largest):
             return
         driven = ", ".join(self.follower.driven)
         raise SimulationError(
             Problem("inverse.motion_conflict", f"motion {driven}",
-                    f"at t = {t:.9g} s no {what} of the mechanism have the motion asked for; it misses by "
+                    f"at t = {t:.9g} s no {what} of the mechanism have the prescribed motion; it misses by "
                     f"{error:.3g} of the mechanism's size",
                     "the driven coordinates depend on each other, or the mechanism stands in a singular "
                     "position", "drive fewer coordinates, or motions that fit the constraints")
         )  # fmt: skip
 
-    def _free(self, t: float, q: Floats, basis: Floats) -> Problem:
-        """Say how many freedoms are left, and of which speeds."""
+    def _freedoms_left(self, t: float, q: Floats, basis: Floats) -> Problem:
+        """Return the refusal of a motion that leaves freedoms, with their number and speeds."""
         names, left = self.eqs.speed_names, basis.copy()
-        found = []
+        speeds = []
         for _ in range(basis.shape[1]):
             scaled = np.linalg.norm(left / self.follower.speed_sizes[:, np.newaxis], axis=1)
             k = int(scaled.argmax())
-            found.append(names[k])
+            speeds.append(names[k])
             row = left[k] / np.linalg.norm(left[k])
             left = left - np.outer(left @ row, row)
         count, driven = basis.shape[1], ", ".join(self.follower.driven) or "nothing"
@@ -123,14 +123,14 @@ class Path:
             fix = "give motions of further coordinates, or sb.simulate with the inputs"
         word = "freedom is" if count == 1 else "freedoms are"
         return Problem("inverse.freedoms_left", "motion",
-                       f"at t = {t:.9g} s {count} {word} left: {', '.join(found)}", why, fix)  # fmt: skip
+                       f"at t = {t:.9g} s {count} {word} left: {', '.join(speeds)}", why, fix)  # fmt: skip
 
-    def _lost(self, reached: float, t: float, q: Floats) -> Problem:
-        """Say where the motion ends, and at which joint."""
+    def _reach_problem(self, reached: float, t: float, q: Floats) -> Problem:
+        """Return the refusal of a motion that cannot go on, with time and joint."""
         joint = self.follower.stuck(reached, q)
-        known = dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
+        coordinates = dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
         try:
-            assemble(self.eqs, self.follower.asked(t), known, self.parameters, None, t)
+            assemble(self.eqs, self.follower.asked(t), coordinates, self.parameters, None, t)
             why = "at the next time the mechanism closes again, but no motion leads there"
         except AssemblyError as error:
             why = f"at t = {t:.9g} s {error.problems[0].what}"
@@ -140,7 +140,7 @@ class Path:
         return Problem("inverse.out_of_reach", element_of(self.eqs, joint),
                        f"at t = {reached:.9g} s the motion cannot go on; there {asked}", why,
                        "end the motion before this time, or ask for one within reach; "
-                       "sb.trace_positions tells the limits")  # fmt: skip
+                       "sb.trace_positions finds the limits")  # fmt: skip
 
 
 def path_of(
@@ -156,11 +156,11 @@ def path_of(
     Raises
     ------
     AssemblyError
-        If there is no first position.
+        If the loops do not close at the first time.
     """
     t = float(times[0])
     state = assemble(eqs, follower.asked(t), guess, parameters, None, t, scales=scales)
-    asked = [follower.asked(float(s)) for s in times]
-    farthest = {name: max(abs(one[name]) for one in asked) for name in follower.driven}
-    known = mechanism_scales(eqs, parameters, scales, {**state.q, **farthest})
-    return Path(eqs, follower.scaled(known), parameters, known, np.array(list(state.q.values())))
+    targets = [follower.asked(float(s)) for s in times]
+    farthest = {name: max(abs(one[name]) for one in targets) for name in follower.driven}
+    mechanism = mechanism_scales(eqs, parameters, scales, {**state.q, **farthest})
+    return Path(eqs, follower.scaled(mechanism), parameters, mechanism, np.array(list(state.q.values())))

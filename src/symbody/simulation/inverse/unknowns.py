@@ -7,7 +7,7 @@ The columns of Z are the motions that the constraints allow, so multipliers drop
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -16,19 +16,19 @@ from numpy.typing import NDArray
 from symbody.codegen.compile import form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import Problem, SimulationError
+from symbody.equations.formulations.formulation import ProjectedDynamics
+from symbody.errors import Problem, SimulationError, UsageError
+from symbody.expr.calculus import derivative
+from symbody.expr.expression import Expr
+from symbody.expr.rewrite import symbols_of
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inverse.path import Path, Samples
+from symbody.tolerances import AT_REST, BEARING, CANCELLED, DIFFERENCE, TINY
 
 Floats = NDArray[np.float64]
 
-_RANK: Final = 1e-9  # of the largest singular value of Z^T B
 _HELD: Final = 1e-7  # of the largest force: what is left over counts as rounding
-# Of an acceleration of the mechanism's own size, where forces that cancel leave nothing to compare with.
-_STILL: Final = 1e-9
 _ROUNDS: Final = 30
-_SAME: Final = 1e-12
-_DIFFERENCE: Final = 1e-6  # of unknowns, for friction
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +41,7 @@ class Found:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Unknowns:
-    """What solves for unknown inputs.
+    """Solves for unknown inputs.
 
     Attributes
     ----------
@@ -60,20 +60,20 @@ class Unknowns:
 
     @property
     def left(self) -> tuple[str, ...]:
-        """Inputs that are arguments of compiled functions, in order: unknown ones and those asked for."""
+        """Inputs that are arguments of compiled functions, in order: unknown ones and callables."""
         return tuple(name for name in self.eqs.input_names if name not in self.laws.formulas)
 
     def arguments(self, samples: Samples, r: Floats) -> Floats:
         """Return the inputs of compiled functions (N, n), from unknowns (n, N)."""
         t, q, u, _ = samples
         others = self.laws.values(t, q, u)
-        found = np.zeros((t.size, len(self.left)))
+        arguments = np.zeros((t.size, len(self.left)))
         for k, name in enumerate(self.left):
             if name in self.names:
-                found[:, k] = r[self.names.index(name)]
+                arguments[:, k] = r[self.names.index(name)]
             else:
-                found[:, k] = others[:, list(self.laws.callbacks).index(name)]
-        return found
+                arguments[:, k] = others[:, list(self.laws.callbacks).index(name)]
+        return arguments
 
     def solved(self, samples: Samples) -> Found:
         """Return the unknown inputs of a motion.
@@ -85,12 +85,15 @@ class Unknowns:
         """
         count = samples.t.size
         sizes = self.path.follower.speed_sizes
-        mass = self._evaluated(self._compiled()[0], samples, np.zeros((len(self.names), count)))
+        mass = self._evaluate(self._compile()[0], samples, np.zeros((len(self.names), count)))
         needed = np.einsum("nij,jn->ni", mass, samples.udot) * sizes
-        unit = [self._evaluated(f, samples, np.zeros((len(self.names), count))) * sizes
-                for f in self._compiled()[2:]]  # fmt: skip
+        unit = [self._evaluate(f, samples, np.zeros((len(self.names), count))) * sizes
+                for f in self._compile()[2:]]  # fmt: skip
         slopes = np.stack(unit, axis=-1) if unit else np.zeros((count, len(sizes), 0))
-        bases = [self._allowed(t, q, u) for t, q, u in zip(samples.t, samples.q.T, samples.u.T, strict=True)]
+        bases = [
+            self._allowed_motions(t, q, u)
+            for t, q, u in zip(samples.t, samples.q.T, samples.u.T, strict=True)
+        ]
         r = np.zeros((len(self.names), count))
         redundant = False
         for _ in range(_ROUNDS if self.eqs.formed.friction else 2):
@@ -98,22 +101,22 @@ class Unknowns:
             columns = self._with_friction(samples, r, forcing, slopes) if self.eqs.formed.friction else slopes
             change = np.zeros_like(r)
             for k, basis in enumerate(bases):
-                change[:, k], few = _least(basis.T @ columns[k], basis.T @ (needed[k] - forcing[k]))
+                change[:, k], few = _least_inputs(basis.T @ columns[k], basis.T @ (needed[k] - forcing[k]))
                 redundant |= few and np.abs(columns[k]).max(initial=0.0) > 0.0
             r += change
-            if np.abs(change).max(initial=0.0) <= _SAME * np.abs(r).max(initial=0.0):
+            if np.abs(change).max(initial=0.0) <= CANCELLED * np.abs(r).max(initial=0.0):
                 break
         forcing = self._forcing(samples, r)
         terms = [np.abs(needed), np.abs(forcing), np.abs(slopes * r.T[:, np.newaxis]).sum(axis=-1)]
         size = np.sum([term.max(axis=1, initial=0.0) for term in terms], axis=0)
-        still = _STILL / _HELD / self.path.follower.time**2
+        still = AT_REST / _HELD / self.path.follower.time**2
         size += still * np.abs(mass * sizes * sizes[:, np.newaxis]).max(axis=(1, 2), initial=0.0)
         self._check(samples, bases, needed - forcing, size, slopes)
         return Found(r, redundant)
 
     def _forcing(self, samples: Samples, r: Floats) -> Floats:
-        found: Floats = self._evaluated(self._compiled()[1], samples, r) * self.path.follower.speed_sizes
-        return found
+        forcing: Floats = self._evaluate(self._compile()[1], samples, r) * self.path.follower.speed_sizes
+        return forcing
 
     def _with_friction(self, samples: Samples, r: Floats, forcing: Floats, slopes: Floats) -> Floats:
         """Return the derivatives of the forcing by the unknowns, what friction makes of them included."""
@@ -123,17 +126,17 @@ class Unknowns:
         columns = []
         for k in range(len(self.names)):
             beside = r.copy()
-            beside[k] += _DIFFERENCE * scale
-            columns.append((self._forcing(samples, beside) - forcing) / (_DIFFERENCE * scale))
+            beside[k] += DIFFERENCE * scale
+            columns.append((self._forcing(samples, beside) - forcing) / (DIFFERENCE * scale))
         return np.stack(columns, axis=-1)
 
-    def _allowed(self, t: float, q: Floats, u: Floats) -> Floats:
+    def _allowed_motions(self, t: float, q: Floats, u: Floats) -> Floats:
         """Return the motions that the mechanism's own constraints allow, in scaled speeds."""
         follower = self.path.follower
         jacobian = follower.rows(float(t), q, u)[0]
-        return follower.freedom(jacobian[follower.own_rows]).basis
+        return follower.freedoms(jacobian[follower.own_rows])
 
-    def _compiled(self) -> Sequence[CompiledFunction]:
+    def _compile(self) -> Sequence[CompiledFunction]:
         """Return functions of the mass matrix, the forcing, and each column of it."""
         if not self._functions:
             for eqs, name in [(self.eqs, "mass_matrix"), (self.eqs, "forcing"),
@@ -142,7 +145,7 @@ class Unknowns:
                 self._functions.append(CompiledFunction(*sequence))
         return self._functions
 
-    def _evaluated(self, function: CompiledFunction, samples: Samples, r: Floats) -> Any:
+    def _evaluate(self, function: CompiledFunction, samples: Samples, r: Floats) -> Any:
         return function(samples.t, samples.q.T, samples.u.T, self.arguments(samples, r))
 
     def _check(
@@ -159,12 +162,14 @@ class Unknowns:
             left = basis.T @ missing[k]
             if np.abs(left).max(initial=0.0) <= _HELD * size[k]:
                 continue
-            raise SimulationError(self._powerless(samples, k, basis, left, slopes[k]))
+            raise SimulationError(self._underactuated_problem(samples, k, basis, left, slopes[k]))
 
-    def _powerless(self, samples: Samples, k: int, basis: Floats, left: Floats, slopes: Floats) -> Problem:
+    def _underactuated_problem(
+        self, samples: Samples, k: int, basis: Floats, left: Floats, slopes: Floats
+    ) -> Problem:
         follower, t = self.path.follower, float(samples.t[k])
         jacobian = follower.rows(t, samples.q[:, k], samples.u[:, k])[0]
-        rows = jacobian / follower.scales[:, np.newaxis] * follower.speed_sizes
+        rows = follower.scaled_rows(jacobian)
         first = follower.n_h - len(follower.driven)
         shares = np.abs(rows[first : follower.n_h] @ (basis @ left))
         idle = [
@@ -172,25 +177,61 @@ class Unknowns:
         ]
         reach = basis.T @ slopes
         rank = int(
-            np.linalg.matrix_rank(reach, tol=_RANK * max(float(np.abs(slopes).max(initial=0.0)), 1e-300))
+            np.linalg.matrix_rank(reach, tol=BEARING * max(float(np.abs(slopes).max(initial=0.0)), TINY))
         )
         weak = [
             name for j, name in enumerate(self.names)
-            if np.abs(reach[:, j]).max(initial=0.0) <= _RANK * max(np.abs(slopes).max(initial=0.0), 1e-300)
+            if np.abs(reach[:, j]).max(initial=0.0) <= BEARING * max(np.abs(slopes).max(initial=0.0), TINY)
         ]  # fmt: skip
         listed = ", ".join(self.names) or "there are none"
         why = f"of {basis.shape[1]} freedoms the unknowns ({listed}) drive {rank}"
         if weak:
             why += f"; {', '.join(weak)} cannot influence any motion here"
         return Problem("inverse.underactuated", f"motion {', '.join(idle)}",
-                       f"at t = {t:.9g} s no values of the unknowns give {', '.join(idle)} as asked", why,
+                       f"at t = {t:.9g} s no values of the unknowns make {', '.join(idle)} as given", why,
                        "name further inputs as unknowns, give the model a drive there, "
                        "or drive a coordinate that the unknowns move")  # fmt: skip
 
 
-def _least(matrix: Floats, right: Floats) -> tuple[Floats, bool]:
+def _least_inputs(matrix: Floats, right: Floats) -> tuple[Floats, bool]:
     """Return the least solution, and whether there are others."""
     if not matrix.size:
         return np.zeros(matrix.shape[1]), bool(matrix.shape[1])
-    found = np.linalg.lstsq(matrix, right, rcond=_RANK)
-    return np.asarray(found[0], dtype=np.float64), bool(found[2] < matrix.shape[1])
+    solution = np.linalg.lstsq(matrix, right, rcond=BEARING)
+    return np.asarray(solution[0], dtype=np.float64), bool(solution[2] < matrix.shape[1])
+
+
+def influence(eqs: EquationSet, unknowns: Sequence[str]) -> tuple[EquationSet, ...]:
+    """Return equations whose forcing is one column of B each, in the order of `unknowns`.
+
+    Raises
+    ------
+    UsageError
+        If an unknown enters otherwise than in first degree, naming it and where.
+    """
+    formed, graph = eqs.formed, eqs.formed.graph
+    forcing = [force.index for force in formed.dynamics.forcing]
+    asked = {formed.names.value(name).index: name for name in unknowns}
+    columns = [derivative(graph, forcing, node) for node in asked]
+    problems = []
+    for name, column in zip(unknowns, columns, strict=True):
+        left = {asked[node] for node in symbols_of(graph, column) if node in asked}
+        if left:
+            places = [eqs.speed_names[k] for k, x in enumerate(column) if not asked.keys().isdisjoint(
+                symbols_of(graph, [x]))]  # fmt: skip
+            problems.append(
+                Problem("inverse.not_affine", f"unknown {name}",
+                        f"{name} enters the equation of {', '.join(places)} in higher degree",
+                        f"its coefficient depends on {', '.join(sorted(left))}",
+                        "take the force or torque itself as the input, and find afterwards what makes it")
+            )  # fmt: skip
+    if problems:
+        raise UsageError(*problems)
+    mass = formed.dynamics.mass_matrix
+    equations = []
+    for column in columns:
+        shares = tuple(Expr(graph, node) for node in column)
+        dynamics = ProjectedDynamics(mass, shares, formed.kinetic_energy, formed.potential_energy)
+        plain = replace(formed, dynamics=dynamics, friction=())
+        equations.append(EquationSet(eqs.model, plain.with_rows(formed.rows), eqs.notes))
+    return tuple(equations)

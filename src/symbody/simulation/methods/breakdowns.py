@@ -12,11 +12,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.dependent_speeds import CURE, pivot_groups
+from symbody.analysis.velocities import CURE, pivot_groups
 from symbody.simulation.events.events import Event
 from symbody.simulation.methods.integration import Integration
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
+from symbody.tolerances import UNSOLVED
 
 Floats = NDArray[np.float64]
 
@@ -26,7 +27,6 @@ _SHARE: Final = 0.1  # of the first pivot, where that is small already
 _LABEL: Final = "dependent speeds "
 # Steps end where accelerations grow like 1 / margin; what is left there is far less, elsewhere far more.
 _LEAST_MARGIN: Final = 1e-3
-_UNSOLVED: Final = 1e-9  # residuals above this make the efforts NaN, see `equations.solving.friction`
 _BROKEN: Final = frozenset({Status.NOT_FINITE, Status.STEP_COLLAPSE, Status.SINGULAR, Status.TOO_MANY_STEPS})
 
 
@@ -76,7 +76,7 @@ def judge_friction(problem: SimulationProblem, run: Integration) -> Integration:
     state = t, x[n_u:n, np.newaxis], x[:n_u, np.newaxis]
     margins = np.nan_to_num(problem.evaluate(problem.compile_outputs("friction_margin"), *state)[0], nan=-1.0)
     residuals = problem.evaluate(problem.compile_outputs("friction_residual"), *state)[0]
-    unsolved = np.nan_to_num(residuals, nan=1.0) > _UNSOLVED
+    unsolved = np.nan_to_num(residuals, nan=1.0) > UNSOLVED
     if margins.min() > _LEAST_MARGIN and not unsolved.any():
         return run
     k = int(margins.argmin() if margins.min() <= _LEAST_MARGIN else residuals.argmax())

@@ -15,6 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.manifold import count_significant
 from symbody.simulation.methods.constraints import Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.integration import Constraints, Integration, MotionPlan, integrate_plan
@@ -43,7 +44,6 @@ _TWO: Final = 2
 _DEMANDED: Final = 1e-2
 _REFINEMENTS: Final = 12
 _PER_REFINEMENT: Final = 9
-_INDEPENDENT: Final = 1e-6
 # Velocities on both sides of a change point are compared where the singular value is this share: some tenths
 # of a radian apart. Extrapolated from one side, with what a parabola leaves, they agree to the cube of that;
 # those of two branches differ by their angle, of order one.
@@ -136,7 +136,7 @@ def is_overconstrained(problem: SimulationProblem, t: float, x: Floats) -> bool:
     tangents = np.linalg.svd(loops.positions(branch.t, branch.q)[1])[2][branch.positions :]
     shares = np.linspace(0.5, 1.5, branch.q.size) * tangents.sum(axis=0)
     sizes = loops.singular_values(branch.t, branch.q + _BESIDE * shares * loops.sizes)
-    return int((sizes > _STANDS * sizes.max(initial=0.0)).sum()) > branch.speeds
+    return count_significant(sizes, _STANDS) > branch.speeds
 
 
 def change_point(problem: SimulationProblem, raw: RawRun) -> float | None:
@@ -229,7 +229,7 @@ def _passages(problem: SimulationProblem, raw: RawRun) -> _Passages | None:
     sizes = loops.singular_values(dense.breaks, dense(dense.breaks)[loops.places].T)
     if not np.isfinite(sizes).all():
         return None
-    rank = int((sizes > _INDEPENDENT * sizes.max()).sum(axis=1).max())
+    rank = count_significant(sizes)
     if rank == 0:
         return None
     largest = float(sizes[:, rank - 1].max())

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.scales import USUAL_SHARE, Scales
+from symbody.analysis.scales import Scales
 from symbody.arguments import checked_fields
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
@@ -16,6 +16,7 @@ from symbody.errors import Problem, UsageError
 from symbody.expr.expression import Expr
 from symbody.simulation.native.interface import Projector
 from symbody.simulation.native.loop import EPSILON
+from symbody.tolerances import CLOSED
 
 Floats = NDArray[np.float64]
 
@@ -148,7 +149,7 @@ def make_projector(
 
 def residual_share(method: Projection, atol: float | None) -> float:
     """Return by which share of its scale a constraint may be open."""
-    return min(method.tolerance, USUAL_SHARE if atol is None else atol)
+    return min(method.tolerance, CLOSED if atol is None else atol)
 
 
 def _check_one_pair(named: tuple[str, ...]) -> None:

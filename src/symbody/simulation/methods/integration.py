@@ -15,7 +15,6 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.scales import USUAL_SHARE
 from symbody.errors import Problem, UsageError
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.inputs.input_laws import CallbackFunction
@@ -29,6 +28,7 @@ from symbody.simulation.methods.stiff import Stiff, run_stiff
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.status import Status
+from symbody.tolerances import CLOSED
 
 Floats = NDArray[np.float64]
 Integrator = Explicit | FixedStep | Stiff
@@ -181,7 +181,7 @@ def _work_tolerance(integration: IntegrationProblem) -> float:
     """
     problem, n_u, x = integration.problem, integration.n_u, integration.state
     kinetic = problem.interpret("kinetic_energy", integration.span[0], x[n_u:], x[:n_u])
-    usual = USUAL_SHARE * problem.scales.energy if integration.atol is None else integration.atol
+    usual = CLOSED * problem.scales.energy if integration.atol is None else integration.atol
     return min(max(usual, integration.rtol * kinetic), sys.float_info.max)
 
 

@@ -15,13 +15,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.manifold import ConstraintManifold, explore_branch
+from symbody.manifold import ConstraintManifold, count_significant, explore_branch
 from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.tolerances import SHARP_RANK
 
 Floats = NDArray[np.float64]
 
-# Relative singular values of rows that are independent where loops are closed to rounding.
-INDEPENDENT: Final = 1e-8
 # Beside a change point by an angle d its least singular value is about d. Coordinates are solved to eps / d,
 # speeds to eps / d^2 and accelerations to eps / d^3: of some 30 speeds [m] to 1e-9 of what they are at this
 # share of the value elsewhere.
@@ -67,15 +66,8 @@ class LoopConstraints:
 
     def positions(self, t: float | Floats, q: Floats) -> tuple[Floats, Floats]:
         """Return the conditions (.., m) on positions and their derivatives (.., m, n_q) by ``q / sizes``."""
-        found = self._values(("constraints", "position_jacobian"), t, q)
-        scales = self._scales[: found[0].shape[-1]]
-        values, slopes = [found[0] / scales], [found[1] / scales[:, np.newaxis] * self.sizes]
-        for four in self._quaternions:
-            row = np.zeros((*q.shape[:-1], 1, q.shape[-1]))
-            row[..., 0, four] = q[..., four]
-            values.append(((q[..., four] ** 2).sum(axis=-1, keepdims=True) - 1.0) / 2.0)
-            slopes.append(row)
-        return np.concatenate(values, axis=-1), np.concatenate(slopes, axis=-2)
+        _, values, slopes = self.manifold(t).constraints(q)
+        return values, slopes
 
     def speeds(self, t: float | Floats, q: Floats) -> tuple[Floats, Floats]:
         """Return J (.., m, n_u) by ``u / speed_sizes`` and b (.., m) of ``J u + b = 0``."""
@@ -97,8 +89,7 @@ class LoopConstraints:
         elsewhere = q + np.linspace(0.1, 0.2, q.size) * self.sizes
         rows, others = (self._scale(self._values("jacobian", t, place)) for place in (q, elsewhere))
         rows = rows[rows.any(axis=1) | others.any(axis=1)]
-        sizes = np.linalg.svd(rows, compute_uv=False)
-        return len(rows) > _count(sizes)
+        return len(rows) > count_significant(np.linalg.svd(rows, compute_uv=False), SHARP_RANK)
 
     def rates(self, t: float, x: Floats) -> Floats:
         """Return q' of a state, in sizes."""
@@ -106,8 +97,8 @@ class LoopConstraints:
         found = self._call(self.problem.compile_outputs("qdot"), t, x[n_u:], x[:n_u])
         return np.asarray(found / self.sizes, dtype=np.float64)
 
-    def manifold(self, t: float) -> ConstraintManifold:
-        """Return the configurations that fulfil the constraints at a time."""
+    def manifold(self, t: float | Floats) -> ConstraintManifold:
+        """Return the configurations that fulfil the constraints at a time, or at the time of each."""
 
         def evaluate(q: Floats) -> tuple[Floats, Floats]:
             found = self._values(("constraints", "position_jacobian"), t, q)
@@ -172,7 +163,8 @@ def _regular(loops: LoopConstraints, places: Iterable[tuple[float, Floats]]) -> 
         if not (np.isfinite(slopes).all() and np.isfinite(rows).all()):
             continue
         sizes = np.linalg.svd(rows, compute_uv=False)
-        by_position, count = _count(np.linalg.svd(slopes, compute_uv=False)), _count(sizes)
+        by_position = count_significant(np.linalg.svd(slopes, compute_uv=False), SHARP_RANK)
+        count = count_significant(sizes, SHARP_RANK)
         least = float(sizes[count - 1]) if count else 0.0
         if (by_position, count, least) > (best.positions, best.speeds, best.reference):
             best = MotionBranch(by_position, count, least, time, place)
@@ -192,11 +184,6 @@ def _neighbours_along_motion(loops: LoopConstraints, t: float, x: Floats) -> Ite
             found = loops.manifold(at).project(x[n_u:] + time * rate * loops.sizes)
             if found.is_closed:
                 yield at, found.q
-
-
-def _count(sizes: NDArray[np.floating[Any]]) -> int:
-    """Return how many singular values count."""
-    return int((sizes > INDEPENDENT * sizes.max(initial=0.0)).sum())
 
 
 def _least_moves(slopes: Floats, values: Floats, rank: int, reference: float) -> Floats:

@@ -14,21 +14,17 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr
 
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError
+from symbody.manifold import LinearConstraints, correct, pivot_order, square_step
 from symbody.simulation.methods.integration_problem import IntegrationProblem, StateFunction
 from symbody.simulation.methods.loop_constraints import NEAR, LoopConstraints, motion_branch
+from symbody.tolerances import TRACED
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.intp]
 
-_ROUNDS: Final = 12
-# Newton's method has arrived when a step is this small, in the units of the coordinates' sizes.
-_ARRIVED: Final = 1e-13
-_STALLED: Final = 1e-9
-_CONTRACTION: Final = 0.5
 # Places to interpolate between, in units of a displacement to either side. What the polynomial through them
 # leaves is (2 x 3 x 4 x 5 x 6)^2 / 10! = 0.14 times the displacement to the tenth power and the tenth
 # derivative: of a function that is analytic as far as 1 rad, some 5e-11 with the first displacement.
@@ -79,8 +75,8 @@ def partition_columns(matrix: Floats, rank: int, rows: Places | None = None) -> 
     _, sizes, right = np.linalg.svd(matrix)
     free = right[rank:]
     if rows is None:
-        rows = np.sort(qr(matrix.T, mode="r", pivoting=True)[1][:rank])
-    independent = np.sort(qr(free, mode="r", pivoting=True)[1][: len(free)])
+        rows = np.sort(pivot_order(matrix.T)[0][:rank])
+    independent = np.sort(pivot_order(free)[0][: len(free)])
     dependent = np.setdiff1d(np.arange(matrix.shape[1]), independent)
     shares = _shares(matrix, rows, free[:, independent], float(sizes[:rank].min(initial=np.inf)))
     return PartitionChoice(rows, dependent, independent, *shares)
@@ -214,18 +210,23 @@ class PartitionStates:
         return np.concatenate([u, q])
 
     def _close_loops(self, t: float, q: Floats, choice: PartitionChoice) -> Floats:
-        size = np.inf
-        for _ in range(_ROUNDS):
-            values, slopes = self.loops.positions(t, q)
-            block = slopes[np.ix_(choice.rows, choice.dependent)]
-            step = np.linalg.solve(block, -values[choice.rows])
-            q[choice.dependent] += step * self.loops.sizes[choice.dependent]
-            size, before = float(np.abs(step).max(initial=0.0)), size
-            if size < _ARRIVED or before <= size < _STALLED:
-                return q
-            if not size <= _CONTRACTION * before and not size < _STALLED:
-                break  # it may be on its way to another assembly
-        raise SimulationError(_no_configuration(t))
+        """Return coordinates of which the dependent ones fulfil the rows of a choice."""
+        manifold, dependent = self.loops.manifold(t), choice.dependent
+        block = np.ix_(choice.rows, dependent)
+
+        def evaluate(q: Floats) -> LinearConstraints:
+            _, values, slopes = manifold.constraints(q)
+            return LinearConstraints(q, values[choice.rows], slopes[block])
+
+        def move(point: LinearConstraints, step: Floats) -> LinearConstraints:
+            moved = point.q.copy()
+            moved[dependent] += step * self.loops.sizes[dependent]
+            return evaluate(moved)
+
+        end = correct(evaluate(q), move, TRACED, square_step)
+        if end is None:  # it may have been on its way to another assembly
+            raise SimulationError(_no_configuration(t))
+        return end.q
 
     def _state_rates(self, t: float, x: Floats, speeds: PartitionChoice) -> Floats:
         """Return x' of a complete state, from the constraints that are independent."""

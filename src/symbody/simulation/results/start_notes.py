@@ -10,17 +10,17 @@ from numpy.typing import NDArray
 from symbody.analysis.state import State
 from symbody.codegen.compile import constant_values
 from symbody.codegen.massless import massless_speeds
+from symbody.manifold import null_space
 from symbody.model.model import Model
 from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.tolerances import TRACED
 
 Floats = NDArray[np.float64]
 
-INDEPENDENT: Final = 1e-6  # of the largest singular value of constraints without units
 TAKES_PART: Final = 0.1  # of a unit vector
 # Constraints that are redundant close together but for this, of the size of the mechanism.
 _ROUNDING: Final = 1e-13
 # Loops that are closed better than this, of the size of the mechanism, are not looked at.
-_CLOSED: Final = 1e-12
 _FAR: Final = 0.5  # rad, or of the size of the mechanism
 _TWO: Final = 2  # coordinates of a rotation that cannot spin about every axis
 
@@ -46,13 +46,12 @@ def nearly_redundant(problem: SimulationProblem, rows: Floats, values: Floats) -
     """
     eqs = problem.eqs
     count = len(eqs.formed.holonomic)
-    left, sizes, _ = np.linalg.svd(rows[:count])
-    rank = int((sizes > INDEPENDENT * sizes[0]).sum())
-    open_by = left[:, rank:].T @ (values[:count] / problem.scales.constraints(eqs)[:count])
+    redundant = null_space(rows[:count].T)
+    open_by = redundant.T @ (values[:count] / problem.scales.constraints(eqs)[:count])
     largest = float(np.abs(open_by).max(initial=0.0))
     if not largest > _ROUNDING:
         return ""
-    taking = np.abs(left[:, rank:] @ open_by) / np.linalg.norm(open_by)
+    taking = np.abs(redundant @ open_by) / np.linalg.norm(open_by)
     own = zip(eqs.formed.rows, taking, strict=False)
     joints = ", ".join(dict.fromkeys(row.element for row, part in own if part > TAKES_PART))
     return (
@@ -65,7 +64,7 @@ def nearly_redundant(problem: SimulationProblem, rows: Floats, values: Floats) -
 def _open_loops(problem: SimulationProblem, first: State) -> tuple[str, ...]:
     """Return which loops stay open at a first state because their constraints are nearly redundant."""
     eqs = problem.eqs
-    if not (eqs.formed.holonomic and eqs.speed_names and first.residual > _CLOSED * problem.scales.length):
+    if not (eqs.formed.holonomic and eqs.speed_names and first.residual > TRACED * problem.scales.length):
         return ()
     t, q = first.t, np.array(list(first.q.values()))
     function = problem.compile_outputs(("constraints", "jacobian"), quick=True)

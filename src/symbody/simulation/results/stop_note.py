@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.massless import massless_problem, massless_speeds
+from symbody.manifold import count_significant
 from symbody.model.loads.forces import SpringDamper
 from symbody.simulation.native.run import RawRun
-from symbody.simulation.results.start_notes import INDEPENDENT, TAKES_PART, nearly_redundant
+from symbody.simulation.results.start_notes import TAKES_PART, nearly_redundant
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
 
@@ -91,7 +92,7 @@ def _singular_position(problem: SimulationProblem, raw: RawRun) -> _SingularPosi
     if n_u == 0 or not np.isfinite(rows).all():
         return None
     sizes = np.linalg.svd(rows, compute_uv=False)
-    rank = int((sizes > INDEPENDENT * sizes.max()).sum(axis=1).max())
+    rank = count_significant(sizes)
     left, last, right = np.linalg.svd(rows[-1])
     lost = [k for k in range(rank) if last[k] < _LOST * sizes[:, k].max()]
     if not lost:
