@@ -29,7 +29,7 @@ def number(formula: object, **values: float) -> float:
     return as_float(value)
 
 
-def axis_rotation_matrix(turn: Turn, **values: float) -> Rows:
+def turn_matrix(turn: Turn, **values: float) -> Rows:
     """Rodrigues' formula."""
     x, y, z = (number(component, **values) for component in turn.axis)
     angle = number(turn.angle, **values)
@@ -46,7 +46,7 @@ def product(a: Rows, b: Rows) -> Rows:
 def matrix_of(frame: Frame, **values: float) -> Rows:
     result: Rows = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     for turn in frame.turns():
-        result = product(result, axis_rotation_matrix(turn, **values))
+        result = product(result, turn_matrix(turn, **values))
     return result
 
 
