@@ -18,7 +18,7 @@ from symbody.errors import FrameError
 from symbody.expr.expression import Expr, cos, sin
 from symbody.expr.graph import Graph
 from symbody.vectors.euler_angles import angle_rates, euler_turns, measured_angles, sequence_axes
-from symbody.vectors.rotation import AxisRotation, rotation_matrix, rotation_of
+from symbody.vectors.rotation import AxisRotation, compose_steps, rotation_matrix
 from tests.vectors.numbers import matrix_of, matrix_values, named, names_in, triple, values
 
 WRITTEN = ["".join(s) for s in itertools.product("123", repeat=3) if s[0] != s[1] != s[2]]
@@ -61,7 +61,7 @@ def test_matrix_and_rates_agree_with_sympy(sequence: str) -> None:
     graph = Graph()
     turns = euler_turns(graph, sequence, named(graph, "a b c"))
     expected = np.array(start.dcm(end).evalf(subs=numbers), dtype=float)
-    found = matrix_values(graph, rotation_matrix(graph, rotation_of(turns)), at)
+    found = matrix_values(graph, rotation_matrix(graph, compose_steps(turns)), at)
     assert np.abs(found - expected).max() < ROUNDING
     in_body_order = rates[::-1] if sequence.startswith("space") else rates
     for side, frame in (("start", start), ("end", end)):
@@ -109,7 +109,9 @@ def test_rates_of_axes_that_are_not_perpendicular() -> None:
 
 
 def rebuilt(graph: Graph, sequence: str, angles: tuple[Expr, Expr, Expr]) -> np.ndarray:
-    return matrix_values(graph, rotation_matrix(graph, rotation_of(euler_turns(graph, sequence, angles))), {})
+    return matrix_values(
+        graph, rotation_matrix(graph, compose_steps(euler_turns(graph, sequence, angles))), {}
+    )
 
 
 @pytest.mark.parametrize("sequence", SEQUENCES)
@@ -118,7 +120,7 @@ def test_measured_angles_are_the_angles_and_rebuild_the_matrix_where_singular(se
     for angles in ((0.5, 0.8, -2.1), (-2.9, 1.1, 3.0), (0.7, middle, 0.4)):
         graph = Graph()
         turns = euler_turns(graph, sequence, triple(graph, *angles))
-        matrix = matrix_values(graph, rotation_matrix(graph, rotation_of(turns)), {})
+        matrix = matrix_values(graph, rotation_matrix(graph, compose_steps(turns)), {})
         measured = measured_angles(matrix_of(graph, matrix), sequence)
         # The entries are wrong by about eps, the outer angles by that over sin or cos of the middle one;
         # where it is singular the product is still right to rounding.
@@ -135,7 +137,7 @@ def test_any_rotation_is_measured_in_any_sequence(
 ) -> None:
     graph = Graph()
     turns = euler_turns(graph, made_by, triple(graph, *angles))
-    matrix = matrix_values(graph, rotation_matrix(graph, rotation_of(turns)), {})
+    matrix = matrix_values(graph, rotation_matrix(graph, compose_steps(turns)), {})
     measured = measured_angles(matrix_of(graph, matrix), measured_by)
     assert np.abs(rebuilt(graph, measured_by, measured) - matrix).max() < ROUNDING
     middle = values(graph, measured, {})[1]

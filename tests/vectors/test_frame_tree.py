@@ -18,8 +18,8 @@ from symbody.vectors.rotation import (
     DirectionCosines,
     EulerParameters,
     Rotation,
+    compose_steps,
     rotation_matrix,
-    rotation_of,
 )
 from symbody.vectors.vector import components, dot, drawn_near, vector
 from tests.vectors.numbers import matrix_of, matrix_values, named, names_in, triple, values
@@ -53,7 +53,7 @@ def random_tree(seed: int, size: int) -> tuple[FrameTree, dict[str, float]]:
         steps = source.choice(
             [(), (four,), (four.inverse,), *[(AxisRotation(triple(graph, *axis), angle),)] * 5]
         )
-        grow(tree, f"f{k}", source.choice(["ground", *parents][-3:]), rotation_of(steps))
+        grow(tree, f"f{k}", source.choice(["ground", *parents][-3:]), compose_steps(steps))
     return tree, at
 
 
@@ -95,7 +95,7 @@ def random_chain(size: int) -> FrameTree:
     up = "ground"
     for k in range(size):
         turn = AxisRotation(triple(graph, *random_axis(source)), named(graph, f"q{k}")[0])
-        parents[f"f{k}"] = (up, rotation_of([turn]))
+        parents[f"f{k}"] = (up, compose_steps([turn]))
         up = f"f{k}"
     return FrameTree(graph, parents)
 
@@ -130,9 +130,9 @@ def test_parallel_turns_merge_across_frames_and_branches(monkeypatch: pytest.Mon
     a, b, c, d = named(graph, "a b c d")
     z = triple(graph, 0, 0, 1)
     tree = FrameTree(graph, {
-        "A": ("ground", rotation_of([AxisRotation(z, a)])), "B": ("A", rotation_of([AxisRotation(z, b)])),
-        "C": ("ground", rotation_of([AxisRotation(z, c)])), "D": ("C", rotation_of([AxisRotation(z, a - c)])),
-        "E": ("B", rotation_of(euler_turns(graph, "313", (d, c, a)))),
+        "A": ("ground", compose_steps([AxisRotation(z, a)])), "B": ("A", compose_steps([AxisRotation(z, b)])),
+        "C": ("ground", compose_steps([AxisRotation(z, c)])), "D": ("C", compose_steps([AxisRotation(z, a - c)])),
+        "E": ("B", compose_steps(euler_turns(graph, "313", (d, c, a)))),
     })  # fmt: skip
     assert tree.rotation("ground", "B").turns == (AxisRotation(z, a + b),)
     assert tree.rotation("D", "A") == Rotation()
@@ -151,11 +151,11 @@ def test_what_was_found_stays_right_while_frames_are_added() -> None:
     tree = FrameTree(graph, {})
     with pytest.raises(FrameError, match="no frame 'A'"):
         tree.depth("A")
-    grow(tree, "A", "ground", rotation_of([AxisRotation(z, a)]))
+    grow(tree, "A", "ground", compose_steps([AxisRotation(z, a)]))
     before = tree.matrix("ground", "A")
     assert (tree.depth("A"), tree.home("A"), tree.path("A")) == (1, "A", ("A", "ground"))
     grow(tree, "B", "A", Rotation())
-    grow(tree, "C", "B", rotation_of([AxisRotation(z, b)]))
+    grow(tree, "C", "B", compose_steps([AxisRotation(z, b)]))
     assert (tree.depth("C"), tree.home("B"), tree.home("C")) == (3, "A", "C")
     assert tree.path("C") == ("C", "B", "A", "ground")
     assert tree.matrix("ground", "A") is before
@@ -217,7 +217,7 @@ def test_cosines_enter_a_tree_as_they_are() -> None:
     graph = Graph()
     rows = [[0.0, -1.0, 0.0], [0.6, 0.0, -0.8], [0.8, 0.0, 0.6]]
     cosines = matrix_of(graph, rows)
-    step = rotation_of([DirectionCosines(cosines)])
+    step = compose_steps([DirectionCosines(cosines)])
     tree = FrameTree(graph, {"A": ("ground", step), "B": ("A", step.inverse)})
     assert tree.matrix("ground", "A") == cosines
     assert tree.matrix("ground", "B") == identity(graph)

@@ -20,9 +20,9 @@ from symbody.vectors.rotation import (
     DirectionCosines,
     ElementaryRotation,
     Rotation,
+    compose_steps,
     identity,
     rotation_matrix,
-    rotation_of,
     transpose,
 )
 from tests.vectors.numbers import matrix_of, matrix_values, named, triple, values
@@ -76,9 +76,9 @@ def test_direction_cosines_are_their_matrix() -> None:
     graph = Graph()
     cosines = Reference.random(random_state=3).as_matrix()
     step = DirectionCosines(matrix_of(graph, cosines))
-    assert np.array_equal(matrix_values(graph, rotation_matrix(graph, rotation_of([step])), {}), cosines)
+    assert np.array_equal(matrix_values(graph, rotation_matrix(graph, compose_steps([step])), {}), cosines)
     assert np.array_equal(matrix_values(graph, step.inverse.matrix(graph), {}), cosines.T)
-    assert rotation_of([DirectionCosines(identity(graph))]) == Rotation()
+    assert compose_steps([DirectionCosines(identity(graph))]) == Rotation()
 
 
 def test_a_step_and_its_inverse_are_nothing() -> None:
@@ -88,9 +88,9 @@ def test_a_step_and_its_inverse_are_nothing() -> None:
     cosines = DirectionCosines(matrix_of(graph, Reference.random(random_state=3).as_matrix()))
     turn = AxisRotation(triple(graph, 0, 0, 1), named(graph, "a")[0])
     for step in (four, cosines, turn):
-        assert rotation_of([step, step.inverse]) == rotation_of([step.inverse, step]) == Rotation()
-    assert rotation_of([opposite, four.inverse]) == Rotation()
-    assert len(rotation_of([four, four]).turns) == 2
+        assert compose_steps([step, step.inverse]) == compose_steps([step.inverse, step]) == Rotation()
+    assert compose_steps([opposite, four.inverse]) == Rotation()
+    assert len(compose_steps([four, four]).turns) == 2
 
 
 def test_merging_goes_on_with_the_new_neighbours() -> None:
@@ -115,11 +115,12 @@ def test_opposite_terms_of_merged_angles_cancel() -> None:
     graph = Graph()
     a, b, c = named(graph, "a b c")
     z = triple(graph, 0, 0, 1)
-    assert rotation_of([AxisRotation(z, a), AxisRotation(z, b), AxisRotation(z, -b)]).turns == (
+    assert compose_steps([AxisRotation(z, a), AxisRotation(z, b), AxisRotation(z, -b)]).turns == (
         AxisRotation(z, a),
     )
     assert (
-        rotation_of([AxisRotation(z, a + b), AxisRotation(z, c - a), AxisRotation(z, -(b + c))]) == Rotation()
+        compose_steps([AxisRotation(z, a + b), AxisRotation(z, c - a), AxisRotation(z, -(b + c))])
+        == Rotation()
     )
     assert angle_sum(a + 2 * b, a - b * 2) == 2 * a
     assert angle_sum(a + b, c) == a + b + c
@@ -141,7 +142,7 @@ def drawn(graph: Graph, codes: list[int]) -> Rotation:
         cosines,
         AxisRotation(x, a),
     ]
-    return rotation_of([known[abs(k) - 1] if k > 0 else known[abs(k) - 1].inverse for k in codes])
+    return compose_steps([known[abs(k) - 1] if k > 0 else known[abs(k) - 1].inverse for k in codes])
 
 
 @given(STEPS, STEPS)

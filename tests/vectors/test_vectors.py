@@ -16,7 +16,7 @@ from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Input, Roots, build_sequence
 from symbody.vectors.frame import FrameTree
-from symbody.vectors.rotation import AxisRotation, Rotation, Triple, rotation_matrix, rotation_of
+from symbody.vectors.rotation import AxisRotation, Rotation, Triple, compose_steps, rotation_matrix
 from symbody.vectors.vector import Vector, components, cross, dot, express, vector
 
 ANGLES = {"a": 0.3, "b": -1.1, "c": 2.4}
@@ -55,7 +55,7 @@ def test_body_sequences_agree_with_scipy(letters: str) -> None:
         AxisRotation(axis(graph, *units[letter]), angle(graph, n))
         for letter, n in zip(letters, "abc", strict=True)
     ]
-    matrix = rotation_matrix(graph, rotation_of(turns))
+    matrix = rotation_matrix(graph, compose_steps(turns))
     found = values(graph, [entry for row in matrix for entry in row]).reshape(3, 3)
     expected = Reference.from_euler(letters.upper(), list(ANGLES.values())).as_matrix()
     assert np.abs(found - expected).max() < ROUNDING
@@ -64,7 +64,7 @@ def test_body_sequences_agree_with_scipy(letters: str) -> None:
 def test_general_axis_agrees_with_scipy_and_inverse_is_the_transpose() -> None:
     graph = Graph()
     components_, unit = general_axis(graph)
-    rotation = rotation_of([AxisRotation(components_, angle(graph, "a"))])
+    rotation = compose_steps([AxisRotation(components_, angle(graph, "a"))])
     matrix = rotation_matrix(graph, rotation)
     back = rotation_matrix(graph, rotation.inverse)
     found = values(graph, [entry for row in matrix for entry in row]).reshape(3, 3)
@@ -77,9 +77,9 @@ def test_turns_about_parallel_axes_merge() -> None:
     graph = Graph()
     z, minus_z = axis(graph, 0, 0, 1), axis(graph, 0, 0, -1)
     a, b = angle(graph, "a"), angle(graph, "b")
-    assert rotation_of([AxisRotation(z, a), AxisRotation(z, b)]).turns == (AxisRotation(z, a + b),)
-    assert rotation_of([AxisRotation(z, a), AxisRotation(minus_z, a)]) == Rotation()
-    there = rotation_of([AxisRotation(z, a), AxisRotation(axis(graph, 1, 0, 0), b)])
+    assert compose_steps([AxisRotation(z, a), AxisRotation(z, b)]).turns == (AxisRotation(z, a + b),)
+    assert compose_steps([AxisRotation(z, a), AxisRotation(minus_z, a)]) == Rotation()
+    there = compose_steps([AxisRotation(z, a), AxisRotation(axis(graph, 1, 0, 0), b)])
     assert there.then(there.inverse) == Rotation()
 
 
@@ -88,9 +88,9 @@ def chain(graph: Graph) -> FrameTree:
     return FrameTree(
         graph,
         {
-            "A": ("ground", rotation_of([AxisRotation(z, angle(graph, "a"))])),
-            "B": ("A", rotation_of([AxisRotation(x, angle(graph, "b"))])),
-            "C": ("A", rotation_of([AxisRotation(general_axis(graph)[0], angle(graph, "c"))])),
+            "A": ("ground", compose_steps([AxisRotation(z, angle(graph, "a"))])),
+            "B": ("A", compose_steps([AxisRotation(x, angle(graph, "b"))])),
+            "C": ("A", compose_steps([AxisRotation(general_axis(graph)[0], angle(graph, "c"))])),
             "fixed": ("B", Rotation()),
         },
     )

@@ -14,7 +14,7 @@ from symbody.expr.expression import Expr, atan2, cos, sin
 from symbody.expr.graph import Graph
 from symbody.vectors.euler_parameters import Side
 from symbody.vectors.matrix import Matrix, Triple, Vector3, identity
-from symbody.vectors.rotation import AxisRotation, turn_matrix
+from symbody.vectors.rotation import AxisRotation, axis_rotation_matrix
 
 _LETTERS: Final = {"1": "x", "2": "y", "3": "z", "x": "x", "y": "y", "z": "z"}
 _SPACE: Final = "space "
@@ -80,14 +80,14 @@ def angle_rates(
         Unless there are three turns.
     """
     first, second, third = _check_three(turns)
-    middle, w = turn_matrix(graph, second), Vector3(omega)
+    middle, w = axis_rotation_matrix(graph, second), Vector3(omega)
     axes = [Vector3(turn.axis) for turn in (first, second, third)]
     if resolved_in == "start":
         a1, a2, a3 = axes[0], axes[1], middle @ axes[2]
-        seen = turn_matrix(graph, first).transposed @ w
+        seen = axis_rotation_matrix(graph, first).transposed @ w
     else:
         a1, a2, a3 = middle.transposed @ axes[0], axes[1], axes[2]
-        seen = turn_matrix(graph, third) @ w
+        seen = axis_rotation_matrix(graph, third) @ w
     if not (a1.dot(a2).is_zero and a2.dot(a3).is_zero):
         determinant = a1.cross(a2).dot(a3)
         dual = (a2.cross(a3), a3.cross(a1), a1.cross(a2))

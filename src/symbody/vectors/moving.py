@@ -15,7 +15,7 @@ from symbody.vectors.placed import (
     PlacedVector,
     Shift,
 )
-from symbody.vectors.rotation import AxisRotation, DirectionCosines, spin, turn_matrix
+from symbody.vectors.rotation import AxisRotation, DirectionCosines, axis_rotation_matrix, spin
 
 
 def rate(x: Triple) -> Vector3[Expr]:
@@ -49,7 +49,7 @@ def turned_by(graph: Graph, axis: Triple, angle: Expr) -> PlacedStep:
     kinds = dependence(graph, [x.index for x in axis])
     if all(kinds[x.index] <= {Kind.PARAMETER} for x in axis):
         return turn
-    return DirectionCosines(turn_matrix(graph, turn))
+    return DirectionCosines(axis_rotation_matrix(graph, turn))
 
 
 def spin_of_step(step: PlacedStep) -> Vector3[Expr] | None:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from symbody.expr.expression import Expr, number
 from symbody.expr.graph import Graph
 from symbody.vectors.matrix import Matrix3, Triple, Vector3, identity, zero_vector
-from symbody.vectors.rotation import AxisRotation, DirectionCosines, rotation_matrix, rotation_of
+from symbody.vectors.rotation import AxisRotation, DirectionCosines, compose_steps, rotation_matrix
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ class PlacedFrame:
 
     def rotation(self, graph: Graph) -> Matrix3[Expr]:
         """Return R: components in this frame to components in ground."""
-        return rotation_matrix(graph, rotation_of(_turns(self.steps)))
+        return rotation_matrix(graph, compose_steps(_turns(self.steps)))
 
     def origin(self, graph: Graph) -> Vector3[Expr]:
         """Return the position of the origin, in ground axes [m]."""
@@ -82,7 +82,7 @@ class PlacedFrame:
                 x = x + step.by
             elif k == 0 or isinstance(self.steps[k - 1], Shift):
                 # A run of turns is one matrix, so that parallel ones add up first.
-                run = rotation_of(_turns(_run_of_turns(self.steps, k)))
+                run = compose_steps(_turns(_run_of_turns(self.steps, k)))
                 x = rotation_matrix(graph, run) @ x
         return x
 

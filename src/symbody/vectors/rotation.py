@@ -44,7 +44,7 @@ class AxisRotation:
 
     def matrix(self, graph: Graph) -> Matrix3[Expr]:
         """Return ``1 cos + (1 - cos) a a^T + sin a~``."""
-        return turn_matrix(graph, self)
+        return axis_rotation_matrix(graph, self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +79,7 @@ class Rotation:
 
     def then(self, other: Rotation) -> Rotation:
         """Return this rotation followed by `other`, with neighbours merged until none is left to merge."""
-        return rotation_of((*self.turns, *other.turns))
+        return compose_steps((*self.turns, *other.turns))
 
     @property
     def inverse(self) -> Rotation:
@@ -87,7 +87,7 @@ class Rotation:
         return Rotation(tuple(step.inverse for step in reversed(self.turns)))
 
 
-def rotation_of(turns: Iterable[ElementaryRotation]) -> Rotation:
+def compose_steps(turns: Iterable[ElementaryRotation]) -> Rotation:
     """Return the rotation made of steps, neighbours merged, identities left out."""
     steps: list[ElementaryRotation] = []
     for step in turns:
@@ -121,7 +121,7 @@ def rotation_matrix(graph: Graph, rotation: Rotation) -> Matrix3[Expr]:
     return reduce(lambda a, b: a @ b, matrices) if matrices else identity(graph)
 
 
-def turn_matrix(graph: Graph, turn: AxisRotation) -> Matrix3[Expr]:
+def axis_rotation_matrix(graph: Graph, turn: AxisRotation) -> Matrix3[Expr]:
     """Return ``1 cos + (1 - cos) a a^T + sin a~`` (Euler, Rodrigues)."""
     c, s, one = cos(turn.angle), sin(turn.angle), number(graph, 1)
     x, y, z = turn.axis

@@ -13,7 +13,7 @@ from symbody.expr.graph import Graph
 from symbody.model.joint import Joint
 from symbody.vectors.frame import FrameTree
 from symbody.vectors.matrix import Triple, Vector3
-from symbody.vectors.rotation import AxisRotation, rotation_matrix, rotation_of
+from symbody.vectors.rotation import AxisRotation, compose_steps, rotation_matrix
 from symbody.vectors.vector import NULL, Vector, cross, vector
 
 
@@ -75,7 +75,7 @@ def unit_axes(graph: Graph) -> tuple[Triple, Triple, Triple]:
 def _axis(tree: FrameTree, joint: Joint, turns: Sequence[AxisRotation], k: int) -> Vector:
     """Return the axis of one of several successive turns."""
     if 0 < k < len(turns) - 1:
-        before = rotation_matrix(tree.graph, rotation_of(turns[:k]))
+        before = rotation_matrix(tree.graph, compose_steps(turns[:k]))
         return vector(tree.home(joint.start.frame), before @ turns[k].axis)
     return vector(tree.home((joint.start if k == 0 else joint.end).frame), turns[k].axis)
 

@@ -19,7 +19,7 @@ from symbody.expr.graph import Graph, Kind
 from symbody.expr.opcodes import SYMBOL
 from symbody.expr.rewrite import substitute, symbols_of
 from symbody.vectors.frame import FrameTree
-from symbody.vectors.rotation import AxisRotation, DirectionCosines, Rotation, rotation_of
+from symbody.vectors.rotation import AxisRotation, DirectionCosines, Rotation, compose_steps
 from symbody.vectors.vector import NULL, Vector, cross, drawn_near, lifted, vector
 
 
@@ -192,7 +192,7 @@ def _orientations(rotations: Iterable[RotationStep]) -> dict[str, tuple[str, Rot
     for rotation in rotations:
         frame = rotation.parent
         for following, step in rotation.frames:
-            parents[following] = (frame, rotation_of((step,)))
+            parents[following] = (frame, compose_steps((step,)))
             frame = following
         if not rotation.steps:
             parents[rotation.child] = (frame, Rotation())

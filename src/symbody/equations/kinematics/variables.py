@@ -12,7 +12,7 @@ from symbody.model.joint import Joint, QuasiSpeeds
 from symbody.model.turn import Turn as JointTurn
 from symbody.vectors.euler_angles import angle_rates
 from symbody.vectors.euler_parameters import EulerParameters, euler_parameter_rates
-from symbody.vectors.rotation import AxisRotation, rotation_matrix, rotation_of
+from symbody.vectors.rotation import AxisRotation, compose_steps, rotation_matrix
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +172,7 @@ def _rates_of(
     steps = joint_steps(names, joint)
     if part == "translation":
         if quasi.resolved_in == "end":
-            speeds = rotation_matrix(graph, rotation_of(steps)) @ speeds
+            speeds = rotation_matrix(graph, compose_steps(steps)) @ speeds
         return _paired(names, joint.translation_coordinates, speeds), None
     if joint.quaternion is not None:
         (parameters,) = steps

@@ -18,7 +18,7 @@ from symbody.model.loads.forces import SpringDamper
 from symbody.model.loads.springs import Bushing, Spring, TorsionSpring
 from symbody.model.turn import unit_axis
 from symbody.vectors.matrix import Triple, Vector3
-from symbody.vectors.rotation import AxisRotation, Rotation, rotation_of
+from symbody.vectors.rotation import AxisRotation, Rotation, compose_steps
 from symbody.vectors.vector import dot, vector
 
 
@@ -117,7 +117,7 @@ def _angle_of_joints(
     ways = [tree.rotation(spring.start.frame, spring.end.frame)]
     for use in uses:
         if use.turns and not use.in_rotation and is_across(use.joint.start.body, use.joint.end.body, spring):
-            rotation = rotation_of(joint_steps(names, use.joint))
+            rotation = compose_steps(joint_steps(names, use.joint))
             forward = use.joint.start.body == spring.start.body
             ends = (use.joint.start.frame, use.joint.end.frame)
             near, far = ends if forward else reversed(ends)

@@ -18,7 +18,7 @@ from symbody.graph.topology import Topology
 from symbody.model.element import Address
 from symbody.vectors.euler_parameters import EulerParameters
 from symbody.vectors.matrix import Matrix3, Vector3, identity, zero_vector
-from symbody.vectors.rotation import AxisRotation, Rotation, rotation_matrix, rotation_of
+from symbody.vectors.rotation import AxisRotation, Rotation, compose_steps, rotation_matrix
 from symbody.vectors.transform import Transform
 
 
@@ -72,7 +72,7 @@ def joints_and_groups(
         group, parent = groups[branch.parent]
         near, far = parent.then(_frame(topology, names, start)), _frame(topology, names, end)
         steps = joint_steps(names, joint)
-        rotation = rotation_of(steps if branch.forward else reverse_steps(steps))
+        rotation = compose_steps(steps if branch.forward else reverse_steps(steps))
         if not joint.coordinates:
             shift = Vector3(names.triple(joint.shift(), f"joint {joint.name}"))
             between = _transform(names, rotation, shift)
@@ -89,7 +89,7 @@ def joints_and_groups(
 def _frame(topology: Topology, names: Names, address: Address) -> LinkTransform:
     """Return where a frame stands on its body."""
     frame = frame_of(topology.model, address)
-    rotation = rotation_of(turns_of(names, frame.turns(), address.frame))
+    rotation = compose_steps(turns_of(names, frame.turns(), address.frame))
     return _transform(names, rotation, Vector3(names.triple(frame.at, address.frame)))
 
 
