@@ -105,21 +105,21 @@ def _counted(names: tuple[str, ...]) -> list[str]:
 def _freedom_lines(eqs: EquationSet) -> list[str]:
     """Return how many freedoms there are, and which constraints take none because others do so already."""
     try:
-        found = redundancy(eqs) if eqs.multiplier_names else None
+        count = redundancy(eqs) if eqs.multiplier_names else None
     except SymbodyError:  # the next count says why, in words of the mechanism
-        found = None
-    if found is None:
+        count = None
+    if count is None:
         return [f"degrees of freedom: {_freedoms(eqs)}"]
-    lines = [f"degrees of freedom: {found.degrees_of_freedom}"]
-    if found.dropped:
+    lines = [f"degrees of freedom: {count.degrees_of_freedom}"]
+    if count.dropped:
         u, rows = len(eqs.speed_names), len(eqs.multiplier_names)
         lines += [
-            _fact("redundant constraints", _counted(found.dropped)),
-            f"  they follow from the other {len(found.kept)}: {u} speeds less {rows} constraints would be "
-            f"{u - rows} freedoms, less {len(found.kept)} independent ones it is {found.degrees_of_freedom}; "
+            _fact("redundant constraints", _counted(count.dropped)),
+            f"  they follow from the other {len(count.kept)}: {u} speeds less {rows} constraints would be "
+            f"{u - rows} freedoms, less {len(count.kept)} independent ones it is {count.degrees_of_freedom}; "
             "how the joints share the loads of these directions is not determined",
         ]
-    return [*lines, *(f"  {note}" for note in found.notes)]
+    return [*lines, *(f"  {note}" for note in count.notes)]
 
 
 def _freedoms(eqs: EquationSet) -> str:

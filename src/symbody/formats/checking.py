@@ -92,9 +92,9 @@ def _problem(found: dict[str, Any], schema: Schema, data: object, locate: Locate
     return Problem(f"file.{code}", shown, what, why, fix)
 
 
-def _said(found: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
+def _said(finding: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
     """Return code, fact, cause and cure of one finding."""
-    kind, value = found["type"], found["input"]
+    kind, value = finding["type"], finding["input"]
     key = path[-1] if path else ""
     if kind == "missing" and isinstance(key, int):
         return "wrong_length", f"entry {key + 1} is missing", "", 'write both, such as ["z", "pi/2"]'
@@ -108,9 +108,9 @@ def _said(found: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
             "update symbody",
         )
     if kind in ("union_tag_invalid", "union_tag_not_found"):
-        return _type_of(found, "shape" if "shape" in path[1:3] else str(path[0]))
+        return _type_of(finding, "shape" if "shape" in path[1:3] else str(path[0]))
     if kind in ("too_short", "too_long"):
-        context = found["ctx"]
+        context = finding["ctx"]
         number = context.get("min_length") or context.get("max_length")
         return (
             "wrong_length",
@@ -120,7 +120,7 @@ def _said(found: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
         )
     if kind == "not_finite":
         return "not_finite", f"the value is {value}", "", "give a finite number"
-    expected = _EXPECTED.get(kind, found["msg"])
+    expected = _EXPECTED.get(kind, finding["msg"])
     why = _causes(kind, value)
     return "wrong_type", f"{_shown(value)} stands where {expected} is expected", why, f"write {expected}"
 
@@ -152,18 +152,18 @@ def _known_keys(root: Schema, location: Path) -> list[str]:
 
 def _child(root: Schema, node: Schema, part: str | int) -> Schema:
     """Return the schema of an entry, a key, or of a joint by its type."""
-    found: Schema = {}
+    child: Schema = {}
     if isinstance(part, int):
-        found = node.get("items", {})
+        child = node.get("items", {})
     elif part in node.get("properties", {}):
-        found = node["properties"][part]
+        child = node["properties"][part]
     elif "discriminator" in node:
-        found = {"$ref": node["discriminator"]["mapping"][part]}
+        child = {"$ref": node["discriminator"]["mapping"][part]}
     elif isinstance(node.get("additionalProperties"), dict):
-        found = node["additionalProperties"]
-    choices = [found, *found.get("anyOf", [])]  # a table that may be left out is "anyOf" it and null
+        child = node["additionalProperties"]
+    choices = [child, *child.get("anyOf", [])]  # a table that may be left out is "anyOf" it and null
     reference = next((choice["$ref"] for choice in choices if "$ref" in choice), None)
-    return root["$defs"][reference.rpartition("/")[2]] if reference else found
+    return root["$defs"][reference.rpartition("/")[2]] if reference else child
 
 
 def _without_tag(location: tuple[str | int, ...]) -> Path:

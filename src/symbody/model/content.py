@@ -24,7 +24,7 @@ def content_of(*values: object) -> bytes:
     """
     written: list[str] = []
     waiting: list[object] = list(reversed(values))
-    known: dict[type, tuple[str, ...] | None] = {}
+    field_names: dict[type, tuple[str, ...] | None] = {}
     while waiting:
         value = waiting.pop()
         kind = type(value)
@@ -35,9 +35,9 @@ def content_of(*values: object) -> bytes:
         if write is not None:
             written.append(write(value))
             continue
-        if kind not in known:
-            known[kind] = _field_names(value)
-        names = known[kind]
+        if kind not in field_names:
+            field_names[kind] = _field_names(value)
+        names = field_names[kind]
         parts: list[object]
         if names is not None:
             parts = [getattr(value, name) for name in names]

@@ -20,7 +20,7 @@ def initial_problems(
     initial: Mapping[str, Formula], symbols: Symbols, joints: Iterable[Joint]
 ) -> list[Problem]:
     """Return a problem for each initial value of what has none."""
-    known = [name for name, meaning in symbols.meanings.items() if meaning.word in _WORDS]
+    legal = [name for name, meaning in symbols.meanings.items() if meaning.word in _WORDS]
     prescribed = {
         f"{name}{suffix}": joint
         for joint in joints
@@ -32,8 +32,8 @@ def initial_problems(
     for name in initial:
         if name in prescribed:
             problems.append(_prescribed(name, prescribed[name]))
-        elif name not in known:
-            problems.append(_unknown(name, known))
+        elif name not in legal:
+            problems.append(_unknown(name, legal))
     return problems
 
 

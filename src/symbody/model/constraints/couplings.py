@@ -15,7 +15,6 @@ from symbody.model.uses import Scope
 _ONE: Final = Formula.of(1)
 
 
-@element
 class Coupling(Condition):
     """A linear equation between coordinates of joints: the sum of factors times coordinates is the offset.
 
@@ -29,17 +28,12 @@ class Coupling(Condition):
         In parameters and t.
     """
 
+    __slots__ = ()
+
     displacements: ClassVar[int] = 0
 
-    @property
-    @abstractmethod
-    def coupled(self) -> tuple[str, ...]:
-        """The coordinates."""
-
-    @property
-    @abstractmethod
-    def offset(self) -> Formula:
-        """The sum, in parameters and t."""
+    coupled: Coupled
+    offset: Quantity
 
     @property
     @abstractmethod

@@ -42,30 +42,32 @@ def read_joint(read: Attributes, node: XmlNode) -> UrdfJoint:
 
 
 def _axis(read: Attributes, node: XmlNode, label: str, kind: str) -> Numbers:
-    found = read.only(node, "axis", label)
+    element = read.only(node, "axis", label)
     if kind not in _HAVE_AXIS:
         return (1, 0, 0)
-    if found is None or "xyz" not in found.attributes:
+    if element is None or "xyz" not in element.attributes:
         read.default("a joint without <axis> has 1 0 0")
         return (1, 0, 0)
     faults = len(read.problems)
-    axis = read.triple(found, "xyz", label)
+    axis = read.triple(element, "xyz", label)
     if len(read.problems) > faults:
         return (1, 0, 0)
     length = sum(float(x) ** 2 for x in axis) ** 0.5
     if length == 0:
-        read.refuse("zero_axis", found, label, "the axis has length zero", "all its components are 0",
+        read.refuse("zero_axis", element, label, "the axis has length zero", "all its components are 0",
                     'give a direction, for instance <axis xyz="0 0 1"/>')  # fmt: skip
         return (1, 0, 0)
     main = max(range(3), key=lambda k: abs(float(axis[k])))
     off = sum(float(x) ** 2 for k, x in enumerate(axis) if k != main) ** 0.5 / length
     if 0 < off <= read.snap:
         if off > EXACT:
-            read.remark(found, f"{label}: the axis is taken as the coordinate axis it is {off:.2g} rad from")
+            read.remark(
+                element, f"{label}: the axis is taken as the coordinate axis it is {off:.2g} rad from"
+            )
         axis = _along(main, axis[main])
     if sum(bool(x) for x in axis) == 1:
         if abs(length - 1) > 1e-9:
-            read.remark(found, f"{label}: the axis of length {length:g} is normalized")
+            read.remark(element, f"{label}: the axis of length {length:g} is normalized")
         return _along(main, axis[main])
     return axis
 

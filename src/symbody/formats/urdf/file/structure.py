@@ -111,7 +111,7 @@ def _cycle(lost: Sequence[UrdfJoint]) -> list[UrdfJoint]:
 
 
 def _mimic_problems(where: str, joints: Sequence[UrdfJoint]) -> list[Problem]:
-    known = {joint.name: joint for joint in joints}
+    by_name = {joint.name: joint for joint in joints}
     single = [joint.name for joint in joints if joint.kind in ("revolute", "continuous", "prismatic")]
     problems = []
     for joint in joints:
@@ -129,5 +129,5 @@ def _mimic_problems(where: str, joints: Sequence[UrdfJoint]) -> list[Problem]:
                 problems.append(Problem("urdf.mimic_unknown", place, what, "", nearest(leader, single)))
                 break
             seen.append(leader)
-            joint = known[leader]
+            joint = by_name[leader]
     return problems

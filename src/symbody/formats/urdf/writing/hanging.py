@@ -57,7 +57,7 @@ def hung_joints(model: Model, values: Values) -> tuple[list[Hung], list[Problem]
     """Return the joints of a tree, and what URDF cannot say of them."""
     problems: list[Problem] = []
     mimics = _mimics(model, values, problems)
-    found = []
+    written_joints = []
     carried: dict[str, str] = {}
     for joint in (*model.joints, *model.free_joints):
         problems += _joint_problems(joint, values)
@@ -71,8 +71,8 @@ def hung_joints(model: Model, values: Values) -> tuple[list[Hung], list[Problem]
         carried[joint.end.body] = joint.name
         if type(joint) in _KINDS:
             details = tuple(_details(joint, values, mimics.get(joint.name)))
-            found.append(Hung(joint.name, _KINDS[type(joint)], joint.start, joint.end, details))
-    return found, problems
+            written_joints.append(Hung(joint.name, _KINDS[type(joint)], joint.start, joint.end, details))
+    return written_joints, problems
 
 
 def refuse_rest(model: Model) -> list[Problem]:
@@ -141,12 +141,12 @@ def _details(joint: Joint, values: Values, mimic: str | None) -> Iterator[str]:
 def _mimics(model: Model, values: Values, problems: list[Problem]) -> dict[str, str]:
     """Return the <mimic> of each joint that is the first of a coupling."""
     homes = {name: joint.name for joint in model.joints for name in joint.coordinates}
-    found: dict[str, str] = {}
+    mimics: dict[str, str] = {}
     for coupling in model.constraints:
         if not isinstance(coupling, Gear | RackPinion):
             continue
-        own, leader = (homes.get(name) for name in coupling.coupled)
-        if own is None or leader is None or own in found or not values.is_known(coupling.offset):
+        follower, leader = (homes.get(name) for name in coupling.coupled)
+        if follower is None or leader is None or follower in mimics or not values.is_known(coupling.offset):
             what = "it cannot be said by one joint following another"
             problems.append(
                 Problem("urdf.cannot_say", f"constraint {coupling.name}", what,
@@ -154,8 +154,8 @@ def _mimics(model: Model, values: Values, problems: list[Problem]) -> dict[str, 
                         "write it so that each joint is the first of one coupling")
             )  # fmt: skip
             continue
-        found[own] = _mimic(coupling, leader, values)
-    return found
+        mimics[follower] = _mimic(coupling, leader, values)
+    return mimics
 
 
 def _mimic(coupling: Coupling, leader: str, values: Values) -> str:
