@@ -36,7 +36,7 @@ function Slider({ name, start, now }: { readonly name: string; readonly start: n
     <label className="slider">
       <span>{name}</span>
       <input type="range" aria-label={name} min={start - reach} max={start + reach} step="any" value={now} onChange={(event) => { move(name, Number(event.target.value)); }} />
-      <output>{now.toFixed(4)}</output>
+      <output>{now.toFixed(4).replace(/^-(0\.0+)$/, "$1")}</output>
     </label>
   );
 }
