@@ -203,6 +203,15 @@ def test_the_server_checks_and_lets_the_newest_win(builder: Builder) -> None:
     assert {answer.code for answer in answers if answer.status == 409} <= {"builder.superseded"}
 
 
+def test_a_check_that_arrives_late_does_not_take_the_place_of_a_newer_one(builder: Builder) -> None:
+    data = to_data(sb.load_model(examples_folder() / "slider_crank" / "slider_crank.toml"))
+    assert builder.ask("check", data=data, page="two", turn=5).status == 200
+    late = builder.ask("check", data=data, page="two", turn=4)
+    assert (late.status, late.code) == (409, "builder.superseded")
+    assert builder.ask("check", data=data, page="two", turn=6).status == 200
+    assert builder.ask("check", data=data, page="three", turn=1).status == 200
+
+
 def test_a_formula_is_echoed_or_its_fault_is_pointed_at(builder: Builder) -> None:
     assert "<msub>" in builder.get("formula", text="m1*L^2/2")["mathml"]
     assert "deg" not in builder.get("formula", text="30 deg")["mathml"]

@@ -29,6 +29,7 @@ export function problemsOf(error: unknown): readonly Problem[] {
 
 /** Of the requests of one page the server answers the newest. */
 const page = Math.random().toString(36).slice(2);
+let turn = 0;
 
 async function call(name: string, body: object, signal?: AbortSignal): Promise<unknown> {
   const response = await request(name, body, signal);
@@ -63,7 +64,7 @@ export const api = {
   draft: (document: string, data: Model) => call("draft", { document, data }) as Promise<JsonObject>,
   changed: async (document: string, fingerprint: string) =>
     (await call("changed", { document, fingerprint }) as { changed: boolean }).changed,
-  check: (document: string, data: Model, signal: AbortSignal) => call("check", { data, document, page }, signal) as Promise<CheckAnswer>,
+  check: (document: string, data: Model, signal: AbortSignal) => call("check", { data, document, page, turn: (turn += 1) }, signal) as Promise<CheckAnswer>,
   pose: (document: string, data: Model, fixed: Record<string, number>, guess: Readonly<Record<string, number>>) =>
     call("pose", { data, document, page, fixed, guess }) as Promise<PoseAnswer>,
   drag: (document: string, data: Model, held: Held, guess: Readonly<Record<string, number>>) =>

@@ -72,10 +72,11 @@ class ChangedRequest(PageRequest):
 
 
 class CheckRequest(PageRequest):
-    """A model to be checked; of the requests of a page only the newest is answered."""
+    """A model to be checked; of the requests of a page only the newest, by its `turn`, is answered."""
 
     data: Data
     page: str = Field(default="", max_length=64)
+    turn: int = Field(default=0, ge=0)
     document: str = Field(default="", max_length=64)
 
 

@@ -39,7 +39,9 @@ class Services:
     def check(self, request: CheckRequest) -> Answer:
         """Return what is wrong with a model, what it is, and its picture."""
         payload = {"data": request.data, "folder": self.documents.folder_of(request.document)}
-        answer: Answer = self._interactive.run("check", payload, request.page, self.settings.limits.check)
+        answer: Answer = self._interactive.run(
+            "check", payload, request.page, self.settings.limits.check, request.turn
+        )
         return answer
 
     def pose(self, request: PoseRequest) -> Answer:

@@ -166,9 +166,15 @@ class NewestOnly:
         self._free = Condition()
         self._is_busy = False
         self._newest: dict[tuple[str, str], int] = {}
+        self._turns: dict[tuple[str, str], int] = {}
 
-    def run(self, task: str, payload: Payload, page: str, limit: float) -> Any:
+    def run(self, task: str, payload: Payload, page: str, limit: float, turn: int = 0) -> Any:
         """Return what a task returns.
+
+        Parameters
+        ----------
+        turn : int
+            Grows from request to request of a page, which may arrive in another order; 0: as they arrive.
 
         Raises
         ------
@@ -179,6 +185,9 @@ class NewestOnly:
         """
         key = (page, task)
         with self._free:
+            if 0 < turn < self._turns.get(key, 0):
+                raise _superseded_error()
+            self._turns[key] = turn
             ticket = self._newest[key] = self._newest.get(key, 0) + 1
             while self._is_busy:
                 self._free.wait()
