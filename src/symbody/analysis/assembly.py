@@ -179,12 +179,25 @@ def consistent_start(
     """
     positions, rates = task.parted(fixed)
     positions, known = unit_quaternions(task.eqs.quaternions, positions, known)
-    start = task.start({**known, **positions})
-    found = _closed(task, _near_measured(task, start, positions, known), positions)
-    if found is None:
-        raise AssemblyError(_why_open(task, task.start(known), start, positions, NO_RANGES))
+    q = consistent_positions(task, positions, known)
     guess = {name: value for name, value in known.items() if name not in positions and name not in rates}
-    return found.q, consistent_speeds(task, found.q, rates, guess)
+    return q, consistent_speeds(task, q, rates, guess)
+
+
+def consistent_positions(task: Closure, fixed: Mapping[str, float], known: Mapping[str, float]) -> Floats:
+    """Return coordinates (n_q,) in which all constraints hold; of what is fixed the positions count.
+
+    Raises
+    ------
+    AssemblyError
+        As `assemble`.
+    """
+    positions, known = unit_quaternions(task.eqs.quaternions, task.parted(fixed)[0], known)
+    start = task.start({**known, **positions})
+    closed = _closed(task, _near_measured(task, start, positions, known), positions)
+    if closed is None:
+        raise AssemblyError(_why_open(task, task.start(known), start, positions, NO_RANGES))
+    return closed.q
 
 
 def _near_measured(

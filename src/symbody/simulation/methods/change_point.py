@@ -164,10 +164,10 @@ def _end_of_branch(problem: SimulationProblem, t: float, x: Floats, run: Integra
         return _BranchEnd(None, _STARTS)
     if is_overconstrained(problem, t, x):
         return _BranchEnd(None, _LOCKED)
-    return _end_beside_change_point(problem, t, x, raw, passages)
+    return _break_off(problem, t, x, raw, passages)
 
 
-def _end_beside_change_point(
+def _break_off(
     problem: SimulationProblem, t: float, x: Floats, raw: RawRun, passages: _Passages | None
 ) -> _BranchEnd | None:
     """Return where a motion breaks off beside a change point, if it does: there steps become ever smaller.
