@@ -19,7 +19,7 @@ import symbody as sb
 from benchmarks.mechanisms import EXAMPLES
 from benchmarks.table import Table, seconds_text
 from benchmarks.timing import Settings, seconds
-from symbody.simulation.native.interface import RightHandSide, call, compiled
+from symbody.simulation.native.interface import RightHandSide, call, compile_loop
 
 Floats = NDArray[np.float64]
 
@@ -111,7 +111,7 @@ def _call_seconds(eqs: sb.EquationSet, run: sb.Trajectory, link: float) -> float
     return min(seconds(lambda: _calls(rhs, states, link, place, out)) for _ in range(20)) / len(states)
 
 
-@compiled
+@compile_loop
 def _calls(rhs: RightHandSide, states: Floats, link: float, place: Floats, out: Floats) -> None:
     """Call a right-hand side at all states; unless `link` is 0, each waits for the result before."""
     n = states.shape[1]

@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 import symbody as sb
+from benchmarks.editor import gestures
 from benchmarks.mechanisms import EXAMPLES
 from benchmarks.table import Table, seconds_text
 from benchmarks.timing import Settings, processor_seconds, seconds
@@ -54,8 +55,11 @@ MOTIONS: Final[Mapping[str, Callable[[], sb.Model]]] = MappingProxyType(
 
 
 def tables(settings: Settings) -> Iterator[Table]:
-    """Yield the one table."""
+    """Yield the table of pages and films, and where there is a browser that of the editor."""
     yield pages(settings, tuple(MOTIONS))
+    executable = _browser()
+    if executable is not None:
+        yield gestures(executable)
 
 
 def pages(settings: Settings, names: tuple[str, ...]) -> Table:

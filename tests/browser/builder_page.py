@@ -46,6 +46,12 @@ class BuilderPage:
         """Return how many steps can be undone."""
         return int(self.page.evaluate("symbodyBuilder.steps()"))
 
+    def counts(self) -> dict[str, int]:
+        """Return how often nodes, edges and pictures were drawn, and requests sent, since the page loaded."""
+        return {
+            name: int(count) for name, count in self.page.evaluate("({...symbodyBuilder.counts})").items()
+        }
+
     def wait(self, expression: str, seconds: float = 60.0) -> None:
         """Wait until an expression in the state ``s`` is true."""
         for _ in range(int(seconds / 0.05)):

@@ -101,7 +101,8 @@ def test_a_body_is_dragged_and_the_loop_follows(visit: Any, example: str, body: 
     builder.wait("s.posed !== null && s.posed.moved")
     page.wait_for_timeout(400)
     last = points(builder, body)
-    assert len(last["gaps"]) >= 3 and max([*open_gaps, *last["gaps"]]) < 1e-8
+    assert len(last["gaps"]) >= 3 and max(last["gaps"]) < 1e-8
+    assert max(open_gaps) < 1e-6  # the start, which is shown until the first answer, is in single precision
     assert np.linalg.norm(np.array(last["centre"]) - first["centre"]) > 0.02
     assert camera(builder) == pytest.approx(view, abs=1e-9)
     assert builder.steps() == 0 and builder.state("selection") == ["body/0"]

@@ -20,6 +20,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
+from symbody.builder import workers
 from symbody.builder.settings import pages_folder
 from symbody.builder.tasks.analyses import equilibrium, inverse, modes, singular_positions
 from symbody.builder.tasks.equations import equation_tabs
@@ -28,7 +29,7 @@ from symbody.builder.tasks.formula_blocks import FormulaBlock, entry_label, rend
 from symbody.builder.tasks.simulation import curve_list, more_curves, simulate_model
 from symbody.builder.tasks.sweeps import sweep_parameter
 from symbody.builder.worker_process import TaskFailure
-from symbody.errors import EnvironmentFault
+from symbody.errors import EnvironmentFault, SymbodyError
 from symbody.expr.deadline import stages_watched
 from symbody.expr.graph import Graph, Symbol
 from symbody.expr.opcodes import ADD, SIN
@@ -187,7 +188,7 @@ def test_what_is_too_long_is_named_part_by_part_or_counted() -> None:
     node = graph.symbol(Symbol("x"))
     for k in range(12_000):
         node = graph.node(SIN, graph.node(ADD, node, graph.constant(k + 1)))
-    long = render_block(graph, FormulaBlock("f", (node,), (entry_label("f", 1),)), "")
+    long = render_block(graph, FormulaBlock("f", (node,), (entry_label("f", 1),)), str)
     assert long["mathml"] is None and long["latex"] is None and long["characters"] > 20_000
 
 
@@ -373,3 +374,26 @@ def test_the_command_names_what_is_missing(tmp_path: Path) -> None:
         done = subprocess.run([sys.executable, "-m", "symbody", "builder", "--no-browser", "--port", "0"],
                               capture_output=True, text=True, timeout=60, env=environment)  # fmt: skip
         assert done.returncode == 5 and "builder.no_page" in done.stderr
+
+
+def test_of_two_requests_that_overtake_each_other_the_later_one_is_answered() -> None:
+    class Recorder:
+        """A reserve of one worker that answers at once."""
+
+        is_alive = True
+
+        def take(self) -> Any:
+            return self
+
+        def load(self) -> None:
+            """Be loaded."""
+
+        def run(self, task: str, payload: dict[str, Any], is_over: Any) -> str:
+            return str(payload["data"])
+
+    newest = workers.NewestOnly(Recorder())  # type: ignore[arg-type]
+    assert newest.run("check", {"data": "second"}, "page", 1.0, turn=2) == "second"
+    with pytest.raises(SymbodyError, match="newer request"):
+        newest.run("check", {"data": "first"}, "page", 1.0, turn=1)
+    assert newest.run("check", {"data": "another page"}, "other", 1.0, turn=1) == "another page"
+    assert newest.run("check", {"data": "third"}, "page", 1.0, turn=3) == "third"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 import sympy as sp
 
 import symbody as sb
+from symbody.equations.formulations.formulation import Formulation
 
 G = 9.81
 # Closed forms of a few operations; poses are given exactly or assembled to 1e-9 of the size.
@@ -223,3 +225,21 @@ def test_trees_leave_nothing_undetermined() -> None:
     eqs = sb.form_equations(sb.Model("t", [sb.Revolute("J", "ground", body, coordinate="a")]))
     assert eqs.undetermined_reactions == ()
     assert not any("undetermined" in note for note in eqs.notes)
+
+
+@pytest.mark.parametrize("formulation", [None, sb.VirtualWork(), sb.NewtonEuler(), sb.Lagrange()], ids=repr)
+def test_loads_on_four_wheels_are_shares(formulation: Formulation | None) -> None:
+    """Heights that hold identically are found while the equations are formed, in the frames of the contacts."""
+    corners = {f"a{k}": sb.Frame(at=(x, y, "r")) for k, (x, y) in enumerate(product((1, -1), repeat=2))}
+    elements: list[object] = [
+        sb.Body("Cart", mass=3, inertia=(1, 1, 1), frames=corners),
+        sb.Planar("floor", "ground", "Cart"),
+    ]
+    for k in range(4):
+        elements.append(sb.Body(f"W{k}", mass=1, inertia=(0.1, 0.2, 0.1)))
+        elements.append(sb.Revolute(f"pin{k}", f"Cart.a{k}", f"W{k}", axis="y"))
+        elements.append(sb.Rolling(f"tyre{k}", "ground", f"W{k}", radius="r", normal="z", axis="y"))
+    model = sb.Model("cart", elements, gravity=(0, 0, -9.81), parameters={"r": 0.3})
+    eqs = sb.form_equations(model, formulation)
+    assert {f"reaction tyre{k} Fz" for k in range(4)} <= set(eqs.undetermined_reactions)
+    assert eqs.roots("reaction tyre0").shape == (6,)

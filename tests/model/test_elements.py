@@ -60,6 +60,18 @@ def test_what_no_reader_expects_names_the_argument() -> None:
         sb.Body("b", frames=Odd())  # type: ignore[arg-type]
 
 
+def test_the_recipe_for_a_joint_works(tmp_path: Path) -> None:
+    recipe = (DOCS / "extending_joint.md").read_text(encoding="utf-8")
+    file = tmp_path / "point_on_circle.py"
+    file.write_text(recipe.partition("```python\n")[2].partition("```")[0], encoding="utf-8")
+    kind = runpy.run_path(str(file))["PointOnCircle"]
+    joint = kind("ring", "ground", "Bead", "r", axis="x", coordinates=["s", "a", "b", "c"])
+    assert [component.text for component in joint.shift()] == ["0", "(r)*cos(s/(r))", "(r)*sin(s/(r))"]
+    assert joint.locked_directions == 2 and [site.path for site in joint.uses()] == ["radius"]
+    with pytest.raises(sb.ModelError, match="model.no_length"):
+        sb.Model("m", [sb.Body("Bead", mass=1), kind("ring", "ground", "Bead", -1)])
+
+
 @pytest.mark.parametrize("page", ["joints.md", "constraints.md", "forces.md"])
 def test_the_tables_of_elements_are_current(page: str) -> None:
     listing = runpy.run_path(str(DOCS / "list_elements.py"))

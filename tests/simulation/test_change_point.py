@@ -53,6 +53,16 @@ def test_change_points_of_a_slider_crank(crank: float, passes: bool) -> None:
         assert run["s"].min() < -5.0
 
 
+def test_a_limit_on_steps_is_neither_a_lock_nor_a_change_point() -> None:
+    """Steps that grow, or stay as they are, end because they are few."""
+    for constraints in (sb.GGL(), sb.Projection()):
+        run = sb.simulate(
+            linkage(), 2.0, {"t1": 1.0, "t1_dot": 3.0}, GUESS, constraints=constraints, max_steps=3
+        )
+        assert run.status is sb.Status.TOO_MANY_STEPS
+        assert not any("locked" in note or "change point" in note for note in run.notes), run.notes
+
+
 def test_times_beside_a_change_point_stay_within_the_motion() -> None:
     """The sum at + (end - at) is rounded to beyond the end for one in ten of these."""
     loops: Any = SimpleNamespace(places=slice(0, 1), singular_values=lambda t, q: np.zeros((t.size, 1)))

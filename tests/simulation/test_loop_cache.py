@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from symbody.simulation.native.interface import compiled
+from symbody.simulation.native.interface import compile_loop
 
 Function = Callable[[float], float]
 SOURCE = "def loop(x):\n    for k in range(3):\n        x = 2.0 * x + k\n    return x\n"
@@ -34,7 +34,7 @@ def loop(place: Path) -> Function:
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    return compiled(module.loop)
+    return compile_loop(module.loop)
 
 
 def hits(function: Function) -> int:
@@ -137,10 +137,10 @@ WITHOUT = """
 import resource, sys
 from pathlib import Path
 sys.path.insert(0, {folder!r})
-from symbody.simulation.native.interface import compiled
+from symbody.simulation.native.interface import compile_loop
 {limit}
 import small_loop
-assert compiled(small_loop.loop)(0.5) == {result}
+assert compile_loop(small_loop.loop)(0.5) == {result}
 print("files:", len(list(Path({folder!r}).rglob("*.loop"))))
 """
 
@@ -169,6 +169,6 @@ def test_a_read_only_installation_of_another_user_without_a_home(place: Path) ->
     for folder in place.parents:
         if folder.is_relative_to(tempfile.gettempdir()) and folder != Path(tempfile.gettempdir()):
             folder.chmod(0o755)
-    user = "import os; os.environ['HOME'] = '/nonexistent'; compiled(lambda x: x)(0.5)\n"
+    user = "import os; os.environ['HOME'] = '/nonexistent'; compile_loop(lambda x: x)(0.5)\n"
     user += "os.setgroups([]); os.setgid(65534); os.setuid(65534)"
     assert run_without(place, user) == "files: 0\n"

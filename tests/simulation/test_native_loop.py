@@ -63,7 +63,7 @@ def test_the_loop_works_where_nothing_can_be_kept(monkeypatch: pytest.MonkeyPatc
 
     monkeypatch.setattr(FunctionCache, "__init__", refuse)
 
-    @native_interface.compiled
+    @native_interface.compile_loop
     def double(x: float) -> float:
         return 2.0 * x
 

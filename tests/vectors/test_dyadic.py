@@ -12,7 +12,7 @@ from symbody.vectors.dyadic import Dyadic, apply, gyroscopic, quadratic, symmetr
 from symbody.vectors.euler_angles import euler_turns
 from symbody.vectors.frame import FrameTree
 from symbody.vectors.matrix import Matrix, symmetric_tensor
-from symbody.vectors.rotation import Rotation, Turn, rotation_of
+from symbody.vectors.rotation import AxisRotation, Rotation, rotation_of
 from symbody.vectors.vector import Vector, components, vector
 from tests.vectors.numbers import matrix_of, matrix_values, named, names_in, triple, values
 
@@ -46,7 +46,7 @@ def spun_tree(graph: Graph) -> FrameTree:
         parents[f"F{k + 1}"] = (up, rotation_of([turn]))
         up = f"F{k + 1}"
     parents["CoM"] = ("F3", Rotation())
-    parents["G"] = ("F1", rotation_of([Turn(triple(graph, 0.6, 0.0, 0.8), named(graph, "c")[0])]))
+    parents["G"] = ("F1", rotation_of([AxisRotation(triple(graph, 0.6, 0.0, 0.8), named(graph, "c")[0])]))
     return FrameTree(graph, parents)
 
 
@@ -107,9 +107,9 @@ def test_tensors_rest_where_they_stay_the_same() -> None:
 def test_turning_axes_may_point_either_way_but_not_elsewhere() -> None:
     graph = Graph()
     (a,) = named(graph, "a")
-    four = rotation_of([Turn(triple(graph, 0, 0, -1), a)])
+    four = rotation_of([AxisRotation(triple(graph, 0, 0, -1), a)])
     tree = FrameTree(
-        graph, {"A": ("ground", four), "B": ("A", rotation_of([Turn(triple(graph, 1, 0, 0), a)]))}
+        graph, {"A": ("ground", four), "B": ("A", rotation_of([AxisRotation(triple(graph, 1, 0, 0), a)]))}
     )
     split = symmetric_split("A", tensor(graph, "A A C"))
     assert split.simplest_frame(tree) == "ground"

@@ -18,7 +18,7 @@ from symbody.errors import FrameError
 from symbody.expr.expression import Expr, cos, sin
 from symbody.expr.graph import Graph
 from symbody.vectors.euler_angles import angle_rates, euler_turns, measured_angles, sequence_axes
-from symbody.vectors.rotation import Turn, rotation_matrix, rotation_of
+from symbody.vectors.rotation import AxisRotation, rotation_matrix, rotation_of
 from tests.vectors.numbers import matrix_of, matrix_values, named, names_in, triple, values
 
 WRITTEN = ["".join(s) for s in itertools.product("123", repeat=3) if s[0] != s[1] != s[2]]
@@ -95,7 +95,8 @@ def test_rates_of_axes_that_are_not_perpendicular() -> None:
     # Three constant unit axes, no two perpendicular.
     axes = [np.array(a) for a in ([0.6, 0.0, 0.8], [0.36, 0.48, 0.8], [0.0, 0.8, -0.6])]
     turns = tuple(
-        Turn(triple(graph, *axis), angle) for axis, angle in zip(axes, named(graph, "a b c"), strict=True)
+        AxisRotation(triple(graph, *axis), angle)
+        for axis, angle in zip(axes, named(graph, "a b c"), strict=True)
     )
     at, rates = {"a": 0.4, "b": 1.3, "c": -0.7}, [0.3, -1.1, 0.6]
     r1, r2, r3 = (matrix_values(graph, turn.matrix(graph), at) for turn in turns)

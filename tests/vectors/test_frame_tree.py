@@ -14,10 +14,10 @@ from symbody.vectors.euler_angles import euler_turns
 from symbody.vectors.frame import FrameTree
 from symbody.vectors.matrix import Matrix3, Vector3, identity
 from symbody.vectors.rotation import (
+    AxisRotation,
     DirectionCosines,
     EulerParameters,
     Rotation,
-    Turn,
     rotation_matrix,
     rotation_of,
 )
@@ -50,7 +50,9 @@ def random_tree(seed: int, size: int) -> tuple[FrameTree, dict[str, float]]:
     for k in range(size):
         (angle,) = named(graph, f"q{k}")
         axis = source.choice([(1, 0, 0), (0, 0, 1), (0, 0, -1), random_axis(source)])
-        steps = source.choice([(), (four,), (four.inverse,), *[(Turn(triple(graph, *axis), angle),)] * 5])
+        steps = source.choice(
+            [(), (four,), (four.inverse,), *[(AxisRotation(triple(graph, *axis), angle),)] * 5]
+        )
         grow(tree, f"f{k}", source.choice(["ground", *parents][-3:]), rotation_of(steps))
     return tree, at
 
@@ -92,7 +94,7 @@ def random_chain(size: int) -> FrameTree:
     parents: dict[str, tuple[str, Rotation]] = {}
     up = "ground"
     for k in range(size):
-        turn = Turn(triple(graph, *random_axis(source)), named(graph, f"q{k}")[0])
+        turn = AxisRotation(triple(graph, *random_axis(source)), named(graph, f"q{k}")[0])
         parents[f"f{k}"] = (up, rotation_of([turn]))
         up = f"f{k}"
     return FrameTree(graph, parents)
@@ -128,16 +130,16 @@ def test_parallel_turns_merge_across_frames_and_branches(monkeypatch: pytest.Mon
     a, b, c, d = named(graph, "a b c d")
     z = triple(graph, 0, 0, 1)
     tree = FrameTree(graph, {
-        "A": ("ground", rotation_of([Turn(z, a)])), "B": ("A", rotation_of([Turn(z, b)])),
-        "C": ("ground", rotation_of([Turn(z, c)])), "D": ("C", rotation_of([Turn(z, a - c)])),
+        "A": ("ground", rotation_of([AxisRotation(z, a)])), "B": ("A", rotation_of([AxisRotation(z, b)])),
+        "C": ("ground", rotation_of([AxisRotation(z, c)])), "D": ("C", rotation_of([AxisRotation(z, a - c)])),
         "E": ("B", rotation_of(euler_turns(graph, "313", (d, c, a)))),
     })  # fmt: skip
-    assert tree.rotation("ground", "B").turns == (Turn(z, a + b),)
+    assert tree.rotation("ground", "B").turns == (AxisRotation(z, a + b),)
     assert tree.rotation("D", "A") == Rotation()
-    assert tree.rotation("D", "B").turns == (Turn(z, b),)
+    assert tree.rotation("D", "B").turns == (AxisRotation(z, b),)
     assert tree.matrix("D", "B") is tree.matrix("A", "B")
     assert not count
-    assert tree.rotation("A", "E").turns[0] == Turn(z, b + d)
+    assert tree.rotation("A", "E").turns[0] == AxisRotation(z, b + d)
     # The third axis of E does not know of the last turn.
     assert names_in(*(row[2] for row in tree.matrix("A", "E"))) == {"b", "c", "d"}
 
@@ -149,15 +151,15 @@ def test_what_was_found_stays_right_while_frames_are_added() -> None:
     tree = FrameTree(graph, {})
     with pytest.raises(FrameError, match="no frame 'A'"):
         tree.depth("A")
-    grow(tree, "A", "ground", rotation_of([Turn(z, a)]))
+    grow(tree, "A", "ground", rotation_of([AxisRotation(z, a)]))
     before = tree.matrix("ground", "A")
     assert (tree.depth("A"), tree.home("A"), tree.path("A")) == (1, "A", ("A", "ground"))
     grow(tree, "B", "A", Rotation())
-    grow(tree, "C", "B", rotation_of([Turn(z, b)]))
+    grow(tree, "C", "B", rotation_of([AxisRotation(z, b)]))
     assert (tree.depth("C"), tree.home("B"), tree.home("C")) == (3, "A", "C")
     assert tree.path("C") == ("C", "B", "A", "ground")
     assert tree.matrix("ground", "A") is before
-    assert tree.rotation("ground", "C").turns == (Turn(z, a + b),)
+    assert tree.rotation("ground", "C").turns == (AxisRotation(z, a + b),)
 
 
 def test_long_chains_need_no_recursion() -> None:
@@ -201,7 +203,10 @@ def test_a_single_term_across_parallel_turns_is_left() -> None:
     angles = [Expr(graph, graph.symbol(Symbol(name, Kind.COORDINATE))) for name in "abc"]
     parents = {}
     for k, angle in enumerate(angles):
-        parents[f"f{k}"] = (f"f{k - 1}" if k else "ground", Rotation((Turn((zero, zero, one), angle),)))
+        parents[f"f{k}"] = (
+            f"f{k - 1}" if k else "ground",
+            Rotation((AxisRotation((zero, zero, one), angle),)),
+        )
     tree = FrameTree(graph, parents)
     a = vector("f0", (one, zero, zero))
     assert drawn_near(tree, a, "f2") is a

@@ -16,10 +16,10 @@ from symbody.expr.graph import Graph
 from symbody.vectors.angle_sum import angle_sum
 from symbody.vectors.euler_parameters import EulerParameters, euler_parameter_omega, euler_parameter_rates
 from symbody.vectors.rotation import (
+    AxisRotation,
     DirectionCosines,
+    ElementaryRotation,
     Rotation,
-    RotationStep,
-    Turn,
     identity,
     rotation_matrix,
     rotation_of,
@@ -86,7 +86,7 @@ def test_a_step_and_its_inverse_are_nothing() -> None:
     four = parameters_in(graph)
     opposite = EulerParameters(-four.e0, -four.e1, -four.e2, -four.e3)
     cosines = DirectionCosines(matrix_of(graph, Reference.random(random_state=3).as_matrix()))
-    turn = Turn(triple(graph, 0, 0, 1), named(graph, "a")[0])
+    turn = AxisRotation(triple(graph, 0, 0, 1), named(graph, "a")[0])
     for step in (four, cosines, turn):
         assert rotation_of([step, step.inverse]) == rotation_of([step.inverse, step]) == Rotation()
     assert rotation_of([opposite, four.inverse]) == Rotation()
@@ -98,21 +98,29 @@ def test_merging_goes_on_with_the_new_neighbours() -> None:
     a, b = named(graph, "a b")
     z, x = triple(graph, 0, 0, 1), triple(graph, 1, 0, 0)
     four = parameters_in(graph)
-    steps: list[RotationStep] = [Turn(z, a), four, Turn(x, b)]
+    steps: list[ElementaryRotation] = [AxisRotation(z, a), four, AxisRotation(x, b)]
     there = Rotation(tuple(steps))
-    assert there.then(Rotation((Turn(x, -b), four.inverse, Turn(z, b)))) == Rotation((Turn(z, a + b),))
+    assert there.then(Rotation((AxisRotation(x, -b), four.inverse, AxisRotation(z, b)))) == Rotation(
+        (AxisRotation(z, a + b),)
+    )
     assert there.then(there.inverse) == Rotation()
     # Also where a rotation was put together without merging.
-    assert Rotation((Turn(z, a), four)).then(Rotation((four.inverse,))).turns == (Turn(z, a),)
-    assert Rotation((Turn(z, a), Turn(z, b))).then(Rotation()).turns == (Turn(z, a + b),)
+    assert Rotation((AxisRotation(z, a), four)).then(Rotation((four.inverse,))).turns == (AxisRotation(z, a),)
+    assert Rotation((AxisRotation(z, a), AxisRotation(z, b))).then(Rotation()).turns == (
+        AxisRotation(z, a + b),
+    )
 
 
 def test_opposite_terms_of_merged_angles_cancel() -> None:
     graph = Graph()
     a, b, c = named(graph, "a b c")
     z = triple(graph, 0, 0, 1)
-    assert rotation_of([Turn(z, a), Turn(z, b), Turn(z, -b)]).turns == (Turn(z, a),)
-    assert rotation_of([Turn(z, a + b), Turn(z, c - a), Turn(z, -(b + c))]) == Rotation()
+    assert rotation_of([AxisRotation(z, a), AxisRotation(z, b), AxisRotation(z, -b)]).turns == (
+        AxisRotation(z, a),
+    )
+    assert (
+        rotation_of([AxisRotation(z, a + b), AxisRotation(z, c - a), AxisRotation(z, -(b + c))]) == Rotation()
+    )
     assert angle_sum(a + 2 * b, a - b * 2) == 2 * a
     assert angle_sum(a + b, c) == a + b + c
     assert angle_sum(a / 3 + 1, b - a / 3) == 1 + b
@@ -125,13 +133,13 @@ def drawn(graph: Graph, codes: list[int]) -> Rotation:
     z, x, minus_z = triple(graph, 0, 0, 1), triple(graph, 1, 0, 0), triple(graph, 0, 0, -1)
     a, b = named(graph, "a b")
     cosines = DirectionCosines(matrix_of(graph, Reference.random(random_state=5).as_matrix()))
-    known: list[RotationStep] = [
-        Turn(z, a),
-        Turn(x, b),
-        Turn(minus_z, b),
+    known: list[ElementaryRotation] = [
+        AxisRotation(z, a),
+        AxisRotation(x, b),
+        AxisRotation(minus_z, b),
         parameters_in(graph),
         cosines,
-        Turn(x, a),
+        AxisRotation(x, a),
     ]
     return rotation_of([known[abs(k) - 1] if k > 0 else known[abs(k) - 1].inverse for k in codes])
 
@@ -159,7 +167,7 @@ def test_the_matrix_of_a_turn_about_an_exact_axis_is_orthogonal() -> None:
     graph = Graph()
     (a,) = named(graph, "a")
     unit = (number(graph, Fraction(2, 7)), number(graph, Fraction(3, 7)), number(graph, Fraction(6, 7)))
-    matrix = Turn(unit, a).matrix(graph)
+    matrix = AxisRotation(unit, a).matrix(graph)
     numbers = matrix_values(graph, matrix, {"a": 1.2})
     assert np.abs(numbers @ numbers.T - np.eye(3)).max() < ROUNDING
     assert np.abs(matrix_values(graph, transpose(matrix), {"a": 1.2}) - numbers.T).max() == 0

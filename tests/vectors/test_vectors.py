@@ -16,7 +16,7 @@ from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Input, Roots, build_sequence
 from symbody.vectors.frame import FrameTree
-from symbody.vectors.rotation import Rotation, Triple, Turn, rotation_matrix, rotation_of
+from symbody.vectors.rotation import AxisRotation, Rotation, Triple, rotation_matrix, rotation_of
 from symbody.vectors.vector import Vector, components, cross, dot, express, vector
 
 ANGLES = {"a": 0.3, "b": -1.1, "c": 2.4}
@@ -52,7 +52,8 @@ def test_body_sequences_agree_with_scipy(letters: str) -> None:
     graph = Graph()
     units = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
     turns = [
-        Turn(axis(graph, *units[letter]), angle(graph, n)) for letter, n in zip(letters, "abc", strict=True)
+        AxisRotation(axis(graph, *units[letter]), angle(graph, n))
+        for letter, n in zip(letters, "abc", strict=True)
     ]
     matrix = rotation_matrix(graph, rotation_of(turns))
     found = values(graph, [entry for row in matrix for entry in row]).reshape(3, 3)
@@ -63,7 +64,7 @@ def test_body_sequences_agree_with_scipy(letters: str) -> None:
 def test_general_axis_agrees_with_scipy_and_inverse_is_the_transpose() -> None:
     graph = Graph()
     components_, unit = general_axis(graph)
-    rotation = rotation_of([Turn(components_, angle(graph, "a"))])
+    rotation = rotation_of([AxisRotation(components_, angle(graph, "a"))])
     matrix = rotation_matrix(graph, rotation)
     back = rotation_matrix(graph, rotation.inverse)
     found = values(graph, [entry for row in matrix for entry in row]).reshape(3, 3)
@@ -76,9 +77,9 @@ def test_turns_about_parallel_axes_merge() -> None:
     graph = Graph()
     z, minus_z = axis(graph, 0, 0, 1), axis(graph, 0, 0, -1)
     a, b = angle(graph, "a"), angle(graph, "b")
-    assert rotation_of([Turn(z, a), Turn(z, b)]).turns == (Turn(z, a + b),)
-    assert rotation_of([Turn(z, a), Turn(minus_z, a)]) == Rotation()
-    there = rotation_of([Turn(z, a), Turn(axis(graph, 1, 0, 0), b)])
+    assert rotation_of([AxisRotation(z, a), AxisRotation(z, b)]).turns == (AxisRotation(z, a + b),)
+    assert rotation_of([AxisRotation(z, a), AxisRotation(minus_z, a)]) == Rotation()
+    there = rotation_of([AxisRotation(z, a), AxisRotation(axis(graph, 1, 0, 0), b)])
     assert there.then(there.inverse) == Rotation()
 
 
@@ -87,9 +88,9 @@ def chain(graph: Graph) -> FrameTree:
     return FrameTree(
         graph,
         {
-            "A": ("ground", rotation_of([Turn(z, angle(graph, "a"))])),
-            "B": ("A", rotation_of([Turn(x, angle(graph, "b"))])),
-            "C": ("A", rotation_of([Turn(general_axis(graph)[0], angle(graph, "c"))])),
+            "A": ("ground", rotation_of([AxisRotation(z, angle(graph, "a"))])),
+            "B": ("A", rotation_of([AxisRotation(x, angle(graph, "b"))])),
+            "C": ("A", rotation_of([AxisRotation(general_axis(graph)[0], angle(graph, "c"))])),
             "fixed": ("B", Rotation()),
         },
     )

@@ -3,8 +3,10 @@
 import { ABSENCES, request } from "./connection";
 import type {
   CheckAnswer, DocumentAnswer, DragAnswer, Draft, Example, FolderAnswer, JobKind, JobState, JsonObject, Json, Model, PoseAnswer,
-  Problem, RecentFile, SchemaAnswer,
+  Problem, RecentFile, RedrawAnswer, SchemaAnswer,
 } from "./types"; // prettier-ignore
+
+import { count } from "./shell/counts";
 
 /** A refusal of the server, or the server out of reach. */
 export class ServerError extends Error {
@@ -30,7 +32,16 @@ export function problemsOf(error: unknown): readonly Problem[] {
 /** Of the requests of one page the server answers the newest. */
 const page = Math.random().toString(36).slice(2);
 
+let turn = 0;
+
+/** Requests may overtake each other on their way; the server takes that with the highest turn for the newest. */
+function nextTurn(): number {
+  turn += 1;
+  return turn;
+}
+
 async function call(name: string, body: object, signal?: AbortSignal): Promise<unknown> {
+  count(name);
   const response = await request(name, body, signal);
   if (response === null) throw new ServerError([problemOf("page.no_server", ABSENCES.gone.what, ABSENCES.gone.fix)], 0);
   if (response.status === 401) throw new ServerError([problemOf("page.other_run", ABSENCES.other.what, ABSENCES.other.fix)], 401);
@@ -63,7 +74,8 @@ export const api = {
   draft: (document: string, data: Model) => call("draft", { document, data }) as Promise<JsonObject>,
   changed: async (document: string, fingerprint: string) =>
     (await call("changed", { document, fingerprint }) as { changed: boolean }).changed,
-  check: (document: string, data: Model, signal: AbortSignal) => call("check", { data, document, page }, signal) as Promise<CheckAnswer>,
+  check: (document: string, data: Model, signal: AbortSignal) => call("check", { data, document, page, turn: nextTurn() }, signal) as Promise<CheckAnswer>,
+  redraw: (document: string, data: Model, signal: AbortSignal) => call("redraw", { data, document, page, turn: nextTurn() }, signal) as Promise<RedrawAnswer>,
   pose: (document: string, data: Model, fixed: Record<string, number>, guess: Readonly<Record<string, number>>) =>
     call("pose", { data, document, page, fixed, guess }) as Promise<PoseAnswer>,
   drag: (document: string, data: Model, held: Held, guess: Readonly<Record<string, number>>) =>

@@ -9,6 +9,7 @@ import { takeKey } from "./commands/all";
 import { keepDrafts } from "./commands/drafts";
 import { openModel, watchFile } from "./commands/files";
 import { loadSchema } from "./commands/insert";
+import { counts } from "./shell/counts";
 import { rememberedTheme } from "./shell/theme";
 import { historyLength, isDirty, useStore } from "./store";
 import "./style/page.css";
@@ -18,7 +19,7 @@ import "./style/panels.css";
 declare global {
   interface Window {
     /** What tests look at. */
-    symbodyBuilder?: { state: typeof useStore.getState; steps: typeof historyLength };
+    symbodyBuilder?: { state: typeof useStore.getState; steps: typeof historyLength; counts: typeof counts };
   }
 }
 
@@ -26,7 +27,7 @@ function start(): void {
   const root = document.getElementById("root");
   if (root === null) return;
   useStore.setState({ theme: rememberedTheme() });
-  window.symbodyBuilder = { state: useStore.getState, steps: historyLength };
+  window.symbodyBuilder = { state: useStore.getState, steps: historyLength, counts };
   followChanges();
   seekServer();
   keepDrafts();

@@ -109,6 +109,9 @@ export interface CheckAnswer {
   readonly formulas: Readonly<Record<string, string>>;
 }
 
+/** Of a check what can be had sooner; without a picture the check says why. */
+export type RedrawAnswer = Pick<CheckAnswer, "picture" | "values">;
+
 export interface PoseAnswer {
   readonly values: Readonly<Record<string, number>>;
   readonly positions: readonly (readonly number[])[];

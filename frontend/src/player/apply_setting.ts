@@ -40,6 +40,9 @@ const IN_PAGE: Partial<Record<Name, (player: Player, values: SettingValues) => v
   curves: ({ root, curves }, values) => { root.classList.toggle("sb-no-curves", !values.curves || curves === null); },
 };
 
+/** Settings that a new scene does not have by itself. */
+export const OF_SCENE: readonly Name[] = ["theme", "gravity", "look", ...SHOWN, "arrowFactor", "ghosts", "traces"];
+
 export function applySetting(player: Player, name: Name): void {
   const { values } = player.settings;
   IN_PAGE[name]?.(player, values);

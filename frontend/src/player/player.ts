@@ -1,6 +1,6 @@
 /** The player: picture, time and curves in an element of a page. */
 
-import { Clock, Viewer, WebGLMissing, type SceneElement, type ViewName } from "../viewer";
+import { castOf, Clock, Viewer, WebGLMissing, type Scene, type SceneElement, type StateSource, type ViewName } from "../viewer";
 import { ArrowLegend } from "./arrow_legend";
 import { runCommand } from "./commands";
 import { CurvesPanel } from "./curves_panel";
@@ -12,7 +12,7 @@ import { commandOf, targetOf, type Command } from "./keys";
 import { topInset, watchLayout } from "./layout";
 import { FrameLoop } from "./loop";
 import { watchPointer } from "./pointer";
-import { applySetting } from "./apply_setting";
+import { applySetting, OF_SCENE } from "./apply_setting";
 import { Settings } from "./settings";
 import { splitBar } from "./split";
 import { followTheme, prefersReducedMotion } from "./theme";
@@ -40,7 +40,7 @@ export class Player {
   readonly stage = create("div", { class: "sb-stage" });
   private readonly live = create("div", { class: "sb-live", role: "status", "aria-live": "polite" });
   private readonly transport: Transport | null;
-  readonly triad: Triad;
+  triad: Triad;
   private readonly legend: ArrowLegend | null;
   private readonly tooltip: Tooltip | null;
   private readonly selection: SelectionCard | null;
@@ -51,7 +51,7 @@ export class Player {
 
   constructor(
     readonly root: HTMLElement,
-    readonly data: PlayerData,
+    public data: PlayerData,
     private readonly context: PlayerContext = {},
   ) {
     const { scene, source, title, settings } = data;
@@ -113,6 +113,19 @@ export class Player {
   refresh(): void {
     this.viewer?.setTime(this.clock.time);
     this.loop.wake();
+  }
+
+  /** Show another scene of the same mechanism in the same picture; return whether that can be. */
+  replaceScene(scene: Scene, source: StateSource): boolean {
+    const still = source.end <= source.start && this.clock.duration <= 0 && source.vectors.length === 0;
+    if (this.viewer === null || !still || castOf(scene) !== castOf(this.data.scene)) return false;
+    this.data = { ...this.data, scene, source };
+    this.viewer.replaceScene(scene, source);
+    const triad = new Triad(scene);
+    this.triad.element.replaceWith(triad.element);
+    this.triad = triad;
+    for (const name of OF_SCENE) applySetting(this, name);
+    return true;
   }
 
   view(name: ViewName): void {

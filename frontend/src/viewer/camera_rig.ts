@@ -58,7 +58,7 @@ export class CameraRig {
   readonly controls: OrbitControls;
   private turn: Turn | null = null;
   private fits = true; // until the user moves the camera
-  private readonly radius: number;
+  private radius: number;
   private readonly up: Vector3;
   private height = 1;
   private covered = 0;
@@ -66,8 +66,8 @@ export class CameraRig {
 
   constructor(
     canvas: HTMLElement,
-    private readonly scene: Scene,
-    private readonly extent: Extent,
+    private scene: Scene,
+    private extent: Extent,
     private readonly animate: () => boolean,
     invalidate: () => void,
   ) {
@@ -83,6 +83,14 @@ export class CameraRig {
       this.turn = null;
       this.fits = false;
     });
+  }
+
+  /** Take a scene of other sizes: who has moved the camera keeps the place. */
+  takeScene(scene: Scene, extent: Extent): void {
+    this.scene = scene;
+    this.extent = extent;
+    this.radius = extent.box.getSize(new Vector3()).length() / 2;
+    if (this.fits) this.fit(true);
   }
 
   get distance(): number {

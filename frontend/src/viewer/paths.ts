@@ -60,10 +60,10 @@ export function shortestLengths(scene: Scene, source: StateSource): number[] {
 }
 
 /** Return the box of a body's shapes, frames and the anchors on it, in its own axes. */
-function bodyBox(scene: Scene, body: number): Box3 {
+function bodyBox(scene: Scene, body: number, units: Map<string, Box3>): Box3 {
   const box = new Box3();
   const { solids, frames } = scene.bodies[body]!;
-  for (const solid of solids) box.union(solidBox(scene, solid));
+  for (const solid of solids) box.union(solidBox(scene, solid, units));
   // a ground's frames may be far from all that is drawn
   if (body > 0 || box.isEmpty()) for (const frame of frames) box.expandByPoint(new Vector3(...frame.at));
   const anchors = scene.connectors.flatMap((each) => [each.start, each.end]);
@@ -71,18 +71,23 @@ function bodyBox(scene: Scene, body: number): Box3 {
   return box;
 }
 
-function solidBox(scene: Scene, solid: Solid): Box3 {
+/** `units` has the boxes of shapes of unit size that were measured already. */
+function solidBox(scene: Scene, solid: Solid, units: Map<string, Box3>): Box3 {
   const { key, scale } = shapeOf(solid);
-  const box = new Box3();
-  if (solid.mesh !== null) {
-    box.setFromArray(scene.meshes[solid.mesh]!.vertices);
-  } else {
-    const geometry = makeGeometry(key, scene.meshes, true);
-    geometry.computeBoundingBox();
-    box.union(geometry.boundingBox ?? box);
-    geometry.dispose();
-  }
+  const unit = units.get(key) ?? unitBox(scene, solid, key);
+  units.set(key, unit);
+  const box = unit.clone();
   return box.isEmpty() ? box : box.applyMatrix4(placeMatrix(solid.at, solid.quaternion, scale));
+}
+
+function unitBox(scene: Scene, solid: Solid, key: string): Box3 {
+  const box = new Box3();
+  if (solid.mesh !== null) return box.setFromArray(scene.meshes[solid.mesh]!.vertices);
+  const geometry = makeGeometry(key, scene.meshes, true);
+  geometry.computeBoundingBox();
+  box.union(geometry.boundingBox ?? box);
+  geometry.dispose();
+  return box;
 }
 
 /** What a camera has to hold: points on everything along the motion, and their box. */
@@ -107,7 +112,8 @@ export function centreOf(scene: Scene, matrices: readonly Matrix4[], into: Vecto
 
 /** Return the extent of the whole motion, without a ground that is far larger than the rest. */
 export function motionExtent(scene: Scene, source: StateSource): Extent {
-  const local = scene.bodies.map((_, body) => boxCorners(bodyBox(scene, body)));
+  const units = new Map<string, Box3>();
+  const local = scene.bodies.map((_, body) => boxCorners(bodyBox(scene, body, units)));
   const samples = Math.min(Math.max(Math.floor(MOST_POINTS / (8 * local.length)), 6), SAMPLES);
   const moving: number[] = [];
   const carried: number[] = []; // beside the centre, which is where it is at the start
@@ -127,13 +133,21 @@ export function motionExtent(scene: Scene, source: StateSource): Extent {
   }
   const ground = local[0]!.flatMap((each) => each.toArray());
   const extent = diagonal(moving);
-  const points = moving.length === 0 || diagonal(ground) < MOST_GROUND * extent ? [...ground, ...moving] : moving;
+  const whole = moving.length === 0 || diagonal(ground) < MOST_GROUND * extent;
+  const points = [...(whole ? ground : heldPoints(scene)), ...moving];
   const box = new Box3().setFromArray(points.length === 0 ? [0, 0, 0] : points);
   if (diagonal(points) < 0.05 * scene.size) {
     box.expandByScalar(0.5 * scene.size);
     points.push(...boxCorners(box).flatMap((each) => each.toArray()));
   }
   return { points: new Float32Array(points), box, roams: false };
+}
+
+/** Return the points (N, 3) of the ground that hold the mechanism: of a ground that is too large they are seen. */
+function heldPoints(scene: Scene): number[] {
+  const joints = scene.joints.filter(({ type }) => !LOOSE.includes(type));
+  const anchors = [...joints, ...scene.connectors].flatMap(({ start, end }) => [start, end]);
+  return anchors.filter(({ body }) => body === 0).flatMap(({ at }) => [...at]);
 }
 
 /** Return whether a joint, such as a guide that shows the way, holds the mechanism on the ground. */

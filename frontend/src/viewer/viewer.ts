@@ -1,23 +1,22 @@
 /** The picture of a mechanism in an element of a page; free of any framework. */
 
-import { Matrix4, Vector3 } from "three";
-import { VectorArrows } from "./arrows";
-import { BodyLines } from "./body_lines";
+import { Vector3 } from "three";
+import type { VectorArrows } from "./arrows";
 import { CameraRig, type ViewName } from "./camera_rig";
-import { Connectors } from "./connectors";
+import type { Connectors } from "./connectors";
+import { Contents } from "./contents";
 import type { Scene, VectorKind } from "./contract";
-import { GroundGrid } from "./ground";
 import { Labels } from "./labels";
 import { labelItems } from "./label_items";
-import { anchorPoint, writeMatrices, type Counts, type Instant, type Layer, type SceneElement } from "./layer";
-import { FrameAxes, JointMarks } from "./marks";
+import { anchorPoint, writeMatrices, type Counts, type Instant, type SceneElement } from "./layer";
+import type { JointMarks } from "./marks";
 import { THEMES, type ThemeName } from "./palette";
-import { centreOf, chosenTimes, motionExtent, shortestLengths, visitStates } from "./paths";
+import { centreOf, chosenTimes, visitStates } from "./paths";
 import { elementNamed, Picker } from "./picker";
-import { GeometryStore, Solids, type Look } from "./solids";
-import { restPose, type Pose, type StateSource } from "./source";
+import { Solids, type Look } from "./solids";
+import type { StateSource } from "./source";
 import { Stage } from "./stage";
-import { tracePoints, Traces, type TraceMode } from "./traces";
+import { tracePoints, type TraceMode } from "./traces";
 
 /** A point of a body, in its axes [m], by which it is held. */
 export interface Grab {
@@ -63,22 +62,12 @@ export class Viewer {
     force: true, torque: true, reaction: true,
   }; // prettier-ignore
   selected: SceneElement | null = null;
-  /** Whether the mechanism goes far, so that the camera may go along with it. */
-  readonly roams: boolean;
   private readonly stage: Stage;
-  private readonly pose: Pose;
-  private readonly instant: Instant & { time: number };
-  private readonly store: GeometryStore;
-  readonly solids: Solids;
-  readonly connectors: Connectors;
-  readonly arrows: VectorArrows;
-  private readonly axes: FrameAxes;
-  readonly joints: JointMarks;
-  private readonly traces: Traces;
-  private readonly grid: GroundGrid;
-  private readonly layers: Layer[];
-  private readonly labels: Labels;
-  private readonly picker: Picker;
+  private contents: Contents;
+  /** Those of before, whose programs the new ones take over when they are drawn. */
+  private former: Contents | null = null;
+  private labels: Labels;
+  private picker: Picker;
   private readonly watcher: ResizeObserver;
   private readonly firstRebuilt: number;
   private ghosts: Solids | null = null;
@@ -87,36 +76,22 @@ export class Viewer {
   private followed = false;
   private readonly followedTo = new Vector3();
   private readonly here = new Vector3();
-  private readonly first = new Vector3(); // where a mechanism that goes far begins
   private stale = true;
 
   /** Throws `WebGLMissing` where the browser has none. */
   constructor(
     readonly host: HTMLElement,
-    readonly scene: Scene,
-    readonly source: StateSource,
+    scene: Scene,
+    source: StateSource,
     private readonly hooks: ViewerHooks,
   ) {
     this.stage = new Stage(scene.up);
-    this.pose = restPose(scene.bodies.length);
-    this.instant = { time: source.start, matrices: scene.bodies.map(() => new Matrix4()) };
-    const extent = motionExtent(scene, source);
-    this.roams = extent.roams;
-    visitStates(scene, source, [source.start], ({ matrices }) => { centreOf(scene, matrices, this.first); });
-    this.store = new GeometryStore(scene);
-    this.solids = new Solids(scene, this.store);
-    this.connectors = new Connectors(scene, this.store, shortestLengths(scene, source), this.counts);
-    this.arrows = new VectorArrows(scene, source);
-    this.axes = new FrameAxes(scene);
-    this.joints = new JointMarks(scene);
-    this.traces = new Traces(scene, source, this.counts);
-    this.grid = new GroundGrid(scene, extent.box);
-    this.layers = [this.grid, this.solids, new BodyLines(scene), this.connectors, this.axes, this.arrows, this.traces, this.joints];
-    for (const layer of this.layers) this.stage.scene.add(layer.object);
+    this.contents = new Contents(scene, source, this.counts);
+    for (const layer of this.contents.layers) this.stage.scene.add(layer.object);
     this.picker = new Picker(scene, this);
     this.firstRebuilt = this.counts.rebuilt;
     host.append(this.stage.canvas);
-    this.rig = new CameraRig(this.stage.canvas, scene, extent, hooks.animate, hooks.invalidate);
+    this.rig = new CameraRig(this.stage.canvas, scene, this.contents.extent, hooks.animate, hooks.invalidate);
     this.labels = new Labels(labelItems(scene, source, this));
     host.append(this.labels.element);
     this.watcher = new ResizeObserver(() => { this.resize(); });
@@ -125,6 +100,56 @@ export class Viewer {
     this.stage.canvas.addEventListener("webglcontextrestored", () => { this.setTime(this.instant.time); });
     this.resize();
     this.rig.view(scene.normal === null ? "isometric" : "front", true);
+  }
+
+  get scene(): Scene {
+    return this.contents.scene;
+  }
+
+  get source(): StateSource {
+    return this.contents.source;
+  }
+
+  get solids(): Solids {
+    return this.contents.solids;
+  }
+
+  get connectors(): Connectors {
+    return this.contents.connectors;
+  }
+
+  get arrows(): VectorArrows {
+    return this.contents.arrows;
+  }
+
+  get joints(): JointMarks {
+    return this.contents.joints;
+  }
+
+  /** Whether the mechanism goes far, so that the camera may go along with it. */
+  get roams(): boolean {
+    return this.contents.extent.roams;
+  }
+
+  private get instant(): Instant & { time: number } {
+    return this.contents.instant;
+  }
+
+  /** Draw a scene of the same mechanism, of other sizes, from now on; what is shown of it is to be set again. */
+  replaceScene(scene: Scene, source: StateSource): void {
+    this.setGhosts(0);
+    this.former?.dispose();
+    this.former = this.contents;
+    for (const layer of this.former.layers) layer.object.removeFromParent();
+    this.contents = new Contents(scene, source, this.counts);
+    for (const layer of this.contents.layers) this.stage.scene.add(layer.object);
+    this.picker = new Picker(scene, this);
+    const labels = new Labels(labelItems(scene, source, this));
+    this.labels.element.replaceWith(labels.element);
+    this.labels = labels;
+    this.rig.takeScene(scene, this.contents.extent);
+    this.paint();
+    this.setTime(source.start);
   }
 
   get canvas(): HTMLCanvasElement {
@@ -147,15 +172,15 @@ export class Viewer {
   setTheme(name: ThemeName): void {
     const theme = THEMES[name];
     this.stage.setTheme(theme);
-    for (const layer of this.layers) layer.setTheme?.(theme);
+    for (const layer of this.contents.layers) layer.setTheme?.(theme);
     this.hooks.invalidate();
   }
 
   show(what: keyof Shown, on: boolean): void {
     this.shown[what] = on;
-    this.axes.object.visible = this.shown.frames;
+    this.contents.axes.object.visible = this.shown.frames;
     this.joints.object.visible = this.shown.joints;
-    this.grid.object.visible = this.shown.grid;
+    this.contents.grid.object.visible = this.shown.grid;
     for (const group of ["force", "torque", "reaction"] as const) this.arrows.shown[group] = this.shown[group];
     this.setTime(this.instant.time);
   }
@@ -182,7 +207,7 @@ export class Viewer {
     this.ghosts?.dispose();
     this.ghosts = null;
     if (count > 0) {
-      const ghosts = new Solids(this.scene, this.store, count, GHOST_OPACITY, 1);
+      const ghosts = new Solids(this.scene, this.contents.store, count, GHOST_OPACITY, 1);
       visitStates(this.scene, this.source, chosenTimes(this.source, count), (instant, copy) => {
         ghosts.writeCopy(copy, instant.matrices);
       });
@@ -196,8 +221,8 @@ export class Viewer {
 
   /** Trace these points ("body.frame") and no others. */
   setTraces(names: readonly string[], mode: TraceMode): void {
-    this.traces.mode = mode;
-    this.traces.choose(tracePoints(this.scene).filter((point) => names.includes(point.name)));
+    this.contents.traces.mode = mode;
+    this.contents.traces.choose(tracePoints(this.scene).filter((point) => names.includes(point.name)));
     this.setTime(this.instant.time);
   }
 
@@ -287,13 +312,15 @@ export class Viewer {
   render(now: number): boolean {
     const moving = this.rig.step(now);
     if (this.stale) {
-      this.source.poseAt(this.instant.time, this.pose);
-      writeMatrices(this.pose, this.instant.matrices);
-      for (const layer of this.layers) layer.update(this.instant);
+      this.source.poseAt(this.instant.time, this.contents.pose);
+      writeMatrices(this.contents.pose, this.instant.matrices);
+      for (const layer of this.contents.layers) layer.update(this.instant);
       this.stale = false;
       this.goOn();
     }
     this.stage.draw(this.rig.camera);
+    this.former?.dispose();
+    this.former = null;
     this.labels.update(this.rig.camera, this.stage.width, this.stage.height);
     this.counts.frames += 1;
     return moving;
@@ -303,8 +330,8 @@ export class Viewer {
     this.watcher.disconnect();
     this.rig.dispose();
     this.ghosts?.dispose();
-    for (const layer of this.layers) layer.dispose();
-    this.store.dispose();
+    this.former?.dispose();
+    this.contents.dispose();
     this.labels.element.remove();
     this.stage.dispose();
   }
@@ -320,9 +347,9 @@ export class Viewer {
   private goOn(): void {
     if (!this.followed) return;
     if (this.roams) {
-      centreOf(this.scene, this.instant.matrices, this.here).sub(this.first);
+      centreOf(this.scene, this.instant.matrices, this.here).sub(this.contents.first);
       this.rig.carry(this.here);
-      this.grid.carry(this.here);
+      this.contents.grid.carry(this.here);
     } else if (this.selected !== null) {
       this.goWith(this.selected.body);
     }

@@ -178,12 +178,25 @@ def consistent_start(
     """
     positions, rates = evaluator.parted(fixed)
     positions, near = unit_quaternions(evaluator.eqs.quaternions, positions, near)
+    q = consistent_positions(evaluator, positions, near)
+    guess = {name: value for name, value in near.items() if name not in positions and name not in rates}
+    return q, consistent_speeds(evaluator, q, rates, guess)
+
+
+def consistent_positions(evaluator: Closure, fixed: Mapping[str, float], near: Mapping[str, float]) -> Floats:
+    """Return coordinates (n_q,) in which all constraints hold, with the positions among the fixed values.
+
+    Raises
+    ------
+    AssemblyError
+        As `assemble`.
+    """
+    positions, near = unit_quaternions(evaluator.eqs.quaternions, evaluator.parted(fixed)[0], near)
     start = evaluator.start({**near, **positions})
     assembly = _find_assembly(evaluator, _measured_start(evaluator, start, positions, near), positions)
     if assembly is None:
         raise AssemblyError(_open_problem(evaluator, evaluator.start(near), start, positions, NO_RANGES))
-    guess = {name: value for name, value in near.items() if name not in positions and name not in rates}
-    return assembly.q, consistent_speeds(evaluator, assembly.q, rates, guess)
+    return assembly.q
 
 
 def _measured_start(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Final
@@ -250,31 +250,39 @@ class Closure:
         return float(f(self.t, q, still)), row
 
 
+def constraint_function(
+    eqs: EquationSet,
+    parameters: Mapping[str, Value],
+    inputs: Mapping[str, Value],
+    free: Iterable[str] = (),
+) -> CompiledFunction:
+    """Return the constraints of a `Closure` as a function of t, q, u and the `free` parameters."""
+    given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
+    program = form_sequence(eqs, ConstraintValues._fields, parameters, free, given)
+    return CompiledFunction(*program, quick=True)
+
+
 def closure(
     eqs: EquationSet,
     parameters: Mapping[str, Value],
     inputs: Mapping[str, Value],
     t: float,
     scales: Scales | None = None,
+    constraints: Callable[..., Any] | None = None,
 ) -> Closure:
-    """Return the constraints of equations as numbers, by default with the scales of the model."""
+    """Return the constraints of equations as numbers, by default with the scales of the model.
+
+    `constraints` is a `constraint_function` with these parameters, where it is compiled already.
+    """
     mechanism = mechanism_scales(eqs, parameters) if scales is None else scales
     angles = frozenset(name for name, unit in eqs.units.items() if unit == "rad")
-    arguments = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
-    function: Callable[..., Any] = Unconstrained(len(eqs.coordinate_names), len(eqs.speed_names))
-    if eqs.multiplier_names:
-        function = CompiledFunction(
-            *form_sequence(eqs, ConstraintValues._fields, parameters, (), arguments), quick=True
-        )
-    return Closure(
-        eqs,
-        parameters,
-        inputs,
-        t,
-        mechanism.coordinates(eqs),
-        mechanism.displacements(eqs),
-        mechanism.constraints(eqs)[: len(eqs.formed.holonomic)],
-        function,
-        angles,
-        mechanism,
-    )
+    function: Callable[..., Any]
+    if constraints is not None:
+        function = constraints
+    elif eqs.multiplier_names:
+        function = constraint_function(eqs, parameters, inputs)
+    else:
+        function = Unconstrained(len(eqs.coordinate_names), len(eqs.speed_names))
+    sizes = mechanism.coordinates(eqs), mechanism.displacements(eqs)
+    scales_of_rows = mechanism.constraints(eqs)[: len(eqs.formed.holonomic)]
+    return Closure(eqs, parameters, inputs, t, *sizes, scales_of_rows, function, angles, mechanism)

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.assembly import assemble, consistent_start
+from symbody.analysis.assembly import assemble, consistent_positions
 from symbody.analysis.closure import Closure, closure
 from symbody.analysis.named_values import named_values
 from symbody.analysis.scales import mechanism_scales
-from symbody.codegen.compile import Value
+from symbody.codegen.compile import Value, constant_values
+from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 
@@ -25,10 +26,13 @@ class PositionSolver:
     ----------
     evaluator : Closure or None
         None where ropes decide what is closed.
+    parameters : mapping of name to number or formula
+        Take the place of the model's values.
     """
 
     eqs: EquationSet
     evaluator: Closure | None
+    parameters: Mapping[str, Value] = field(default_factory=dict)
 
     def positions(self, fixed: Mapping[str, Value], guess: Mapping[str, Value]) -> dict[str, float]:
         """Return all coordinates q where the loops close, as `assemble` finds them.
@@ -39,15 +43,15 @@ class PositionSolver:
             As `assemble`; but accelerations need not exist.
         """
         if self.evaluator is None:
-            return dict(assemble(self.eqs, fixed, guess).q)
+            return dict(assemble(self.eqs, fixed, guess, self.parameters).q)
         model = self.eqs.model.initial
         guessed: dict[str, Value] = {
             **guess,
             **{name: value for name, value in model.items() if name not in guess},
         }
-        near = named_values(self.eqs, guessed, None, strict=set(guess))
-        values = named_values(self.eqs, fixed, None, strict=set(fixed))
-        q, _ = consistent_start(self.evaluator, values, near)
+        near = named_values(self.eqs, guessed, self.parameters, strict=set(guess))
+        values = named_values(self.eqs, fixed, self.parameters, strict=set(fixed)) if fixed else {}
+        q = consistent_positions(self.evaluator, values, near)
         return dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
 
     def nearest(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -62,20 +66,39 @@ class PositionSolver:
         """
         guess = dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
         if self.evaluator is None:
-            return np.array(list(assemble(self.eqs, None, guess).q.values()))
-        closed, _ = consistent_start(self.evaluator, {}, guess)
-        return closed
+            return np.array(list(assemble(self.eqs, None, guess, self.parameters).q.values()))
+        return consistent_positions(self.evaluator, {}, guess)
 
 
-def position_solver(eqs: EquationSet) -> PositionSolver:
+def position_solver(
+    eqs: EquationSet,
+    parameters: Mapping[str, Value] | None = None,
+    constraints: CompiledFunction | None = None,
+) -> PositionSolver:
     """Return a solver that closes the loops of a mechanism.
+
+    Parameters
+    ----------
+    parameters : mapping of name to number or formula, optional
+        Take the place of the model's values.
+    constraints : CompiledFunction, optional
+        A `constraint_function` with all parameters free: solvers for several values share it.
 
     Raises
     ------
     ModelError, CompileError
         If parameters have no values.
     """
+    given = dict(parameters or {})
     if ropes(eqs.formed):
-        return PositionSolver(eqs, None)
-    near = named_values(eqs, dict(eqs.model.initial), None, strict=set())
-    return PositionSolver(eqs, closure(eqs, {}, {}, 0.0, mechanism_scales(eqs, {}, None, near)))
+        return PositionSolver(eqs, None, given)
+    near = named_values(eqs, dict(eqs.model.initial), given, strict=set())
+    scales = mechanism_scales(eqs, given, None, near)
+    bound = None if constraints is None else constraints.bind(_numbers(eqs, given))
+    return PositionSolver(eqs, closure(eqs, given, {}, 0.0, scales, bound), given)
+
+
+def _numbers(eqs: EquationSet, parameters: Mapping[str, Value]) -> list[float]:
+    """Return the values of all parameters, in their order."""
+    values = constant_values(eqs, {name: name for name in eqs.parameter_names}, parameters)
+    return [values[name] for name in eqs.parameter_names]

@@ -233,11 +233,13 @@ def values_at_start(
     eqs: EquationSet, formulas: Mapping[str, Value], parameters: Mapping[str, Value]
 ) -> dict[str, float]:
     """Return the values of formulas in parameters and t, at t = 0."""
-    if not formulas:
+    distinct = dict.fromkeys(formulas.values())  # the same few lengths stand in many places
+    if not distinct:
         return {}
-    sequence, _ = form_values(eqs, formulas, parameters)
-    computed = evaluate_sequence(sequence, {"t": [0.0]})
-    return {name: float(value[0]) for name, value in zip(formulas, computed, strict=True)}
+    sequence, _ = form_values(eqs, numbered(distinct), parameters)
+    values = evaluate_sequence(sequence, {"t": [0.0]})
+    numbers = {formula: float(value[0]) for formula, value in zip(distinct, values, strict=True)}
+    return {name: numbers[formula] for name, formula in formulas.items()}
 
 
 def largest(values: Iterable[float]) -> float:
@@ -293,7 +295,7 @@ def pose_share(eqs: EquationSet) -> Floats:
     return np.array([_SPREAD * math.cos(k + 1.0) for k in range(len(eqs.coordinate_names))])
 
 
-def numbered(formulas: Iterable[Formula]) -> dict[str, Value]:
+def numbered(formulas: Iterable[Value]) -> dict[str, Value]:
     """Return formulas by their numbers."""
     return {str(k): formula for k, formula in enumerate(formulas)}
 

@@ -156,6 +156,11 @@ def _check(request: asked.CheckRequest, builder: Builder) -> Answer:
     return builder.check(request)
 
 
+@api.post("/redraw")
+def _redraw(request: asked.CheckRequest, builder: Builder) -> Answer:
+    return builder.redraw(request)
+
+
 @api.post("/pose")
 def _pose(request: asked.PoseRequest, builder: Builder) -> Answer:
     return builder.pose(request)

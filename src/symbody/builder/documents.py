@@ -45,10 +45,13 @@ class Document:
         Its file; None before it is saved for the first time.
     name : str
         What the page calls it.
+    mark : str or None
+        Fingerprint of its file as it was opened or saved here.
     """
 
     path: str | None
     name: str
+    mark: str | None = None
 
 
 class Documents:
@@ -114,10 +117,9 @@ class Documents:
     def _open_draft(self, draft: str) -> Answer:
         entry = self._user.draft(draft)
         path = entry.get("path") if isinstance(entry.get("path"), str) else None
-        mark = None
+        mark = entry.get("fingerprint") if isinstance(entry.get("fingerprint"), str) else None
         if path is not None:
-            real = contained_path(path, self._settings.roots)
-            mark = fingerprint(read_bytes(real)) if real.is_file() else None
+            contained_path(path, self._settings.roots)
         opened = Opened(entry["data"], None, [])
         return self._answer(Document(path, str(entry.get("name"))), opened, mark, draft)
 
@@ -126,7 +128,7 @@ class Documents:
     ) -> Answer:
         identifier = name or secrets.token_hex(16)
         with self._lock:
-            self._open[identifier] = document
+            self._open[identifier] = replace(document, mark=mark)
             while len(self._open) > _MOST_DOCUMENTS:
                 del self._open[next(iter(self._open))]
         return {
@@ -166,7 +168,8 @@ class Documents:
         if content != old:
             write_text(real, content.decode("utf-8"))
         with self._lock:
-            self._open[request.document] = replace(document, path=str(real), name=real.stem)
+            mark = fingerprint(content)
+            self._open[request.document] = replace(document, path=str(real), name=real.stem, mark=mark)
         self._user.drop_draft(request.document)
         self._remember(str(real))
         return {"path": str(real), "fingerprint": fingerprint(content)}
@@ -174,7 +177,8 @@ class Documents:
     def save_draft(self, identifier: str, data: dict[str, Any]) -> Answer:
         """Store what is edited, so that no crash costs it."""
         document = self._document(identifier)
-        self._user.save_draft(identifier, document.path, document.name, data)
+        entry = {"path": document.path, "name": document.name, "fingerprint": document.mark}
+        self._user.save_draft(identifier, entry, data)
         return {}
 
     def changed(self, identifier: str, mark: str | None) -> Answer:

@@ -72,9 +72,13 @@ class ChangedRequest(PageRequest):
 
 
 class CheckRequest(PageRequest):
-    """A model to be checked; of the requests of a page only the newest is answered."""
+    """A model to be checked; of the requests of a page only the newest is answered.
+
+    `turn` counts the requests of a page, which may arrive in another order; 0: as they arrive.
+    """
 
     data: Data
+    turn: int = 0
     page: str = Field(default="", max_length=64)
     document: str = Field(default="", max_length=64)
 

@@ -31,6 +31,7 @@ class Services:
         self._reserve = Reserve()
         self.jobs = Jobs(self._reserve, settings.limits)
         self._interactive = NewestOnly(self._reserve)
+        self._pictures = NewestOnly(self._reserve)  # which do not wait for a check that is under way
 
     def warm(self) -> None:
         """Begin to load what the first check needs."""
@@ -39,7 +40,17 @@ class Services:
     def check(self, request: CheckRequest) -> Answer:
         """Return what is wrong with a model, what it is, and its picture."""
         payload = {"data": request.data, "folder": self.documents.folder_of(request.document)}
-        answer: Answer = self._interactive.run("check", payload, request.page, self.settings.limits.check)
+        answer: Answer = self._interactive.run(
+            "check", payload, request.page, self.settings.limits.check, request.turn
+        )
+        return answer
+
+    def redraw(self, request: CheckRequest) -> Answer:
+        """Return the picture of a model whose parameters changed, sooner than its check has it."""
+        payload = {"data": request.data, "folder": self.documents.folder_of(request.document)}
+        answer: Answer = self._pictures.run(
+            "redraw", payload, request.page, self.settings.limits.check, request.turn
+        )
         return answer
 
     def pose(self, request: PoseRequest) -> Answer:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -37,10 +38,9 @@ class UserState:
         others = [each for each in self.recent() if each["path"] != path]
         self._write(self.folder / "recent.json", [entry, *others][:_MOST_RECENT])
 
-    def save_draft(self, document: str, path: str | None, name: str, data: dict[str, Any]) -> None:
-        """Store the state of a document until it is saved."""
-        entry = {"id": document, "path": path, "name": name, "when": _now(), "data": data}
-        self._write(self._draft(document), entry)
+    def save_draft(self, document: str, entry: Mapping[str, str | None], data: dict[str, Any]) -> None:
+        """Store the state of a document until it is saved; `entry` has its path, name and fingerprint."""
+        self._write(self._draft(document), {"id": document, **entry, "when": _now(), "data": data})
 
     def drop_draft(self, document: str) -> None:
         """Forget the draft of a document that was saved."""

@@ -167,8 +167,13 @@ class NewestOnly:
         self._is_busy = False
         self._newest: dict[tuple[str, str], int] = {}
 
-    def run(self, task: str, payload: Payload, page: str, limit: float) -> Any:
+    def run(self, task: str, payload: Payload, page: str, limit: float, turn: int = 0) -> Any:
         """Return what a task returns.
+
+        Parameters
+        ----------
+        turn : int
+            Place of the request among those of its page; 0: it is the newest.
 
         Raises
         ------
@@ -179,7 +184,11 @@ class NewestOnly:
         """
         key = (page, task)
         with self._free:
-            ticket = self._newest[key] = self._newest.get(key, 0) + 1
+            newest = self._newest.get(key, 0)
+            ticket = turn or newest + 1
+            if ticket < newest:
+                raise _superseded_error()
+            self._newest[key] = ticket
             while self._is_busy:
                 self._free.wait()
                 if self._newest[key] != ticket:

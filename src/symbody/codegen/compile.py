@@ -29,6 +29,7 @@ from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
 from symbody.model.content import content_of
 from symbody.model.door import plain
 from symbody.model.model import Model, value_problems
+from symbody.model.numbers import as_float
 
 _LESS: Final = "ask for fewer outputs at a time, or for code in less time by quick=True"
 Value = int | float | str | Formula
@@ -337,8 +338,13 @@ def constant_values(
         return {}
     graph, names = eqs.formed.graph, eqs.formed.names
     replacements = _parameter_nodes(eqs, parameters or {}, ())
-    nodes = [names.expression(Formula.of(value, where=name), name).index for name, value in formulas.items()]
-    made = substitute(graph, nodes, replacements)
-    roots = [Roots(name, (), (node,)) for name, node in zip(formulas, made, strict=True)]
-    values = evaluate_sequence(build_sequence(graph, roots, {}), {})
-    return {name: float(value[0]) for name, value in zip(formulas, values, strict=True)}
+    read = {name: Formula.of(value, where=name) for name, value in formulas.items()}
+    distinct = dict.fromkeys(formula for formula in read.values() if formula.constant() is None)
+    nodes = [names.expression(formula, formula.text).index for formula in distinct]
+    roots = [Roots(str(k), (), (node,)) for k, node in enumerate(substitute(graph, nodes, replacements))]
+    values = evaluate_sequence(build_sequence(graph, roots, {}), {}) if roots else []
+    numbers = {formula: float(value[0]) for formula, value in zip(distinct, values, strict=True)}
+    return {
+        name: numbers[formula] if formula in numbers else as_float(formula.constant() or 0)
+        for name, formula in read.items()
+    }

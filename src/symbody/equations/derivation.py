@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Final
 
 from symbody.equations.constraints.closings import alignments
@@ -30,7 +30,7 @@ from symbody.equations.loads.loads import form_loads
 from symbody.equations.solving.undetermined import identically_undetermined, share_notes
 from symbody.equations.system import MultibodySystem
 from symbody.expr.deadline import begin
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph
 from symbody.expr.printing.text import to_text
 from symbody.graph.topology import Topology
 from symbody.model.constraints import Distance
@@ -59,8 +59,8 @@ def derive(
     Raises
     ------
     FormulationError
-        If a cut joint cannot do what is asked of it, a loop can never close, or the dependent speeds do not
-        follow from the others.
+        If the law of a cut joint needs the joint in a tree, a loop can never close, or the others do not
+        determine the dependent speeds.
     """
     formulation, notes = _possible_formulation(topology, formulation, eliminates=bool(dependent))
     uses = joint_uses(topology)
@@ -78,10 +78,11 @@ def derive(
     system = replace(system, redundant=tuple(constraints.redundant))
     begin("mass matrix and forcing")
     formed = _equations(system, formulation, notes)
-    shares = _share_notes(formed)
+    complete = _with_contacts(formed)
+    shares = _share_notes(complete)
     if dependent:
         return _eliminate(formed, dependent, notes + shares)
-    return _with_contacts(replace(formed, notes=formed.notes + shares))
+    return replace(complete, notes=complete.notes + shares)
 
 
 def default_formulation(topology: Topology, *, eliminates: bool) -> Formulation:
@@ -180,17 +181,12 @@ def _equations(
     elimination: Elimination | None = None,
 ) -> EquationsOfMotion:
     """Return the equations of motion of a system, without contact frames."""
-    model, names = system.topology.model, system.names
-    dynamics = formulation.derive(system) if elimination is None else elimination.dynamics(system)
-    return EquationsOfMotion(
-        **{part.name: getattr(system, part.name) for part in fields(MultibodySystem)},
-        inputs=tuple(Symbol(name, Kind.INPUT) for name in model.inputs),
-        parameters=tuple(Symbol(name, Kind.PARAMETER) for name in model.parameters),
-        formulation=formulation,
-        dynamics=dynamics,
-        alignments=tuple(
-            cosine for use in system.uses for cosine in alignments(names, system.kinematics, use)
-        ),
+    names, kinematics = system.names, system.kinematics
+    return EquationsOfMotion.of_system(
+        system,
+        formulation,
+        formulation.derive(system) if elimination is None else elimination.dynamics(system),
+        alignments=tuple(cosine for use in system.uses for cosine in alignments(names, kinematics, use)),
         notes=notes + system.loads.notes + _notes(system),
         elimination=elimination,
     )

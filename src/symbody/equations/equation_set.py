@@ -1,4 +1,4 @@
-"""`EquationSet`: the hinge between how equations are formed and what is done with them."""
+"""`EquationSet`: the equations of motion of a model as formulas, and as roots of outputs for code."""
 
 from __future__ import annotations
 
@@ -41,16 +41,16 @@ class EquationSet(Displayed):
     Attributes
     ----------
     model : Model
-        What the equations belong to.
+        The mechanism.
     formed : EquationsOfMotion
-        The equations in the expression graph. Those that were formed before, as `known` tells, are formed
-        when this is read.
+        The equations in the expression graph. If an earlier process formed the same ones without an error,
+        they are formed when this is first read.
     notes : tuple of str
         Every choice that was made, with its reason.
     further : mapping of name to Roots
         Outputs beside those that every set of equations has.
     identity : bytes
-        A hash of all that the equations follow from; empty if that cannot be told.
+        A hash of all that the equations follow from; empty if it cannot be computed.
     """
 
     model: Model
@@ -143,7 +143,7 @@ class EquationSet(Displayed):
 
     @property
     def units(self) -> Units:
-        """SI units of coordinates, rates, energies, efforts, reactions, frames, as far as they are known."""
+        """SI units of coordinates, rates, energies, efforts, reactions and frames, where derivable."""
         return self._units.get(None, partial(output_units, self.formed))
 
     @property
@@ -285,7 +285,7 @@ class EquationSet(Displayed):
     def for_values(self, parameters: Mapping[str, float]) -> EquationSet:
         """Return these equations with the constraints that some values of the parameters fulfil set to 0 = 0.
 
-        An exact row of zeros is left to the solver; one that is zero up to rounding would be taken for a
+        The solver drops an exact row of zeros, but would take one that is zero up to rounding for a
         constraint. `compile` does this.
 
         Parameters

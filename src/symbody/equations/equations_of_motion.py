@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
+from typing import Any
 
 from symbody.equations.dynamics.balance import Wrench
 from symbody.equations.dynamics.reactions import row_wrenches, summed
@@ -19,7 +20,7 @@ from symbody.equations.system import MultibodySystem
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Symbol
+from symbody.expr.graph import Kind, Symbol
 from symbody.model.constraints import Rolling
 from symbody.model.element import Address, address_of
 from symbody.model.lookup import places_of
@@ -41,13 +42,13 @@ class EquationsOfMotion(MultibodySystem):
     alignments : tuple of Expr
         Cosines that are 1, not -1, where the cut joints are closed as they should be.
     notes : tuple of str
-        What was dropped, and where the equations do not hold.
+        Rows that were dropped, and where the equations do not hold.
     elimination : Elimination or None
-        What made some speeds functions of the others; their rows are not among `rows`.
+        The elimination of dependent speeds; its rows are not among `rows`.
     slack : tuple of Row
         Rows of ropes that are slack; they are not among `rows`.
     angles : frozenset of str
-        Coordinates placed by hand that whole turns change nothing of; those of joints follow from the joints.
+        Coordinates placed by hand that are angles; those of joints follow from the joints.
     """
 
     inputs: tuple[Symbol, ...]
@@ -68,6 +69,21 @@ class EquationsOfMotion(MultibodySystem):
     resistances: list[Resistance] = field(default_factory=list, repr=False)
     self_stress: SingleFlight[None, object] = field(default_factory=SingleFlight, repr=False)
     _released: SingleFlight[None, Mapping[str, Expr]] = field(default_factory=SingleFlight, repr=False)
+
+    @classmethod
+    def of_system(
+        cls, system: MultibodySystem, formulation: Formulation, dynamics: Dynamics, **others: Any
+    ) -> EquationsOfMotion:
+        """Return the equations of a system; `others` are the fields with defaults."""
+        model = system.topology.model
+        return cls(
+            **{part.name: getattr(system, part.name) for part in fields(MultibodySystem)},
+            inputs=tuple(Symbol(name, Kind.INPUT) for name in model.inputs),
+            parameters=tuple(Symbol(name, Kind.PARAMETER) for name in model.parameters),
+            formulation=formulation,
+            dynamics=dynamics,
+            **others,
+        )
 
     @property
     def kinetic_energy(self) -> Expr:
@@ -147,7 +163,7 @@ class EquationsOfMotion(MultibodySystem):
         return self.with_rows(rows, (*self.redundant, *others))
 
     def own_rest(self, row: Row) -> Expr:
-        """Return the rest of a row as it is in all speeds: what it demands of them."""
+        """Return the rest of a row in all speeds, the eliminated ones too."""
         return row.rest if self.elimination is None else self.elimination.given[row.name][1]
 
     @property

@@ -62,14 +62,14 @@ def form_equations(
     Raises
     ------
     UsageError
-        If `model` is none, or the limit no time.
+        If `model` is not a Model, or the time limit not a positive number.
     TimeLimitError
         When time is up.
     TopologyError
-        If the trees are no trees.
+        If the joints chosen do not form trees.
     FormulationError
-        If a cut joint cannot do what is asked of it, a loop can never close, or the dependent speeds do not
-        follow from the others.
+        If the law of a cut joint needs the joint in a tree, a loop can never close, or the others do not
+        determine the dependent speeds.
     AssemblyError, ModelError
         If "auto" finds no configuration, or no value of a parameter.
     """
@@ -92,7 +92,7 @@ def form_equations(
 
 def _no_model(given: object) -> Problem:
     cure = f"form_equations(load_model({given!r}))" if isinstance(given, str) else "give a Model"
-    return Problem("equations.not_a_model", "model", f"{given!r} is no model", fix=cure)
+    return Problem("equations.not_a_model", "model", f"{given!r} is not a model", fix=cure)
 
 
 def _form(

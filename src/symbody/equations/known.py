@@ -1,7 +1,7 @@
-"""Equations that were formed before: which they are, and that they could be formed.
+"""The key under which results of equations are stored, and equations that are formed on first use.
 
-What follows from a model, its formulation and this package is the same in every process. Who finds a
-later result on the disk, such as a sequence, needs the equations only when something else is asked of them.
+The results of a model, a formulation and this package are the same in every process. Where a later result,
+such as a sequence, is on the disk, the equations themselves are formed only for another output.
 """
 
 from __future__ import annotations
@@ -21,28 +21,28 @@ from symbody.model.model import Model
 from symbody.single_flight import SingleFlight, once
 from symbody.storage import folder, store, stored
 
-# The rooms that equations and sequences are made in, and the packages that decide something there.
+# The folders whose code forms equations and sequences, and the packages that change their results.
 _ROOMS: Final = ("expr", "vectors", "model", "graph", "equations")
 _PACKAGES: Final = ("networkx", "sympy")
 
 
 @dataclass(frozen=True, slots=True)
 class Deferred:
-    """Equations that are formed when they are first asked for."""
+    """Equations that are formed on first use."""
 
     form: Callable[[], EquationsOfMotion]
     _made: SingleFlight[None, EquationsOfMotion] = field(default_factory=SingleFlight, repr=False)
 
     @property
     def formed(self) -> EquationsOfMotion:
-        """The equations; two threads that ask at once get the same."""
+        """The equations; all threads get the same."""
         return self._made.get(None, self.form)
 
 
 def identity(model: Model, *choices: object) -> bytes:
-    """Return a hash of all that equations follow from; empty if that cannot be told.
+    """Return a hash of all that equations follow from; empty if it cannot be computed.
 
-    It cannot where classes or functions of a user's own take part, and it is not where nothing is stored.
+    It cannot if classes or functions of a user's own take part, and it is not if nothing is stored.
     """
     sources = _sources() if folder() is not None else b""
     content = content_of(model, choices) if sources else b""
@@ -50,7 +50,7 @@ def identity(model: Model, *choices: object) -> bytes:
 
 
 def known_notes(equations: bytes) -> tuple[str, ...] | None:
-    """Return the notes of equations that were formed before without an error, else None."""
+    """Return the notes of equations that an earlier process formed without an error, else None."""
     found = stored(_key(equations)) if equations else None
     return None if found is None else tuple(json.loads(found))
 
@@ -67,7 +67,7 @@ def _key(equations: bytes) -> bytes:
 
 @once
 def _sources() -> bytes:
-    """Return a hash of the files that equations are made by; empty if they cannot be read."""
+    """Return a hash of the files whose code forms equations; empty if they cannot be read."""
     package = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     try:
         versions = [version(name) for name in _PACKAGES]

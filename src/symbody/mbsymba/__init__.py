@@ -1,7 +1,7 @@
 """The words of MBSymba, for its scripts typed in Python: frames, points, vectors and equations by hand.
 
-Expressions in and out are SymPy's, functions of time are ``dynamicsymbols``. Nothing is computed here that
-the rest of the package does not compute.
+Expressions in and out are SymPy's, functions of time are ``dynamicsymbols``. The rest of
+the package computes.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""What scripts give, as what the algebra takes: every wrong kind is refused with its place and a cure."""
+"""Arguments of scripts as frames, points, vectors and bodies; a wrong kind raises an error with a cure."""
 
 from __future__ import annotations
 
@@ -81,20 +81,20 @@ def placed_vector(
         If there are fewer than the vector and one, or more than `count`, behind it.
     """
     if arguments and isinstance(arguments[0], VECTOR):
-        vector, rest = arguments[0].placed, arguments[1:]
+        vector, others = arguments[0].placed, arguments[1:]
     elif len(arguments) >= 4:
         vector = PlacedVector(as_frame(arguments[0], where), components(arguments[1:4]))
-        rest = arguments[4:]
+        others = arguments[4:]
     else:
-        vector, rest = None, ()
-    if vector is None or not count - 1 <= len(rest) <= count:
+        vector, others = None, ()
+    if vector is None or not count - 1 <= len(others) <= count:
         last = "P, B1" if count == 3 else "B1"
         raise UsageError(
             Problem("mbsymba.arguments", where, f"{len(arguments)} arguments do not make it",
                     "", f"write {where}(RF, x, y, z, {last}) or {where}(VECTOR, {last}), and behind the body "
                     "that it reacts on")
         )  # fmt: skip
-    return vector, rest
+    return vector, others
 
 
 def components(given: Sequence[object]) -> Triple:
@@ -129,8 +129,8 @@ def bodies_of(given: object, where: str) -> list[BODY]:
     return [as_body(item, where) for item in objects_of(given, where)]
 
 
-def _refuse(given: object, where: str, wanted: str, cure: str) -> NoReturn:
-    raise FrameError(Problem("mbsymba.wrong_kind", where, f"{_kind(given)} is not {wanted}", "", cure))
+def _refuse(given: object, where: str, kind: str, cure: str) -> NoReturn:
+    raise FrameError(Problem("mbsymba.wrong_kind", where, f"{_kind(given)} is not {kind}", "", cure))
 
 
 def _kind(given: object) -> str:

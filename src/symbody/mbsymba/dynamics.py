@@ -121,8 +121,8 @@ def lagrange_equations(
     names = function_names(variables, "lagrange_equations")
     coordinates = tuple(name for name in names if name not in mechanism.multipliers)
     check_coordinates(mechanism, coordinates)
-    found = write(lagrange(mechanism, coordinates, nat_coords))
-    return Equations(found, mechanism, coordinates, nat_coords)
+    equations = write(lagrange(mechanism, coordinates, nat_coords))
+    return Equations(equations, mechanism, coordinates, nat_coords)
 
 
 def equation_set(

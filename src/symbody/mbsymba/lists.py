@@ -34,9 +34,9 @@ def diff(expressions: object, *variables: SympyExpr) -> object:
         return {diff(key, *variables): diff(value, *variables) for key, value in expressions.items()}
     if isinstance(expressions, list | tuple):
         return [diff(item, *variables) for item in expressions]
-    found = sympy_derivative(expressions, variables)
-    if found is not None:
-        return found
+    derivative = sympy_derivative(expressions, variables)
+    if derivative is not None:
+        return derivative
     raise UsageError(
         Problem("mbsymba.diff", "diff", f"a {type(expressions).__name__} has no derivative here", "",
                 "give SymPy expressions; for points and frames call velocity, angular_velocity")
@@ -59,8 +59,8 @@ def first_order(
     """
     graph = WORKPLACE.graph
     symbols = [Symbol(name, Kind.COORDINATE) for name in function_names(variables, "first_order")]
-    found, nodes = first_order_system(graph, nodes_from_equations(eqns, graph), symbols)
-    return [symbol_to_sympy(symbol) for symbol in found], _written(graph, nodes)
+    symbols_of_first_order, nodes = first_order_system(graph, nodes_from_equations(eqns, graph), symbols)
+    return [symbol_to_sympy(symbol) for symbol in symbols_of_first_order], _written(graph, nodes)
 
 
 def linearize(eqns: Iterable[Equation], point: Mapping[SympyExpr, SympyExpr | float]) -> list[SympyExpr]:

@@ -13,7 +13,7 @@ from symbody.mbsymba.arguments import as_body, as_point, as_vector, placed_vecto
 from symbody.mbsymba.objects import BODY, CONSTRAINT, FORCE, FRAME, POINT, TORQUE, VECTOR
 from symbody.mbsymba.workplace import WORKPLACE, function_names, read
 from symbody.vectors.placed import PlacedFrame, PlacedPoint
-from symbody.vectors.rotation import Turn
+from symbody.vectors.rotation import AxisRotation
 
 Scalar = SympyExpr | float
 
@@ -137,5 +137,5 @@ def _warn_of_plane(body: PlacedBody) -> None:
 
 def _is_planar(centre: PlacedPoint) -> bool:
     frame: PlacedFrame = centre.frame
-    turns = [step for step in frame.steps if isinstance(step, Turn)]
+    turns = [step for step in frame.steps if isinstance(step, AxisRotation)]
     return bool(turns) and all(turn.axis[0].is_zero and turn.axis[1].is_zero for turn in turns)

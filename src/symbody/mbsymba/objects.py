@@ -19,8 +19,8 @@ from symbody.vectors.rotation import DirectionCosines
 def marks(values: Sequence[Expr]) -> tuple[tuple[int, int], ...]:
     """Return what equal expressions have in common, whatever their form."""
     graph, nodes = common_graph(values)
-    found = fingerprints(graph, list(graph.reachable(nodes)))
-    return tuple(found[node] for node in nodes)
+    signs = fingerprints(graph, list(graph.reachable(nodes)))
+    return tuple(signs[node] for node in nodes)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -29,11 +29,11 @@ class Workplace(local):
     @property
     def graph(self) -> Graph:
         """The graph in which new expressions are made."""
-        found = None if self._graph is None else self._graph()
-        if found is None:
-            found = Graph()
-            self._graph = ref(found)
-        return found
+        graph = None if self._graph is None else self._graph()
+        if graph is None:
+            graph = Graph()
+            self._graph = ref(graph)
+        return graph
 
 
 WORKPLACE: Final = Workplace()

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, ClassVar, Final, TypeVar
 
 from symbody.expr.language.formula import Formula
 from symbody.model.checker import Checker
 from symbody.model.declaration import Field, Given
-from symbody.model.door import ZERO, Door, Value
+from symbody.model.door import Door, Value
 from symbody.model.element_fields import Directions
 from symbody.model.fields import Flag
 from symbody.model.joint import InTrees, Joint
@@ -18,11 +17,8 @@ from symbody.model.loads.forces import Drive, drive_from
 from symbody.model.loads.friction import Friction, check_friction, friction_from
 from symbody.model.numbers import as_float, value_of
 from symbody.model.table import Table
-from symbody.model.turn import LETTERS, Axis, axis_from, unit_axis
-from symbody.model.uses import Scope, Triple, Use
-
-# Axes typed with 9 digits pass.
-_PERPENDICULAR: Final = 1e-8
+from symbody.model.turn import LETTERS, Axis, axis_from, not_perpendicular
+from symbody.model.uses import Scope, Use
 
 T = TypeVar("T")
 TreeChoice = InTrees | bool | Mapping[str, bool] | None
@@ -322,33 +318,6 @@ def names_from(door: Door, value: object, path: str, default: tuple[str, ...]) -
     return tuple(_symbol(door, item, f"{path}[{k}]", other) for k, (item, other) in enumerate(pairs))
 
 
-def shift_along(axis: Axis, displacement: str) -> Triple:
-    """Return a unit vector times a displacement, short where a component is 0 or 1."""
-    x, y, z = (_product(component, displacement) for component in unit_axis(axis))
-    return (x, y, z)
-
-
-def in_plane(normal: str, first: Formula, second: Formula) -> Triple:
-    """Return components along the two axes that follow the normal in cyclic order."""
-    return {"x": (ZERO, first, second), "y": (second, ZERO, first), "z": (first, second, ZERO)}[normal]
-
-
-def not_perpendicular(first: Sequence[float], second: Sequence[float]) -> tuple[str, str, str] | None:
-    """Return what, why and fix for two axes that are not perpendicular; None if they are, or one is zero."""
-    lengths = math.hypot(*first) * math.hypot(*second)
-    if lengths == 0:
-        return None
-    cosine = sum(a * b for a, b in zip(first, second, strict=True)) / lengths
-    if not math.isfinite(cosine) or abs(cosine) <= _PERPENDICULAR:
-        return None
-    angle = math.degrees(math.acos(max(-1.0, min(1.0, cosine))))
-    return (
-        f"the angle between the axes is {angle:.6g} deg",
-        "this joint needs perpendicular axes",
-        'make it 90 deg, for instance with ["x", "y"]; digits that are typed must be good to nine places',
-    )
-
-
 def _numbers(axis: Axis) -> list[float] | None:
     """Return the components of an axis, or None where one has no value without parameters."""
     components = LETTERS[axis] if isinstance(axis, str) else axis
@@ -385,9 +354,3 @@ def _symbol(door: Door, value: object, path: str, default: str) -> str:
     count = len(door.problems)
     name = door.symbol_name(value, path)
     return name if len(door.problems) == count else default
-
-
-def _product(component: Formula, displacement: str) -> Formula:
-    if component.text in ("0", "1"):
-        return Formula.of(displacement) if component.text == "1" else ZERO
-    return Formula.of(f"({component.text})*{displacement}")

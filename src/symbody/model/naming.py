@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Final
 
 from symbody.errors import Problem
@@ -77,6 +78,7 @@ def element_problem(name: object, where: str) -> Problem | None:
     return None
 
 
+@lru_cache(maxsize=4096)  # of large models, whose joints name their coordinates again and again
 def symbol_from(name: str) -> str:
     """Return the name of an element made fit for formulas: every other character becomes ``_``.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -19,6 +21,9 @@ LETTERS: Final[dict[str, Triple]] = {
     "y": (ZERO, ONE, ZERO),
     "z": (ZERO, ZERO, ONE),
 }
+
+# Axes typed with 9 digits pass.
+_PERPENDICULAR: Final = 1e-8
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,3 +90,36 @@ def _divided(axis: Triple, terms: list[Formula], *, squared: bool = False) -> Tr
 
 def _quotient(component: Formula, length: str) -> Formula:
     return ZERO if component.constant() == 0 else Formula.of(f"({component.text})/sqrt({length})")
+
+
+def shift_along(axis: Axis, displacement: str) -> Triple:
+    """Return a unit vector times a displacement, short where a component is 0 or 1."""
+    x, y, z = (_product(component, displacement) for component in unit_axis(axis))
+    return (x, y, z)
+
+
+def in_plane(normal: str, first: Formula, second: Formula) -> Triple:
+    """Return components along the two axes that follow the normal in cyclic order."""
+    return {"x": (ZERO, first, second), "y": (second, ZERO, first), "z": (first, second, ZERO)}[normal]
+
+
+def not_perpendicular(first: Sequence[float], second: Sequence[float]) -> tuple[str, str, str] | None:
+    """Return what, why and fix for two axes that are not perpendicular; None if they are, or one is zero."""
+    lengths = math.hypot(*first) * math.hypot(*second)
+    if lengths == 0:
+        return None
+    cosine = sum(a * b for a, b in zip(first, second, strict=True)) / lengths
+    if not math.isfinite(cosine) or abs(cosine) <= _PERPENDICULAR:
+        return None
+    angle = math.degrees(math.acos(max(-1.0, min(1.0, cosine))))
+    return (
+        f"the angle between the axes is {angle:.6g} deg",
+        "this joint needs perpendicular axes",
+        'make it 90 deg, for instance with ["x", "y"]; digits that are typed must be good to nine places',
+    )
+
+
+def _product(component: Formula, displacement: str) -> Formula:
+    if component.text in ("0", "1"):
+        return Formula.of(displacement) if component.text == "1" else ZERO
+    return Formula.of(f"({component.text})*{displacement}")

@@ -8,9 +8,9 @@ from .euler_parameters import EulerParameters as EulerParameters
 from .euler_parameters import euler_parameter_omega as euler_parameter_omega
 from .euler_parameters import euler_parameter_rates as euler_parameter_rates
 from .frame import FrameTree as FrameTree
+from .rotation import AxisRotation as AxisRotation
 from .rotation import DirectionCosines as DirectionCosines
 from .rotation import Rotation as Rotation
-from .rotation import Turn as Turn
 from .vector import Vector as Vector
 from .vector import cross as cross
 from .vector import dot as dot

@@ -1,6 +1,6 @@
 """Sums of angles in which opposite terms cancel: ``(a + b) - b`` is ``a``.
 
-The graph adds two nodes without looking inside them; turns forth and back need more.
+The graph adds two nodes without looking inside them, which is not enough for turns forth and back.
 """
 
 from __future__ import annotations

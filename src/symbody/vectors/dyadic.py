@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from symbody.expr.expression import Expr, number
 from symbody.vectors.frame import FrameTree
 from symbody.vectors.matrix import Matrix, SymmetricTensor, Triple, Vector3, identity, symmetric_tensor
-from symbody.vectors.rotation import Turn
+from symbody.vectors.rotation import AxisRotation
 from symbody.vectors.vector import NULL, Vector, components, cross, dot, vector
 
 
@@ -50,7 +50,7 @@ class Dyadic:
         while tree.depth(frame):
             parent, rotation = tree.parents[frame]
             for step in rotation.turns:
-                if not (isinstance(step, Turn) and step.axis in (axis, back)):
+                if not (isinstance(step, AxisRotation) and step.axis in (axis, back)):
                     return frame
             frame = parent
         return frame

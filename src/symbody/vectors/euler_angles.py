@@ -14,7 +14,7 @@ from symbody.expr.expression import Expr, atan2, cos, sin
 from symbody.expr.graph import Graph
 from symbody.vectors.euler_parameters import Side
 from symbody.vectors.matrix import Matrix, Triple, Vector3, identity
-from symbody.vectors.rotation import Turn, turn_matrix
+from symbody.vectors.rotation import AxisRotation, turn_matrix
 
 _LETTERS: Final = {"1": "x", "2": "y", "3": "z", "x": "x", "y": "y", "z": "z"}
 _SPACE: Final = "space "
@@ -43,22 +43,26 @@ def sequence_axes(sequence: str) -> tuple[tuple[str, str, str], bool]:
     return (first, second, third), is_space
 
 
-def euler_turns(graph: Graph, sequence: str, angles: Triple) -> tuple[Turn, Turn, Turn]:
+def euler_turns(
+    graph: Graph, sequence: str, angles: Triple
+) -> tuple[AxisRotation, AxisRotation, AxisRotation]:
     """Return the turns from start to end, about body axes; `angles` in the order of the written axes."""
     axes, is_space = sequence_axes(sequence)
     units = dict(zip("xyz", identity(graph), strict=True))
-    first, second, third = (Turn(units[axis], angle) for axis, angle in zip(axes, angles, strict=True))
+    first, second, third = (
+        AxisRotation(units[axis], angle) for axis, angle in zip(axes, angles, strict=True)
+    )
     return (third, second, first) if is_space else (first, second, third)
 
 
 def angle_rates(
-    graph: Graph, turns: tuple[Turn, ...], omega: Triple, resolved_in: Side = "end"
+    graph: Graph, turns: tuple[AxisRotation, ...], omega: Triple, resolved_in: Side = "end"
 ) -> tuple[Triple, Expr]:
     """Return the rates of the angles of three turns, and the determinant that was divided by.
 
     Parameters
     ----------
-    turns : tuple of Turn
+    turns : tuple of AxisRotation
         In body order; the rates come in the same order.
     omega : (3,) Expr
         Angular velocity of end relative to start, in axes of start or end.
@@ -127,7 +131,7 @@ def measured_angles(matrix: Matrix, sequence: str) -> Triple:
     return (first, second, atan2(sine, row[j]))
 
 
-def _check_three(turns: tuple[Turn, ...]) -> tuple[Turn, Turn, Turn]:
+def _check_three(turns: tuple[AxisRotation, ...]) -> tuple[AxisRotation, AxisRotation, AxisRotation]:
     if len(turns) != 3:
         raise FrameError(
             Problem("frame.three_turns", "angles",

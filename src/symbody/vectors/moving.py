@@ -15,7 +15,7 @@ from symbody.vectors.placed import (
     PlacedVector,
     Shift,
 )
-from symbody.vectors.rotation import DirectionCosines, Turn, spin, turn_matrix
+from symbody.vectors.rotation import AxisRotation, DirectionCosines, spin, turn_matrix
 
 
 def rate(x: Triple) -> Vector3[Expr]:
@@ -45,7 +45,7 @@ def angular_velocity(graph: Graph, frame: PlacedFrame, other: PlacedFrame = GROU
 
 def turned_by(graph: Graph, axis: Triple, angle: Expr) -> PlacedStep:
     """Return the turn about a unit vector; as a matrix where the axis itself moves."""
-    turn = Turn(axis, angle)
+    turn = AxisRotation(axis, angle)
     kinds = dependence(graph, [x.index for x in axis])
     if all(kinds[x.index] <= {Kind.PARAMETER} for x in axis):
         return turn
@@ -60,7 +60,7 @@ def spin_of_step(step: PlacedStep) -> Vector3[Expr] | None:
     """
     if isinstance(step, Shift):
         return None
-    if isinstance(step, Turn):
+    if isinstance(step, AxisRotation):
         (speed, _, _) = rate((step.angle, step.angle, step.angle))
         return Vector3(step.axis) * speed
     return spin(step.cosines, matrix3(*(rate(row) for row in step.cosines)))

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from symbody.expr.expression import Expr, number
 from symbody.expr.graph import Graph
 from symbody.vectors.matrix import Matrix3, Triple, Vector3, identity, zero_vector
-from symbody.vectors.rotation import DirectionCosines, Turn, rotation_matrix, rotation_of
+from symbody.vectors.rotation import AxisRotation, DirectionCosines, rotation_matrix, rotation_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,7 @@ class Shift:
         return Shift(-Vector3(self.by))
 
 
-PlacedStep = Turn | DirectionCosines | Shift
+PlacedStep = AxisRotation | DirectionCosines | Shift
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ class PlacedFrame:
     def expressions(self) -> Iterator[Expr]:
         """What the steps are written in."""
         for step in self.steps:
-            if isinstance(step, Turn):
+            if isinstance(step, AxisRotation):
                 yield from (*step.axis, step.angle)
             elif isinstance(step, Shift):
                 yield from step.by
@@ -163,7 +163,7 @@ def homogeneous(frame: PlacedFrame, graph: Graph) -> tuple[tuple[Expr, ...], ...
     return (*placed, (zero, zero, zero, one))
 
 
-def _turns(steps: Iterable[PlacedStep]) -> list[Turn | DirectionCosines]:
+def _turns(steps: Iterable[PlacedStep]) -> list[AxisRotation | DirectionCosines]:
     return [step for step in steps if not isinstance(step, Shift)]
 
 

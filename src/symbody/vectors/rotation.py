@@ -18,7 +18,7 @@ from symbody.vectors.matrix import Matrix, Matrix3, Triple, Vector3, identity, m
 
 
 @dataclass(frozen=True, slots=True)
-class Turn:
+class AxisRotation:
     """One simple rotation.
 
     Attributes
@@ -33,9 +33,9 @@ class Turn:
     angle: Expr
 
     @property
-    def inverse(self) -> Turn:
+    def inverse(self) -> AxisRotation:
         """The turn back."""
-        return Turn(self.axis, -self.angle)
+        return AxisRotation(self.axis, -self.angle)
 
     @property
     def is_identity(self) -> bool:
@@ -68,14 +68,14 @@ class DirectionCosines:
         return matrix3(*self.cosines)
 
 
-RotationStep = Turn | EulerParameters | DirectionCosines
+ElementaryRotation = AxisRotation | EulerParameters | DirectionCosines
 
 
 @dataclass(frozen=True, slots=True)
 class Rotation:
     """Successive body-fixed steps leading from frame A to frame B; none is the identity."""
 
-    turns: tuple[RotationStep, ...] = ()
+    turns: tuple[ElementaryRotation, ...] = ()
 
     def then(self, other: Rotation) -> Rotation:
         """Return this rotation followed by `other`, with neighbours merged until none is left to merge."""
@@ -87,13 +87,13 @@ class Rotation:
         return Rotation(tuple(step.inverse for step in reversed(self.turns)))
 
 
-def rotation_of(turns: Iterable[RotationStep]) -> Rotation:
+def rotation_of(turns: Iterable[ElementaryRotation]) -> Rotation:
     """Return the rotation made of steps, neighbours merged, identities left out."""
-    steps: list[RotationStep] = []
+    steps: list[ElementaryRotation] = []
     for step in turns:
         if step.is_identity:
             continue
-        together = merged(steps[-1], step) if steps else None
+        together = merge_steps(steps[-1], step) if steps else None
         if together is None:
             steps.append(step)
         else:
@@ -101,13 +101,15 @@ def rotation_of(turns: Iterable[RotationStep]) -> Rotation:
     return Rotation(tuple(steps))
 
 
-def merged(first: RotationStep, second: RotationStep) -> tuple[RotationStep, ...] | None:
+def merge_steps(
+    first: ElementaryRotation, second: ElementaryRotation
+) -> tuple[ElementaryRotation, ...] | None:
     """Return what two successive steps amount to, no step or one; None if they do not merge.
 
     Turns about parallel axes add up. Other steps merge only with their inverses.
     """
-    if isinstance(first, Turn) and isinstance(second, Turn):
-        return _merged_turns(first, second)
+    if isinstance(first, AxisRotation) and isinstance(second, AxisRotation):
+        return _merge_axis_rotations(first, second)
     if isinstance(first, EulerParameters) and isinstance(second, EulerParameters):
         return () if second.undoes(first) else None
     return () if second == first.inverse else None
@@ -119,7 +121,7 @@ def rotation_matrix(graph: Graph, rotation: Rotation) -> Matrix3[Expr]:
     return reduce(lambda a, b: a @ b, matrices) if matrices else identity(graph)
 
 
-def turn_matrix(graph: Graph, turn: Turn) -> Matrix3[Expr]:
+def turn_matrix(graph: Graph, turn: AxisRotation) -> Matrix3[Expr]:
     """Return ``1 cos + (1 - cos) a a^T + sin a~`` (Euler, Rodrigues)."""
     c, s, one = cos(turn.angle), sin(turn.angle), number(graph, 1)
     x, y, z = turn.axis
@@ -148,11 +150,11 @@ def spin(R: Matrix, rate: Matrix) -> Vector3[Expr]:
     return Vector3((z.dot(dy), x.dot(dz), y.dot(dx)))
 
 
-def _merged_turns(first: Turn, second: Turn) -> tuple[Turn, ...] | None:
+def _merge_axis_rotations(first: AxisRotation, second: AxisRotation) -> tuple[AxisRotation, ...] | None:
     if first.axis == second.axis:
         angle = angle_sum(first.angle, second.angle)
     elif first.axis == -Vector3(second.axis):
         angle = angle_sum(first.angle, -second.angle)
     else:
         return None
-    return () if angle.is_zero else (Turn(first.axis, angle),)
+    return () if angle.is_zero else (AxisRotation(first.axis, angle),)

@@ -13,7 +13,7 @@ from typing import Any
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph
 from symbody.vectors.matrix import Matrix3, identity
-from symbody.vectors.rotation import Rotation, RotationStep, merged
+from symbody.vectors.rotation import ElementaryRotation, Rotation, merge_steps
 
 Word = tuple[int, ...]
 
@@ -30,8 +30,8 @@ class StepProducts:
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
         self._next = count(1)
-        self._codes: dict[RotationStep, int] = {}
-        self._steps: dict[int, RotationStep] = {}
+        self._codes: dict[ElementaryRotation, int] = {}
+        self._steps: dict[int, ElementaryRotation] = {}
         self._merged: dict[tuple[int, int], Word | None] = {}
         self._matrices: dict[Word, Matrix3[Expr]] = {(): identity(graph)}
 
@@ -104,11 +104,11 @@ class StepProducts:
             return ()
         pair = (first, second)
         if pair not in self._merged:
-            steps = merged(self._steps[first], self._steps[second])
+            steps = merge_steps(self._steps[first], self._steps[second])
             self._merged[pair] = None if steps is None else tuple(self._code(step) for step in steps)
         return self._merged[pair]
 
-    def _code(self, step: RotationStep) -> int:
+    def _code(self, step: ElementaryRotation) -> int:
         if step not in self._codes:
             code = next(self._next)
             self._steps[code], self._steps[-code] = step, step.inverse

@@ -1,7 +1,7 @@
 """Vectors as sums of terms, each with components in its own frame.
 
 A term is moved to another frame only when a product needs it, and then by the relative rotation
-along the tree. That is what keeps products of sines and cosines from ever being formed.
+along the tree. So products of sines and cosines are never formed.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Final
 from symbody.expr.expression import Expr
 from symbody.vectors.frame import FrameTree
 from symbody.vectors.matrix import Triple, Vector3, vanishes
-from symbody.vectors.rotation import Turn
+from symbody.vectors.rotation import AxisRotation
 
 Rank = tuple[int, str]  # depth and name of a frame: an order that begins at the root
 
@@ -101,7 +101,7 @@ def lifted(tree: FrameTree, a: Vector, kept: Collection[str] = ()) -> Vector:
         while frame in tree.parents and frame not in kept:
             parent, rotation = tree.parents[frame]
             (step,) = rotation.turns if len(rotation.turns) == 1 else (None,)
-            if not isinstance(step, Turn) or not vanishes(Vector3(step.axis).cross(parts)):
+            if not isinstance(step, AxisRotation) or not vanishes(Vector3(step.axis).cross(parts)):
                 break
             frame = tree.home(parent)
         result = result + Vector({frame: parts})

@@ -2,6 +2,7 @@
 
 import { Handle, Position, useUpdateNodeInternals, type NodeProps } from "@xyflow/react";
 import { memo, useEffect, type ReactElement } from "react";
+import { count } from "../shell/counts";
 import { Icon } from "../shell/icons";
 import type { CouplingLink } from "../model/couplings";
 import { select, useStore } from "../store";
@@ -14,6 +15,7 @@ const POSITIONS: Readonly<Record<Port["side"], Position>> = {
 
 export const BodyNode = memo(function BodyNode({ id, data, selected }: NodeProps<BodyFlowNode>): ReactElement {
   const { node, links, ports, severity, highlighted } = data;
+  useEffect(() => { count("node"); });
   const update = useUpdateNodeInternals();
   const arrangement = ports.map(({ frame, side, part }) => `${frame}${side}${part.toFixed(3)}`).join();
   useEffect(() => { update(id); }, [id, update, arrangement]);

@@ -4,7 +4,8 @@ import {
   applyNodeChanges, Background, BackgroundVariant, ConnectionMode, Panel, ReactFlow, SelectionMode, type NodeChange,
 } from "@xyflow/react"; // prettier-ignore
 import "@xyflow/react/dist/base.css";
-import { useEffect, useMemo, useState, type ReactElement } from "react";
+import { useCallback, useEffect, useMemo, useState, type MouseEvent as ReactMouseEvent, type ReactElement } from "react";
+import { useStoreWithEqualityFn } from "zustand/traditional";
 import { diagramOf } from "../model/graph";
 import { GRID } from "../model/layout";
 import { Icon } from "../shell/icons";
@@ -16,37 +17,49 @@ import { CouplingLines } from "./coupling_lines";
 import { flowEdges, flowNodes, severities } from "./elements";
 import { fitDiagram, keepFlow, zoomDiagram, type BodyFlowNode, type JointFlowEdge } from "./flow";
 import * as gestures from "./gestures";
+import { isEqual, isSameDrawing, kept, useKept } from "./kept";
 import { Guides, useGuides } from "./guides";
 import { JointEdge } from "./joint_edge";
+import type { Problem } from "../types";
 
 const NODE_TYPES = { body: BodyNode };
 const EDGE_TYPES = { joint: JointEdge };
+const NO_PROBLEMS: readonly Problem[] = [];
+// Properties of the diagram that stay the same objects: others would have every node drawn anew.
+const SNAP: [number, number] = [GRID, GRID];
+const PAN_BUTTONS = [1, 2];
+const MORE_KEYS = ["Shift", "Control", "Meta"];
+const nodeMenu = (event: MouseEvent | ReactMouseEvent, node: BodyFlowNode): void => { gestures.menu(event, node.id); };
+const edgeMenu = (event: MouseEvent | ReactMouseEvent, edge: JointFlowEdge): void => { gestures.menu(event, edge.id); };
+const paneMenu = (event: MouseEvent | ReactMouseEvent): void => { gestures.menu(event, null); };
+const movedAll = (_: unknown, all: BodyFlowNode[]): void => { gestures.movedAll(all); };
 
 /** Return the nodes that are drawn: those of the model, where the pointer has them now. */
 function useNodes(): [BodyFlowNode[], JointFlowEdge[], (changes: NodeChange<BodyFlowNode>[]) => void, readonly CouplingLink[]] {
-  const data = useStore((state) => state.data);
-  const check = useStore((state) => state.check);
+  const data = useStoreWithEqualityFn(useStore, (state) => state.data, isSameDrawing);
+  const problems = useStoreWithEqualityFn(useStore, (state) => state.check?.problems ?? NO_PROBLEMS, isEqual);
+  const summary = useStoreWithEqualityFn(useStore, (state) => state.check?.summary ?? null, isEqual);
   const selection = useStore((state) => state.selection);
   const highlighted = useStore((state) => state.highlighted);
   const graph = useMemo(() => diagramOf(data), [data]);
-  const marks = useMemo(() => ({ selection, highlighted, worst: severities(check?.problems ?? []) }), [selection, highlighted, check]);
-  const own = useMemo(() => flowNodes(data, graph, marks), [data, graph, marks]);
-  const edges = useMemo(() => flowEdges(data, graph, own, check?.summary ?? null, marks), [data, graph, own, check, marks]);
+  const marks = useMemo(() => ({ selection, highlighted, worst: severities(problems) }), [selection, highlighted, problems]);
+  const own = useKept(useMemo(() => flowNodes(data, graph, marks), [data, graph, marks]));
+  const edges = useKept(useMemo(() => flowEdges(data, graph, own, summary, marks), [data, graph, own, summary, marks]));
   const [nodes, setNodes] = useState(own);
   useEffect(() => {
     setNodes((before) => {
       const measured = new Map(before.map((each) => [each.id, each.measured]));
-      return own.map((each) => {
+      return kept(before, own.map((each) => {
         const size = measured.get(each.id);
         return size === undefined ? each : { ...each, measured: size };
-      });
+      }));
     });
   }, [own]);
-  const change = (changes: NodeChange<BodyFlowNode>[]): void => {
+  const change = useCallback((changes: NodeChange<BodyFlowNode>[]): void => {
     gestures.takeSelection(changes);
     const others = changes.filter((each) => each.type === "position" || each.type === "dimensions");
     if (others.length > 0) setNodes((before) => applyNodeChanges(others, before));
-  };
+  }, []);
   return [nodes, edges, change, graph.links];
 }
 
@@ -55,7 +68,7 @@ export function Diagram(): ReactElement {
   const selection = useStore((state) => state.selection);
   const free = useAlt();
   const document = useStore((state) => state.document?.id);
-  const guides = useGuides(nodes);
+  const guides = useGuides(nodes, gestures.moved);
   useEffect(() => {
     const wait = setTimeout(fitDiagram, 60); // sizes are measured first
     return () => { clearTimeout(wait); };
@@ -68,12 +81,11 @@ export function Diagram(): ReactElement {
         connectionMode={ConnectionMode.Loose} connectionRadius={28} connectionLineComponent={ConnectionLine}
         isValidConnection={gestures.isValid} onConnect={gestures.connect} onConnectEnd={gestures.endConnection}
         onReconnect={gestures.reconnected} reconnectRadius={14}
-        onNodeDrag={guides.follow} onNodeDragStop={(...all) => { guides.clear(); gestures.moved(...all); }} onSelectionDragStop={(_, all) => { gestures.movedAll(all); }}
+        onNodeDrag={guides.follow} onNodeDragStop={guides.stop} onSelectionDragStop={movedAll}
         onNodeDoubleClick={gestures.renameNode} onPaneClick={gestures.clear} onDoubleClick={gestures.insertAt}
-        onNodeContextMenu={(event, node) => { gestures.menu(event, node.id); }}
-        onEdgeContextMenu={(event, edge) => { gestures.menu(event, edge.id); }} onPaneContextMenu={(event) => { gestures.menu(event, null); }}
-        snapToGrid={!free} snapGrid={[GRID, GRID]} selectionMode={SelectionMode.Partial}
-        selectionOnDrag panOnDrag={[1, 2]} panOnScroll zoomOnDoubleClick={false} multiSelectionKeyCode={["Shift", "Control", "Meta"]}
+        onNodeContextMenu={nodeMenu} onEdgeContextMenu={edgeMenu} onPaneContextMenu={paneMenu}
+        snapToGrid={!free} snapGrid={SNAP} selectionMode={SelectionMode.Partial}
+        selectionOnDrag panOnDrag={PAN_BUTTONS} panOnScroll zoomOnDoubleClick={false} multiSelectionKeyCode={MORE_KEYS}
         selectionKeyCode={null} deleteKeyCode={null} disableKeyboardA11y minZoom={0.15} maxZoom={2.5} elevateEdgesOnSelect
         nodeDragThreshold={2}
       >

@@ -1,9 +1,10 @@
 /** A joint, spring, force or constraint: a line with a badge. */
 
 import { EdgeLabelRenderer, Position, type EdgeProps } from "@xyflow/react";
-import { memo, type MouseEvent, type ReactElement } from "react";
+import { memo, useEffect, type MouseEvent, type ReactElement } from "react";
 import { curveOf, pathOf, pointAt } from "../model/curves";
 import type { Side } from "../model/layout";
+import { count } from "../shell/counts";
 import { Icon } from "../shell/icons";
 import { select, useStore } from "../store";
 import type { JointFlowEdge } from "./flow";
@@ -28,6 +29,7 @@ function treeClass(rotation: boolean | null, translation: boolean | null): strin
 export const JointEdge = memo(function JointEdge(props: EdgeProps<JointFlowEdge>): ReactElement | null {
   const { id, data, selected } = props;
   const renaming = useStore((state) => state.renaming === id);
+  useEffect(() => { count("edge"); });
   if (data === undefined) return null;
   const { edge, severity, highlighted, rotation, translation } = data;
   const curve = curveOf(

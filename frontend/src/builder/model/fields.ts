@@ -44,8 +44,11 @@ export function fieldsOf(schema: JsonObject, node: SchemaNode): Field[] {
   });
 }
 
+/** Of keys that the schema says nothing of. */
+const TIPS: Readonly<Record<string, string>> = { name: "Messages and outputs call it so; no other element has the same name." };
+
 export function fieldOf(schema: JsonObject, key: string, node: SchemaNode, required: boolean): Field {
-  const description = textOf(node["description"]);
+  const description = textOf(node["description"] ?? TIPS[key]);
   const units = /\s*\[([^\]]+)\]/.exec(description);
   const tip = description.replace(/\s*\[[^\]]+\]/g, "").trim();
   return {

@@ -51,7 +51,7 @@ export function ProblemLines({ id, problems }: { id?: string; problems: readonly
       {problems.map((each) => (
         <div key={`${each.code}${each.pointer}${each.what}`} className={`field-problem ${each.severity}`}>
           <Icon name={each.severity} size={14} />
-          <span><What text={each.what} /> {each.fix !== "" && <em>{sentence(each.fix)}</em>}</span>
+          <span>{each.line !== null && <b>Line {each.line}: </b>}<What text={each.what} /> {each.fix !== "" && <em>{sentence(each.fix)}</em>}</span>
           {each.repair !== null && <button type="button" className="button small" onClick={() => { repair(each); }}>{each.repair.label}</button>}
         </div>
       ))}

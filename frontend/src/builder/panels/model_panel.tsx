@@ -1,6 +1,7 @@
 /** The model's own properties: name, gravity, parameters, inputs, initial values. */
 
 import { useId, type ReactElement } from "react";
+import { expectChanges } from "../checking";
 import { freeName, textOf } from "../model/entries";
 import { isArray, isObject, joinPointer, valueAt, withValue } from "../model/pointers";
 import { renameInitial, renameInput, renameParameter } from "../model/rename";
@@ -71,7 +72,7 @@ function Table({ section, title, tip, unnamed, rename }: TableProps): ReactEleme
     useStore.setState({ focusPointer: `/${section}${joinPointer(name)}${unnamed === "" ? "" : "#name"}` });
   };
   return (
-    <fieldset className="field table" data-testid={section}>
+    <fieldset className="field table" data-testid={section} onFocus={section === "parameters" ? expectChanges : undefined}>
       <legend>{title}</legend>
       <datalist id={list}>{names.map((each) => <option key={each} value={each} />)}</datalist>
       {Object.entries(fields).map(([name, value], index) => <TableRow key={index} section={section} name={name} value={value} list={list} rename={rename} />)}

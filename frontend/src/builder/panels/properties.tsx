@@ -89,6 +89,7 @@ function TypeChoice({ entry, element, schema }: { readonly entry: Entry; readonl
     <div className="field">
       <div className="label"><label htmlFor="entry-type">Type</label></div>
       <Choice id="entry-type" pointer={`/${entry.id}/type`} value={element.type} options={others.map((each) => ({ value: each.type, text: each.title }))} change={change} />
+      <p className="tip">Another type keeps the name, the frames, and the fields that both have.</p>
     </div>
   );
 }

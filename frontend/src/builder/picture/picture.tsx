@@ -3,9 +3,10 @@
 import { useEffect, useMemo, useRef, type ReactElement, type RefObject } from "react";
 import { Player } from "../../player/player";
 import { DEFAULTS } from "../../player/settings";
-import { decodeMotion, decodeScene, LiveSource, sourceOf, type SceneElement } from "../../viewer";
+import { castOf, decodeMotion, decodeScene, LiveSource, sourceOf, type Scene, type SceneElement } from "../../viewer";
 import { entriesOf, entryNamed, GROUND, type EntryId } from "../model/entries";
 import { select, useStore } from "../store";
+import { count } from "../shell/counts";
 import { resolvedTheme } from "../shell/theme";
 import type { Model } from "../types";
 import { watchDrags, type Thread } from "./dragging";
@@ -44,9 +45,10 @@ function makePlayer(root: HTMLElement, scene: unknown, motion: unknown, moves: b
     onSelect: (element) => { chosenInPicture(element); },
     onTime: (time) => { pictureNow.curves?.showTime(time); },
   });
-  const size = JSON.stringify([decoded.size, decoded.up, decoded.normal]);
+  const size = sizeText(decoded);
   const mechanism = mechanismText();
-  if (before?.player.viewer != null && player.viewer !== null && (before.size === size || before.mechanism === mechanism)) {
+  const same = before !== null && castOf(before.player.data.scene) === castOf(decoded);
+  if (same && before.player.viewer !== null && player.viewer !== null && (before.size === size || before.mechanism === mechanism)) {
     player.viewer.rig.take(before.player.viewer.rig);
   }
   return { player, source, size, mechanism, scene: JSON.stringify(scene), base };
@@ -55,6 +57,10 @@ function makePlayer(root: HTMLElement, scene: unknown, motion: unknown, moves: b
 function mechanismText(): string {
   const { document, checked } = useStore.getState();
   return JSON.stringify([document?.id, checked], (key, value: unknown) => (key === "initial" || key === "layout" ? undefined : value));
+}
+
+function sizeText({ size, up, normal }: Scene): string {
+  return JSON.stringify([size, up, normal]);
 }
 
 let telling = false;
@@ -136,13 +142,25 @@ function showPicture(root: HTMLElement, scene: unknown, motion: unknown, moves: 
     before.player.refresh();
     return;
   }
-  const next = (): Shown => {
-    before?.player.dispose();
-    return makePlayer(root, scene, motion, moves, before);
-  };
-  keepPicture(next());
+  keepPicture((moves ? null : resized(before, scene, motion, text)) ?? anew(root, scene, motion, moves, before));
   const [id] = useStore.getState().selection;
   if (id !== undefined) markSelection([id]);
+}
+
+/** Return the player of before with the scene in it, where it shows the same mechanism in other sizes; else null. */
+function resized(before: Shown | null, scene: unknown, motion: unknown, text: string): Shown | null {
+  if (before === null || motion === null) return null;
+  const decoded = decodeScene(scene);
+  const base = sourceOf(decoded, decodeMotion(motion, decoded.bodies.length));
+  const source = new LiveSource(base, decoded.bodies.length);
+  if (!before.player.replaceScene(decoded, source)) return null;
+  return { ...before, source, base, size: sizeText(decoded), mechanism: mechanismText(), scene: text };
+}
+
+function anew(root: HTMLElement, scene: unknown, motion: unknown, moves: boolean, before: Shown | null): Shown {
+  before?.player.dispose();
+  count("player");
+  return makePlayer(root, scene, motion, moves, before);
 }
 
 function markSelection(ids: readonly EntryId[]): void {

@@ -13,7 +13,7 @@ export interface Sizes {
   readonly picture: number;
 }
 
-const USUAL: Sizes = { left: 252, right: 300, lower: 0.46, picture: 0.46 };
+const USUAL: Sizes = { left: 270, right: 300, lower: 0.46, picture: 0.46 };
 const LIMITS: Readonly<Record<keyof Sizes, readonly [number, number]>> = { left: [150, 420], right: [220, 560], lower: [0.15, 0.85], picture: [0.2, 0.8] };
 
 function remembered(): Sizes {

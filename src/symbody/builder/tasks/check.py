@@ -6,12 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-import numpy as np
-
 from symbody.analysis.positions import PositionSolver, position_solver
 from symbody.builder.formulas import model_formulas
 from symbody.builder.page_problems import PageProblem, page_notes, page_problem, page_problems
-from symbody.builder.tasks.placement import one_sample, placed_motion, scene_bodies
+from symbody.builder.tasks.placement import one_sample, placed_motion, scene_at, scene_bodies
 from symbody.builder.tasks.reading import Data, Latest, ReadModel, model_key, read_model
 from symbody.builder.tasks.summary import equation_summary, tree_summary
 from symbody.builder.worker_process import Report
@@ -22,7 +20,6 @@ from symbody.graph.topology import choose_topology
 from symbody.model.model import Model
 from symbody.visual.scene import motion_to_json, scene_to_json
 from symbody.visual.scene.basis import scene_basis
-from symbody.visual.scene.from_model import make_scene
 from symbody.visual.scene.numbers import model_numbers
 from symbody.visual.scene.scene import SceneMotion
 
@@ -146,8 +143,7 @@ def _picture(model: Model | None, checked: Checked, data: Data) -> tuple[Answer 
         return None, []
     eqs, positions, names = checked.eqs, checked.positions, scene_bodies(model)
     try:
-        courses = {name: np.array([value]) for name, value in (positions or {}).items()}
-        scene = make_scene(model, motion=courses)
+        scene = scene_at(model, positions or {})
         if eqs is None or positions is None:
             motion = _as_given(model, names)
         else:

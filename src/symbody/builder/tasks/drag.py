@@ -73,7 +73,7 @@ class Grip:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pull:
+class PointDrag:
     """A point of a body (3,) [m] and the line of sight, in ground's axes, on which it should be."""
 
     grip: Grip
@@ -86,13 +86,13 @@ class Pull:
         """The length of the mechanism [m]."""
         return self.grip.task.mechanism.length
 
-    def across(self, vectors: Floats) -> Floats:
+    def lateral_part(self, vectors: Floats) -> Floats:
         """Return the parts of vectors (3, ...) that are across the line."""
         return vectors - np.multiply.outer(self.direction, self.direction @ vectors)
 
     def miss(self, q: Floats) -> Floats:
         """Return the way (3,) from the point to the line [m]."""
-        return self.across(self.origin - self.grip.place(q, self.point))
+        return self.lateral_part(self.origin - self.grip.place(q, self.point))
 
     def distance(self, q: Floats) -> float:
         """Return how far the point is from the line [m]."""
@@ -104,7 +104,7 @@ class Pull:
         moves = self.grip.slopes(q, self.point) @ freedoms
         if np.abs(moves).max(initial=0.0) < _STILL * self.size:
             return None
-        seen = self.across(moves)
+        seen = self.lateral_part(moves)
         damping = (_DAMPING * self.size) ** 2 * np.eye(freedoms.shape[1])
         turn = freedoms @ np.linalg.solve(seen.T @ seen + damping, seen.T @ self.miss(q))
         share = min(1.0, _REACH / max(float(np.abs(turn).max(initial=0.0)), 1e-300))
@@ -122,24 +122,24 @@ def drag_body(payload: Mapping[str, Any], report: Report) -> dict[str, Any]:
     data, folder, body = payload["data"], payload["folder"], payload["body"]
     key = model_key(data, folder)
     try:
-        pull = _pull(payload, _GRIPS.get(f"{body}\n{key}", lambda: _grip(data, folder, body)))
-        solver = pull.grip.solver
-        q = drawn_coordinates(pull, _start(solver, payload["guess"]))
+        drag = _point_drag(payload, _GRIPS.get(f"{body}\n{key}", lambda: _grip(data, folder, body)))
+        solver = drag.grip.solver
+        q = follow_line(drag, _start(solver, payload["guess"]))
         values = dict(zip(solver.eqs.coordinate_names, q.tolist(), strict=True))
         motion = placed_motion(solver.eqs, values, scene_bodies(solver.eqs.model))
     except SymbodyError as error:
         raise TaskFailure(page_problems(error.problems, data)) from None
     return {
-        "values": {**values, **_measured(pull.grip.task, q)},
+        "values": {**values, **_cut_coordinates(drag.grip.task, q)},
         "positions": motion.positions[0].tolist(),
         "quaternions": motion.quaternions[0].tolist(),
-        "at": pull.grip.place(q, pull.point).tolist(),
-        "distance": pull.distance(q),
-        "size": pull.size,
+        "at": drag.grip.place(q, drag.point).tolist(),
+        "distance": drag.distance(q),
+        "size": drag.size,
     }
 
 
-def drawn_coordinates(pull: Pull, q: Floats) -> Floats:
+def follow_line(drag: PointDrag, q: Floats) -> Floats:
     """Return the coordinates at which the point is as near to the line as steps from `q` lead.
 
     Raises
@@ -149,48 +149,48 @@ def drawn_coordinates(pull: Pull, q: Floats) -> Floats:
     TaskFailure
         If no freedom moves the point.
     """
-    start, distance = q, pull.distance(q)
+    start, distance = q, drag.distance(q)
     for _ in range(_ROUNDS):
-        if distance < _NEAR * pull.size:
+        if distance < _NEAR * drag.size:
             break
-        step = pull.step(q)
+        step = drag.step(q)
         if step is None and q is start:
-            raise TaskFailure([page_problem(_immovable(pull.grip.body), {})])
-        if step is None or np.abs(step / pull.grip.task.sizes).max() < _TINY:
+            raise TaskFailure([page_problem(_immovable(drag.grip.body), {})])
+        if step is None or np.abs(step / drag.grip.task.sizes).max() < _TINY:
             break
-        nearer, failure = _nearer(pull, q, step)
+        nearer, failure = _step_nearer(drag, q, step)
         if nearer is None and failure is not None and q is start:
             raise failure
         if nearer is None:
             break
-        before, q, distance = distance, nearer, pull.distance(nearer)
-        if before - distance < _TINY * pull.size:
+        before, q, distance = distance, nearer, drag.distance(nearer)
+        if before - distance < _TINY * drag.size:
             break
     return q
 
 
-def _nearer(pull: Pull, q: Floats, step: Floats) -> tuple[Floats | None, AssemblyError | None]:
+def _step_nearer(drag: PointDrag, q: Floats, step: Floats) -> tuple[Floats | None, AssemblyError | None]:
     """Return assembled coordinates nearer to the line, and what assembly said of longer steps."""
-    failure, sizes, before = None, pull.grip.task.sizes, pull.distance(q)
+    failure, sizes, before = None, drag.grip.task.sizes, drag.distance(q)
     for _ in range(_HALVINGS):
         try:
-            tried = pull.grip.solver.nearest(q + step)
+            tried = drag.grip.solver.nearest(q + step)
         except AssemblyError as error:
             failure = failure or error
         else:
             moved, meant = (float(np.abs(each / sizes).max(initial=0.0)) for each in (tried - q, step))
-            if moved <= _JUMP * meant and pull.distance(tried) < before:
+            if moved <= _JUMP * meant and drag.distance(tried) < before:
                 return tried, failure
         step = step / 2.0
     return None, failure
 
 
-def _pull(payload: Mapping[str, Any], grip: Grip) -> Pull:
+def _point_drag(payload: Mapping[str, Any], grip: Grip) -> PointDrag:
     point, origin, direction = (np.array(payload[name]) for name in ("point", "origin", "direction"))
     length = float(np.linalg.norm(direction))
     if not (np.isfinite([*point, *origin]).all() and np.isfinite(length) and length > 0.0):
         raise TaskFailure([page_problem(_no_line(), {})])
-    return Pull(grip, point, origin, direction / length)
+    return PointDrag(grip, point, origin, direction / length)
 
 
 def _grip(data: Data, folder: str, body: str) -> Grip:
@@ -209,7 +209,7 @@ def _start(solver: PositionSolver, guess: Mapping[str, float]) -> Floats:
     return solver.nearest(np.array([guess[name] for name in names]))
 
 
-def _measured(task: Closure, q: Floats) -> dict[str, float]:
+def _cut_coordinates(task: Closure, q: Floats) -> dict[str, float]:
     """Return the coordinates of cut joints that the model has initial values of."""
     known = dict.fromkeys(task.eqs.model.initial, 0.0)
     return {

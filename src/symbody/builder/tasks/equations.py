@@ -94,7 +94,7 @@ def equation_tabs(payload: Mapping[str, Any], report: Report) -> Answer:
 
 def _tab(eqs: EquationSet, name: str, make: Callable[[], list[FormulaBlock]]) -> Answer:
     try:
-        blocks = [render_block(eqs.formed.graph, block, _c_code(eqs, block.output)) for block in make()]
+        blocks = [_rendered(eqs, block) for block in make()]
         return {"name": name, "blocks": blocks, "note": "" if blocks else _NOTHING.get(name, "")}
     except SymbodyError as error:  # too long to be written out, or not there for this mechanism
         blocks = _numbers(eqs) if name == "Linearization" else []
@@ -121,6 +121,10 @@ _NOTHING: Final[Mapping[str, str]] = MappingProxyType(
         "Reactions": "There are no joints.",
     }
 )
+
+
+def _rendered(eqs: EquationSet, block: FormulaBlock) -> Answer:
+    return render_block(eqs.formed.graph, block, partial(_c_code, eqs, block.output))
 
 
 def _c_code(eqs: EquationSet, output: str) -> str:
@@ -160,7 +164,7 @@ def _with_sources(eqs: EquationSet, data: Mapping[str, Any], folder: str) -> Ans
     rows = range(len(eqs.speed_names))
     spans = tuple({node: marks[i, node] for i, node in sources if i == row} for row in rows)
     block = _motion_block(eqs, spans if sources else ())
-    shown = render_block(eqs.formed.graph, block, _c_code(eqs, block.output))
+    shown = _rendered(eqs, block)
     listed = [{"span": marks[term], "elements": names} for term, names in sources.items()]
     return {**shown, "sources": listed}
 

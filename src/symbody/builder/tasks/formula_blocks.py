@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -99,16 +99,26 @@ def number_block(title: str, symbol: str, rows: Sequence[Sequence[float]]) -> Bl
     }
 
 
-def render_block(graph: Graph, block: FormulaBlock, c_code: str) -> Block:
-    """Return a block as the page shows it; what is too long has its number of characters only."""
+def render_block(graph: Graph, block: FormulaBlock, write_c: Callable[[], str]) -> Block:
+    """Return a block as the page shows it; what is too long has its number of characters only.
+
+    C, which takes longest, is written of what can be shown at all.
+
+    Raises
+    ------
+    ExpressionError
+        If something of it has no formula.
+    """
     nodes = [*block.nodes, *(label for label in block.labels if isinstance(label, int))]
-    result: Block = {"title": block.title, "mathml": None, "latex": None, "sympy": None, "c": c_code,
+    result: Block = {"title": block.title, "mathml": None, "latex": None, "sympy": None, "c": "",
                      "characters": 0, "empty": not block.nodes}  # fmt: skip
     if not nodes:
-        return result
+        return {**result, "c": write_c()}
     operations = operation_count(graph, nodes)
     if operations > _MOST_OPERATIONS:
-        return {**result, "operations": operations, "characters": max(len(c_code), operations)}
+        c_code = write_c()
+        characters = max(len(c_code), operations)
+        return {**result, "c": c_code, "operations": operations, "characters": characters}
     latex = _latex(graph, block, nodes)
     mathml = _mathml(graph, block, nodes, latex)
     return {
@@ -117,6 +127,7 @@ def render_block(graph: Graph, block: FormulaBlock, c_code: str) -> Block:
         "mathml": mathml if len(mathml) <= _MOST_CHARACTERS else None,
         "latex": latex,
         "sympy": _sympy(graph, block, nodes),
+        "c": write_c(),
         "characters": len(latex),
     }
 

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assemble
 from symbody.analysis.state import State
+from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.graph.topology import Topology
 from symbody.model.model import Model
 from symbody.visual.scene.body_poses import chain_of
+from symbody.visual.scene.from_model import make_scene
 from symbody.visual.scene.numbers import ModelNumbers, model_numbers
 from symbody.visual.scene.poses import (
     RigidTransform,
@@ -21,17 +25,36 @@ from symbody.visual.scene.poses import (
     joint_coordinates,
     joint_transform,
 )
-from symbody.visual.scene.scene import SceneMotion
+from symbody.visual.scene.scene import Scene, SceneMotion
 
 Floats = NDArray[np.float64]
 
+_NONE: Final[Mapping[str, Value]] = MappingProxyType({})
 
-def placed_motion(eqs: EquationSet, positions: Mapping[str, float], names: tuple[str, ...]) -> SceneMotion:
-    """Return a motion of one sample: bodies, by name, in a configuration."""
-    transforms = _from_joints(eqs.formed.topology, model_numbers(eqs.model, {}), positions)
+
+def placed_motion(
+    eqs: EquationSet,
+    positions: Mapping[str, float],
+    names: tuple[str, ...],
+    parameters: Mapping[str, Value] = _NONE,
+) -> SceneMotion:
+    """Return a motion of one sample: bodies, by name, in a configuration.
+
+    Parameters
+    ----------
+    parameters : mapping of name to number or formula
+        Take the place of the model's values.
+    """
+    transforms = _from_joints(eqs.formed.topology, model_numbers(eqs.model, parameters), positions)
     if not transforms.keys() >= set(names):
-        return _from_outputs(assemble(eqs, guess=dict(positions)), names)
+        return _from_outputs(assemble(eqs, guess=dict(positions), parameters=parameters), names)
     return one_sample(transforms, names)
+
+
+def scene_at(model: Model, positions: Mapping[str, float], parameters: Mapping[str, Value] = _NONE) -> Scene:
+    """Return the shapes of a mechanism that stands in a configuration at the start."""
+    courses = {name: np.array([value]) for name, value in positions.items()}
+    return make_scene(model, parameters, courses)
 
 
 def one_sample(transforms: Mapping[str, RigidTransform], names: tuple[str, ...]) -> SceneMotion:

@@ -32,6 +32,7 @@ class Latest(Generic[Value]):
         self._most = most
         self._values: OrderedDict[str, Value] = OrderedDict()
         self._lock = Lock()
+        self.count = 0  # of values that were made
 
     def get(self, key: str, make: Callable[[], Value]) -> Value:
         """Return the value of a key, made if it is not there."""
@@ -41,6 +42,7 @@ class Latest(Generic[Value]):
                 return self._values[key]
         value = make()
         with self._lock:
+            self.count += 1
             self._values[key] = value
             while len(self._values) > self._most:
                 self._values.popitem(last=False)

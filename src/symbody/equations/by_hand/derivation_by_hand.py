@@ -7,7 +7,7 @@ own, and its frames are entered one step after another. Nothing after this file 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 
 from symbody.equations.by_hand.energies import kinetic_energy
 from symbody.equations.by_hand.frames import Chain, frame_names, frame_steps
@@ -77,12 +77,10 @@ def derive_by_hand(
         armatures={},
         rows=rows,
     )
-    return EquationsOfMotion(
-        **{part.name: getattr(system, part.name) for part in fields(MultibodySystem)},
-        inputs=tuple(Symbol(name, Kind.INPUT) for name in model.inputs),
-        parameters=tuple(Symbol(name, Kind.PARAMETER) for name in model.parameters),
-        formulation=formulation,
-        dynamics=_natural_dynamics(system, placed) if natural else formulation.derive(system),
+    return EquationsOfMotion.of_system(
+        system,
+        formulation,
+        _natural_dynamics(system, placed) if natural else formulation.derive(system),
         notes=notes,
         angles=_angles(mechanism, coordinates),
     )

@@ -50,9 +50,9 @@ def equations_by_hand(
     Raises
     ------
     ModelError
-        If a coordinate, reaction or parameter does not occur, or something moves that is no coordinate.
+        If a coordinate, reaction or parameter does not occur, or a moving quantity is not a coordinate.
     FormulationError
-        If a formulation cannot do what is asked, or a constraint is not of first degree in the rates.
+        If the formulation takes no kinetic energy, or a constraint is not of first degree in the rates.
     """
     check_coordinates(mechanism, coordinates)
     check_formulation(formulation, natural)
@@ -104,7 +104,7 @@ def _by_kind(
 def _outline(
     name: str, mechanism: HandPlaced, inputs: Sequence[str], parameters: Mapping[str, Value]
 ) -> Model:
-    """Return what a model can say of the mechanism: bodies, parameters, inputs; not where bodies stand."""
+    """Return a model with the bodies, parameters and inputs of the mechanism, without their positions."""
     own = dict.fromkeys(s.name for s in mechanism.symbols if s.kind is Kind.PARAMETER)
     problems = [
         Problem("by_hand.unknown_parameter", name, f"the mechanism has no parameter {name!r}", "",
@@ -127,14 +127,14 @@ def _body(body: PlacedBody) -> Body:
 
 
 def _text(x: Expr) -> str:
-    """Return a constant as text; 0 for what changes, which a model cannot say."""
+    """Return a constant as text; 0 for a variable, which a model cannot contain."""
     constant = dependence(x.graph, [x.index])[x.index] <= {Kind.PARAMETER}
     return to_text(x.graph, x.index) if constant else "0"
 
 
 def _notes(mechanism: HandPlaced, inputs: Sequence[str], reactions: Sequence[str]) -> Iterator[str]:
     if inputs:
-        yield f"functions of time that are no coordinates are inputs: {', '.join(inputs)}"
+        yield f"functions of time that are not coordinates are inputs: {', '.join(inputs)}"
     if reactions:
         yield (
             f"the reactions {', '.join(reactions)} do no work and left the equations of motion; "

@@ -10,7 +10,7 @@ from symbody.equations.kinematics.motion import Kinematics
 from symbody.expr.graph import Graph
 from symbody.vectors.moving import spin_of_step
 from symbody.vectors.placed import PlacedFrame, PlacedPoint, PlacedStep, PlacedVector, Shift
-from symbody.vectors.rotation import Turn
+from symbody.vectors.rotation import AxisRotation
 from symbody.vectors.vector import NULL, Vector, vector
 
 Chain = tuple[PlacedStep, ...]
@@ -74,7 +74,7 @@ def _frames(mechanism: HandPlaced) -> Iterator[PlacedFrame]:
 def _rotation(graph: Graph, name: str, near: str, step: PlacedStep) -> RotationStep:
     if isinstance(step, Shift):
         return RotationStep(name, near, ())
-    if isinstance(step, Turn):
+    if isinstance(step, AxisRotation):
         return RotationStep(name, near, (step,))
     spin = spin_of_step(step)
     assert spin is not None

@@ -18,7 +18,7 @@ from symbody.expr.graph import Graph, Symbol, copy_nodes
 from symbody.expr.rewrite import substitute, symbols_of
 from symbody.vectors.matrix import Matrix, Triple
 from symbody.vectors.placed import PlacedFrame, PlacedPoint, PlacedStep, PlacedVector, Shift
-from symbody.vectors.rotation import DirectionCosines, Turn
+from symbody.vectors.rotation import AxisRotation, DirectionCosines
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +71,8 @@ class Restated:
         return (self._triple(a[0]), self._triple(a[1]), self._triple(a[2]))
 
     def _step(self, step: PlacedStep) -> PlacedStep:
-        if isinstance(step, Turn):
-            return Turn(self._triple(step.axis), self.value(step.angle))
+        if isinstance(step, AxisRotation):
+            return AxisRotation(self._triple(step.axis), self.value(step.angle))
         if isinstance(step, Shift):
             return Shift(self._triple(step.by))
         return DirectionCosines(self._matrix(step.cosines))

@@ -1,1 +1,1 @@
-"""Rows of the constraints beside the joints, one file a family, and their registry."""
+"""Constraint equations of cut joints and of constraints, one file a family."""

@@ -1,4 +1,4 @@
-"""Closing equations: what a cut joint locks, as rows of constraints that know the wrench they transmit.
+"""Loop closure: the constraint equations of a cut joint, each with the wrench it transmits.
 
 A row of rotation says that an axis fixed in one frame stays perpendicular to an axis of the end frame; a
 row of translation, that the end's origin does not move along a direction of the start frame, or of the end
@@ -34,20 +34,20 @@ def closing_rows(names: Names, kinematics: Kinematics, use: Use) -> list[Row]:
     joint = use.joint
     closing = _Closing(kinematics, joint)
     locked: list[Row] = []
-    known: list[Row] = []
+    measured: list[Row] = []
     if not use.in_translation:
         free = free_directions(names, joint)
         shift = joint_shift(names, joint)
         tied = shift if joint.coupled_coordinates else NULL
         locked += [closing.translation(direction, tied) for direction in completed(names.graph, free)]
         if use.slides:
-            known += [closing.translation(direction, shift) for direction in free]
+            measured += [closing.translation(direction, shift) for direction in free]
     if not use.in_rotation:
         pairs, extra = _axis_pairs(names, use)
         locked += [closing.rotation(*pair) for pair in pairs]
         locked += [closing.twist(*axes) for axes in _shaft(names, use)]
-        known += [closing.rotation(*pair) for pair in extra]
-    rows = enumerate([*locked, *known], start=1)
+        measured += [closing.rotation(*pair) for pair in extra]
+    rows = enumerate([*locked, *measured], start=1)
     return [replace(row, name=f"lambda_{joint.name}_{k}") for k, row in rows]
 
 

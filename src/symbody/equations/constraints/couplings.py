@@ -64,13 +64,13 @@ def velocity_row(kinematics: Kinematics, element: str, value: Expr, where: str) 
                         f"its derivative by {speed} is {to_text(graph, slope.index)}, which contains speeds",
                         "write an equation of the form a*u + b = 0 with a and b in coordinates and time")
             )  # fmt: skip
-    rest = kinematics.without_speeds(value)
+    drift = kinematics.without_speeds(value)
     return Row(
         name="",
         element=element,
         value=Expr(kinematics.graph, 0),
         slopes=slopes,
-        rest=rest,
+        rest=drift,
         gamma=-kinematics.bias(value),
         is_holonomic=False,
     )
@@ -102,8 +102,8 @@ class _Written:
         names, suffix = self.names, "_dot" if self.by_rate else ""
         used = [name for name in read if name in names.symbols and name.endswith(suffix)]
         by = [names.graph.symbol(names.symbols[name]) for name in used]
-        found = self._here(gradient(names.graph, self.plain.index, by))
-        return {name.removesuffix(suffix): x for name, x in zip(used, found, strict=True) if not x.is_zero}
+        partials = self._here(gradient(names.graph, self.plain.index, by))
+        return {name.removesuffix(suffix): x for name, x in zip(used, partials, strict=True) if not x.is_zero}
 
     def driven(self) -> Expr:
         """Return less its derivative by time, or less what is left of it at rest."""
@@ -111,8 +111,8 @@ class _Written:
         if not self.by_rate:
             return -self._here([by_time(self.plain).index])[0]
         symbols = {node: graph.symbols[graph.left[node]] for node in symbols_of(graph, [self.plain.index])}
-        rest = {node: 0 for node, x in symbols.items() if x.order or x.kind is Kind.SPEED}
-        return -self._here(substitute(graph, [self.plain.index], rest))[0]
+        at_zero_speeds = {node: 0 for node, x in symbols.items() if x.order or x.kind is Kind.SPEED}
+        return -self._here(substitute(graph, [self.plain.index], at_zero_speeds))[0]
 
     def _here(self, nodes: Sequence[int]) -> list[Expr]:
         """Return expressions with the symbols replaced by what they are in the equations of motion."""

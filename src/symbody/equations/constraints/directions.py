@@ -33,14 +33,14 @@ def perpendicular_rows(names: Names, kinematics: Kinematics, pair: Perpendicular
 def angle_rows(names: Names, kinematics: Kinematics, pair: Angle) -> Iterator[Row]:
     """Return the row of a cosine."""
     first, second = (direction(names, pair, axis) for axis in pair.axes)
-    known = cos(names.expression(pair.value, f"constraint {pair.name}"))
-    yield _cosine(kinematics, pair, first, second, known)
+    cosine = cos(names.expression(pair.value, f"constraint {pair.name}"))
+    yield _cosine(kinematics, pair, first, second, cosine)
 
 
 def _cosine(
-    kinematics: Kinematics, pair: Contact, first: Triple, second: Triple, known: Expr | None = None
+    kinematics: Kinematics, pair: Contact, first: Triple, second: Triple, target: Expr | None = None
 ) -> Row:
-    """Return ``a . b - known = 0`` for a fixed in start and b fixed in end."""
+    """Return ``a . b - target = 0`` for a fixed in start and b fixed in end."""
     tree = kinematics.tree
     a, b = vector(tree.home(pair.start.frame), first), vector(tree.home(pair.end.frame), second)
-    return pair_row(kinematics, pair, value=dot(tree, a, b), moment=cross(tree, b, a), known=known)
+    return pair_row(kinematics, pair, value=dot(tree, a, b), moment=cross(tree, b, a), target=target)

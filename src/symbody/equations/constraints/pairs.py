@@ -63,9 +63,9 @@ def pair_row(
     force: Vector = NULL,
     moment: Vector = NULL,
     force_rate: Vector | None = None,
-    known: Expr | None = None,
+    target: Expr | None = None,
 ) -> Row:
-    """Return the row ``value - known = 0``, or its rate alone.
+    """Return the row ``value - target = 0``, or its rate alone.
 
     Parameters
     ----------
@@ -74,30 +74,31 @@ def pair_row(
     force, moment : Vector
         On end at its origin for a multiplier of 1, functions of the coordinates.
     force_rate : Vector, optional
-        Time derivative of the force as seen from ground, where it is known in a short form.
-    known : Expr, optional
+        Time derivative of the force as seen from ground, where it has a short form.
+    target : Expr, optional
         A function of further coordinates and time.
     """
     zero = Expr(kinematics.graph, 0)
-    known = zero if known is None else known
-    slide = kinematics.rate(known)
-    own = kinematics.slopes(slide)
+    target = zero if target is None else target
+    slide = kinematics.rate(target)
+    target_partials = kinematics.slopes(slide)
     motion = _Motion(kinematics, contact.start.frame, contact.end.frame)
     slopes = {
-        u: motion.power(force, moment, partial(_partial, u)) - own.get(u, zero) for u in kinematics.speeds
+        u: motion.power(force, moment, partial(_partial, u)) - target_partials.get(u, zero)
+        for u in kinematics.speeds
     }
-    rest = motion.power(force, moment, lambda velocity: velocity.rest)
+    drift = motion.power(force, moment, lambda velocity: velocity.rest)
     return Row(
         name="",
         element=contact.name,
-        value=zero if value is None else value - known,
+        value=zero if value is None else value - target,
         slopes={u: slope for u, slope in slopes.items() if not slope.is_zero},
-        rest=rest - kinematics.without_speeds(slide),
+        rest=drift - kinematics.without_speeds(slide),
         gamma=kinematics.bias(slide) - motion.change(force, moment, force_rate),
         force=force,
         moment=moment,
         is_holonomic=value is not None,
-        driven=by_time(known),
+        driven=by_time(target),
     )
 
 

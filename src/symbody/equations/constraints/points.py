@@ -34,8 +34,8 @@ def distance_rows(names: Names, kinematics: Kinematics, rod: Distance) -> Iterat
     along = arm * (1 / length)
     closing = kinematics.velocities[end].value - kinematics.velocities[start].value
     turning = (closing - along * dot(tree, along, closing)) * (1 / length)
-    known = names.expression(rod.value, f"constraint {rod.name}")
-    yield pair_row(kinematics, rod, value=length, force=along, force_rate=turning, known=known)
+    target = names.expression(rod.value, f"constraint {rod.name}")
+    yield pair_row(kinematics, rod, value=length, force=along, force_rate=turning, target=target)
 
 
 def line_rows(names: Names, kinematics: Kinematics, line: PointOnLine) -> Iterator[Row]:
@@ -81,4 +81,4 @@ def _along(
     start = contact.start.frame
     normal: Vector = vector(kinematics.tree.home(start), axis)
     value = dot(kinematics.tree, normal, kinematics.arm(start, contact.end.frame))
-    return pair_row(kinematics, contact, value=value, force=normal, known=place)
+    return pair_row(kinematics, contact, value=value, force=normal, target=place)

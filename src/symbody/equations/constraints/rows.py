@@ -93,8 +93,8 @@ def _size(topology: Topology) -> float:
     """Return the largest offset of a frame that is a number [m]."""
     model = topology.model
     frames = [*model.ground.values(), *(frame for body in model.bodies for frame in body.frames.values())]
-    known = (x.constant() for frame in frames for x in frame.at)
-    return max((abs(float(x)) for x in known if x is not None), default=0.0)
+    offsets = (x.constant() for frame in frames for x in frame.at)
+    return max((abs(float(x)) for x in offsets if x is not None), default=0.0)
 
 
 def _impossible(

@@ -1,4 +1,4 @@
-"""Balance: what the joints of a tree carry so that every body gets the wrench it needs.
+"""Balance: the wrenches of the joints of a tree, from those that the bodies need.
 
 A branch carries what its outer bodies need: forces are balanced along the translation tree, then moments
 along the rotation tree, from the leaves inward. The same sums give reactions and, multiplied by the free
@@ -32,9 +32,9 @@ def balanced(
     Parameters
     ----------
     needed : mapping of body to Wrench
-        What the joints together must give each body, about its centre of mass; others need nothing.
+        The sum of the wrenches of joints on each body, about its centre of mass; zero for bodies left out.
     cut : mapping of joint to Wrench
-        What the joints give where they are not in the trees.
+        Wrenches of the joints that are not in the trees.
     """
     forces = {name: wrench.force for name, wrench in cut.items()}
     moments = {name: wrench.moment for name, wrench in cut.items()}
@@ -52,30 +52,30 @@ def _carry(
     kinematics: Kinematics,
     tree: SpanningTree,
     needed: Mapping[str, Vector],
-    found: dict[str, Vector],
+    total: dict[str, Vector],
 ) -> None:
-    """Add to `found` what the branches carry, given what the cut joints do."""
-    rest = dict(needed)
-    for name, carried in found.items():
+    """Add the wrench part of each branch to `total`, which holds those of the cut joints."""
+    remaining = dict(needed)
+    for name, carried in total.items():
         joint = topology.link(name)
         if joint is None:
             continue
-        rest[joint.end.body] = rest.get(joint.end.body, NULL) - carried
-        rest[joint.start.body] = rest.get(joint.start.body, NULL) + carried
+        remaining[joint.end.body] = remaining.get(joint.end.body, NULL) - carried
+        remaining[joint.start.body] = remaining.get(joint.start.body, NULL) + carried
     for branch in reversed(tree.branches):
-        carried = rest.get(branch.child, NULL)
+        carried = remaining.get(branch.child, NULL)
         if carried.is_zero:
             continue
         carried = drawn_near(kinematics.tree, carried, kinematics.tree.home(branch.parent))
-        rest[branch.parent] = rest.get(branch.parent, NULL) + carried
+        remaining[branch.parent] = remaining.get(branch.parent, NULL) + carried
         name = branch.edge.name
-        found[name] = found.get(name, NULL) + (carried if branch.forward else -carried)
+        total[name] = total.get(name, NULL) + (carried if branch.forward else -carried)
 
 
 def _count_levers(
     topology: Topology, kinematics: Kinematics, forces: Mapping[str, Vector], needed: dict[str, Vector]
 ) -> None:
-    """Take from the moments that bodies need what the joints' forces give about their centres of mass."""
+    """Subtract the moments of the joints' forces about the centres of mass from those that bodies need."""
     for name, force in forces.items():
         joint = topology.link(name)
         if joint is None:

@@ -29,7 +29,7 @@ class Inertia:
 
 @dataclass(frozen=True, slots=True)
 class Rotor:
-    """What turns or slides with the rate of a joint coordinate.
+    """An inertia that moves with the rate of a joint coordinate.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What acts on bodies: forces, moments, pulls between points, and efforts along joint coordinates."""
+"""Loads: forces, moments, forces between two points, and generalized forces on joint coordinates."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ Load = PointForce | Moment | Pull | Effort
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """What one element does.
+    """The loads and the energy of one element.
 
     Attributes
     ----------
@@ -86,13 +86,13 @@ class Law:
     potential : Expr
         Its energy, as far as it has one [J].
     power : Expr
-        Of what has none [W].
+        Of the loads without potential [W].
     rest : tuple of Load or None
-        The loads of what has none; None: all of `loads`.
+        The loads without potential; None: all of `loads`.
     efforts, measures : mapping of name to Expr
-        What "effort NAME" means, and other outputs by their whole names.
+        The value of "effort NAME", and of other outputs by their whole names.
     notes : tuple of str
-        What was chosen.
+        Choices that the user should know of.
     """
 
     loads: tuple[Load, ...]

@@ -1,4 +1,4 @@
-"""What each body needs: the wrench of its inertia, less what loads give."""
+"""The wrench that accelerates each body, and the part of it left to the joints."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def inertial(kinematics: Kinematics, body: Inertia, a: Vector, alpha: Vector) ->
 def without_loads(
     topology: Topology, kinematics: Kinematics, needed: Mapping[str, Wrench], loads: Iterable[Load]
 ) -> dict[str, Wrench]:
-    """Return what the joints must give each body, from what it needs in all: loads give the rest."""
+    """Return the wrench of the joints on each body: all that it needs, less the loads."""
     owners = frame_owners(topology)
     result = dict(needed)
     for load in loads:

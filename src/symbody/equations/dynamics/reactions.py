@@ -1,4 +1,4 @@
-"""Reactions: what each joint transmits, from multipliers where it is cut, by balance where it is a branch.
+"""Reactions of joints: from multipliers where a joint is cut, by balance where it is a branch.
 
 The total wrench of a joint is that on its end body by its start body, at the origin of the end frame. Its
 part along the joint's free directions is the effort of its drive or of its prescribed motion; the rest is
@@ -37,7 +37,7 @@ def joint_wrenches(
     Parameters
     ----------
     cut : iterable of (joint name, Wrench)
-        What joints transmit where they are cut, in any number of parts.
+        Wrenches of joints that are cut, in any number of parts.
     """
     parts = summed(cut)
     needed = {}
@@ -46,21 +46,21 @@ def joint_wrenches(
         needed[body.frame] = inertial(
             kinematics, body, acceleration(kinematics, v), acceleration(kinematics, w)
         )
-    found = balanced(topology, kinematics, without_loads(topology, kinematics, needed, loads), parts)
-    return {joint.name: found.get(joint.name, NOTHING) for joint in topology.joints}
+    total = balanced(topology, kinematics, without_loads(topology, kinematics, needed, loads), parts)
+    return {joint.name: total.get(joint.name, NOTHING) for joint in topology.joints}
 
 
 def summed(parts: Iterable[tuple[str, Wrench]]) -> dict[str, Wrench]:
     """Return the sum of the parts of each joint's wrench."""
-    found: dict[str, Wrench] = {}
+    total: dict[str, Wrench] = {}
     for name, part in parts:
-        other = found.get(name, NOTHING)
-        found[name] = Wrench(other.force + part.force, other.moment + part.moment)
-    return found
+        other = total.get(name, NOTHING)
+        total[name] = Wrench(other.force + part.force, other.moment + part.moment)
+    return total
 
 
 def row_wrenches(rows: Iterable[tuple[Row, Expr]]) -> Iterator[tuple[str, Wrench]]:
-    """Return what rows with their multipliers give at the joints the rows belong to."""
+    """Return the wrenches of constraints with their multipliers, by the joint each belongs to."""
     for row, multiplier in rows:
         yield row.element, Wrench(row.force * multiplier, row.moment * multiplier)
 

@@ -1,4 +1,4 @@
-"""From names of dependent speeds to their elimination, or to what is wrong with them."""
+"""From names of dependent speeds to their elimination, or to the problems of the names."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from symbody.expr.graph import Graph, Kind, Symbol
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import symbols_of, tree_size
 
-_TINY: Final = 1e-200  # under a root that would else be 0 where something has no mass for an instant
+_TINY: Final = 1e-200  # under a root that would be 0 where a speed has no mass for an instant
 _SHOWN: Final = 40  # operations of a pivot that is written down in a note
 
 
@@ -35,7 +35,7 @@ def eliminated(
     Parameters
     ----------
     names : Names
-        With every name that the model knows.
+        With every name of the model.
     speeds, rows, dynamics
         Of the equations with multipliers.
     dependent : sequence of str
@@ -44,8 +44,8 @@ def eliminated(
     Raises
     ------
     FormulationError
-        If there are no such rows, a name is no speed, their number is wrong, or the rows do not determine
-        them at any configuration.
+        If there are no such rows, a name is not that of a speed, their number is wrong, or the rows
+        determine them at no configuration.
     """
     graph = names.graph
     tied = [row for row in rows if not row.is_holonomic]
@@ -95,7 +95,7 @@ def _slopes(
 
 
 def nothing_to_eliminate() -> Problem:
-    """Return what is wrong where there are no constraints on velocities."""
+    """Return the problem that there are no constraints on velocities."""
     return Problem(
         "equations.nothing_to_eliminate", "dependent_speeds",
         "no constraint on velocities ties speeds to each other",
@@ -175,7 +175,7 @@ def _pivots(
 def _misnamed(
     names: Names, speeds: Sequence[Symbol], rows: Sequence[Row], dependent: Sequence[str]
 ) -> Iterator[Problem]:
-    """Return what is wrong with the names alone."""
+    """Return the problems of the names alone."""
     where, labels = "dependent_speeds", [u.label for u in speeds]
     if not rows:
         yield nothing_to_eliminate()

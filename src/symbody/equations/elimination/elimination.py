@@ -29,7 +29,7 @@ from symbody.expr.rewrite import substitute
 
 @dataclass(frozen=True, slots=True)
 class Elimination:
-    """What eliminates dependent speeds.
+    """Dependent speeds as functions of the others.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class Elimination:
         )
 
     def names(self, names: Names) -> Names:
-        """Return the names, dependent speeds standing for what they are."""
+        """Return the names with the values of the dependent speeds."""
         found = self.substituted([value.index for value in names.values.values()])
         moved = {key: Expr(self.graph, node) for key, node in zip(names.values, found, strict=True)}
         return Names(names.graph, names.symbols, {**moved, **self.values})

@@ -1,1 +1,1 @@
-"""Ways to mass matrix and forcing; none knows another."""
+"""Ways to mass matrix and forcing; none imports another."""

@@ -1,7 +1,7 @@
 """Newton-Euler: every body free, every reaction an unknown, one saddle system.
 
 ``m a = F + sum of forces``, ``I alpha + w x I w = T + sum of moments`` for each body; for each branch of the
-trees three rows of force or moment that say how the end may move relative to the start,
+trees three rows of force or moment that restrict the motion of the end relative to the start,
 ``X V'_end - X V'_start - S u' = X b``; for each constraint its row. V' are the accelerations of the bodies,
 those of centres of mass in ground axes, angular ones in body axes, where the inertia is constant; b is V' at
 u' = 0. The multiplier of a branch's row is a component of the joint's total wrench, so that forces and

@@ -33,7 +33,7 @@ def chosen_speeds(formed: EquationsOfMotion) -> tuple[str, ...]:
         If there are no such constraints, or they depend on each other at every configuration, naming one
         that does.
     AssemblyError, ModelError
-        If there are no configurations, or no values of the parameters, to look at.
+        If the loops close nowhere, or a parameter has no value.
     """
     places = [k for k, row in enumerate(formed.rows) if not row.is_holonomic]
     if not places:

@@ -1,4 +1,4 @@
-"""`IndexReduction`, and that of a mechanism, whose hidden constraints are known from the structure.
+"""`IndexReduction`, and that of a mechanism, whose hidden constraints follow from its structure.
 
 ``M u' = F + J^T lambda`` with ``Phi = 0`` has index 3: ``J u + b = 0`` and ``J u' = gamma`` are hidden in it,
 and one more derivative of the last gives lambda' (Hairer & Wanner 1996, section VII.1).
@@ -51,7 +51,7 @@ class IndexReduction:
 
 
 def reduced_mechanism(formed: EquationsOfMotion) -> IndexReduction:
-    """Return the reduction of equations whose structure is known; see `reduce_index`."""
+    """Return the reduction of the equations of a mechanism; see `reduce_index`."""
     _check_no_friction(formed)
     graph = formed.graph
     udot = formed.expressions([u.derivative for u in formed.u])
@@ -83,7 +83,7 @@ def reduced_mechanism(formed: EquationsOfMotion) -> IndexReduction:
 
 
 def _kinematic(formed: EquationsOfMotion) -> list[int]:
-    """Return ``q' - N u - nu``, where it is not 0 by the names of things."""
+    """Return ``q' - N u - nu`` for coordinates whose rates are not speeds."""
     graph, rates = formed.graph, formed.variables.rates
     rows = [Expr(graph, graph.symbol(q.derivative)) - Expr(graph, rates[graph.symbol(q)]) for q in formed.q]
     return [row.index for row in rows if not row.is_zero]

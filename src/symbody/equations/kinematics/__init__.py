@@ -1,1 +1,1 @@
-"""Where everything is and how it moves: variables, frames, and what cut joints demand."""
+"""Variables, frames and their motion."""

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from symbody.vectors.euler_parameters import EulerParameters
-from symbody.vectors.rotation import DirectionCosines, Turn
+from symbody.vectors.rotation import AxisRotation, DirectionCosines
 from symbody.vectors.vector import Vector
 
 
@@ -16,7 +16,7 @@ class RotationStep:
 
     Attributes
     ----------
-    steps : tuple of Turn, EulerParameters or DirectionCosines
+    steps : tuple of AxisRotation, EulerParameters or DirectionCosines
         From the parent's axes to the child's; each leads to a frame of its own.
     angular_velocity : Vector or None
         Of the child relative to the parent, with components in the axes of either; None: that of the turns.
@@ -24,11 +24,11 @@ class RotationStep:
 
     child: str
     parent: str
-    steps: tuple[Turn | EulerParameters | DirectionCosines, ...]
+    steps: tuple[AxisRotation | EulerParameters | DirectionCosines, ...]
     angular_velocity: Vector | None = None
 
     @property
-    def frames(self) -> Iterator[tuple[str, Turn | EulerParameters | DirectionCosines]]:
+    def frames(self) -> Iterator[tuple[str, AxisRotation | EulerParameters | DirectionCosines]]:
         """The frame that each step leads to, with the step."""
         last = len(self.steps) - 1
         for k, step in enumerate(self.steps):

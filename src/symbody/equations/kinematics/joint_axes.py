@@ -13,7 +13,7 @@ from symbody.expr.graph import Graph
 from symbody.model.joint import Joint
 from symbody.vectors.frame import FrameTree
 from symbody.vectors.matrix import Triple, Vector3
-from symbody.vectors.rotation import Turn, rotation_matrix, rotation_of
+from symbody.vectors.rotation import AxisRotation, rotation_matrix, rotation_of
 from symbody.vectors.vector import NULL, Vector, cross, vector
 
 
@@ -23,12 +23,12 @@ def free_directions(names: Names, joint: Joint) -> list[Triple]:
     symbols = Names(graph, names.symbols, {})  # also of coordinates that are prescribed or measured
     shift = [x.index for x in symbols.triple(joint.shift(), f"joint {joint.name}")]
     turning = set(joint.rotation_coordinates)
-    found = []
+    directions = []
     for name in joint.translation_coordinates:
         if name not in turning:
             x, y, z = (Expr(graph, slope) for slope in derivative(graph, shift, symbols.value(name).index))
-            found.append((x, y, z))
-    return found
+            directions.append((x, y, z))
+    return directions
 
 
 def free_slides(names: Names, tree: FrameTree, joint: Joint) -> list[Vector]:
@@ -46,11 +46,11 @@ def coordinate_turn(names: Names, tree: FrameTree, joint: Joint, coordinate: str
     turns = turns_of(names, joint.turns(), where)
     symbols = Names(names.graph, names.symbols, {})  # also of coordinates that are prescribed
     by = symbols.value(coordinate).index
-    found = NULL
+    angular_velocity = NULL
     for k, turn in enumerate(turns_of(symbols, joint.turns(), where)):
         slope = Expr(names.graph, gradient(names.graph, turn.angle.index, [by])[0])
-        found = found + _axis(tree, joint, turns, k) * slope
-    return found
+        angular_velocity = angular_velocity + _axis(tree, joint, turns, k) * slope
+    return angular_velocity
 
 
 def coordinate_slide(names: Names, kinematics: Kinematics, joint: Joint, coordinate: str) -> Vector:
@@ -72,7 +72,7 @@ def unit_axes(graph: Graph) -> tuple[Triple, Triple, Triple]:
     return ((one, zero, zero), (zero, one, zero), (zero, zero, one))
 
 
-def _axis(tree: FrameTree, joint: Joint, turns: Sequence[Turn], k: int) -> Vector:
+def _axis(tree: FrameTree, joint: Joint, turns: Sequence[AxisRotation], k: int) -> Vector:
     """Return the axis of one of several successive turns."""
     if 0 < k < len(turns) - 1:
         before = rotation_matrix(tree.graph, rotation_of(turns[:k]))

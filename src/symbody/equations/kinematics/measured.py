@@ -20,30 +20,30 @@ def measured_coordinates(names: Names, kinematics: Kinematics, use: Use) -> dict
     Angles are in (-pi, pi]; a quaternion is not measured, because its sign is free. Speeds that are
     components of velocities are measured too, with their rates.
     """
-    found: dict[str, Expr] = {}
+    values: dict[str, Expr] = {}
     if not use.slides:
-        found |= _displacements(names, kinematics, use.joint)
+        values |= _displacements(names, kinematics, use.joint)
     if not use.turns and use.joint.quaternion is None:
-        found |= _angles(names, kinematics, use.joint)
+        values |= _angles(names, kinematics, use.joint)
     seconds = {
-        f"{name}_ddot": kinematics.rate(found[f"{name}_dot"]) for name in found if f"{name}_dot" in found
+        f"{name}_ddot": kinematics.rate(values[f"{name}_dot"]) for name in values if f"{name}_dot" in values
     }
     speeds = _speeds(kinematics, use)
-    return found | seconds | speeds | {f"{name}_dot": kinematics.rate(u) for name, u in speeds.items()}
+    return values | seconds | speeds | {f"{name}_dot": kinematics.rate(u) for name, u in speeds.items()}
 
 
 def _speeds(kinematics: Kinematics, use: Use) -> dict[str, Expr]:
     """Return the speeds of a joint that are components of velocities, of its parts that are not in u."""
     joint, tree = use.joint, kinematics.tree
     start, end = joint.start.frame, joint.end.frame
-    found: dict[str, Expr] = {}
+    values: dict[str, Expr] = {}
     if not use.slides and joint.translation_speeds is not None:
         swing = cross(tree, kinematics.angular_velocities[start].value, kinematics.arm(start, end))
         slide = kinematics.velocities[end].value - kinematics.velocities[start].value - swing
-        found |= _components(tree, joint, joint.translation_speeds, slide)
+        values |= _components(tree, joint, joint.translation_speeds, slide)
     if not use.turns and joint.rotation_speeds is not None:
-        found |= _components(tree, joint, joint.rotation_speeds, _turning(kinematics, joint))
-    return found
+        values |= _components(tree, joint, joint.rotation_speeds, _turning(kinematics, joint))
+    return values
 
 
 def _components(tree: FrameTree, joint: Joint, speeds: QuasiSpeeds, velocity: Vector) -> dict[str, Expr]:
@@ -59,11 +59,11 @@ def _displacements(names: Names, kinematics: Kinematics, joint: Joint) -> dict[s
     carrier = end if joint.shift_in == "end" else start
     swing = cross(tree, kinematics.angular_velocities[carrier].value, arm)
     slide = kinematics.velocities[end].value - kinematics.velocities[start].value - swing
-    found = {}
+    values = {}
     coordinates = [name for name in joint.translation_coordinates if name not in joint.coupled_coordinates]
     for name, along in zip(coordinates, free_slides(names, tree, joint), strict=True):
-        found[name], found[f"{name}_dot"] = dot(tree, along, arm), dot(tree, along, slide)
-    return found
+        values[name], values[f"{name}_dot"] = dot(tree, along, arm), dot(tree, along, slide)
+    return values
 
 
 def _angles(names: Names, kinematics: Kinematics, joint: Joint) -> dict[str, Expr]:
@@ -82,8 +82,8 @@ def _angles(names: Names, kinematics: Kinematics, joint: Joint) -> dict[str, Exp
     angles = measured_angles(tree.matrix(start, end), "".join(letter or "" for letter in letters))
     # In the order of the turns, which a sequence about space axes reverses.
     ordered = [turn.angle.names[0] for turn in joint.turns()]
-    found = dict(zip(ordered, angles, strict=True))
-    return found | {f"{name}_dot": kinematics.rate(angle) for name, angle in found.items()}
+    values = dict(zip(ordered, angles, strict=True))
+    return values | {f"{name}_dot": kinematics.rate(angle) for name, angle in values.items()}
 
 
 def _single_angle(kinematics: Kinematics, joint: Joint, axis: Triple) -> dict[str, Expr]:
@@ -104,14 +104,14 @@ def _two_angles(kinematics: Kinematics, joint: Joint, a: Triple, b: Triple) -> d
     first, second = vector(start, a), vector(end, b)
     across = Vector3(a).cross(b)
     turning = _turning(kinematics, joint)
-    found = {}
+    values = {}
     for name, axis, seen, line, side in (
         (joint.coordinates[0], first, second, vector(start, b), vector(start, across)),
         (joint.coordinates[1], second, first, vector(end, a), vector(end, across)),
     ):
-        found[name] = atan2(dot(tree, side, seen), dot(tree, line, seen))
-        found[f"{name}_dot"] = dot(tree, axis, turning)
-    return found
+        values[name] = atan2(dot(tree, side, seen), dot(tree, line, seen))
+        values[f"{name}_dot"] = dot(tree, axis, turning)
+    return values
 
 
 def _bend(kinematics: Kinematics, joint: Joint, axis: Triple) -> dict[str, Expr]:
@@ -127,13 +127,13 @@ def _bend(kinematics: Kinematics, joint: Joint, axis: Triple) -> dict[str, Expr]
     lean = sqrt(east * east + north * north)
     apart = near - far
     square = dot(tree, apart, apart)
-    found = {
+    values = {
         bend: atan2(lean, dot(tree, near, far)),
         direction: azimuth,
         f"{bend}_dot": dot(tree, y * cos(azimuth) - x * sin(azimuth), turning),
     }
     # Shafts in line whatever the coordinates have no azimuth that could change.
-    return found if square.is_zero else found | {f"{direction}_dot": dot(tree, apart, turning) / square}
+    return values if square.is_zero else values | {f"{direction}_dot": dot(tree, apart, turning) / square}
 
 
 def _turning(kinematics: Kinematics, joint: Joint) -> Vector:

@@ -41,8 +41,8 @@ def mechanism_names(graph: Graph, topology: Topology, uses: Iterable[Use]) -> Na
 def _check_clashes(topology: Topology, names: Sequence[str]) -> None:
     """Refuse symbols of the model that are called like a variable of a free body."""
     model = topology.model
-    own = {*model.parameters, *model.inputs}
-    clashes = sorted({name for name in names if name in own or names.count(name) > 1})
+    symbols = {*model.parameters, *model.inputs}
+    clashes = sorted({name for name in names if name in symbols or names.count(name) > 1})
     if clashes:
         raise FormulationError(
             Problem("equations.name_clash", "tree", f"the names {', '.join(clashes)} stand for two things",
@@ -53,12 +53,12 @@ def _check_clashes(topology: Topology, names: Sequence[str]) -> None:
 
 def rates_by_name(graph: Graph, variables: Variables) -> dict[str, Expr]:
     """Return the rates that are no symbols: those of coordinates with quasi-speeds."""
-    found = {}
+    rates = {}
     for q in variables.q:
         rate = variables.rates[graph.symbol(q)]
         if rate != graph.symbol(q.derivative):
-            found[q.derivative.label] = Expr(graph, rate)
-    return found
+            rates[q.derivative.label] = Expr(graph, rate)
+    return rates
 
 
 def second_rates(kinematics: Kinematics, variables: Variables) -> dict[str, Expr]:

@@ -1,7 +1,7 @@
 """Kinematics as a value: placement and motion of every frame relative to ground, from two trees of steps.
 
 Names: ``w`` angular velocity, ``v`` velocity; ``partials`` are the coefficients of the speeds (Kane &
-Levinson 1985, section 2.14), ``rest`` what does not depend on them, ``bias`` the acceleration with u' = 0.
+Levinson 1985, section 2.14), ``rest`` the part without speeds, ``bias`` the acceleration with u' = 0.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from symbody.expr.graph import Graph, Kind
 from symbody.expr.opcodes import SYMBOL
 from symbody.expr.rewrite import substitute, symbols_of
 from symbody.vectors.frame import FrameTree
-from symbody.vectors.rotation import DirectionCosines, Rotation, Turn, rotation_of
+from symbody.vectors.rotation import AxisRotation, DirectionCosines, Rotation, rotation_of
 from symbody.vectors.vector import NULL, Vector, cross, drawn_near, lifted, vector
 
 
@@ -205,7 +205,7 @@ def _angular_rules(kinematics: Kinematics, rotations: Iterable[RotationStep]) ->
     for rotation in rotations:
         frame, child = rotation.parent, rotation.child
         for following, step in rotation.frames:
-            if isinstance(step, Turn):
+            if isinstance(step, AxisRotation):
                 rules[following] = (
                     frame,
                     partial(_add_turn, kinematics, following, step, following == child),
@@ -221,7 +221,9 @@ def _angular_rules(kinematics: Kinematics, rotations: Iterable[RotationStep]) ->
     return rules
 
 
-def _add_turn(kinematics: Kinematics, frame: str, turn: Turn, is_last: bool, near: Velocity) -> Velocity:
+def _add_turn(
+    kinematics: Kinematics, frame: str, turn: AxisRotation, is_last: bool, near: Velocity
+) -> Velocity:
     """Return the angular velocity of a frame turned about an axis that is fixed in both frames."""
     speed = kinematics.rate(turn.angle)
     if not speed.is_zero:

@@ -36,8 +36,8 @@ class Names:
 
     def value(self, name: str) -> Expr:
         """Return what a name that exists stands for."""
-        found = self.values.get(name)
-        return Expr(self.graph, self.graph.symbol(self.symbols[name])) if found is None else found
+        value = self.values.get(name)
+        return Expr(self.graph, self.graph.symbol(self.symbols[name])) if value is None else value
 
     def with_values(self, values: Mapping[str, Expr]) -> Names:
         """Return the names with more of them standing for expressions."""

@@ -79,24 +79,24 @@ def differentiated(kinematics: Kinematics) -> Kinematics:
     for home in homes:
         R = tree.matrix("ground", home)
         values += spin(R, moved_matrix(graph, R, tangents))
-    found = _motions(kinematics, values, ["ground"] * len(origins) + homes)
-    at = dict(zip(homes, found[len(origins) :], strict=True))
+    velocities = _motions(kinematics, values, ["ground"] * len(origins) + homes)
+    at = dict(zip(homes, velocities[len(origins) :], strict=True))
     return replace(
         kinematics,
-        velocities=dict(zip(origins, found[: len(origins)], strict=True)),
+        velocities=dict(zip(origins, velocities[: len(origins)], strict=True)),
         angular_velocities={frame: at[tree.home(frame)] for frame in kinematics.angular_velocities},
     )
 
 
 def differentiated_rows(kinematics: Kinematics, rows: Sequence[Row]) -> list[Row]:
     """Return constraints with J and gamma found by differentiating Phi twice; others as they are."""
-    found = [
+    equations = [
         scalar_row(kinematics, row.name, row.element, row.value) if row.is_holonomic else row for row in rows
     ]
-    slopes = [slope for row in found for slope in row.slopes.values()]
+    slopes = [slope for row in equations for slope in row.slopes.values()]
     kept = iter(without_zeros(kinematics.graph, slopes))
     result = []
-    for row, raw in zip(rows, found, strict=True):
+    for row, raw in zip(rows, equations, strict=True):
         pairs = {u: next(kept) for u in raw.slopes}
         nonzero = {u: slope for u, slope in pairs.items() if not slope.is_zero}
         result.append(replace(row, slopes=nonzero, rest=raw.rest, gamma=raw.gamma))
@@ -106,8 +106,8 @@ def differentiated_rows(kinematics: Kinematics, rows: Sequence[Row]) -> list[Row
 def without_zeros(graph: Graph, values: Sequence[Expr]) -> list[Expr]:
     """Return expressions, those that vanish identically as the constant 0; by fingerprint."""
     nodes = [value.index for value in values]
-    known = fingerprints(graph, list(graph.reachable(nodes)))
-    return [Expr(graph, 0) if known[node] == (0, 0) else Expr(graph, node) for node in nodes]
+    marks = fingerprints(graph, list(graph.reachable(nodes)))
+    return [Expr(graph, 0) if marks[node] == (0, 0) else Expr(graph, node) for node in nodes]
 
 
 def _motions(kinematics: Kinematics, values: Sequence[Expr], frames: Sequence[str]) -> list[Velocity]:
@@ -120,7 +120,7 @@ def _motions(kinematics: Kinematics, values: Sequence[Expr], frames: Sequence[st
     n, count = len(values), len(speeds)
     clean = without_zeros(graph, [*values, *rests, *biases, *slopes])
     whole, rests, biases, slopes = clean[:n], clean[n : 2 * n], clean[2 * n : 3 * n], clean[3 * n :]
-    found = []
+    velocities = []
     for k, frame in enumerate(frames):
         at = 3 * k
         partials: dict[int, Vector] = {}
@@ -128,7 +128,7 @@ def _motions(kinematics: Kinematics, values: Sequence[Expr], frames: Sequence[st
             column = [slopes[(at + i) * count + j] for i in range(3)]
             if any(not x.is_zero for x in column):
                 partials[u] = vector(frame, _triple(column, 0))
-        found.append(
+        velocities.append(
             Velocity(
                 partials,
                 vector(frame, _triple(rests, at)),
@@ -136,7 +136,7 @@ def _motions(kinematics: Kinematics, values: Sequence[Expr], frames: Sequence[st
                 vector(frame, _triple(biases, at)),
             )
         )
-    return found
+    return velocities
 
 
 def unit(graph: Graph, frame: str, k: int) -> Vector:

@@ -1,4 +1,4 @@
-"""Where every frame stands: the steps of kinematics that a model and its trees give."""
+"""Steps from frame to frame, from a model and its trees."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from symbody.model.frame import Frame
 from symbody.model.joint import Joint
 from symbody.model.model import Model
 from symbody.vectors.euler_parameters import EulerParameters
-from symbody.vectors.rotation import Turn
+from symbody.vectors.rotation import AxisRotation
 from symbody.vectors.vector import Vector, vector
 
-Steps = tuple[Turn | EulerParameters, ...]
+Steps = tuple[AxisRotation | EulerParameters, ...]
 
 
 def predicted(joint: str) -> str:

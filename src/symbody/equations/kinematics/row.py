@@ -54,5 +54,5 @@ def scalar_row(kinematics: Kinematics, name: str, element: str, value: Expr) -> 
     """Return the row of a constraint given as an expression in coordinates and time."""
     rate = kinematics.rate(value)
     slopes = kinematics.slopes(rate)
-    rest = kinematics.without_speeds(rate)
-    return Row(name, element, value, slopes, rest, -kinematics.bias(rate))
+    drift = kinematics.without_speeds(rate)
+    return Row(name, element, value, slopes, drift, -kinematics.bias(rate))

@@ -1,4 +1,4 @@
-"""What of each joint's law is in use: where it is in the trees, and what formulas and springs ask for."""
+"""The role of each joint: its place in the trees, and the coordinates that formulas and springs read."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from symbody.model.joint import Joint, QuasiSpeeds
 from symbody.model.turn import Turn as JointTurn
 from symbody.vectors.euler_angles import angle_rates
 from symbody.vectors.euler_parameters import EulerParameters, euler_parameter_rates
-from symbody.vectors.rotation import Turn, rotation_matrix, rotation_of
+from symbody.vectors.rotation import AxisRotation, rotation_matrix, rotation_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,12 +59,12 @@ class Use:
     @property
     def quasi_speeds(self) -> list[tuple[QuasiSpeeds, str]]:
         """The quasi-speeds in use, each with "translation" or "rotation"."""
-        found = []
+        speeds = []
         if self.slides and self.joint.translation_speeds is not None:
-            found.append((self.joint.translation_speeds, "translation"))
+            speeds.append((self.joint.translation_speeds, "translation"))
         if self.turns and self.joint.rotation_speeds is not None:
-            found.append((self.joint.rotation_speeds, "rotation"))
-        return found
+            speeds.append((self.joint.rotation_speeds, "rotation"))
+        return speeds
 
     @property
     def speeds(self) -> list[Symbol]:
@@ -99,7 +99,7 @@ class Variables:
     quaternions : tuple of (4,) int
         Nodes of the Euler parameters in q.
     singularities : mapping of joint name to Expr
-        Where it vanishes, angle rates cannot be had from the angular velocity.
+        Where it vanishes, the angle rates do not follow from the angular velocity.
     """
 
     q: tuple[Symbol, ...]
@@ -109,8 +109,8 @@ class Variables:
     singularities: Mapping[str, Expr]
 
 
-def form_variables(names: Names, uses: Sequence[Use], own: Sequence[str] = ()) -> Variables:
-    """Return the variables that the joints in use bring, then `own` coordinates of constraints."""
+def form_variables(names: Names, uses: Sequence[Use], added: Sequence[str] = ()) -> Variables:
+    """Return the variables of the joints in use, then the `added` coordinates of constraints."""
     graph = names.graph
     q: list[Symbol] = []
     u: list[Symbol] = []
@@ -122,13 +122,13 @@ def form_variables(names: Names, uses: Sequence[Use], own: Sequence[str] = ()) -
         u += use.speeds
         rates.update(_own_rates(graph, use))
         for quasi, part in use.quasi_speeds:
-            found, determinant = _rates_of(names, use.joint, quasi, part)
-            rates.update(found)
+            coordinate_rates, determinant = _rates_of(names, use.joint, quasi, part)
+            rates.update(coordinate_rates)
             if determinant is not None:
                 singular[use.joint.name] = determinant
         if use.turns and use.joint.quaternion is not None:
             quaternions.append(tuple(names.value(name).index for name in use.joint.quaternion))
-    for name in own:
+    for name in added:
         coordinate = Symbol(name, Kind.COORDINATE)
         q.append(coordinate)
         u.append(coordinate.derivative)
@@ -136,7 +136,7 @@ def form_variables(names: Names, uses: Sequence[Use], own: Sequence[str] = ()) -
     return Variables(tuple(q), tuple(u), rates, tuple(quaternions), singular)
 
 
-def joint_steps(names: Names, joint: Joint) -> tuple[Turn | EulerParameters, ...]:
+def joint_steps(names: Names, joint: Joint) -> tuple[AxisRotation | EulerParameters, ...]:
     """Return the rotation of a joint from its start frame to its end frame, in its coordinates."""
     if joint.quaternion is None:
         return turns_of(names, joint.turns(), f"joint {joint.name}")
@@ -144,9 +144,11 @@ def joint_steps(names: Names, joint: Joint) -> tuple[Turn | EulerParameters, ...
     return (EulerParameters(e0, e1, e2, e3),)
 
 
-def turns_of(names: Names, turns: Sequence[JointTurn], where: str) -> tuple[Turn, ...]:
+def turns_of(names: Names, turns: Sequence[JointTurn], where: str) -> tuple[AxisRotation, ...]:
     """Return simple rotations of the model on the graph."""
-    return tuple(Turn(names.triple(turn.axis, where), names.expression(turn.angle, where)) for turn in turns)
+    return tuple(
+        AxisRotation(names.triple(turn.axis, where), names.expression(turn.angle, where)) for turn in turns
+    )
 
 
 def quasi_vector(names: Names, quasi: QuasiSpeeds) -> tuple[Expr, Expr, Expr]:
@@ -175,9 +177,9 @@ def _rates_of(
     if joint.quaternion is not None:
         (parameters,) = steps
         assert isinstance(parameters, EulerParameters)
-        found = euler_parameter_rates(parameters, speeds, quasi.resolved_in)
-        return _paired(names, joint.quaternion, found), None
-    turns = tuple(step for step in steps if isinstance(step, Turn))
+        rates = euler_parameter_rates(parameters, speeds, quasi.resolved_in)
+        return _paired(names, joint.quaternion, rates), None
+    turns = tuple(step for step in steps if isinstance(step, AxisRotation))
     angles, determinant = angle_rates(graph, turns, speeds, quasi.resolved_in)
     return {turn.angle.index: rate.index for turn, rate in zip(turns, angles, strict=True)}, determinant
 

@@ -1,1 +1,1 @@
-"""What acts on bodies: gravity, drives, forces, springs, bushings, friction."""
+"""Loads on bodies: gravity, drives, forces, springs, bushings, friction."""

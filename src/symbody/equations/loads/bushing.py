@@ -34,14 +34,14 @@ def bushing_law(names: Names, kinematics: Kinematics, bushing: Bushing) -> Law:
     springs, dampers = _product(K, stretch), _product(D, rates)
     efforts = [-a - b for a, b in zip(springs, dampers, strict=True)]
     loads = _wrench(bushing, arm, home, efforts, dual)
-    own = [f"{bushing.name} {word}" for word in BUSHING_COORDINATES]
-    named = dict(zip(own, efforts, strict=True))
-    words = [f"{'length' if k < 3 else 'angle'} {name}" for k, name in enumerate(own)]
+    outputs = [f"{bushing.name} {word}" for word in BUSHING_COORDINATES]
+    named = dict(zip(outputs, efforts, strict=True))
+    words = [f"{'length' if k < 3 else 'angle'} {name}" for k, name in enumerate(outputs)]
     measures = dict(zip(words, x, strict=True))
     if all(map(is_constant, (*(k for row in K for k in row), *free))) and _is_symmetric(K):
         energy = _inner(springs, stretch) / 2
-        rest = _wrench(bushing, arm, home, [-damper for damper in dampers], dual)
-        return Law(loads, energy, -_inner(dampers, rates), rest, named, measures)
+        without_potential = _wrench(bushing, arm, home, [-damper for damper in dampers], dual)
+        return Law(loads, energy, -_inner(dampers, rates), without_potential, named, measures)
     return Law(loads, number(names.graph, 0), _inner(efforts, rates), None, named, measures)
 
 

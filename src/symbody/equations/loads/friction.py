@@ -102,12 +102,12 @@ class Resistance(NamedTuple):
 
 def form_friction(names: Names, uses: Sequence[Use]) -> tuple[FrictionLaw, ...]:
     """Return the friction of all joints that have any."""
-    found = []
+    laws = []
     for use in uses:
         friction = use.joint.friction
         if friction is not None and not friction.is_none:
-            found.append(_law(names, use.joint, friction))
-    return tuple(found)
+            laws.append(_law(names, use.joint, friction))
+    return tuple(laws)
 
 
 def _law(names: Names, joint: Joint, friction: Friction) -> FrictionLaw:

@@ -100,10 +100,10 @@ def form_loads(
         potential, power = potential + law.potential, power + law.power
         efforts.update(law.efforts)
         measures.update(law.measures)
-    rest = tuple(load for law in laws for load in (law.loads if law.rest is None else law.rest))
+    without_potential = tuple(load for law in laws for load in (law.loads if law.rest is None else law.rest))
     loads = tuple(load for law in laws for load in law.loads)
     notes = tuple(note for law in laws for note in law.notes)
-    return Loads(loads, potential, power, efforts, rest, measures, notes)
+    return Loads(loads, potential, power, efforts, without_potential, measures, notes)
 
 
 def effort_name(joint: Joint, coordinate: str) -> str:

@@ -18,7 +18,7 @@ from symbody.model.loads.forces import SpringDamper
 from symbody.model.loads.springs import Bushing, Spring, TorsionSpring
 from symbody.model.turn import unit_axis
 from symbody.vectors.matrix import Triple, Vector3
-from symbody.vectors.rotation import Rotation, Turn, rotation_of
+from symbody.vectors.rotation import AxisRotation, Rotation, rotation_of
 from symbody.vectors.vector import dot, vector
 
 
@@ -51,8 +51,8 @@ def _between_points(names: Names, kinematics: Kinematics, spring: SpringDamper) 
     zero = number(names.graph, 0)
     length = sqrt(square)
     rate = zero if closing.is_zero else closing / length
-    own = names.with_values({"length": length, "length_rate": rate})
-    along = applied - damping * rate + law_value(own, spring.law, length, where)
+    inside = names.with_values({"length": length, "length_rate": rate})
+    along = applied - damping * rate + law_value(inside, spring.law, length, where)
     factor = -stiffness if along.is_zero else along / length - stiffness
     energy = stiffness * square / 2
     if not free.is_zero:
@@ -62,8 +62,8 @@ def _between_points(names: Names, kinematics: Kinematics, spring: SpringDamper) 
     efforts = {spring.name: along - stiffness * (length - free)}
     measures = {f"length {spring.name}": length}
     if is_constant(stiffness) and is_constant(free):
-        rest = () if along.is_zero else (Pull(start, end, arm, along / length),)
-        return Law((load,), energy, along * rate, rest, efforts, measures)
+        without_potential = () if along.is_zero else (Pull(start, end, arm, along / length),)
+        return Law((load,), energy, along * rate, without_potential, efforts, measures)
     return Law((load,), zero, factor * closing, None, efforts, measures)
 
 
@@ -88,8 +88,8 @@ def _torsion(names: Names, kinematics: Kinematics, uses: Sequence[Use], spring: 
                  f"half a turn of {spring.free}",)  # fmt: skip
     else:
         rate, measured = kinematics.rate(angle), angle
-    own = names.with_values({"angle": measured, "angle_rate": rate})
-    other = applied - damping * rate + law_value(own, spring.law, measured, where)
+    inside = names.with_values({"angle": measured, "angle_rate": rate})
+    other = applied - damping * rate + law_value(inside, spring.law, measured, where)
     effort = other - stiffness * (measured - free)
     efforts, measures = {spring.name: effort}, {f"angle {spring.name}": measured}
     loads = couple(spring.start.body, spring.end.body, axis * effort)
@@ -117,12 +117,12 @@ def _angle_of_joints(
     ways = [tree.rotation(spring.start.frame, spring.end.frame)]
     for use in uses:
         if use.turns and not use.in_rotation and is_across(use.joint.start.body, use.joint.end.body, spring):
-            own = rotation_of(joint_steps(names, use.joint))
+            rotation = rotation_of(joint_steps(names, use.joint))
             forward = use.joint.start.body == spring.start.body
             ends = (use.joint.start.frame, use.joint.end.frame)
             near, far = ends if forward else reversed(ends)
             before, after = tree.rotation(spring.start.frame, near), tree.rotation(far, spring.end.frame)
-            ways.insert(0, before.then(own if forward else own.inverse).then(after))
+            ways.insert(0, before.then(rotation if forward else rotation.inverse).then(after))
     for way in ways:
         angle = _angle_about(kinematics, way, axis)
         if angle is not None:
@@ -140,7 +140,7 @@ def _angle_about(kinematics: Kinematics, way: Rotation, axis: Triple) -> Expr | 
     if not way.turns:
         return number(kinematics.graph, 0)
     step = way.turns[0]
-    if len(way.turns) > 1 or not isinstance(step, Turn):
+    if len(way.turns) > 1 or not isinstance(step, AxisRotation):
         return None
     if step.axis == axis:
         return step.angle

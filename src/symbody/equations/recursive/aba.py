@@ -25,7 +25,7 @@ from symbody.vectors.twist import Twist, Wrench
 
 @dataclass(frozen=True, slots=True)
 class JointInertia:
-    """What resists one free motion: its column S, ``U = I S``, ``D = S . U`` and its inverse."""
+    """The inertia against one free motion: its column S, ``U = I S``, ``D = S . U`` and its inverse."""
 
     column: MotionSubspaceColumn
     U: LinkWrench
@@ -41,7 +41,7 @@ def articulated_inertias(tree: KinematicTree, rotors: Mapping[int, Expr]) -> lis
     Parameters
     ----------
     rotors : mapping of speed to Expr
-        Inertia of what turns with a speed alone.
+        Inertia that moves with a speed alone.
     """
     inertias = [articulated(link.inertia) for link in tree.links]
     joints: list[list[JointInertia]] = [[] for _ in tree.links]
@@ -70,13 +70,13 @@ def accelerations(
         return {}
     zero = zero_vector(tree.links[0].inertia.mass.graph)
     bias: list[LinkWrench] = [Wrench(zero, zero) for _ in tree.links]
-    own: dict[int, Expr] = {}
+    inward: dict[int, Expr] = {}
     for k, link in reversed(list(enumerate(tree.links))):
         p = bias[k]
         for joint in reversed(joints[k]):
             speed = joint.column.speed
-            own[speed] = (forces[speed] - joint.column.twist.dot(p)) * joint.inverse
-            p = p + joint.U * own[speed]
+            inward[speed] = (forces[speed] - joint.column.twist.dot(p)) * joint.inverse
+            p = p + joint.U * inward[speed]
         if link.parent != GROUND:
             bias[link.parent] = bias[link.parent] + link.transform.wrench_to_parent(p)
     twists: list[LinkTwist] = []
@@ -87,7 +87,7 @@ def accelerations(
             a = link.transform.twist_to_child(twists[link.parent])
         for joint in joints[k]:
             speed = joint.column.speed
-            udot[speed] = own[speed] - a.dot(joint.U) * joint.inverse
+            udot[speed] = inward[speed] - a.dot(joint.U) * joint.inverse
             a = a + joint.column.twist * udot[speed]
         twists.append(a)
     return udot

@@ -1,8 +1,8 @@
 """Composite bodies that move, and the forces that the motion of a joint below them costs.
 
 All twists and wrenches are in the axes of one frame, about its origin. With the column ``S`` of a joint, its
-rate ``S'``, ``S"`` what it gives to accelerations elsewhere, and mass, matrix B and wrench f of all that a
-joint carries, for a joint j at or outward of i::
+rate ``S'``, its second rate ``S"``, and inertia I, matrix B and wrench f of all that a joint carries, for a
+joint j at or outward of i::
 
     dD_i/dq_j = S_i . (2 B S'_j + I S"_j + S_j x* f)     dD_j/dq_i = 2 B^T S_j . S'_i + I S_j . S"_i
     dD_i/du_j = S_i . (2 B S_j + 2 I S'_j)               dD_j/du_i = 2 B^T S_j . S_i + 2 I S_j . S'_i
@@ -25,7 +25,7 @@ from symbody.vectors.twist import Wrench
 
 
 class CompositeBody(NamedTuple):
-    """What a joint carries: how it is distributed, how it moves and what that needs; with ``+``.
+    """All links that a joint carries: their inertia, motion and wrench; with ``+``.
 
     Attributes
     ----------

@@ -1,7 +1,7 @@
 """The composite-rigid-body algorithm: the mass matrix.
 
-Featherstone (2008), section 6.2 and table 6.2; Walker & Orin (1982). Column j is what the links outward of a
-joint, as one rigid body, need for a unit acceleration of it.
+Featherstone (2008), section 6.2 and table 6.2; Walker & Orin (1982). Column j holds the generalized forces
+for a unit acceleration of joint j, which moves the links outward of it as one rigid body.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def mass_rows(tree: KinematicTree, row: Mapping[int, int], rotors: Mapping[tuple
     row : mapping of speed to int
         By `row_numbers`.
     rotors : mapping of (speed, speed) to Expr
-        What rotors add, both ways.
+        Entries of rotors, both ways.
     """
     composite = [link.inertia for link in tree.links]
     for k, link in reversed(list(enumerate(tree.links))):

@@ -273,11 +273,11 @@ class _Assembly:
         partials = self.partials
         half, zero = number(self.graph, 1) / 2, zero_vector(self.graph)
         for b, S in enumerate(self.base):
-            own = column_forces(body, JointColumn(S, velocity.cross(S) * half, Twist(zero, zero)))
+            forces_of_base = column_forces(body, JointColumn(S, velocity.cross(S) * half, Twist(zero, zero)))
             for c, other in enumerate(self.base):
-                partials.by_rate[c, b] = other.dot(own.by_rate)
+                partials.by_rate[c, b] = other.dot(forces_of_base.by_rate)
                 if c >= b:
-                    partials.mass[c, b] = other.dot(own.inertia)
+                    partials.mass[c, b] = other.dot(forces_of_base.inertia)
             for k, row in self.place.items():
                 partials.by_position[b, row] = S.dot(forces[k].by_position)
                 partials.by_rate[b, row] = S.dot(forces[k].by_rate)

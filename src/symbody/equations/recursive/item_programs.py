@@ -21,8 +21,8 @@ def map_items(graph: Graph, shared: T, items: Sequence[U], compute: Callable[[T,
     """
     example: list[W] = []
 
-    def program(given: list[Expr], own: list[Expr]) -> list[Expr]:
-        result = compute(unflatten(shared, given), unflatten(items[0], own))
+    def program(given: list[Expr], numbers: list[Expr]) -> list[Expr]:
+        result = compute(unflatten(shared, given), unflatten(items[0], numbers))
         example.append(result)
         return flatten(result)
 

@@ -22,7 +22,7 @@ from symbody.equations.recursive.tree_joints import TreeJoint
 from symbody.expr.expression import Expr, cos, number, sin
 from symbody.vectors.euler_parameters import EulerParameters
 from symbody.vectors.matrix import Matrix3, Vector3, identity
-from symbody.vectors.rotation import Turn
+from symbody.vectors.rotation import AxisRotation
 from symbody.vectors.transform import CoordinateRotation, Step, Transform
 
 # Below this sine of the angle between them, axes count as parallel: their common normal is far away.
@@ -76,7 +76,7 @@ def choose_axes(joint: TreeJoint, parent: LinkTransform, following: Sequence[Tre
     axes = Transform((far.matrix @ joint.z,), far.position)
     entries = matrix_numbers(constant)
     (turn,) = joint.steps
-    assert isinstance(turn, Turn)
+    assert isinstance(turn, AxisRotation)
     if entries is None:
         return LinkAxes(axes, (*_constant_steps(constant), _rotation(2, turn.angle)), joint.z, zero)
     a, alpha, b = twist_angles(entries)
@@ -139,9 +139,9 @@ def _rotation(axis: int, angle: Expr) -> CoordinateRotation[Expr]:
     return CoordinateRotation(axis, cos(angle), sin(angle))
 
 
-def _step(step: Turn | EulerParameters) -> Step[Expr]:
-    graph = (step.angle if isinstance(step, Turn) else step.e0).graph
-    if isinstance(step, Turn):
+def _step(step: AxisRotation | EulerParameters) -> Step[Expr]:
+    graph = (step.angle if isinstance(step, AxisRotation) else step.e0).graph
+    if isinstance(step, AxisRotation):
         for k, row in enumerate(identity(graph)):
             if step.axis == row:
                 return _rotation(k, step.angle)

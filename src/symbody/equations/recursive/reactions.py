@@ -1,4 +1,4 @@
-"""What joints transmit: the wrenches of the bodies as they are, summed inward joint by joint."""
+"""Wrenches of joints: those that the bodies need, summed inward joint by joint."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def joint_wrenches(
     udot : mapping of node to Expr
         u' by the node of u.
     cut : mapping of joint or constraint to Wrench
-        What they transmit where they are cut.
+        Their wrenches where they are cut.
     """
     topology, kinematics, tree = recursion.topology, recursion.kinematics, recursion.tree
     motions = link_motions(tree, recursion.gravity, udot)

@@ -1,4 +1,4 @@
-"""`Recursion`: mass matrix, forcing and accelerations of a tree, each formed when it is asked for."""
+"""`Recursion`: mass matrix, forcing and accelerations of a tree, each formed on first use."""
 
 from __future__ import annotations
 
@@ -107,12 +107,12 @@ class Recursion:
         return generalized_forces(self.light, wrenches)
 
     def inverse_dynamics(self, udot: Sequence[Expr]) -> list[Expr]:
-        """Return ``M u' - F``: what is missing along each speed for the accelerations `udot`."""
+        """Return ``M u' - F``, the generalized forces still missing for the accelerations `udot`."""
         given = dict(zip(self.kinematics.speeds, udot, strict=True))
         return self._with_efforts(self.needed(given), given)
 
     def beside_links(self, udot: Sequence[Expr]) -> list[Expr]:
-        """Return what loads and rotors alone leave of the inverse dynamics."""
+        """Return the inverse dynamics of loads and rotors alone, without the links."""
         given = dict(zip(self.kinematics.speeds, udot, strict=True))
         zero = zero_vector(self.graph)
         wrenches = [Wrench(zero, zero) for _ in self.light.links]
@@ -124,7 +124,7 @@ class Recursion:
         return link_loads(self.topology, self.kinematics, self.light, self.loads)
 
     def _with_efforts(self, needed: Mapping[int, Expr], given: Mapping[int, Expr]) -> list[Expr]:
-        """Return what is missing along each speed, efforts along coordinates and rotors reckoned in."""
+        """Return ``M u' - F`` with efforts along coordinates and rotors."""
         speeds, zero = self.kinematics.speeds, number(self.graph, 0)
         total = {u: needed.get(u, zero) - effort for u, effort in zip(speeds, self._efforts(), strict=True)}
         for (one, two), inertia in self.rotor_entries().items():
@@ -154,7 +154,7 @@ class Recursion:
 
     @property
     def chosen(self) -> str:
-        """The method that `solve` takes; empty before it was asked."""
+        """The method that `solve` takes; empty before its first call."""
         return self._chosen.peek(None) or ""
 
     def _cheaper(self, forces: Sequence[Expr]) -> str:
@@ -192,29 +192,29 @@ class Recursion:
         return articulated_inertias(self.light, rotors)
 
     def rotor_entries(self) -> dict[tuple[int, int], Expr]:
-        """Return what rotors add to the mass matrix, by pairs of speeds."""
-        found: dict[tuple[int, int], Expr] = {}
+        """Return the entries of rotors in the mass matrix, by pairs of speeds."""
+        entries: dict[tuple[int, int], Expr] = {}
         for rotor in self.rotors:
             slopes = self._slopes(rotor.rate)
             for one, a in slopes.items():
                 for two, b in slopes.items():
                     entry = rotor.inertia * a * b
-                    found[one, two] = found[one, two] + entry if (one, two) in found else entry
-        return found
+                    entries[one, two] = entries[one, two] + entry if (one, two) in entries else entry
+        return entries
 
     def _efforts(self) -> list[Expr]:
-        """Return what drives, and rotors with all u' = 0, give along each speed."""
+        """Return the generalized forces of drives, and of rotors with all u' = 0."""
         speeds, zero = self.kinematics.speeds, number(self.graph, 0)
-        found = dict.fromkeys(speeds, zero)
+        total = dict.fromkeys(speeds, zero)
         for load in self.loads:
             if isinstance(load, Effort):
                 for u, slope in self._slopes(load.rate).items():
-                    found[u] = found[u] + slope * load.effort
+                    total[u] = total[u] + slope * load.effort
         for rotor in self.rotors:
             bias = self.kinematics.bias(rotor.rate)
             for u, slope in self._slopes(rotor.rate).items():
-                found[u] = found[u] - rotor.inertia * bias * slope
-        return [found[u] for u in speeds]
+                total[u] = total[u] - rotor.inertia * bias * slope
+        return [total[u] for u in speeds]
 
     def _slopes(self, rate: Expr) -> dict[int, Expr]:
         """Return the coefficients of the speeds; most rates are a speed."""

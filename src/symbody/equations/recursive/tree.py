@@ -28,7 +28,7 @@ from symbody.model.body import Body
 from symbody.vectors.euler_parameters import EulerParameters
 from symbody.vectors.inertia import RigidInertia, central_inertia, massless
 from symbody.vectors.matrix import SymmetricTensor, Triple, Vector3, identity, zero_vector
-from symbody.vectors.rotation import Turn
+from symbody.vectors.rotation import AxisRotation
 from symbody.vectors.transform import Transform
 from symbody.vectors.twist import Twist
 from symbody.vectors.vector import Vector, components, vector
@@ -177,10 +177,10 @@ def _joint_kinematics(
     def in_law_axes(frame: str, parts: Triple) -> Vector:
         return vector(frames[frame], back @ parts) * sign
 
-    steps: tuple[Turn | EulerParameters, ...] = tree_joint.steps
+    steps: tuple[AxisRotation | EulerParameters, ...] = tree_joint.steps
     if tree_joint.rotation == "z":
         z = identity(names.graph)[2]
-        steps = tuple(Turn(z, step.angle) for step in steps if isinstance(step, Turn))
+        steps = tuple(AxisRotation(z, step.angle) for step in steps if isinstance(step, AxisRotation))
     rotation_speeds, translation_speeds = joint.rotation_speeds, joint.translation_speeds
     w, v = None, None
     if rotation_speeds is not None:

@@ -18,7 +18,7 @@ from symbody.graph.topology import Topology
 from symbody.model.element import Address
 from symbody.vectors.euler_parameters import EulerParameters
 from symbody.vectors.matrix import Matrix3, Vector3, identity, zero_vector
-from symbody.vectors.rotation import Rotation, Turn, rotation_matrix, rotation_of
+from symbody.vectors.rotation import AxisRotation, Rotation, rotation_matrix, rotation_of
 from symbody.vectors.transform import Transform
 
 
@@ -28,7 +28,7 @@ class TreeJoint:
 
     Attributes
     ----------
-    steps : tuple of Turn or EulerParameters
+    steps : tuple of AxisRotation or EulerParameters
         From the near frame, on the parent, to the far frame.
     near : Transform
         The near frame in the parent's group.
@@ -41,7 +41,7 @@ class TreeJoint:
     use: Use
     branch: Branch
     parent: str
-    steps: tuple[Turn | EulerParameters, ...]
+    steps: tuple[AxisRotation | EulerParameters, ...]
     near: LinkTransform
     far: LinkTransform
     z: Matrix3[Expr] | None
@@ -78,9 +78,9 @@ def joints_and_groups(
             between = _transform(names, rotation, shift)
             groups[branch.child] = (group, near.then(between).then(far.inverse))
             continue
-        moving = tuple(step for step in rotation.turns if isinstance(step, Turn | EulerParameters))
+        moving = tuple(step for step in rotation.turns if isinstance(step, AxisRotation | EulerParameters))
         only = moving[0] if len(moving) == 1 and align else None
-        z = onto_axis(graph, only.axis) if isinstance(only, Turn) else None
+        z = onto_axis(graph, only.axis) if isinstance(only, AxisRotation) else None
         joints.append(TreeJoint(use, branch, group, moving, near, far, z))
         groups[branch.child] = (branch.child, here)
     return joints, groups

@@ -1,1 +1,1 @@
-"""Equations as they are asked for: outputs by name, formulas as books print them."""
+"""Outputs of equations: roots by name, formulas as books print them."""

@@ -22,7 +22,7 @@ _GROUPS: Final = ("q", "u", "r")
 
 
 class Asked(NamedTuple):
-    """An output, the words it is differentiated by, and whether one symbol is meant, which gives no axis."""
+    """An output, the words it is differentiated by, and whether that is one symbol, which adds no axis."""
 
     output: str
     by: tuple[str, ...]
@@ -30,7 +30,7 @@ class Asked(NamedTuple):
 
 
 def asked_derivative(name: str) -> Asked | None:
-    """Return what a name like ``d udot/d q`` asks for; None if it asks for no derivative."""
+    """Return the request that a name like ``d udot/d q`` contains; None if it is not a derivative."""
     found = _ASKED.fullmatch(name.strip())
     if found is None:
         return None
@@ -43,7 +43,7 @@ def asked_derivative(name: str) -> Asked | None:
 def derivative_roots(
     formed: EquationsOfMotion, name: str, asked: Asked, values: Roots, *, side_by_side: bool = False
 ) -> Roots:
-    """Return the derivatives of `values`, the roots of the output asked for; the last axis is by what.
+    """Return the derivatives of `values`, the roots of the output; the last axis counts the symbols.
 
     All other symbols are held fixed; components of a quaternion count as independent.
 

@@ -1,7 +1,7 @@
 """Units of expressions, from the units of the names in them; none where a doubt is left.
 
 A number is taken for a plain factor if it is as small as those of textbooks, such as 2 or 1/2: others may be
-masses, or change the unit. An angle counts as a unit of its own, so that a torque is told from an energy.
+masses, or change the unit. An angle counts as a unit of its own, so that torques and energies differ.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Outputs about joints: reactions, efforts, and the power of what moves them."""
+"""Outputs about joints: reactions, efforts, and the power of drives."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def reaction_wrench(
     Raises
     ------
     FormulationError
-        If there is no such joint or frame, or the body is none of its two.
+        If the joint or the frame does not exist, or the joint does not act on the body.
     """
     owner = formed.topology.link(joint)
     if owner is None:
@@ -65,7 +65,7 @@ def reaction_wrench(
 
 
 def reaction_axes(formed: EquationsOfMotion, name: str) -> str:
-    """Return the frame in whose axes a reaction is told: start; the frame of contact of what rolls."""
+    """Return the frame that a reaction is resolved in: start; of a rolling contact its own frame."""
     link = formed.topology.link(name)
     assert link is not None
     return formed.frame(name) if isinstance(link, Rolling) else link.start.frame
@@ -103,7 +103,7 @@ def prescribed_efforts(
 
 
 def joint_effort(formed: EquationsOfMotion, rest: str) -> Expr:
-    """Return the effort along a joint coordinate: that of its drive, or what holds its prescribed motion."""
+    """Return the effort along a joint coordinate: that of its drive, or that of its prescribed motion."""
     name = rest.replace('"', "").strip()
     found = dict(_prescribed(formed))
     if name not in effort_names(formed):
@@ -121,7 +121,7 @@ def joint_effort(formed: EquationsOfMotion, rest: str) -> Expr:
 
 
 def effort_names(formed: EquationsOfMotion) -> tuple[str, ...]:
-    """Return what "effort ..." may be asked for."""
+    """Return the names that may follow "effort"."""
     names = [*formed.loads.efforts, *(name for name, _ in _prescribed(formed))]
     for row in formed.rows:
         if row.coordinate:
@@ -130,7 +130,7 @@ def effort_names(formed: EquationsOfMotion) -> tuple[str, ...]:
 
 
 def total_power(formed: EquationsOfMotion) -> Expr:
-    """Return the power of everything that has no potential, prescribed motions included [W]."""
+    """Return the power of all loads without potential and of prescribed motions [W]."""
     graph, names = formed.graph, formed.names
     total = formed.loads.power
     for _, (use, coordinate) in _prescribed(formed):
@@ -154,7 +154,7 @@ def _prescribed(formed: EquationsOfMotion) -> Iterator[tuple[str, tuple[Use, str
 def _held(
     formed: EquationsOfMotion, use: Use, coordinate: str, totals: Mapping[str, Wrench] | None = None
 ) -> Expr:
-    """Return the effort that holds a prescribed coordinate: the joint's wrench along it, and its rotor."""
+    """Return the effort of a prescribed motion: the joint's wrench along it, and that of its rotor."""
     joint, names, kinematics = use.joint, formed.names, formed.kinematics
     total = (formed.solved_wrenches if totals is None else totals)[joint.name]
     effort = effort_along(names, kinematics, joint, coordinate, total)

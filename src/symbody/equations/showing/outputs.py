@@ -193,7 +193,7 @@ def _bias(formed: EquationsOfMotion) -> list[Expr]:
     return [-force for force in formed.dynamics.forcing]
 
 
-# Of a tree without constraints those about them are empty, but they exist, with their shapes.
+# Outputs about constraints are empty for a tree without any, but they exist, with their shapes.
 _MAKERS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
     "udot": _vector("udot", _udot),
     "qdot": _vector("qdot", _qdot),
@@ -216,12 +216,12 @@ _MAKERS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
     "position_jacobian": _matrix(
         "position_jacobian", lambda formed: formed.position_jacobian, lambda formed: formed.q
     ),
-    # for those who integrate themselves: what drifts, and how to bring it back
+    # for integrators of a user's own: the drift, and the move that takes it back
     "position_residual": _vector("position_residual", position_residual),
     "position_move": _vector("position_move", position_move),
     "velocity_residual": _vector("velocity_residual", velocity_residual),
     "velocity_move": _vector("velocity_move", velocity_move),
-    # joint by joint: zero where friction and the reactions it comes from fit; positive where they are
+    # joint by joint: the residual is 0 where friction fits the reactions, the margin positive where both are
     # determined
     "friction_residual": _vector("friction_residual", lambda formed: resistance(formed).residuals),
     "friction_margin": _vector("friction_margin", lambda formed: resistance(formed).margins),

@@ -39,7 +39,7 @@ _TINY: Final = 1e-200  # N^2 and N m below which a reaction has no direction
 
 
 def solve_with_friction(formed: EquationsOfMotion, linear: Linear) -> tuple[list[Expr], list[Expr]]:
-    """Return u' and the multipliers; what friction is goes to ``formed.resistances``."""
+    """Return u' and the multipliers; the friction is stored in ``formed.resistances``."""
     return _Solver(formed, linear).solution()
 
 
@@ -93,7 +93,7 @@ class _Solver:
         return self._finished(found, dict(zip(self.coupled, normals, strict=True)), residuals, margins)
 
     def _given(self, law: FrictionLaw) -> Expr:
-        """Return the effort as far as it does not depend on reactions."""
+        """Return the effort, 0 where it depends on reactions."""
         return self.zero if law.reads_reaction or law.sticks else -(law.slip * law.strength)
 
     def _base(self, given: list[Expr]) -> list[Expr]:
@@ -115,13 +115,13 @@ class _Solver:
     def _reaction_parts(
         self, law: FrictionLaw, base: list[Expr], responses: list[list[Expr]]
     ) -> tuple[list[Expr], list[list[Expr]]]:
-        """Return a joint's reaction without coupled friction, and what each unit of it adds."""
+        """Return a joint's reaction without coupled friction, and the change by a unit of each."""
         rows, rest = self._affine([part.index for part in across(self.formed, law)])
         first = [x + self._product(row, base) for x, row in zip(rest, rows, strict=True)]
         return first, [[self._product(row, response) for row in rows] for response in responses]
 
     def _affine(self, nodes: Sequence[int]) -> tuple[list[list[Expr]], list[Expr]]:
-        """Return the coefficients of expressions in all unknowns, and what is left without them."""
+        """Return the coefficients of expressions in all unknowns, and the terms without unknowns."""
         redundant = multiplier_nodes(self.formed)[len(self.formed.rows) :] if self.stress else []
         matrix, rest = linear_coefficients(self.graph, nodes, [*self.unknowns, *redundant])
         n, m, end = len(self.formed.u), len(self.formed.rows), len(self.unknowns)
@@ -168,7 +168,7 @@ class _Solver:
     def _finished(
         self, found: list[Expr], normals: dict[int, Expr], residuals: list[Expr], margins: list[Expr]
     ) -> tuple[list[Expr], list[Expr]]:
-        """Write down what friction is, return the rest."""
+        """Store the friction, return u' and the multipliers."""
         n, m, end = len(self.formed.u), len(self.formed.rows), len(self.unknowns)
         nodes = {node: value.index for node, value in zip(self.unknowns, found[:end], strict=True)}
         if self.stress:

@@ -1,4 +1,4 @@
-"""Constraints on parameters alone, such as ``L - 2 = 0``: no motion fulfils them, only values do."""
+"""Constraints on parameters alone, such as ``L - 2 = 0``, which only values can fulfil."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Constraints that hold up to rounding: rows that would vanish if their numbers were exact.
 
-A planar loop in axes typed with digits keeps off-plane rows of 1e-17 instead of 0. No solver can tell such a
-row from a constraint in small units, but here it is known what cancelled: the motions of the two frames.
-Each row is compared with them at a few random configurations, with values of the parameters.
+A planar loop in axes typed with digits keeps off-plane rows of 1e-17 instead of 0. To a solver such
+a row looks like a constraint in small units, but here the motions of the two frames that cancel in it are at
+hand. Each row is compared with them at a few random configurations, with values of the parameters.
 """
 
 from __future__ import annotations

@@ -94,7 +94,7 @@ class Block:
 
 @dataclass(frozen=True, slots=True)
 class SelfStress:
-    """What a mechanism may load itself with.
+    """Self-stress of a mechanism, block by block.
 
     Attributes
     ----------
@@ -123,7 +123,7 @@ class SelfStress:
         return [listed[component] for component in self.components]
 
     def shared(self, formed: EquationsOfMotion) -> dict[int, int]:
-        """Return what stands for each multiplier in reactions of least norm, by nodes."""
+        """Return the node that replaces each multiplier in reactions of least norm."""
         return self._shared.get(None, partial(self._form_shared, formed))
 
     def _form_shared(self, formed: EquationsOfMotion) -> dict[int, int]:
@@ -134,7 +134,7 @@ class SelfStress:
         return {node: (x + y).index for node, x, y in zip(symbols, known, shares, strict=True)}
 
     def shares(self, values: Sequence[Expr]) -> list[Expr]:
-        """Return what each multiplier differs by, for values of all components without self-stress."""
+        """Return the change of each multiplier, for values of all components without self-stress."""
         found = [self.zero] * len(self.rows)
         for block in self.blocks:
             for place, share in zip(block.rows, block.shares(values, self.zero), strict=True):
@@ -143,7 +143,7 @@ class SelfStress:
 
 
 def self_stress(formed: EquationsOfMotion) -> SelfStress:
-    """Return what a mechanism may load itself with; without blocks where it has no constraints."""
+    """Return the self-stress of a mechanism; without blocks where there are no constraints."""
     found = formed.self_stress.get(None, partial(_self_stress, formed))
     assert isinstance(found, SelfStress)
     return found

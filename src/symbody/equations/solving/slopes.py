@@ -34,7 +34,7 @@ def inverse_dynamics(formed: EquationsOfMotion) -> list[Expr]:
     Raises
     ------
     FormulationError
-        If there is friction, which follows from accelerations only together with the forces that are asked.
+        If there is friction, which follows from the accelerations only together with the unknown forces.
     """
     if formed.friction:
         names = ", ".join(sorted({law.joint.name for law in formed.friction}))

@@ -37,7 +37,7 @@ def _solution(formed: EquationsOfMotion) -> tuple[list[Expr], list[Expr]]:
 
 
 def resistance(formed: EquationsOfMotion) -> Resistance:
-    """Return what friction is."""
+    """Return the friction of all joints."""
     if not formed.friction:
         return Resistance([], [], [], [])
     solve(formed)

@@ -63,7 +63,7 @@ def _always(formed: EquationsOfMotion, stress: SelfStress) -> tuple[str, ...]:
 def undetermined(
     formed: EquationsOfMotion, points: Iterable[Mapping[str, Sequence[float]]], cut: float = RANK
 ) -> list[Undetermined]:
-    """Return what each of some configurations leaves open.
+    """Return the outputs that each of some configurations leaves undetermined.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def _undetermined(
 
 
 def generic(found: Sequence[Undetermined]) -> Undetermined:
-    """Return what those configurations leave open that are no singular ones."""
+    """Return the outputs that the configurations leave undetermined, singular ones aside."""
     least = min(one.redundant for one in found)
     return Undetermined(least, frozenset().union(*(one.names for one in found if one.redundant == least)))
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from functools import lru_cache
 from numbers import Rational, Real
 from typing import TypeAlias
 
@@ -53,7 +54,9 @@ class Formula:
         if isinstance(value, Formula):
             return value
         text = normalize(value if isinstance(value, str) else _numeral(value, where))
-        return cls(text, read_program(Source(text, where, has_outputs)))
+        if where or has_outputs:
+            return cls(text, read_program(Source(text, where, has_outputs)))
+        return _plain(text)
 
     def __str__(self) -> str:
         return self.text
@@ -111,6 +114,12 @@ class Formula:
     ) -> Problem:
         """Return a problem with the text and a caret at `column`; for look-ups that find nothing."""
         return Source(self.text, where).problem(code, column, what, why, fix)
+
+
+@lru_cache(maxsize=4096)
+def _plain(text: str) -> Formula:
+    """Return a formula; one that is read again, as names of coordinates are, is that of before."""
+    return Formula(text, read_program(Source(text, "", False)))
 
 
 FormulaLike: TypeAlias = Formula | str | int | Fraction | float | Decimal

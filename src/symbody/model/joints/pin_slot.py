@@ -17,9 +17,8 @@ from symbody.model.joint_fields import (
     PerpendicularAxes,
     PrescribedMotions,
     TreeMembership,
-    shift_along,
 )
-from symbody.model.turn import unit_axis
+from symbody.model.turn import shift_along, unit_axis
 from symbody.model.uses import Triple
 
 

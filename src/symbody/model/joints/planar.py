@@ -17,9 +17,8 @@ from symbody.model.joint_fields import (
     Letter,
     PrescribedMotions,
     TreeMembership,
-    in_plane,
 )
-from symbody.model.turn import LETTERS
+from symbody.model.turn import LETTERS, in_plane
 from symbody.model.uses import Triple
 
 

@@ -17,8 +17,8 @@ from symbody.model.joint_fields import (
     DryFriction,
     PrescribedDisplacement,
     TreeMembership,
-    shift_along,
 )
+from symbody.model.turn import shift_along
 from symbody.model.uses import Triple
 
 

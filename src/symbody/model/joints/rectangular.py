@@ -17,8 +17,8 @@ from symbody.model.joint_fields import (
     Letter,
     PrescribedMotions,
     TreeMembership,
-    in_plane,
 )
+from symbody.model.turn import in_plane
 from symbody.model.uses import Triple
 
 

@@ -18,9 +18,8 @@ from symbody.model.joint_fields import (
     DryFriction,
     PrescribedAngle,
     TreeMembership,
-    shift_along,
 )
-from symbody.model.turn import unit_axis
+from symbody.model.turn import shift_along, unit_axis
 from symbody.model.uses import Triple
 
 

@@ -15,9 +15,9 @@ from symbody.model.joint_fields import (
     Coordinates,
     PrescribedMotions,
     TreeMembership,
-    shift_along,
 )
 from symbody.model.joints.orientation import THREE_ANGLES, ThreeAngles, orientation_turns
+from symbody.model.turn import shift_along
 from symbody.model.uses import Triple
 
 

@@ -21,7 +21,7 @@ from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.integration import Constraints, Integration, MotionPlan, integrate_plan
 from symbody.simulation.methods.loop_constraints import NEAR, LoopConstraints, motion_branch
 from symbody.simulation.methods.partition import Partition
-from symbody.simulation.native.dense_output import DenseOutput, shortened
+from symbody.simulation.native.dense_output import DenseOutput, shorten
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.native.segments import steps_before
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -37,6 +37,11 @@ _BESIDE: Final = 1e-2  # rad, or share of the mechanism's size
 _PASSED: Final = 3e-3
 _STUCK: Final = 5e-2
 _LOW: Final = 0.5
+# Share of a motion below which the last of too many steps is one that became ever smaller.
+_SHORT: Final = 1e-3
+_TWO: Final = 2
+# Share of the prescribed velocities that counts.
+_DEMANDED: Final = 1e-2
 _REFINEMENTS: Final = 12
 _PER_REFINEMENT: Final = 9
 # Velocities on both sides of a change point are compared where the singular value is this share: some tenths
@@ -162,27 +167,32 @@ def _end_of_branch(problem: SimulationProblem, t: float, x: Floats, run: Integra
         return None
     if raw.reached == t and is_change_point(problem, t, x):
         return _BranchEnd(None, _STARTS)
+    if raw.dense_output is not None and not _is_collapse(raw.status, raw.dense_output.breaks):
+        return None
     if is_overconstrained(problem, t, x):
         return _BranchEnd(None, _LOCKED)
-    return _break_off(problem, t, x, raw, passages)
+    return _end_beside_change_point(problem, t, x, raw, passages)
 
 
-def _break_off(
+def _end_beside_change_point(
     problem: SimulationProblem, t: float, x: Floats, raw: RawRun, passages: _Passages | None
 ) -> _BranchEnd | None:
     """Return where a motion breaks off beside a change point, if it does: there steps become ever smaller.
 
     One that reached the change point and never came away from it may be on any branch since then.
     """
-    if raw.status not in _COLLAPSES or raw.dense_output is None:
+    if raw.dense_output is None:
         return None
     loops = LoopConstraints(problem)
     branch = motion_branch(loops, t, x)
     q = raw.dense_output(raw.reached)[loops.places]
-    if (
-        not branch.speeds
-        or not loops.singular_values(raw.reached, q)[branch.speeds - 1] < _STUCK * branch.reference
-    ):
+    rows, drift = loops.speeds(raw.reached, q)
+    if not (branch.speeds and np.isfinite(rows).all()):
+        return None
+    left, sizes, _ = np.linalg.svd(rows)
+    lost = left[:, : branch.speeds][:, sizes[: branch.speeds] < _STUCK * branch.reference]
+    # A prescribed motion that asks for what is lost locks up: that is the end of its branch.
+    if not lost.size or np.linalg.norm(lost.T @ drift) > _DEMANDED * np.linalg.norm(drift):
         return None
     apart = np.abs((q - x[loops.places]) / loops.sizes).max()
     if apart < _BESIDE and is_change_point(problem, t, x):
@@ -200,7 +210,7 @@ def _end_run(run: Integration, end: _BranchEnd, constraints: Constraints) -> Int
     steps = steps_before(dense.breaks, dense.pieces.shape[0], end.t)
     breaks, pieces = dense.breaks[: steps + 1].copy(), dense.pieces[:steps].copy()
     share = (end.t - breaks[-2]) / (breaks[-1] - breaks[-2])
-    breaks[-1], pieces[-1] = end.t, shortened(pieces[-1], float(share))
+    breaks[-1], pieces[-1] = end.t, shorten(pieces[-1], float(share))
     direction = 1.0 if dense.breaks[-1] >= dense.breaks[0] else -1.0
     kept = direction * (raw.t - end.t) <= 0.0
     cut = replace(
@@ -251,7 +261,7 @@ class _Passages:
 
     def end(self, raw: RawRun) -> float | None:
         """Return the end of the motion if it broke off near a change point."""
-        is_stuck = raw.status in _COLLAPSES and self.least[-1] < _STUCK
+        is_stuck = _is_collapse(raw.status, self.dense.breaks) and self.least[-1] < _STUCK
         return float(self.dense.breaks[-1]) if is_stuck else None
 
     def jump(self, at: float, happened: list[float]) -> float | None:
@@ -289,6 +299,13 @@ class _Passages:
         times[-1] = limit  # the sum may be rounded to beyond it, where there is no motion
         clear = np.flatnonzero(self.shares(times) > _BESIDE_IT)
         return float(times[clear[0]]) if clear.size else None
+
+
+def _is_collapse(status: Status, breaks: Floats) -> bool:
+    """Return whether steps became ever smaller, which a mere limit on their number does not say."""
+    if status is not Status.TOO_MANY_STEPS or breaks.size < _TWO:
+        return status in _COLLAPSES
+    return bool(abs(breaks[-1] - breaks[-2]) < _SHORT * abs(breaks[-1] - breaks[0]))
 
 
 def _minima(values: Floats) -> list[int]:

@@ -91,7 +91,7 @@ class _PartitionStepper:
         self._x, (self._t, self._end) = integration.state, integration.span
         self._ends = integration.step_ends()
         self._watch = MonitoredFunction(self.states.rates)
-        self.changes, self.rejected = 0, 0
+        self.changes, self.rejections = 0, 0
         self.is_open = not self.states.is_on_branch(self._t, self._x)
         self._begin(None if explicit.first_step is None else float(explicit.first_step))
 
@@ -113,12 +113,12 @@ class _PartitionStepper:
                 return self._watch.failure(0)
             solver.max_step = min(self._longest, max(abs(stop - solver.t), _SHORTEST * EPSILON * abs(stop)))
             solver.step()
-            self.rejected += (self._watch.evaluations - before) // solver.n_stages
+            self.rejections += (self._watch.evaluations - before) // solver.n_stages
             if solver.status == "failed":
                 return self._watch.failure(0)
             nodes = self._nodes(solver)
             if nodes is not None:
-                self.rejected -= 1
+                self.rejections -= 1
                 length = abs(solver.t - self._t)
                 self._accept(solver, nodes[-1])
                 if length <= _SHORTEST * EPSILON * abs(self._t) and self._t != self._end:

@@ -14,7 +14,7 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.simulation.native.dense_output import DenseOutput, shortened
+from symbody.simulation.native.dense_output import DenseOutput, shorten
 from symbody.simulation.native.interface import Goal, Integers
 from symbody.simulation.native.loop import longest_step
 from symbody.simulation.native.run import SLICE_SECONDS, Progress, RawRun, Statistics, memory_limit
@@ -103,7 +103,7 @@ class Stepper(Protocol):
         ...
 
     @property
-    def rejected(self) -> int | None:
+    def rejections(self) -> int | None:
         """How many steps were tried in vain; None if that is not known."""
         ...
 
@@ -158,7 +158,7 @@ def march(stepper: Stepper, course: Course) -> RawRun:
         failure = Failure(Status.INTERRUPTED)
     except MemoryError:
         failure = Failure(Status.OUT_OF_MEMORY)
-    spent = Statistics(log.taken, stepper.rejected, stepper.evaluations, time.perf_counter() - began)
+    spent = Statistics(log.taken, stepper.rejections, stepper.evaluations, time.perf_counter() - began)
     return log.raw_run(failure, spent)
 
 
@@ -264,7 +264,7 @@ class _Log:
         end = steps_before(self.breaks, self.steps, cut.t)
         start, stop = self.breaks[end - 1], self.breaks[end]
         if cut.t != stop:
-            self.pieces[end - 1] = shortened(self.pieces[end - 1], float((cut.t - start) / (stop - start)))
+            self.pieces[end - 1] = shorten(self.pieces[end - 1], float((cut.t - start) / (stop - start)))
         self.breaks[end] = self.t = cut.t
         self.steps = end
         if cut.after is not None:

@@ -157,7 +157,7 @@ class SundialsStepper:
         return self._watch.evaluations
 
     @property
-    def rejected(self) -> None:
+    def rejections(self) -> None:
         """Not known: scikit-sundae does not hand over the counters of SUNDIALS."""
         return None
 

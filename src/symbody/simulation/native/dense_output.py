@@ -65,7 +65,7 @@ class DenseOutput:
             )
 
 
-def shortened(piece: Floats, share: float) -> Floats:
+def shorten(piece: Floats, share: float) -> Floats:
     """Return the first `share` of a step's polynomial as the polynomial of a step of its own."""
     rows = piece.shape[0]
     nodes = (1.0 - np.cos(np.pi * np.arange(rows) / (rows - 1))) / 2.0

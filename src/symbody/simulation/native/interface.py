@@ -191,16 +191,16 @@ class Record(NamedTuple):
     keep_dense: bool
 
 
-def compiled(function: Function) -> Function:
+def compile_loop(function: Function) -> Function:
     """Compile at the first call, without the lock of the interpreter, and keep the result on disk."""
     result = njit(nogil=True, error_model="numpy")(function)
     with suppress(RuntimeError):  # no folder to keep it in: a read-only installation without a home
         result._cache = LoopCache(function)
-    kept: Function = result
-    return kept
+    loop: Function = result
+    return loop
 
 
-def inlined(function: Function) -> Function:
+def inline(function: Function) -> Function:
     """Compile as part of the functions that call this one."""
     result: Function = njit(
         nogil=True, error_model="numpy", forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True
@@ -236,7 +236,7 @@ def call(typing: Any, rhs: Any, x: Any, at: Any, out: Any, to: Any) -> Any:  # n
 
 
 @intrinsic
-def uncounted(typing: Any, group: Any) -> Any:
+def borrow(typing: Any, group: Any) -> Any:
     """Return a group whose arrays are not reference counted: counting took 70 % of a run of two states."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

@@ -27,9 +27,9 @@ from symbody.simulation.native.interface import (
     Projector,
     Record,
     RightHandSide,
-    compiled,
-    inlined,
-    uncounted,
+    borrow,
+    compile_loop,
+    inline,
 )
 from symbody.simulation.native.layout import (
     ACCEPTED,
@@ -73,11 +73,11 @@ from symbody.simulation.native.step_bounds import EPSILON as EPSILON
 from symbody.simulation.native.step_bounds import behind_jump, next_break, next_trial
 
 # Of the files below that are compiled into these functions; a test says what it has to be.
-SOURCES: Final = "1f43247a32158392"
+SOURCES: Final = "da5632157b0b783e"
 SAFETY: Final = 0.9
 
 
-@inlined
+@inline
 def interpolate(F: Floats, piece: int, s: float, x: Floats, target: int) -> None:
     """Set x[target] to the dense output at the share s of the step; `dense_output` repeats it."""
     rows, n = F.shape[1], F.shape[2]
@@ -97,7 +97,7 @@ def interpolate(F: Floats, piece: int, s: float, x: Floats, target: int) -> None
         x[target, m] = F[piece, 0, m] + d
 
 
-@inlined
+@inline
 def _needs_dense_output(goal: Goal, memory: Memory, record: Record, t_new: float) -> bool:
     if record.keep_dense or record.every_step:
         return record.keep_dense
@@ -108,7 +108,7 @@ def _needs_dense_output(goal: Goal, memory: Memory, record: Record, t_new: float
     return inside
 
 
-@inlined
+@inline
 def _store_sample(memory: Memory, record: Record, t: float, source: int) -> None:
     sample = memory.counts[SAMPLES]
     record.t[sample] = t
@@ -117,7 +117,7 @@ def _store_sample(memory: Memory, record: Record, t: float, source: int) -> None
     memory.counts[SAMPLES] = sample + 1
 
 
-@inlined
+@inline
 def _store(projector: Projector, goal: Goal, memory: Memory, record: Record, t: float, t_new: float) -> None:
     """Store the samples of an accepted step, and its end if the dense output is kept."""
     counts = memory.counts
@@ -142,7 +142,7 @@ def _store(projector: Projector, goal: Goal, memory: Memory, record: Record, t: 
             counts[SAMPLES] += 1
 
 
-@inlined
+@inline
 def is_stiff(method: Method, memory: Memory, h: float) -> bool:
     """Count steps at the stability bound as section IV.2 does; return whether there are too many."""
     counts, vectors, K = memory.counts, memory.vectors, memory.K
@@ -165,7 +165,7 @@ def is_stiff(method: Method, memory: Memory, h: float) -> bool:
     return is_stiff
 
 
-@inlined
+@inline
 def accept(
     method: Method, goal: Goal, real: Floats, counts: Integers, t_new: float, h: float, error: float
 ) -> None:
@@ -183,7 +183,7 @@ def accept(
     counts[AFTER_REJECTION] = 0
 
 
-@inlined
+@inline
 def reject(method: Method, real: Floats, counts: Integers, h: float, error: float) -> None:
     """Choose a shorter step."""
     real[STEP] = h * max(method.shrink, SAFETY * error ** (-method.exponent))
@@ -191,7 +191,7 @@ def reject(method: Method, real: Floats, counts: Integers, h: float, error: floa
     counts[AFTER_REJECTION] = 1
 
 
-@inlined
+@inline
 def failure(method: Method, goal: Goal, memory: Memory) -> int:
     """Say why the last trial failed, and write which state is to blame to counts[STATE]."""
     if memory.counts[KERNEL] != 0:
@@ -210,7 +210,7 @@ def failure(method: Method, goal: Goal, memory: Memory) -> int:
     return COLLAPSED
 
 
-@inlined
+@inline
 def project_new_state(projector: Projector, goal: Goal, memory: Memory, t_new: float) -> float:
     """Project the new state; return how far it moved, negative if that was too far.
 
@@ -226,7 +226,7 @@ def project_new_state(projector: Projector, goal: Goal, memory: Memory, t_new: f
     return moved
 
 
-@inlined
+@inline
 def _close(
     rhs: RightHandSide, projector: Projector, method: Method, goal: Goal, memory: Memory, t_new: float
 ) -> bool:
@@ -239,7 +239,7 @@ def _close(
     return memory.counts[KERNEL] == 0 and row_is_finite(memory.K, method.stages)
 
 
-@inlined
+@inline
 def pass_jump(rhs: RightHandSide, goal: Goal, memory: Memory) -> None:
     """Go on behind a jump, with the derivative there, if a step has ended at one."""
     t = behind_jump(goal, memory.counts, memory.real[TIME])
@@ -248,7 +248,7 @@ def pass_jump(rhs: RightHandSide, goal: Goal, memory: Memory) -> None:
         evaluate(rhs, memory, t, STATE_OLD, 0)
 
 
-@inlined
+@inline
 def _try_step(
     rhs: RightHandSide, projector: Projector, method: Method, goal: Goal, memory: Memory, record: Record
 ) -> int:
@@ -276,7 +276,7 @@ def _try_step(
     return RUNNING
 
 
-@compiled
+@compile_loop
 def advance(
     rhs: RightHandSide,
     projector: Projector,
@@ -290,8 +290,13 @@ def advance(
 
     FULL asks for more room in `record`, RUNNING for another call.
     """
-    rhs, projector, method, goal = uncounted(rhs), uncounted(projector), uncounted(method), uncounted(goal)
-    memory, record = uncounted(memory), uncounted(record)
+    rhs, projector, method, goal = (
+        borrow(rhs),
+        borrow(projector),
+        borrow(method),
+        borrow(goal),
+    )
+    memory, record = borrow(memory), borrow(record)
     counts = memory.counts
     for _ in range(budget):
         if memory.real[TIME] == goal.t_end:
@@ -308,7 +313,7 @@ def advance(
     return RUNNING
 
 
-@inlined
+@inline
 def _norm(goal: Goal, memory: Memory, array: Floats, row: int, minus: int) -> float:
     """Return the scaled root mean square of a row, less another row if `minus` is not negative."""
     n = array.shape[1]
@@ -320,7 +325,7 @@ def _norm(goal: Goal, memory: Memory, array: Floats, row: int, minus: int) -> fl
     return norm
 
 
-@inlined
+@inline
 def _first_step(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory) -> float:
     """Guess a step from the size of the first two derivatives: section II.4, Starting Step Size.
 
@@ -346,7 +351,7 @@ def _first_step(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory) 
     return min(100.0 * share, longer, 1.0) * bound
 
 
-@compiled
+@compile_loop
 def begin(
     rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, record: Record, first_step: float
 ) -> int:
@@ -371,14 +376,14 @@ def begin(
     return RUNNING
 
 
-@compiled
+@compile_loop
 def project_row(projector: Projector, rtol: float, atol: Floats, t: float, x: Floats, row: int) -> float:
     """Move x[row] onto the constraints; see `projection.project`."""
     moved: float = project(projector, rtol, atol, t, x, row)
     return moved
 
 
-@compiled
+@compile_loop
 def longest_step(goal: Goal, counts: Integers, t: float) -> tuple[float, float, float]:
     """Return from where to where the longest step at a time leads, and when it is said to end."""
     begin = behind_jump(goal, counts, t)

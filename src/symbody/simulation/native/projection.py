@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from symbody.simulation.native.interface import Floats, Projector, call, inlined
+from symbody.simulation.native.interface import Floats, Projector, call, inline
 
 MOST_ROUNDS: Final = 8
 # How many states stand for a state with other last digits, and by how much these differ: two roundings.
@@ -17,7 +17,7 @@ ROUNDED_STATES: Final = 4
 ROUNDED: Final = 4.4e-16
 
 
-@inlined
+@inline
 def project(projector: Projector, rtol: float, atol: Floats, t: float, x: Floats, row: int) -> float:
     """Move x[row] onto the constraints: positions by Newton's method, then velocities.
 
@@ -37,7 +37,7 @@ def project(projector: Projector, rtol: float, atol: Floats, t: float, x: Floats
         if not np.isfinite(worst):
             return np.inf
         # Two rounds of Newton's method leave nothing of a drift but rounding, which may be what is left.
-        if worst <= 1.0 or (rounds >= 2 and worst <= _resolved(projector, x, row)):
+        if worst <= 1.0 or (rounds >= 2 and worst <= _resolution(projector, x, row)):
             break
         if rounds == MOST_ROUNDS:
             return np.inf
@@ -52,7 +52,7 @@ def project(projector: Projector, rtol: float, atol: Floats, t: float, x: Floats
     return size
 
 
-@inlined
+@inline
 def asked_move(
     projector: Projector, rtol: float, atol: Floats, t: float, x: Floats, row: int, scratch: int
 ) -> float:
@@ -79,8 +79,8 @@ def asked_move(
     return size if np.isfinite(size) else 0.0
 
 
-@inlined
-def _resolved(projector: Projector, x: Floats, row: int) -> float:
+@inline
+def _resolution(projector: Projector, x: Floats, row: int) -> float:
     """Return how small the residuals can get, over what counts as closed; 1 if that can be resolved."""
     farthest = 1.0
     for i in range(projector.n_q):
@@ -88,7 +88,7 @@ def _resolved(projector: Projector, x: Floats, row: int) -> float:
     return max(1.0, projector.rounding * farthest)
 
 
-@inlined
+@inline
 def _squares(
     rtol: float, atol: Floats, x: Floats, row: int, first: int, size: int, out: Floats, place: int
 ) -> float:

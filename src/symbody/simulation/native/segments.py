@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from symbody.simulation.native import layout
-from symbody.simulation.native.dense_output import shortened
+from symbody.simulation.native.dense_output import shorten
 from symbody.simulation.native.interface import Floats, Integers, Record
 from symbody.simulation.status import Status
 
@@ -65,7 +65,7 @@ def cut_back(counts: Integers, record: Record, cut: Cut) -> Record:
     start = record.breaks[end - 1]
     if cut.t != record.breaks[end]:
         share = (cut.t - start) / (record.breaks[end] - start)
-        record.pieces[end - 1] = shortened(record.pieces[end - 1], float(share))
+        record.pieces[end - 1] = shorten(record.pieces[end - 1], float(share))
     sample = int(np.searchsorted(direction * record.t[:count], direction * cut.t))
     record.breaks[end] = cut.t
     counts[layout.STEPS], counts[layout.SAMPLES] = end, sample

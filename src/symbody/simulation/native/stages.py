@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from symbody.simulation.native.interface import Floats, Goal, Memory, Method, RightHandSide, call, inlined
+from symbody.simulation.native.interface import Floats, Goal, Memory, Method, RightHandSide, call, inline
 from symbody.simulation.native.layout import (
     ERROR_1,
     ERROR_2,
@@ -22,7 +22,7 @@ from symbody.simulation.native.layout import (
 from symbody.simulation.native.simd import WIDTH, everywhere, four, plus, put, times
 
 
-@inlined
+@inline
 def evaluate(rhs: RightHandSide, memory: Memory, t: float, source: int, target: int) -> None:
     """Write the derivative at vectors[source] to K[target], and a fault of the function to its counter."""
     rhs.clock[0] = t
@@ -33,7 +33,7 @@ def evaluate(rhs: RightHandSide, memory: Memory, t: float, source: int, target: 
         memory.counts[KERNEL] = code
 
 
-@inlined
+@inline
 def four_states(block: int, n: int) -> tuple[np.uintp, np.uintp, np.uintp, np.uintp]:
     """Return the places of four states from `block` on; at the end some stand for states before.
 
@@ -45,7 +45,7 @@ def four_states(block: int, n: int) -> tuple[np.uintp, np.uintp, np.uintp, np.ui
     return np.uintp(first), np.uintp(second), np.uintp(third), np.uintp(fourth)
 
 
-@inlined
+@inline
 def _sums(
     method: Method, row: int, K: Floats, i: np.uintp, j: np.uintp, k: np.uintp, m: np.uintp
 ) -> tuple[float, float, float, float]:
@@ -60,7 +60,7 @@ def _sums(
     return a, b, c, d
 
 
-@inlined
+@inline
 def _combine(method: Method, row: int, memory: Memory, factor: float, base: int, target: int) -> None:
     """Set vectors[target] to vectors[base] plus `factor` times a row of the tableau times K."""
     vectors, K, n = memory.vectors, memory.K, memory.K.shape[1]
@@ -83,14 +83,14 @@ def _combine(method: Method, row: int, memory: Memory, factor: float, base: int,
         vectors[target, m] = vectors[base, m] + factor * d
 
 
-@inlined
+@inline
 def _copy(memory: Memory, first: int, stop: int, source: int, target: int) -> None:
     """Copy some states of one vector to another."""
     for i in range(first, stop):
         memory.vectors[target, i] = memory.vectors[source, i]
 
 
-@inlined
+@inline
 def row_is_finite(array: Floats, row: int) -> bool:
     """Return whether a row holds no infinity and no NaN."""
     for i in range(array.shape[1]):
@@ -99,7 +99,7 @@ def row_is_finite(array: Floats, row: int) -> bool:
     return True
 
 
-@inlined
+@inline
 def scale(goal: Goal, memory: Memory, i: int) -> float:
     """Return how large a local error of state i may be."""
     vectors = memory.vectors
@@ -107,7 +107,7 @@ def scale(goal: Goal, memory: Memory, i: int) -> float:
     return scale
 
 
-@inlined
+@inline
 def _error_norm(method: Method, goal: Goal, memory: Memory, h: float) -> float:
     """Return the local error over its tolerance: section II.4."""
     vectors = memory.vectors
@@ -123,7 +123,7 @@ def _error_norm(method: Method, goal: Goal, memory: Memory, h: float) -> float:
     return error_size(first, second, h, vectors.shape[1])
 
 
-@inlined
+@inline
 def error_size(first: float, second: float, h: float, n: int) -> float:
     """Return the local error from the sums of squares of both estimates: section II.10."""
     if first == 0.0:
@@ -132,7 +132,7 @@ def error_size(first: float, second: float, h: float, n: int) -> float:
     return error
 
 
-@inlined
+@inline
 def attempt(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, t: float, h: float) -> float:
     """Compute the stages of one step and the new state; return the error norm, infinite if not finite."""
     memory.counts[KERNEL] = 0
@@ -155,7 +155,7 @@ def attempt(rhs: RightHandSide, method: Method, goal: Goal, memory: Memory, t: f
     return error if error > 1.0 or row_is_finite(memory.K, end) else np.inf
 
 
-@inlined
+@inline
 def _dense_row(method: Method, K: Floats, h: float, F: Floats, piece: int, row: int) -> bool:
     """Set F[piece, row] to h times its row of the tableau times K; return whether it is finite."""
     n = K.shape[1]
@@ -171,7 +171,7 @@ def _dense_row(method: Method, K: Floats, h: float, F: Floats, piece: int, row: 
     return zero == 0.0
 
 
-@inlined
+@inline
 def form_dense_output(
     rhs: RightHandSide, method: Method, memory: Memory, t: float, h: float, F: Floats, piece: int
 ) -> bool:

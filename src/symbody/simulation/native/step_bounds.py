@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from typing import Final
 
-from symbody.simulation.native.interface import Goal, Integers, inlined
+from symbody.simulation.native.interface import Goal, Integers, inline
 from symbody.simulation.native.layout import FIRST_BREAK, NEXT_BREAK
 
 EPSILON: Final = 2.220446049250313e-16
 SMALLEST_STEP: Final = 1e-290  # absolute, for motions that fail at t = 0
 
 
-@inlined
+@inline
 def next_break(goal: Goal, counts: Integers, t: float) -> int:
     """Return the number of the next breakpoint after a time, one that is at hand left behind."""
     k = counts[NEXT_BREAK]
@@ -26,8 +26,8 @@ def next_break(goal: Goal, counts: Integers, t: float) -> int:
     return int(k)
 
 
-@inlined
-def _bounded(goal: Goal, counts: Integers, t: float, h: float) -> tuple[float, int]:
+@inline
+def _bound_step(goal: Goal, counts: Integers, t: float, h: float) -> tuple[float, int]:
     """Return how long a step of length h may be, and the breakpoint at which it has to end, -1 for none.
 
     A step is no longer than every piece that it enters allows; it ends where it would enter one that allows
@@ -44,14 +44,14 @@ def _bounded(goal: Goal, counts: Integers, t: float, h: float) -> tuple[float, i
     return length, -1
 
 
-@inlined
+@inline
 def next_trial(goal: Goal, counts: Integers, t: float, h: float) -> tuple[float, float]:
     """Return length and end of the next trial, of length 0 where steps are too short to go on.
 
     Before a jump the step is shorter than its end tells, by `Goal.margins`.
     """
     rest = goal.t_end - t
-    length, k = _bounded(goal, counts, t, h)
+    length, k = _bound_step(goal, counts, t, h)
     # stretched by one percent rather than leave a tiny last step, but never beyond the step that was allowed
     is_free = length == abs(h) and abs(rest) <= abs(goal.breaks[counts[NEXT_BREAK]] - t)
     # and a step that ends beside the end by the rounding of times alone ends there
@@ -66,7 +66,7 @@ def next_trial(goal: Goal, counts: Integers, t: float, h: float) -> tuple[float,
     return goal.direction * length, t + goal.direction * length
 
 
-@inlined
+@inline
 def behind_jump(goal: Goal, counts: Integers, t: float) -> float:
     """Return a time just behind a jump that lies at this time; the time itself without one before the end."""
     k = next_break(goal, counts, t)

@@ -44,13 +44,13 @@ class Vectors:
     def operation(self, instruction: Callable[[Any, Any, Any], Any]) -> Any:
         """Return the function of two vectors that an instruction of LLVM's builder gives."""
 
-        def typed(typing: Any, a: Any, b: Any) -> Any:
+        def infer(typing: Any, a: Any, b: Any) -> Any:
             def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
                 return instruction(builder, *arguments)
 
             return self.kind(a, b), generate
 
-        return intrinsic(typed)
+        return intrinsic(infer)
 
     def _place(self, context: Any, builder: Any, kind: Any, array: Any, place: Any) -> Any:
         first = builder.gep(context.make_array(kind)(context, builder, array).data, [place])

@@ -27,10 +27,10 @@ def ground_shapes(basis: SceneBasis, up: Floats, normal: Floats | None) -> list[
     for link in basis.links:
         slides = isinstance(link, Joint) and basis.freedoms[link.name].translations > 0
         for address in (link.start, link.end):
-            at = basis.frames[address].at
-            is_new = all(np.linalg.norm(at - other) > 2.0 * basis.rod for _, other in places)
-            if address.body == GROUND and not slides and is_new and _has_foot(link):
-                places.append((link.name, at))
+            if address.body == GROUND and not slides and _has_foot(link):
+                at = basis.frames[address].at
+                if all(np.linalg.norm(at - other) > 2.0 * basis.rod for _, other in places):
+                    places.append((link.name, at))
     mesh = _foot(basis.rod)
     # The hatching is seen from the side that a planar mechanism is looked at from.
     view = axes_along(up, None if normal is None else np.cross(up, normal))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from dataclasses import asdict, replace
+from dataclasses import is_dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ def scene_to_json(scene: Scene) -> dict[str, Any]:
         {"vertices": encode_array(mesh.vertices), "triangles": encode_array(mesh.triangles, "<u4")}
         for mesh in scene.meshes
     ]
-    return {"version": VERSION, **_round(asdict(replace(scene, meshes=()))), "meshes": meshes}
+    return {"version": VERSION, **_round(replace(scene, meshes=())), "meshes": meshes}
 
 
 def motion_to_json(motion: SceneMotion) -> dict[str, Any]:
@@ -30,7 +30,7 @@ def motion_to_json(motion: SceneMotion) -> dict[str, Any]:
         for curve in motion.curves
     ]
     vectors = [
-        {"name": vector.name, "kind": vector.kind, "anchor": _round(asdict(vector.anchor)),
+        {"name": vector.name, "kind": vector.kind, "anchor": _round(vector.anchor),
          "values": encode_array(vector.values)}
         for vector in motion.vectors
     ]  # fmt: skip
@@ -51,10 +51,11 @@ def encode_array(values: ArrayLike, kind: str = "<f4") -> str:
 
 
 def _round(value: Any) -> Any:
+    """Return dataclasses as mappings, sequences as lists, and floats with seven digits."""
     if isinstance(value, float):
         return float(f"{value:.7g}")
-    if isinstance(value, dict):
-        return {key: _round(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
         return [_round(each) for each in value]
+    if is_dataclass(value):
+        return {name: _round(getattr(value, name)) for name in value.__dataclass_fields__}
     return value

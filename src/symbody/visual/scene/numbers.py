@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -41,6 +41,8 @@ class ModelNumbers:
 
     values: Mapping[str, Constant]
     assumed: tuple[str, ...]
+    # Values of formulas in parameters alone: hundreds of places of a large model hold the same few.
+    _kept: dict[tuple[str, float], float] = field(default_factory=dict, repr=False, compare=False)
 
     def number(self, formula: Formula, default: float = 0.0, /, **names: float) -> float:
         """Return the value of a formula, or `default` where it has none that can be drawn.
@@ -50,8 +52,16 @@ class ModelNumbers:
         **names : float
             Values of what the formula may contain beside parameters.
         """
+        if names:
+            return self._value(formula, default, {**self.values, **names})
+        kept = self._kept.get((formula.text, default))
+        if kept is None:
+            kept = self._kept[formula.text, default] = self._value(formula, default, self.values)
+        return kept
+
+    def _value(self, formula: Formula, default: float, values: Mapping[str, Constant]) -> float:
         try:
-            value = value_of(formula, {**self.values, **names})
+            value = value_of(formula, values)
         except ExpressionError:
             return default
         number = default if value is None else as_float(value)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
@@ -60,8 +61,7 @@ class RigidTransform:
     @property
     def quaternion(self) -> Quaternion:
         """From this frame's axes to the other's, scalar first and not negative."""
-        x, y, z, w = Rotation.from_matrix(self.axes).as_quat(canonical=True)
-        return (float(w), float(x), float(y), float(z))
+        return matrix_quaternion(self.axes)
 
     @property
     def place(self) -> Point:
@@ -73,6 +73,24 @@ def as_point(vector: Floats) -> Point:
     """Return three components as plain numbers."""
     x, y, z = (float(component) + 0.0 for component in vector)  # no minus zero
     return (x, y, z)
+
+
+def matrix_quaternion(matrix: Floats) -> Quaternion:
+    """Return the quaternion of a rotation matrix (3, 3), scalar first and not negative.
+
+    Pictures hold hundreds of them, each of which costs a library that takes arrays a tenth of a millisecond.
+    """
+    (a, b, c), (d, e, f), (g, h, i) = matrix.tolist()
+    # four times the products of one component, the largest, with all of them
+    products = max(
+        ((1.0 + a + e + i, h - f, c - g, d - b), 0), ((h - f, 1.0 + a - e - i, b + d, c + g), 1),
+        ((c - g, b + d, 1.0 - a + e - i, f + h), 2), ((d - b, c + g, f + h, 1.0 - a - e + i), 3),
+        key=lambda row: row[0][row[1]],
+    )[0]  # fmt: skip
+    length = math.sqrt(math.fsum(part * part for part in products))
+    sign = math.copysign(length, next((part for part in products if part), 1.0))
+    w, x, y, z = (part / sign for part in products)
+    return (w + 0.0, x + 0.0, y + 0.0, z + 0.0)  # no minus zero
 
 
 def rotation_matrix(quaternion: Quaternion) -> Floats:
@@ -102,8 +120,14 @@ def axes_along(direction: Floats, sideways: Floats | None = None) -> Floats:
         length = np.linalg.norm(across)
         if length > 1e-6:
             first = across / length
-            return np.column_stack([first, np.cross(direction, first), direction])
+            return np.column_stack([first, _cross(direction, first), direction])
     return np.eye(3)
+
+
+def _cross(left: Floats, right: Floats) -> Floats:
+    """Return a vector product (3,) without the overhead of one that takes arrays of any shape."""
+    (a, b, c), (x, y, z) = left.tolist(), right.tolist()
+    return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
 def frame_transform(frame: Frame, numbers: ModelNumbers) -> RigidTransform:

@@ -48,7 +48,7 @@ def absolute(typing: Any, a: Any) -> Any:
 
 
 @intrinsic
-def chosen(typing: Any, mask: Any, a: Any, b: Any) -> Any:
+def choose(typing: Any, mask: Any, a: Any, b: Any) -> Any:
     """Return the lanes of a where the mask is not 0, and those of b elsewhere."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

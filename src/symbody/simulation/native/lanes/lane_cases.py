@@ -21,9 +21,9 @@ from symbody.simulation.native.interface import (
     Projector,
     Record,
     RightHandSide,
-    compiled,
-    inlined,
-    uncounted,
+    borrow,
+    compile_loop,
+    inline,
 )
 from symbody.simulation.native.lanes.arithmetic import WIDTH
 from symbody.simulation.native.lanes.lane_projection import project_new_states
@@ -70,7 +70,7 @@ from symbody.simulation.native.projection import project
 from symbody.simulation.native.step_bounds import behind_jump, next_trial
 
 # A test says what it has to be.
-SOURCES: Final = "20f1fa5b6cf87198"
+SOURCES: Final = "1fcb5a9f89bfcefa"
 
 
 class Single(NamedTuple):
@@ -84,7 +84,7 @@ class Single(NamedTuple):
     record: Record
 
 
-@inlined
+@inline
 def _load(single: Single, bundle: Bundle, lane: int) -> None:
     """Fill the arrays for one motion from those of a lane."""
     memory = single.memory
@@ -99,7 +99,7 @@ def _load(single: Single, bundle: Bundle, lane: int) -> None:
         memory.counts[k] = bundle.counts[lane, k]
 
 
-@inlined
+@inline
 def _unload(single: Single, bundle: Bundle, lane: int) -> None:
     """Fill the arrays of a lane from those for one motion."""
     memory = single.memory
@@ -114,14 +114,14 @@ def _unload(single: Single, bundle: Bundle, lane: int) -> None:
         bundle.counts[lane, k] = memory.counts[k]
 
 
-@inlined
+@inline
 def _own_record(single: Single, outcome: Outcome, k: int) -> Record:
     """Return where the samples of case k go; all samples have the same times."""
     record = single.record
     return Record(record.wanted, record.t, outcome.x[k], record.breaks, record.pieces, False, False)
 
 
-@inlined
+@inline
 def _refill(
     single: Single, wide: RightHandSide, bundle: Bundle, cases: Cases, outcome: Outcome, lane: int,
     first: int, start: float, first_step: float,
@@ -150,7 +150,7 @@ def _refill(
     return k + 1
 
 
-@inlined
+@inline
 def _plan(single: Single, bundle: Bundle, lane: int) -> int:
     """Set the next trial of a lane; return why there is none, as `loop.advance` does."""
     counts, goal, t = bundle.counts, single.goal, bundle.real[lane, TIME]
@@ -173,7 +173,7 @@ def _plan(single: Single, bundle: Bundle, lane: int) -> int:
     return code
 
 
-@inlined
+@inline
 def _put_down(single: Single, bundle: Bundle, outcome: Outcome, lane: int, code: int) -> None:
     """Write down how far the case of a lane came."""
     memory = single.memory
@@ -183,7 +183,7 @@ def _put_down(single: Single, bundle: Bundle, outcome: Outcome, lane: int, code:
     conclude(memory, outcome, bundle.cases[lane], code)
 
 
-@inlined
+@inline
 def _try_alone(single: Single, bundle: Bundle, cases: Cases, outcome: Outcome, lane: int) -> None:
     """Try the step of a lane in the loop for one motion, from what it started from."""
     k = bundle.cases[lane]
@@ -197,7 +197,7 @@ def _try_alone(single: Single, bundle: Bundle, cases: Cases, outcome: Outcome, l
     _unload(single, bundle, lane)
 
 
-@inlined
+@inline
 def _fill(single: Single, cases: Cases, k: int) -> None:
     """Set the function for one motion to the numbers of case k."""
     fill(single.rhs.parameters, cases.parameters, k)
@@ -205,7 +205,7 @@ def _fill(single: Single, cases: Cases, k: int) -> None:
     fill(single.goal.atol, cases.atol, k)
 
 
-@inlined
+@inline
 def _pass_jump(single: Single, bundle: Bundle, cases: Cases, lane: int) -> None:
     """Go on behind a jump in a lane, as `loop.pass_jump` does."""
     t = bundle.real[lane, TIME]
@@ -216,13 +216,13 @@ def _pass_jump(single: Single, bundle: Bundle, cases: Cases, lane: int) -> None:
         _unload(single, bundle, lane)
 
 
-@inlined
+@inline
 def _next_sample(goal: Goal, record: Record, sample: int, t_new: float) -> float:
     """Return how far beyond the end of a step the next sample lies, negative if it lies before."""
     return (record.wanted[sample] - t_new) * goal.direction if sample < record.wanted.size else 1.0
 
 
-@inlined
+@inline
 def _mark_samples(single: Single, bundle: Bundle) -> bool:
     """Mark the lanes whose steps have samples inside; return whether there are any."""
     some = False
@@ -236,7 +236,7 @@ def _mark_samples(single: Single, bundle: Bundle) -> bool:
     return some
 
 
-@inlined
+@inline
 def _store_samples(single: Single, bundle: Bundle, cases: Cases, outcome: Outcome, lane: int) -> None:
     """Store the samples of the step of a lane."""
     F, x, goal, record = single.memory.F, outcome.x[bundle.cases[lane]], single.goal, single.record
@@ -263,7 +263,7 @@ def _store_samples(single: Single, bundle: Bundle, cases: Cases, outcome: Outcom
     bundle.counts[lane, SAMPLES] = sample
 
 
-@inlined
+@inline
 def _judge(single: Single, bundle: Bundle, lane: int) -> None:
     """End the case of a lane if it is stiff, as `loop.advance` does."""
     method, goal, memory = single.method, single.goal, single.memory
@@ -278,7 +278,7 @@ def _judge(single: Single, bundle: Bundle, lane: int) -> None:
         bundle.codes[lane] = STIFF
 
 
-@inlined
+@inline
 def _conclude_lane(
     single: Single, bundle: Bundle, cases: Cases, outcome: Outcome, lane: int, extra: int
 ) -> None:
@@ -305,7 +305,7 @@ def _conclude_lane(
     trial[MASK, lane] = 1.0
 
 
-@inlined
+@inline
 def _conclude_all(
     single: Single, wide: RightHandSide, bundle: Bundle, cases: Cases, outcome: Outcome, is_tried: bool
 ) -> None:
@@ -334,7 +334,7 @@ def _conclude_all(
             _pass_jump(single, bundle, cases, lane)
 
 
-@compiled
+@compile_loop
 def run_cases_in_lanes(
     single: Single,
     wide: RightHandSide,
@@ -345,16 +345,16 @@ def run_cases_in_lanes(
     outcome: Outcome,
 ) -> None:
     """Compute all cases that have no code yet, as `native.cases.run_cases`, by `wide` in lanes."""
-    own = Single(
-        uncounted(single.rhs),
-        uncounted(single.projector),
-        uncounted(single.method),
-        uncounted(single.goal),
-        uncounted(single.memory),
-        uncounted(single.record),
+    group = Single(
+        borrow(single.rhs),
+        borrow(single.projector),
+        borrow(single.method),
+        borrow(single.goal),
+        borrow(single.memory),
+        borrow(single.record),
     )
-    wide, bundle = uncounted(wide), uncounted(bundle)
-    cases, outcome = uncounted(cases), uncounted(outcome)
+    wide, bundle = borrow(wide), borrow(bundle)
+    cases, outcome = borrow(cases), borrow(outcome)
     following = 0
     while outcome.stop[0] == 0:
         running = 0
@@ -362,18 +362,18 @@ def run_cases_in_lanes(
             code = FINISHED
             while code != RUNNING:
                 if bundle.cases[lane] >= 0:
-                    code = _plan(own, bundle, lane)
+                    code = _plan(group, bundle, lane)
                     if code == RUNNING:
                         running += 1
                         break
-                    _put_down(own, bundle, outcome, lane, code)
-                following = _refill(own, wide, bundle, cases, outcome, lane, following, start, first_step)
+                    _put_down(group, bundle, outcome, lane, code)
+                following = _refill(group, wide, bundle, cases, outcome, lane, following, start, first_step)
                 if bundle.cases[lane] < 0:
                     break
         if running == 0:
             return
-        is_tried = attempt_all(wide, own.method, own.goal, bundle)
-        _conclude_all(own, wide, bundle, cases, outcome, is_tried)
+        is_tried = attempt_all(wide, group.method, group.goal, bundle)
+        _conclude_all(group, wide, bundle, cases, outcome, is_tried)
     for lane in range(WIDTH):
         if bundle.cases[lane] >= 0:
-            _put_down(own, bundle, outcome, lane, RUNNING)
+            _put_down(group, bundle, outcome, lane, RUNNING)

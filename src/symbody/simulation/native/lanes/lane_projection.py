@@ -16,9 +16,9 @@ from symbody.simulation.native.interface import (
     Projector,
     RightHandSide,
     call,
-    inlined,
+    inline,
 )
-from symbody.simulation.native.lanes.arithmetic import WIDTH, chosen, plus, put, spread, take, times
+from symbody.simulation.native.lanes.arithmetic import WIDTH, choose, plus, put, spread, take, times
 from symbody.simulation.native.lanes.lane_steps import (
     CALLS,
     ERROR_NORM,
@@ -33,7 +33,7 @@ from symbody.simulation.native.layout import STATE_NEW, STATE_OLD, TIME
 from symbody.simulation.native.loop import project_new_state
 
 
-@inlined
+@inline
 def _project_lane(
     projector: Projector, goal: Goal, memory: Memory, bundle: Bundle, cases: Cases, lane: int
 ) -> float:
@@ -51,7 +51,7 @@ def _project_lane(
     return moved
 
 
-@inlined
+@inline
 def _renew_derivatives(wide: RightHandSide, bundle: Bundle, K: Floats, end: int) -> bool:
     """Renew the derivatives at the ends of the steps that are marked; return False if the function failed.
 
@@ -61,8 +61,8 @@ def _renew_derivatives(wide: RightHandSide, bundle: Bundle, K: Floats, end: int)
     mask = take(trial, MASK * WIDTH)
     for place in range(0, n, WIDTH):
         new, old = take(vectors, STATE_NEW * n + place), take(vectors, STATE_OLD * n + place)
-        put(scratch, place, chosen(mask, new, old))
-    put(wide.clock, 0, chosen(mask, take(trial, T_NEW * WIDTH), take(trial, T * WIDTH)))
+        put(scratch, place, choose(mask, new, old))
+    put(wide.clock, 0, choose(mask, take(trial, T_NEW * WIDTH), take(trial, T * WIDTH)))
     if call(wide, scratch, 0, bundle.derivative, 0) != 0:
         return False
     take_marked(bundle, bundle.derivative, 0, K, end)
@@ -76,7 +76,7 @@ def _renew_derivatives(wide: RightHandSide, bundle: Bundle, K: Floats, end: int)
     return True
 
 
-@inlined
+@inline
 def project_new_states(
     wide: RightHandSide, projector: Projector, method: Method, goal: Goal, memory: Memory, bundle: Bundle,
     cases: Cases,

@@ -16,12 +16,12 @@ from symbody.simulation.native.interface import (
     Method,
     RightHandSide,
     call,
-    inlined,
+    inline,
 )
 from symbody.simulation.native.lanes.arithmetic import (
     WIDTH,
     absolute,
-    chosen,
+    choose,
     larger,
     minus,
     over,
@@ -88,7 +88,7 @@ class Bundle(NamedTuple):
     codes: Integers
 
 
-@inlined
+@inline
 def _combine(
     method: Method, row: int, K: Floats, trial: Floats, factor: int, base: Floats, source: int, out: Floats,
     target: int,
@@ -114,7 +114,7 @@ def _combine(
         put(out, new + m, plus(take(base, old + m), times(share, d)))
 
 
-@inlined
+@inline
 def _copy(array: Floats, first: int, stop: int, source: int, target: int) -> None:
     """Copy part of one row to another; places count doubles."""
     n = array.shape[1]
@@ -122,7 +122,7 @@ def _copy(array: Floats, first: int, stop: int, source: int, target: int) -> Non
         put(array, target * n + place, take(array, source * n + place))
 
 
-@inlined
+@inline
 def _evaluate(
     wide: RightHandSide, trial: Floats, c: float, x: Floats, source: int, out: Floats, target: int
 ) -> int:
@@ -134,7 +134,7 @@ def _evaluate(
     return code
 
 
-@inlined
+@inline
 def _write_errors(method: Method, goal: Goal, bundle: Bundle) -> None:
     """Write the errors of all lanes to the trial, as `stages.error_size` computes them."""
     vectors, K, trial = bundle.vectors, bundle.K, bundle.trial
@@ -156,7 +156,7 @@ def _write_errors(method: Method, goal: Goal, bundle: Bundle) -> None:
         trial[ERROR_NORM, lane] = error
 
 
-@inlined
+@inline
 def _write_faults(method: Method, bundle: Bundle) -> None:
     """Make the errors of lanes infinite where they, or tolerated ends, are not finite; count evaluations."""
     K, trial, end = bundle.K, bundle.trial, method.stages
@@ -172,7 +172,7 @@ def _write_faults(method: Method, bundle: Bundle) -> None:
             trial[ERROR_NORM, lane] = np.inf
 
 
-@inlined
+@inline
 def _mark_small_errors(bundle: Bundle) -> bool:
     """Mark the lanes whose error is tolerated; return whether there are any that compute a case."""
     trial, some = bundle.trial, False
@@ -183,17 +183,17 @@ def _mark_small_errors(bundle: Bundle) -> bool:
     return some
 
 
-@inlined
+@inline
 def take_marked(bundle: Bundle, array: Floats, row: int, out: Floats, target: int) -> None:
     """Copy array[row] to out[target] in the lanes that are marked."""
     n = array.shape[1]
     mask = take(bundle.trial, MASK * WIDTH)
     for place in range(0, n, WIDTH):
         there = target * n + place
-        put(out, there, chosen(mask, take(array, row * n + place), take(out, there)))
+        put(out, there, choose(mask, take(array, row * n + place), take(out, there)))
 
 
-@inlined
+@inline
 def attempt_all(wide: RightHandSide, method: Method, goal: Goal, bundle: Bundle) -> bool:
     """Do what `stages.attempt` does in every lane; return False if the function failed in one.
 
@@ -221,7 +221,7 @@ def attempt_all(wide: RightHandSide, method: Method, goal: Goal, bundle: Bundle)
     return True
 
 
-@inlined
+@inline
 def form_dense_outputs(wide: RightHandSide, method: Method, bundle: Bundle) -> bool:
     """Do what `stages.form_dense_output` does in the lanes that are marked, the others lose theirs.
 
