@@ -184,7 +184,7 @@ def consistent_start(
 
 
 def consistent_positions(evaluator: Closure, fixed: Mapping[str, float], near: Mapping[str, float]) -> Floats:
-    """Return coordinates (n_q,) in which all constraints hold; of what is fixed the positions count.
+    """Return coordinates (n_q,) in which all constraints hold, with the positions among the fixed values.
 
     Raises
     ------

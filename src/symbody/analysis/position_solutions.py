@@ -215,18 +215,12 @@ def solve_positions(
                     "the equations contradict each other, depend on each other, or have no solution by roots "
                     "and arcs", "take other dependent coordinates, or assemble with numbers")
         )  # fmt: skip
-    solutions = [solutions[k] for k in distinct(_formulas(constraints, graph, rows, unknowns, solutions))]
-    shown = readable(graph, [node for row in solutions for node in row])
-    formulas = to_sympy(graph, shown)
+    forms = _formulas(constraints, graph, rows, unknowns, solutions)
+    kept = tuple(tuple(solutions[k]) for k in distinct(forms))
+    formulas = iter(to_sympy(graph, readable(graph, [node for row in kept for node in row])))
     coordinates = tuple(to_sympy(graph, unknowns))
-    width = len(unknowns)
-    branches = tuple(
-        dict(zip(coordinates, formulas[k * width : (k + 1) * width], strict=True))
-        for k in range(len(solutions))
-    )
-    return PositionSolutions(
-        coordinates, branches, graph, tuple(rows), tuple(map(tuple, solutions)), tuple(names), model, notes
-    )
+    branches = tuple({name: next(formulas) for name in coordinates} for _ in kept)
+    return PositionSolutions(coordinates, branches, graph, tuple(rows), kept, tuple(names), model, notes)
 
 
 def _formulas(

@@ -75,7 +75,7 @@ def position_solver(
     parameters: Mapping[str, Value] | None = None,
     constraints: CompiledFunction | None = None,
 ) -> PositionSolver:
-    """Return what closes the loops of a mechanism.
+    """Return a solver that closes the loops of a mechanism.
 
     Parameters
     ----------
