@@ -64,23 +64,23 @@ def lagrange(mechanism: HandPlaced, coordinates: Sequence[str], natural: bool = 
     potential = _within(graph, gravitational_energy(graph, mechanism.bodies, mechanism.gravity))
     momenta = time_derivative(graph, gradient(graph, kinetic, rates))
     slopes, pulls = gradient(graph, kinetic, q), gradient(graph, potential, q)
-    found = [
+    equations = [
         Expr(graph, p) - Expr(graph, t) + Expr(graph, v)
         for p, t, v in zip(momenta, slopes, pulls, strict=True)
     ]
     for force in generalized_forces(graph, mechanism.loads, rates):
-        found = [left - right for left, right in zip(found, force, strict=True)]
+        equations = [left - right for left, right in zip(equations, force, strict=True)]
     closing = []
     for constraint in mechanism.constraints:
         for value, name in zip(constraint.values, constraint.multipliers, strict=True):
             node = _within(graph, value)
             multiplier = Expr(graph, graph.symbol(Symbol(name, Kind.COORDINATE)))
             slopes = gradient(graph, node, rates if is_on_velocities(graph, node) else q)
-            found = [
-                left - Expr(graph, slope) * multiplier for left, slope in zip(found, slopes, strict=True)
+            equations = [
+                left - Expr(graph, slope) * multiplier for left, slope in zip(equations, slopes, strict=True)
             ]
             closing.append(Expr(graph, node))
-    return [*found, *closing]
+    return [*equations, *closing]
 
 
 def generalized_forces(

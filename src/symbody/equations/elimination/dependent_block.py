@@ -74,21 +74,21 @@ class Block:
         """Return x with ``J_d x = right``."""
         graph = right[0].graph
         zero = number(graph, 0)
-        found: dict[int, Expr] = {}
+        values: dict[int, Expr] = {}
 
         def left(k: int) -> Expr:
             total = right[k]
-            for column, value in found.items():
+            for column, value in values.items():
                 total = total - self.matrix[k][column] * value
             return total
 
         for step in self.steps:
-            found[step.columns[0]] = left(step.rows[0]) / step.determinant
+            values[step.columns[0]] = left(step.rows[0]) / step.determinant
         if self.coupled is not None:
             rest = [left(k) for k in self.coupled.rows]
             for column, row in zip(self.coupled.columns, self.inverse, strict=True):
-                found[column] = sum((x * r for x, r in zip(row, rest, strict=True)), zero)
-        return [found[k] for k in range(len(right))]
+                values[column] = sum((x * r for x, r in zip(row, rest, strict=True)), zero)
+        return [values[k] for k in range(len(right))]
 
 
 def solvable(graph: Graph, matrix: Matrix) -> Block | None:

@@ -58,7 +58,7 @@ def eliminated(
     block = solvable(graph, [[row.slopes.get(u, zero) for u in columns] for row in tied])
     if block is None:
         raise FormulationError(_singular(graph, speeds, tied, dependent))
-    rest = dict(zip(columns, block.solve([-row.rest for row in tied]), strict=True))
+    offsets = dict(zip(columns, block.solve([-row.rest for row in tied]), strict=True))
     units = [[number(graph, int(i == k)) for i in range(len(tied))] for k in range(len(tied))]
     inverse = list(zip(*(block.solve(unit) for unit in units), strict=True))
     # gamma contains speeds, the dependent ones too.
@@ -69,7 +69,7 @@ def eliminated(
         rows=tuple(tied),
         given={row.name: (row.slopes, row.rest) for row in rows},
         slopes=_slopes(tied, block, columns, [graph.symbol(u) for u in speeds if u not in chosen]),
-        rest=rest,
+        rest=offsets,
         bias=dict.fromkeys(columns, zero),
         inverse=tuple(inverse),
         block=block,
@@ -108,7 +108,7 @@ def elimination_notes(elimination: Elimination) -> tuple[str, ...]:
     """Return which speeds were eliminated, by which rows, and where they do not follow from the others."""
     graph, dependent = elimination.graph, elimination.dependent
     listed = ", ".join(row.name for row in elimination.rows)
-    told = [
+    notes = [
         f"dependent speeds {', '.join(u.label for u in dependent)} are eliminated by the constraints on "
         f"velocities {listed}, whose multipliers are outputs; {len(elimination.independent)} speeds are left"
     ]
@@ -121,11 +121,11 @@ def elimination_notes(elimination: Elimination) -> tuple[str, ...]:
                 if shown
                 else "their determinant vanishes"
             )
-            told.append(
+            notes.append(
                 f"dependent speeds {which}: they do not follow from the others where {where}; "
                 f"{dependent[pivot.columns[0]].label}_pivot tells how near that is, and a run stops before"
             )
-    return tuple(told)
+    return tuple(notes)
 
 
 def _varies(graph: Graph, pivot: Pivot) -> bool:
@@ -155,7 +155,7 @@ def _pivots(
     weights = {graph.symbol(u): dynamics.mass_matrix[k][k] for k, u in enumerate(speeds)}
     sizes = {u: 1 / sqrt(maximum(m, _TINY)) for u, m in weights.items() if not m.is_zero}
     one = number(graph, 1)
-    found: dict[str, Expr] = {}
+    pivots: dict[str, Expr] = {}
     for pivot in block.pivots:
         if not _varies(graph, pivot):
             continue
@@ -168,8 +168,8 @@ def _pivots(
                 if u in sizes or u in {graph.symbol(own) for own in chosen}:
                     square = square + (slope * sizes.get(u, one)) ** 2
             share = share / sqrt(square)
-        found |= {f"{chosen[k].label}_pivot": share for k in pivot.columns}
-    return found
+        pivots |= {f"{chosen[k].label}_pivot": share for k in pivot.columns}
+    return pivots
 
 
 def _misnamed(
@@ -180,7 +180,7 @@ def _misnamed(
     if not rows:
         yield nothing_to_eliminate()
         return
-    told = f"{len(rows)} constraint{'s' if len(rows) > 1 else ''} on velocities ({_listed(rows)})"
+    counted_rows = f"{len(rows)} constraint{'s' if len(rows) > 1 else ''} on velocities ({_listed(rows)})"
     for name in dict.fromkeys(dependent):
         if name not in labels:
             yield Problem("equations.unknown_speed", where, f"{name!r} is no speed of these equations",
@@ -192,7 +192,7 @@ def _misnamed(
     if len(dependent) != len(rows) or len(set(dependent)) != len(dependent):
         yield Problem(
             "equations.dependent_number", where,
-            f"{len(set(dependent))} different dependent speeds are named, for {told}",
+            f"{len(set(dependent))} different dependent speeds are named, for {counted_rows}",
             "each of these constraints gives one speed",
             f"name {len(rows)} of {', '.join(_tied_speeds(names.graph, speeds, rows))}, or write \"auto\"",
         )  # fmt: skip

@@ -140,7 +140,7 @@ class Elimination:
         n = len(self.speeds)
         zero = number(self.graph, 0)
         nodes = [self.graph.symbol(u) for u in self.speeds]
-        own = [self.graph.symbol(u) for u in self.independent]
+        independent = [self.graph.symbol(u) for u in self.independent]
         T = [self._combination(u) for u in nodes]
         s = [self.bias.get(u, zero) for u in nodes]
         mass = self.full.mass_matrix
@@ -149,17 +149,18 @@ class Elimination:
             Expr(self.graph, moved[i]) - _total((mass[i][j] * s[j] for j in range(n)), zero) for i in range(n)
         ]
         columns = [
-            [_total((mass[i][j] * T[j].get(u, zero) for j in range(n)), zero) for i in range(n)] for u in own
+            [_total((mass[i][j] * T[j].get(u, zero) for j in range(n)), zero) for i in range(n)]
+            for u in independent
         ]
 
         def gathered(column: Sequence[Expr], u: int) -> Expr:
             return _total((T[i].get(u, zero) * column[i] for i in range(n)), zero)
 
-        matrix = [[zero] * len(own) for _ in own]
-        for i, u in enumerate(own):
+        matrix = [[zero] * len(independent) for _ in independent]
+        for i, u in enumerate(independent):
             for j in range(i + 1):
                 matrix[i][j] = matrix[j][i] = gathered(columns[j], u)
-        return projected_dynamics(system, matrix, [gathered(forcing, u) for u in own])
+        return projected_dynamics(system, matrix, [gathered(forcing, u) for u in independent])
 
     def multipliers(self, others: Sequence[str]) -> dict[str, Expr]:
         """Return the multipliers of the rows eliminated, in u', the other multipliers and friction efforts.
@@ -203,7 +204,7 @@ class Elimination:
 
     def _velocity(self, velocity: Velocity, moved: Mapping[int, int]) -> Velocity:
         partials = {u: a for u, a in velocity.partials.items() if u not in self.slopes}
-        rest, value, bias = (
+        offset, value, bias = (
             velocity.rest,
             *(a.map(lambda x: Expr(self.graph, moved[x.index])) for a in (velocity.value, velocity.bias)),
         )
@@ -213,8 +214,8 @@ class Elimination:
             for other, slope in self.slopes[u].items():
                 share = partial * slope
                 partials[other] = partials[other] + share if other in partials else share
-            rest, bias = rest + partial * self.rest[u], bias + partial * self.bias[u]
-        return Velocity({u: a for u, a in partials.items() if not a.is_zero}, rest, value, bias)
+            offset, bias = offset + partial * self.rest[u], bias + partial * self.bias[u]
+        return Velocity({u: a for u, a in partials.items() if not a.is_zero}, offset, value, bias)
 
     def _row(self, row: Row) -> Row:
         zero = number(self.graph, 0)

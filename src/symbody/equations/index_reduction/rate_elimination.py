@@ -74,7 +74,7 @@ def eliminate_rates(graph: Graph, matrix: Sequence[Sequence[int]], rest: Sequenc
 
 
 def _without_earlier(
-    graph: Graph, entries: dict[int, int], rest: int, done: Sequence[_Reduced]
+    graph: Graph, entries: dict[int, int], constant: int, done: Sequence[_Reduced]
 ) -> tuple[dict[int, int], int, int | None]:
     """Return a row reduced by those before it, without coefficients that vanish identically."""
     level: int | None = None
@@ -89,7 +89,7 @@ def _without_earlier(
                 j: sub(graph, entries.get(j, ZERO), mul(graph, share, earlier.entries.get(j, ZERO)))
                 for j in columns
             }
-            rest = sub(graph, rest, mul(graph, share, earlier.rest))
+            constant = sub(graph, constant, mul(graph, share, earlier.rest))
         else:
             common = None if level is None or level != earlier.level else done[level].pivot
             entries = {
@@ -98,12 +98,16 @@ def _without_earlier(
                 )
                 for j in columns
             }
-            rest = _crossed(graph, earlier, factor, rest, earlier.rest, common)
+            constant = _crossed(graph, earlier, factor, constant, earlier.rest, common)
             level = k
         del entries[earlier.column]
         entries = {j: entries[j] for j in sorted(entries) if entries[j] != ZERO}
     zero = vanishing(graph, list(entries.values()))
-    return {j: node for (j, node), gone in zip(entries.items(), zero, strict=True) if not gone}, rest, level
+    return (
+        {j: node for (j, node), gone in zip(entries.items(), zero, strict=True) if not gone},
+        constant,
+        level,
+    )
 
 
 def _crossed(graph: Graph, earlier: _Reduced, factor: int, own: int, other: int, common: int | None) -> int:

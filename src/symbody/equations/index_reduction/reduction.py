@@ -67,23 +67,23 @@ def _of_equations(equations: Sequence[SympyExpr], unknowns: tuple[SympyExpr, ...
     rows = nodes_from_equations(equations, graph)
     rates = derivative_nodes(graph, time_derivatives(unknowns))
     _check_number(len(rows), unknowns)
-    found: list[list[int]] = []
+    levels: list[list[int]] = []
     pivots: dict[int, None] = {}
     while True:
         parted = separated(graph, rows, rates)
         pivots.update(dict.fromkeys(parted.pivots))
         if parted.dropped:
-            raise FormulationError(_undetermined(graph, parted.dropped, len(found), unknowns))
+            raise FormulationError(_undetermined(graph, parted.dropped, len(levels), unknowns))
         if not parted.algebraic:
             break
-        found.append(parted.algebraic)
+        levels.append(parted.algebraic)
         rows = [*parted.differential, *parted.rates]
-        if len(found) > len(unknowns):  # no regular system has a higher index [Hairer & Wanner 1996]
-            raise FormulationError(_undetermined(graph, (), len(found), unknowns))
-    shown, definitions = written(graph, [*rows, *(node for level in found for node in level), *pivots])
+        if len(levels) > len(unknowns):  # no regular system has a higher index [Hairer & Wanner 1996]
+            raise FormulationError(_undetermined(graph, (), len(levels), unknowns))
+    shown, definitions = written(graph, [*rows, *(node for level in levels for node in level), *pivots])
     pieces = iter(shown)
     ode = [next(pieces) for _ in rows]
-    algebraic = tuple([next(pieces) for _ in level] for level in found)
+    algebraic = tuple([next(pieces) for _ in level] for level in levels)
     return IndexReduction(unknowns, ode, algebraic, tuple(pieces), tuple(definitions))
 
 

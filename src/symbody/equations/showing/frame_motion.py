@@ -57,15 +57,15 @@ def frame_motion_entries(
     return (3,), list(components(tree, motion_vector(formed, kind, end, reference), resolved_in))
 
 
-def frame_output(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+def frame_output(formed: EquationsOfMotion, text: str) -> tuple[tuple[int, ...], list[Expr]]:
     """Return the output "frame KIND END REF IN" or "frame R END IN"; with " x" or " xy" behind, one entry."""
     frames = formed.kinematics.velocities
-    words = output_words(rest, frames)
+    words = output_words(text, frames)
     is_entry = len(words) > 2 and set(words[-1]) <= set("xyz") and words[-1] not in frames
     entry = words.pop() if is_entry else ""
     if not 2 <= len(words) <= (3 if words[0] == "R" else 4):
         raise FormulationError(
-            Problem("equations.frame_words", f"frame {rest}", f"{rest!r} does not name a motion",
+            Problem("equations.frame_words", f"frame {text}", f"{text!r} does not name a motion",
                     "a motion is named by its kind and its frames",
                     'write "frame r END REFERENCE RESOLVED_IN" or "frame R END REFERENCE"')
         )  # fmt: skip
@@ -75,7 +75,7 @@ def frame_output(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...],
     places = ["xyz".index(letter) for letter in entry]
     if len(places) != len(shape):
         raise FormulationError(
-            Problem("equations.frame_entry", f"frame {rest}", f"{entry!r} names no entry",
+            Problem("equations.frame_entry", f"frame {text}", f"{entry!r} names no entry",
                     f"the motion has {len(shape)} ind{'ex' if len(shape) == 1 else 'ices'}",
                     'end with "x" for a vector, "xy" for a matrix')
         )  # fmt: skip

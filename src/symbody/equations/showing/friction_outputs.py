@@ -39,7 +39,7 @@ def _effort(law: FrictionLaw) -> Expr:
     return symbol(law.rate.graph, Symbol(law.holding, Kind.MULTIPLIER)) if law.sticks else law.effort
 
 
-def _found(formed: EquationsOfMotion, rest: str) -> tuple[int, FrictionLaw]:
+def _found(formed: EquationsOfMotion, text: str) -> tuple[int, FrictionLaw]:
     """Return the law that a name means, and its place.
 
     Raises
@@ -48,10 +48,10 @@ def _found(formed: EquationsOfMotion, rest: str) -> tuple[int, FrictionLaw]:
         If there is none, with the nearest names.
     """
     names = friction_names(formed)
-    words = output_words(rest, names)
+    words = output_words(text, names)
     if len(words) == 1 and words[0] in names:
         return names.index(words[0]), formed.friction[names.index(words[0])]
     raise FormulationError(
-        Problem("equations.unknown_friction", f"friction {rest}", f"there is no joint {rest!r} with friction",
-                "", nearest(rest, names))
+        Problem("equations.unknown_friction", f"friction {text}", f"there is no joint {text!r} with friction",
+                "", nearest(text, names))
     )  # fmt: skip

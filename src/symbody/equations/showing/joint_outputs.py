@@ -49,19 +49,19 @@ def reaction_wrench(
             Problem("equations.unknown_joint", f"joint {joint}", f"no joint or constraint {joint!r} connects "
                     "two bodies", "", nearest(joint, formed.wrenches))
         )  # fmt: skip
-    found = (formed.wrenches if totals is None else totals).get(joint, NOTHING)
+    wrench = (formed.wrenches if totals is None else totals).get(joint, NOTHING)
     if joint not in formed.topology.contacts:
-        found = reaction(formed.names, formed.kinematics, formed.topology.joint(joint), found)
+        wrench = reaction(formed.names, formed.kinematics, formed.topology.joint(joint), wrench)
     at = joint if isinstance(owner, Rolling) and not at else at
     if at:
         arm = formed.kinematics.arm(formed.frame(at), owner.end.frame)
-        found = Wrench(found.force, found.moment + cross(formed.kinematics.tree, arm, found.force))
+        wrench = Wrench(wrench.force, wrench.moment + cross(formed.kinematics.tree, arm, wrench.force))
     if on and on not in (owner.end.body, owner.start.body):
         raise FormulationError(
             Problem("equations.not_its_body", f"joint {joint}", f"the joint does not act on {on!r}", "",
                     f"name {owner.start.body} or {owner.end.body}")
         )  # fmt: skip
-    return Wrench(-found.force, -found.moment) if on == owner.start.body else found
+    return Wrench(-wrench.force, -wrench.moment) if on == owner.start.body else wrench
 
 
 def reaction_axes(formed: EquationsOfMotion, name: str) -> str:

@@ -77,7 +77,7 @@ def _terms(formed: EquationsOfMotion, row: Row) -> list[tuple[Expr, Expr]]:
     return [(row.slopes.get(node, zero), symbol(graph, u.derivative)) for u, node in speeds]
 
 
-def _found(formed: EquationsOfMotion, rest: str) -> Row:
+def _found(formed: EquationsOfMotion, text: str) -> Row:
     """Return the row of the rope that a name means.
 
     Raises
@@ -86,12 +86,12 @@ def _found(formed: EquationsOfMotion, rest: str) -> Row:
         If there is none, with the nearest names.
     """
     names = ropes(formed)
-    words = output_words(rest, names)
+    words = output_words(text, names)
     if len(words) == 1 and words[0] in names:
         return rope_row(formed, words[0])
     raise FormulationError(
-        Problem("equations.unknown_rope", f"rope {rest}", f"there is no rope {rest!r}",
-                "ropes are constraints of type distance with rope = true", nearest(rest, names))
+        Problem("equations.unknown_rope", f"rope {text}", f"there is no rope {text!r}",
+                "ropes are constraints of type distance with rope = true", nearest(text, names))
     )  # fmt: skip
 
 

@@ -166,15 +166,15 @@ class _Solver:
         return (normal - length).apply(ABS) / (normal.apply(ABS) + length)
 
     def _finished(
-        self, found: list[Expr], normals: dict[int, Expr], residuals: list[Expr], margins: list[Expr]
+        self, solution: list[Expr], normals: dict[int, Expr], residuals: list[Expr], margins: list[Expr]
     ) -> tuple[list[Expr], list[Expr]]:
         """Store the friction, return u' and the multipliers."""
         n, m, end = len(self.formed.u), len(self.formed.rows), len(self.unknowns)
-        nodes = {node: value.index for node, value in zip(self.unknowns, found[:end], strict=True)}
+        nodes = {node: value.index for node, value in zip(self.unknowns, solution[:end], strict=True)}
         if self.stress:
             shared = [
-                *(x + y for x, y in zip(found[n : n + m], found[end:], strict=False)),
-                *found[end + m :],
+                *(x + y for x, y in zip(solution[n : n + m], solution[end:], strict=False)),
+                *solution[end + m :],
             ]
             nodes |= {k: x.index for k, x in zip(multiplier_nodes(self.formed), shared, strict=True)}
         one = number(self.graph, 1)
@@ -184,13 +184,13 @@ class _Solver:
                 normals[k] = _length([Expr(self.graph, node) for node in parts])
         self.formed.resistances.append(
             Resistance(
-                efforts=found[n + m : end],
+                efforts=solution[n + m : end],
                 normals=[normals.get(k, one) for k in range(len(self.laws))],
                 residuals=self._placed(residuals, self.zero),
                 margins=self._placed(margins, one),
             )
         )
-        return found[:n], found[n : n + m]
+        return solution[:n], solution[n : n + m]
 
     def _placed(self, values: list[Expr], other: Expr) -> list[Expr]:
         """Return values of the coupled laws with another one for the rest."""
