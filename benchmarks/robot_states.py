@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 import symbody as sb
 from benchmarks.operations import Robot, unconstrained
 from symbody.formats import model_from_urdf
-from symbody.model.naming import symbol_from
+from symbody.model.naming import make_symbol
 
 Floats = NDArray[np.float64]
 
@@ -94,7 +94,7 @@ def robot_states(path: Path, robot: Robot, pin: Any, count: int = STATES) -> Sta
 
 def _joints(model: Any) -> list[tuple[str, Any]]:
     named = zip(model.names, model.joints, strict=True)
-    found = [(symbol_from(str(name)), joint) for name, joint in named][1:]
+    found = [(make_symbol(str(name)), joint) for name, joint in named][1:]
     return [("base" if name == "root_joint" else name, joint) for name, joint in found]
 
 

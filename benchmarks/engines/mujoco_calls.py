@@ -12,7 +12,7 @@ import numpy as np
 
 from benchmarks.engines.call_loops.loops import Floats, loops, rows
 from benchmarks.robot_states import States
-from symbody.model.naming import symbol_from
+from symbody.model.naming import make_symbol
 
 # Meshes are not needed, and MuJoCo reads few of their formats.
 _SHAPES: Final = re.compile(r"<(visual|collision)\b.*?</\1>", re.S)
@@ -64,7 +64,7 @@ class MujocoCalls:
                 self.a[:, place : place + 3] = np.einsum("kij,kj->ki", R, inertial)
                 self.a[:, place + 3 : place + 6] = states.udot[:, twist[3:]]
                 continue
-            name = symbol_from(joint.name)
+            name = make_symbol(joint.name)
             self.q[:, at] = states.q[:, coordinate[name]]
             self.order[place] = speed[f"{name}_dot"]
             self.u[:, place] = states.u[:, self.order[place]]

@@ -65,7 +65,7 @@ def checked_arguments(function: Callable[P, R]) -> Callable[P, R]:
     paths = [name for name, text in _texts(function).items() if "Path" in text]
 
     @wraps(function)
-    def checked(*given: P.args, **named: P.kwargs) -> R:
+    def call_with_checks(*given: P.args, **named: P.kwargs) -> R:
         if paths:
             _refuse(function, given, named, paths)
         try:
@@ -76,7 +76,7 @@ def checked_arguments(function: Callable[P, R]) -> Callable[P, R]:
             _refuse(function, given, named, None, error)
             raise
 
-    return checked
+    return call_with_checks
 
 
 def checked_fields(kind: C) -> C:
@@ -87,7 +87,7 @@ def checked_fields(kind: C) -> C:
     constructor: Callable[..., None] = type.__getattribute__(kind, "__init__")
 
     @wraps(constructor)
-    def checked(self: object, *given: object, **named: object) -> None:
+    def construct_with_checks(self: object, *given: object, **named: object) -> None:
         try:
             constructor(self, *given, **named)
         except SymbodyError:
@@ -97,7 +97,7 @@ def checked_fields(kind: C) -> C:
             raise
         _refuse(constructor, (self, *given), named, None, None, kind.__name__)
 
-    type.__setattr__(kind, "__init__", checked)
+    type.__setattr__(kind, "__init__", construct_with_checks)
     return kind
 
 
@@ -131,12 +131,12 @@ def _refuse(
 def _problem(function: str, name: str, value: object, hint: object) -> Problem:
     kind = type(value).__name__
     return Problem(
-        "call.argument", f"{function}, argument {name}", f"{_shown(value)}, of type {kind}, does not fit", "",
-        f"give {_words(hint)}",
+        "call.argument", f"{function}, argument {name}",
+        f"{_short_repr(value)}, of type {kind}, does not fit", "", f"give {_words(hint)}",
     )  # fmt: skip
 
 
-def _shown(value: object) -> str:
+def _short_repr(value: object) -> str:
     try:
         return reprlib.repr(value)
     except Exception:  # whatever it is, it is not ours

@@ -156,7 +156,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f"known names: {shown}."
 
 
-def counted(number: int, word: str) -> str:
+def number_in_words(number: int, word: str) -> str:
     """Return a number of things in words.
 
     >>> counted(1, "body"), counted(2, "body"), counted(0, "joint")

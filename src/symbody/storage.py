@@ -42,7 +42,7 @@ def folder() -> Path | None:
     return Path(path, "symbody") if os.path.isabs(path) else None
 
 
-def stored(key: bytes) -> bytes | None:
+def load_stored(key: bytes) -> bytes | None:
     """Return the content stored under `key`, None if there is none that can be trusted."""
     place = folder()
     if place is None or not _is_own(place):

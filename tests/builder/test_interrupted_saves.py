@@ -144,7 +144,7 @@ def test_what_another_program_wrote_meanwhile_outlives_a_recovered_draft(setting
     later = Documents(settings)  # the run of before has ended
     recovered = later.open(OpenRequest(draft=opened["document"]))
     assert recovered["fingerprint"] == opened["fingerprint"]
-    assert later.changed(recovered["document"], recovered["fingerprint"]) == {"changed": True}
+    assert later.has_changed(recovered["document"], recovered["fingerprint"]) == {"changed": True}
     request = SaveRequest(
         document=recovered["document"],
         path=str(path),

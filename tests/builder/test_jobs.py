@@ -30,7 +30,7 @@ from symbody.builder.tasks.simulation import curve_list, more_curves, simulate_m
 from symbody.builder.tasks.sweeps import sweep_parameter
 from symbody.builder.worker_process import TaskFailure
 from symbody.errors import EnvironmentFault, SymbodyError
-from symbody.expr.deadline import stages_watched
+from symbody.expr.deadline import watch_stages
 from symbody.expr.graph import Graph, Symbol
 from symbody.expr.opcodes import ADD, SIN
 from symbody.formats.model_files import examples_folder
@@ -43,7 +43,7 @@ FORMULATIONS = ["newton_euler", "recursive"]
 
 def work(task: Any, data: dict[str, Any], **options: Any) -> tuple[dict[str, Any], list[str]]:
     stages: list[str] = []
-    with stages_watched(stages.append):
+    with watch_stages(stages.append):
         result = task(
             {"data": data, "folder": "", "options": options}, lambda stage, percent: stages.append(stage)
         )

@@ -9,10 +9,10 @@ from fractions import Fraction
 from typing import Any
 
 from symbody.expr import opcodes as op
-from symbody.expr.evaluate import FLOATS, whole_power
+from symbody.expr.evaluate import FLOATS, integer_power
 from symbody.expr.graph import Constant
 from symbody.expr.saddle import solve_saddle
-from symbody.expr.sequence import Input, Kernel, Operation, Output, Sequence
+from symbody.expr.sequence import Input, KernelNode, Operation, Output, Sequence
 
 GROUPS = {"t": 1, "q": 7, "u": 6, "r": 2, "p": 9, "c": 3}
 
@@ -38,7 +38,7 @@ class Maker:
         }
         self.sources = [Input(f"{group}{k}", group, k) for group, size in GROUPS.items() for k in range(size)]
         self.constants: list[Constant] = []
-        self.kernels: list[Kernel] = []
+        self.kernels: list[KernelNode] = []
         self.operations: list[Operation] = []
         self.values: list[Any] = []  # numbers, truth values, results of kernels
         self.reals: list[int] = []
@@ -100,7 +100,7 @@ class Maker:
         base = self.real()
         if self.random.random() < 0.7:
             exponent: int = self.random.randint(1, 11)
-            value = whole_power(self.values[base], exponent)
+            value = integer_power(self.values[base], exponent)
             number = self.constant(exponent)
         else:
             number = self.constant(self.random.uniform(-3.0, 3.0))
@@ -143,7 +143,7 @@ class Maker:
             numbers[: ends[0]], numbers[ends[0] : ends[1]], numbers[ends[1] : ends[2]], numbers[ends[2] :]
         )
         result = [*solution.udot, *solution.multipliers, float(solution.rank)]
-        self.kernels.append(Kernel(n, m))
+        self.kernels.append(KernelNode(n, m))
         node = self.add(Operation(op.SADDLE, tuple(operands), len(self.kernels) - 1), result)
         for k, value in enumerate(result):
             if value == 0 or 1e-3 < abs(value) < 1e3:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symbody.codegen.identifiers import MAX_LENGTH, assign_identifiers, quoted
+from symbody.codegen.identifiers import MAX_LENGTH, assign_identifiers, quote_name
 
 RESERVED = frozenset({"for", "double", "e"})
 
@@ -69,7 +69,7 @@ def test_many_equal_names_stay_distinct() -> None:
 
 @given(st.text())
 def test_quoted_names_are_harmless_and_can_be_read_back(name: str) -> None:
-    text = quoted(name)
+    text = quote_name(name)
     assert text.isascii()
     assert text.isprintable()
     assert "*/" not in text

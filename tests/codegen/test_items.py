@@ -20,7 +20,7 @@ from symbody.expr import opcodes as op
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, maximum, sqrt, symbol
 from symbody.expr.graph import Graph, Symbol
-from symbody.expr.program import mapped, written_out
+from symbody.expr.program import map_program, written_out
 from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
 from symbody.storage import VARIABLE
 from tests.codegen.native import SIGNATURE as CALL
@@ -60,7 +60,7 @@ def random_programs(seed: int) -> Sequence:
         count = source.choice([1, 2, 3, 4, 5, 7, 8, 9, 13, 16, 20])
         own = [[source.choice(pool) + source.randrange(3) for _ in range(count)] for _ in range(3)]
         own += [row[:count] for row in rows if len(row) >= count][-2:]  # as another program left it
-        results = mapped(graph, source.sample(pool, 3), own, body(source, 4))
+        results = map_program(graph, source.sample(pool, 3), own, body(source, 4))
         rows += results
         pool += [source.choice(row) for row in results]
         outputs.append(Roots(f"o{k}", (4, count), tuple(value.index for row in results for value in row)))
@@ -109,7 +109,9 @@ def test_nothing_is_written_beyond_the_output(width: int, monkeypatch: pytest.Mo
     for count in (1, 3, 7, 9, 13):
         graph = Graph()
         x = symbol(graph, Symbol("x0"))
-        rows = mapped(graph, [x], [[x + k for k in range(count)]], lambda s, o: [s[0] * o[0], s[0] - o[0]])
+        rows = map_program(
+            graph, [x], [[x + k for k in range(count)]], lambda s, o: [s[0] * o[0], s[0] - o[0]]
+        )
         nodes = tuple(value.index for row in rows for value in row)
         sequence = build_sequence(graph, [Roots("o", (2, count), nodes)], {x.index: Input("x0", "q", 0)})
         function = compile_sequence(sequence)
@@ -127,8 +129,8 @@ def test_results_of_one_program_are_read_where_they_lie() -> None:
     graph = Graph()
     x = [symbol(graph, Symbol(f"x{k}")) for k in range(3)]
     places = {value.index: Input(f"x{k}", "q", k) for k, value in enumerate(x)}
-    first = mapped(graph, [x[0]], [[x[1] * k + x[2] for k in range(7)]], lambda s, o: [s[0] * o[0]])
-    second = mapped(graph, [x[2]], [first[0]], lambda s, o: [s[0] + o[0]])
+    first = map_program(graph, [x[0]], [[x[1] * k + x[2] for k in range(7)]], lambda s, o: [s[0] * o[0]])
+    second = map_program(graph, [x[2]], [first[0]], lambda s, o: [s[0] + o[0]])
     nodes = tuple(value.index for value in second[0])
     sequence = build_sequence(graph, [Roots("o", (7,), nodes)], places)
     plan = plan_pieces(sequence)

@@ -18,7 +18,7 @@ from symbody.codegen.llvm.native import NativeFunction, compile_sequence
 from symbody.errors import CompileError
 from symbody.expr import opcodes as op
 from symbody.expr.evaluate import FLOATS, Arithmetic, evaluate_sequence
-from symbody.expr.sequence import Input, Kernel, Operation, Output, Sequence
+from symbody.expr.sequence import Input, KernelNode, Operation, Output, Sequence
 from tests.codegen.native import BATCH, GROUPS, call, doubles, pieces_of
 from tests.codegen.sequences import (
     EXACT,
@@ -263,7 +263,7 @@ def kernels(count: int) -> Sequence:
         operations.append(Operation(op.PICK, (len(operations) - 1,), 0))
         picks.append(len(operations) - 1)
     outputs = (Output("udot", (count,), tuple(picks)),)
-    return Sequence(inputs, (), (Kernel(1, 0),) * count, (), tuple(operations), outputs)
+    return Sequence(inputs, (), (KernelNode(1, 0),) * count, (), tuple(operations), outputs)
 
 
 @pytest.mark.parametrize("piece_size", [1, 2000])
@@ -297,7 +297,7 @@ def diagonal(sizes: tuple[int, ...]) -> Sequence:
         for i in range(n):
             operations.append(Operation(op.PICK, (solution,), i))
             picks.append(len(operations) - 1)
-    kernels = tuple(Kernel(n, 0) for n in sizes)
+    kernels = tuple(KernelNode(n, 0) for n in sizes)
     return Sequence(
         inputs, (0,), kernels, (), tuple(operations), (Output("udot", (len(picks),), tuple(picks)),)
     )

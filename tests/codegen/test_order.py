@@ -7,7 +7,7 @@ import pytest
 import symbody as sb
 from benchmarks.mechanisms import spatial_chain
 from symbody.codegen.compile import form_sequence
-from symbody.codegen.llvm.order import ordered
+from symbody.codegen.llvm.order import order_operations
 from symbody.expr.opcodes import LEAVES
 from symbody.expr.sequence import Sequence
 
@@ -27,7 +27,7 @@ def chain() -> sb.EquationSet:
 @pytest.mark.parametrize("output", ["mass_matrix", "udot", "bias"])
 def test_operands_come_first_and_outputs_stay_where_they_are(chain: sb.EquationSet, output: str) -> None:
     before, _ = form_sequence(chain, output)
-    after = ordered(before)
+    after = order_operations(before)
     assert all(j < k for k, operation in enumerate(after.operations) for j in operation.operands)
     assert [(o.name, o.shape) for o in after.outputs] == [(o.name, o.shape) for o in before.outputs]
     assert after.operation_count <= before.operation_count
@@ -36,7 +36,7 @@ def test_operands_come_first_and_outputs_stay_where_they_are(chain: sb.EquationS
 def test_mass_matrices_begin_with_their_last_row(chain: sb.EquationSet) -> None:
     """Rows of the leaves need what is outward alone; from the first row on everything waits for the last."""
     before, _ = form_sequence(chain, "mass_matrix")
-    after = ordered(before)
+    after = order_operations(before)
     place = {value: k for k, value in enumerate(after.outputs[0].values)}
     first = min(value for value in place if after.operations[value].op not in LEAVES)
     assert place[first] // after.outputs[0].shape[1] > after.outputs[0].shape[0] // 2

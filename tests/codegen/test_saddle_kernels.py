@@ -237,7 +237,7 @@ def test_loops_count_carry_and_leave() -> None:
     with count_down(b, integer(0), n) as j:
         out.store(b.sub(n, j), given.load(j))
     with count(b, integer(0), n) as j:
-        out.after(n).store(b.add(j, integer(1)), b.sitofp(j, REAL))
+        out.offset_by(n).store(b.add(j, integer(1)), b.sitofp(j, REAL))
     b.ret(step.value)
     engine = compiled_module(module)
     pointer = ctypes.POINTER(ctypes.c_double)

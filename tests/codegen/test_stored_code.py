@@ -14,7 +14,7 @@ from symbody import storage
 from symbody.codegen.llvm import machine, stored_module
 from symbody.codegen.llvm.native import compile_sequence
 from symbody.codegen.llvm.runtime import Runtime
-from symbody.storage import VARIABLE, folder, store, stored
+from symbody.storage import VARIABLE, folder, load_stored, store
 from tests.codegen.native import call
 from tests.codegen.sequences import EXACT, TRIGONOMETRIC, random_sequence, same_bits
 
@@ -26,10 +26,10 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_what_is_stored_is_found_under_its_key_alone(place: Path) -> None:
-    assert stored(b"key") is None and not place.exists()
+    assert load_stored(b"key") is None and not place.exists()
     store(b"key", b"code")
-    assert stored(b"key") == b"code"
-    assert stored(b"another") is None
+    assert load_stored(b"key") == b"code"
+    assert load_stored(b"another") is None
     assert [path.suffix for path in place.iterdir()] == [".stored"]
 
 
@@ -39,10 +39,10 @@ def test_a_damaged_file_is_made_again(place: Path, damage: bytes | None) -> None
     (path,) = place.iterdir()
     content = path.read_bytes()
     path.write_bytes(content[:-1] + b"x" if damage is None else damage)
-    assert stored(b"key") is None
+    assert load_stored(b"key") is None
     assert not path.exists()
     store(b"key", b"code")
-    assert stored(b"key") == b"code"
+    assert load_stored(b"key") == b"code"
 
 
 def test_a_file_under_the_name_of_another_is_not_taken(place: Path) -> None:
@@ -51,7 +51,7 @@ def test_a_file_under_the_name_of_another_is_not_taken(place: Path) -> None:
     store(b"two", b"other")
     (other,) = set(place.iterdir()) - {path}
     os.replace(path, other)
-    assert stored(b"two") is None
+    assert load_stored(b"two") is None
 
 
 def test_compiling_again_needs_no_compiler(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -88,7 +88,7 @@ def test_folders_open_to_others_are_not_used(place: Path) -> None:
     store(b"key", b"code")
     assert place.stat().st_mode & 0o777 == 0o700
     place.chmod(0o777)
-    assert stored(b"key") is None
+    assert load_stored(b"key") is None
     store(b"other", b"code")
     assert len(list(place.iterdir())) == 1
 
@@ -98,7 +98,7 @@ def test_a_folder_that_cannot_be_made_is_no_error(tmp_path: Path, monkeypatch: p
     blocked.write_text("")
     monkeypatch.setenv(VARIABLE, str(blocked / "code"))
     store(b"key", b"code")
-    assert stored(b"key") is None
+    assert load_stored(b"key") is None
     sequence, inputs = random_sequence(4, 30, EXACT)
     assert call(compile_sequence(sequence), sequence, inputs)[0] == 0
 
@@ -108,7 +108,7 @@ def test_it_can_be_switched_off(word: str, monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setenv(VARIABLE, word)
     assert folder() is None
     store(b"key", b"code")
-    assert stored(b"key") is None
+    assert load_stored(b"key") is None
 
 
 def test_the_folder_is_where_the_system_wants_it(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -128,7 +128,7 @@ def test_what_was_used_longest_ago_goes_first(place: Path, monkeypatch: pytest.M
         store(key, bytes(168))  # 200 bytes with its hash
         if (path := storage._path(place, key)).exists():
             os.utime(path, (age, age))
-    found = [stored(key) is not None for key in keys]
+    found = [load_stored(key) is not None for key in keys]
     assert found[-1] and not found[0]
     assert sum(path.stat().st_size for path in place.iterdir()) <= 1000
 
@@ -148,7 +148,7 @@ def test_the_folder_is_looked_through_now_and_then(place: Path, monkeypatch: pyt
 def test_many_at_once_do_not_meet(place: Path) -> None:
     def work(k: int) -> bytes | None:
         store(b"key", b"code" * 1000)
-        return stored(b"key")
+        return load_stored(b"key")
 
     with ThreadPoolExecutor(8) as pool:
         assert set(pool.map(work, range(100))) == {b"code" * 1000}

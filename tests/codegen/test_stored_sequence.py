@@ -26,7 +26,7 @@ from symbody.errors import CompileError, FormulationError
 from symbody.expr import opcodes as op
 from symbody.expr.graph import Constant
 from symbody.expr.sequence import Operation, Sequence
-from symbody.model.content import content_of
+from symbody.model.content import content_bytes
 from symbody.storage import VARIABLE
 from tests.codegen.sequences import EXACT, LIBRARY, TRIGONOMETRIC, random_sequence, same_bits
 
@@ -101,7 +101,7 @@ def test_equations_that_waited_are_the_same() -> None:
     eqs = sb.form_equations(chain())
     expected = values(sb.compile(eqs, "udot"))
     later = sb.form_equations(chain())
-    assert isinstance(later._given, known.Deferred)
+    assert isinstance(later._given, known.DeferredEquations)
     matrices = [values(sb.compile(which, "mass_matrix")) for which in (eqs, later)]
     assert same_bits(*matrices)
     assert same_bits(expected, values(sb.compile(later, "udot")))
@@ -121,7 +121,7 @@ def keys_of_variants() -> list[bytes]:
     found: list[bytes] = []
 
     def key(eqs: sb.EquationSet, *asked: object) -> None:
-        found.append(stored_sequence.sequence_key(eqs.identity, content_of(*asked)))
+        found.append(stored_sequence.sequence_key(eqs.identity, content_bytes(*asked)))
 
     plain: tuple[object, ...] = (("udot",), {}, (), {})
     models = [

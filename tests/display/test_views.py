@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.display.formulas import formula_shown
-from symbody.display.html import MOST_ROWS, complex_number, number, table, unit_shown
+from symbody.display.formulas import show_formula
+from symbody.display.html import MOST_ROWS, complex_number, number, show_unit, table
 from symbody.expr.language.formula import Formula
 
 MATH = "{http://www.w3.org/1998/Math/MathML}"
@@ -115,10 +115,10 @@ def test_long_tables_are_cut() -> None:
 def test_numbers_units_and_formulas() -> None:
     assert number(float("nan")) == "–" and number(1.0 / 3.0) == "0.333333"
     assert complex_number(-0.25 + 2.0j) == "−0.25 + 2 i" and complex_number(complex(-1.0)) == "−1"
-    assert unit_shown("kg m^2/s^3") == "kg m²/s³" and unit_shown("") == ""
-    assert formula_shown(None) == "–" and formula_shown(Formula.of("9.81")) == "9.81"
-    assert "<mfrac>" in formula_shown(Formula.of("pi*x_dot/l"))
-    assert formula_shown(Formula.of("1/(x - x)")) == "1/(x - x)"
+    assert show_unit("kg m^2/s^3") == "kg m²/s³" and show_unit("") == ""
+    assert show_formula(None) == "–" and show_formula(Formula.from_value("9.81")) == "9.81"
+    assert "<mfrac>" in show_formula(Formula.from_value("pi*x_dot/l"))
+    assert show_formula(Formula.from_value("1/(x - x)")) == "1/(x - x)"
 
 
 def test_nothing_of_it_is_loaded_before_it_is_shown() -> None:

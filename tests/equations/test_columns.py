@@ -198,7 +198,7 @@ def test_small_branches_go_together() -> None:
     formed = eqs.formed
     assert isinstance(formed.dynamics, RecursiveDynamics)
     rates = {q.index: formed.variables.rates[q.index] for q in formed.expressions(formed.q)}
-    found = chains(formed.graph, formed.dynamics.recursion.light, rates)
+    found = chains(formed.graph, formed.dynamics.recursion.base_tree, rates)
     assert found is not None and found.base
     assert sorted(found.links) == list(range(1, 24))
     for segment in found.segments:

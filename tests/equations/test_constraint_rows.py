@@ -13,9 +13,9 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.projection import velocity_residual
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Kind
+from symbody.expr.graph import SymbolKind
 from symbody.expr.sequence import Input, Roots, build_sequence
-from symbody.model.constraint import Condition
+from symbody.model.constraint import ConstraintElement
 
 A = sb.Body("A", mass=1, inertia=(1, 2, 2), frames={"P": sb.Frame(at=("a", 0, "0.3"), rotate=[("x", "0.4")])})
 B = sb.Body("B", mass=1, inertia=(1, 2, 2), frames={"Q": sb.Frame(at=(0, "b", "0.7"), rotate=[("y", "0.3")])})
@@ -46,7 +46,7 @@ NAMES = [f"{type(condition).__name__}-{k}" for k, condition in enumerate(CONDITI
 
 
 @pytest.mark.parametrize("condition", CONDITIONS, ids=NAMES)
-def test_rates_and_gammas_are_derivatives(condition: Condition) -> None:
+def test_rates_and_gammas_are_derivatives(condition: ConstraintElement) -> None:
     model = sb.Model("m", [A, B, *JOINTS, condition], parameters={"a": 0.7, "b": 1.3})
     formed = sb.form_equations(model).formed
     kinematics, rows = formed.kinematics, formed.rows
@@ -63,7 +63,7 @@ def test_rates_and_gammas_are_derivatives(condition: Condition) -> None:
 def evaluated(formed: EquationsOfMotion, pairs: list[tuple[Expr, Expr]]) -> tuple[np.ndarray, np.ndarray]:
     """Return both sides of pairs at a random state."""
     graph = formed.graph
-    symbols = [symbol for symbol in graph.symbols if symbol.kind is not Kind.TIME]
+    symbols = [symbol for symbol in graph.symbols if symbol.kind is not SymbolKind.TIME]
     places = {graph.symbol(symbol): Input(f"{k}", "x", k) for k, symbol in enumerate(symbols)}
     places[formed.names.value("t").index] = Input("t", "t", 0)
     nodes = tuple(x.index for pair in pairs for x in pair)

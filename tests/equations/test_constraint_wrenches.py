@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.model.constraint import Condition
+from symbody.model.constraint import ConstraintElement
 
 EPS = float(np.finfo(float).eps)
 GRAVITY = np.array([0.3, -9.0, 1.0])
@@ -33,7 +33,7 @@ CONTACTS = [
 
 @pytest.mark.parametrize("tree", TREES)
 @pytest.mark.parametrize("contact", CONTACTS, ids=[f"{type(c).__name__}-{k}" for k, c in enumerate(CONTACTS)])
-def test_both_bodies_obey_newton_and_euler(contact: Condition, tree: str | None) -> None:
+def test_both_bodies_obey_newton_and_euler(contact: ConstraintElement, tree: str | None) -> None:
     joints = [sb.Free("fa", "ground", "A", angles="xyz"), sb.Free("fb", "ground", "B", angles="zxz")]
     eqs = sb.form_equations(sb.Model("m", [A, B, *joints, contact], gravity=GRAVITY.tolist()), tree=tree)
     random = np.random.default_rng(5)
@@ -72,7 +72,7 @@ def test_both_bodies_obey_newton_and_euler(contact: Condition, tree: str | None)
 WHEELS = [sb.Body(f"W{k}", inertia=(0, 0, k), mass=1) for k in (1, 2, 3)]
 
 
-def wheels(condition: Condition, motion: str | None, tree: str | None) -> sb.EquationSet:
+def wheels(condition: ConstraintElement, motion: str | None, tree: str | None) -> sb.EquationSet:
     joints = [
         sb.Revolute(
             f"r{k}", "ground", f"W{k}", coordinate=f"a{k}",
@@ -95,7 +95,7 @@ def wheels(condition: Condition, motion: str | None, tree: str | None) -> sb.Equ
     ids=["gear", "equation", "rates"],
 )
 def test_power_of_couplings_that_time_moves(
-    condition: Condition, motion: str | None, tree: str | None
+    condition: ConstraintElement, motion: str | None, tree: str | None
 ) -> None:
     run = sb.simulate(wheels(condition, motion, tree), 1.0, rtol=1e-9, atol=1e-11)
     assert run.success and np.ptp(run["energy"]) > 0.1
@@ -125,7 +125,7 @@ MOVING = [
 
 
 @pytest.mark.parametrize("contact", MOVING, ids=lambda c: type(c).__name__)
-def test_power_of_contacts_on_a_driven_body(contact: Condition) -> None:
+def test_power_of_contacts_on_a_driven_body(contact: ConstraintElement) -> None:
     parts = [
         A, B, sb.Revolute("ra", "ground", "A", coordinate="a", motion="sin(2*t)"),
         sb.Free("fb", "ground", "B", angles="xyz"), contact,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.model.constraint import Condition
+from symbody.model.constraint import ConstraintElement
 from symbody.model.joint import Joint
 
 EPS = float(np.finfo(float).eps)
@@ -15,7 +15,7 @@ B = sb.Body(
     "B", mass=1, inertia=(1, 1.5, 2), frames={"Q": sb.Frame(at=(0, -0.3, 0.7), rotate=[("y", "0.3")])}
 )
 ENDS = ("A.P", "B.Q")
-PAIRS: list[tuple[Joint, list[Condition]]] = [
+PAIRS: list[tuple[Joint, list[ConstraintElement]]] = [
     (sb.Planar("j", *ENDS), [sb.PointOnPlane("c", *ENDS), sb.Parallel("d", *ENDS)]),
     (
         sb.Spherical("j", *ENDS),
@@ -35,7 +35,7 @@ PAIRS: list[tuple[Joint, list[Condition]]] = [
 
 
 @pytest.mark.parametrize(("joint", "conditions"), PAIRS, ids=lambda x: type(x).__name__)
-def test_conditions_make_a_joint(joint: Joint, conditions: list[Condition]) -> None:
+def test_conditions_make_a_joint(joint: Joint, conditions: list[ConstraintElement]) -> None:
     forces = [sb.Force("push", "B.Q", vector=(3, -2, 1)), sb.Torque("twist", "A", vector=(1, 2, -1))]
     gravity, float_ = (0.3, -9, 1), sb.Free("float", "ground", "A")
     one = sb.form_equations(sb.Model("one", [A, B, float_, joint, *forces], gravity=gravity), tree="absolute")
@@ -68,7 +68,7 @@ def test_gears_move_as_one_inertia() -> None:
     ]
     parameters = {"I1": 1.0, "I2": 2.0, "I3": 3.0, "T1": 5.0, "T2": 1.0, "T3": -2.0}
 
-    def accelerations(*conditions: Condition) -> np.ndarray:
+    def accelerations(*conditions: ConstraintElement) -> np.ndarray:
         model = sb.Model("gears", [*wheels, *joints, *conditions], parameters=parameters)
         eqs = sb.form_equations(model)
         assert eqs.degrees_of_freedom == 3 - len(eqs.multiplier_names)

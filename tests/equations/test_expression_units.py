@@ -88,9 +88,11 @@ def test_parameters_and_inputs_have_the_units_of_their_places() -> None:
 
 
 def test_names_that_share_the_unit_of_a_formula() -> None:
-    assert linear_names(Formula.of("-(a + 2*b)/3 - c")) == {"a", "b", "c"}
-    assert linear_names(Formula.of("a*b")) == linear_names(Formula.of("sin(a)")) == frozenset()
-    assert linear_names(Formula.of("3/4")) == frozenset()
+    assert linear_names(Formula.from_value("-(a + 2*b)/3 - c")) == {"a", "b", "c"}
+    assert (
+        linear_names(Formula.from_value("a*b")) == linear_names(Formula.from_value("sin(a)")) == frozenset()
+    )
+    assert linear_names(Formula.from_value("3/4")) == frozenset()
 
 
 def test_friction_has_the_unit_of_its_coordinate() -> None:

@@ -7,7 +7,7 @@ from functools import cache
 import pytest
 
 import symbody as sb
-from symbody.equations.solving.noise import noise_program, without_noise
+from symbody.equations.solving.noise import drop_negligible, magnitude_program
 
 # A tilt that no one means: what a direction typed with twelve digits leaves.
 TYPED = {"s": 1e-12, "c": 1.0}
@@ -31,7 +31,7 @@ def four_bar() -> sb.EquationSet:
 
 
 def empty_rows(eqs: sb.EquationSet) -> list[bool]:
-    return [not row.slopes for row in eqs.formed.rows]
+    return [not row.jacobian for row in eqs.formed.rows]
 
 
 def test_rows_that_are_rounding_are_empty_and_found_once() -> None:
@@ -46,9 +46,9 @@ def test_rows_that_are_rounding_are_empty_and_found_once() -> None:
 @pytest.mark.parametrize("values", [{}, {"s": 1e-12}, TYPED])
 def test_a_kept_program_gives_the_same_rows(values: dict[str, float]) -> None:
     formed = four_bar().formed
-    kept = without_noise(formed, values, noise_program(formed))
-    assert [row.slopes.keys() for row in kept.rows] == [
-        row.slopes.keys() for row in without_noise(formed, values).rows
+    kept = drop_negligible(formed, values, magnitude_program(formed))
+    assert [row.jacobian.keys() for row in kept.rows] == [
+        row.jacobian.keys() for row in drop_negligible(formed, values).rows
     ]
 
 

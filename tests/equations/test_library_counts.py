@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import symbody as sb
-from symbody.model.constraint import Condition
+from symbody.model.constraint import ConstraintElement
 from symbody.model.joint import Joint
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -36,7 +36,7 @@ JOINTS: list[tuple[Joint, int, int, int | None]] = [
     (sb.Free("j", *ENDS), 6, 0, 0),
 ]
 # Freedoms that each takes from a body in space, and in the plane.
-CONDITIONS: list[tuple[Condition, int, int | None]] = [
+CONDITIONS: list[tuple[ConstraintElement, int, int | None]] = [
     (sb.Distance("c", *ENDS, 1), 1, 1),
     (sb.PointOnLine("c", *ENDS), 2, 1),
     (sb.PointOnPlane("c", *ENDS), 1, 0),
@@ -56,14 +56,14 @@ SPACE = sb.Free("f", "ground", "B", angles="xyz", coordinates=["x", "y", "z", "a
 PLANE = sb.Planar("f", "ground", "B", coordinates=["x", "y", "a"])
 
 
-def equations(float_: Joint, element: Joint | Condition) -> sb.EquationSet:
+def equations(float_: Joint, element: Joint | ConstraintElement) -> sb.EquationSet:
     """A body with coordinates of a joint, to which another joint or a constraint is added."""
     model = sb.Model("m", [BODY, float_, element], ground=GROUND, initial={"x": 0.4, "y": 0.3, "a": 0.2})
     return sb.form_equations(model, tree=sb.Trees(["f"], ["f"]))
 
 
 def names(
-    cases: list[tuple[Joint, int, int, int | None]] | list[tuple[Condition, int, int | None]],
+    cases: list[tuple[Joint, int, int, int | None]] | list[tuple[ConstraintElement, int, int | None]],
 ) -> list[str]:
     return [f"{type(case[0]).__name__}-{k}" for k, case in enumerate(cases)]
 
@@ -90,7 +90,7 @@ def test_rows_of_a_cut_joint_in_the_plane(case: tuple[Joint, int, int, int]) -> 
 
 
 @pytest.mark.parametrize("case", CONDITIONS, ids=names(CONDITIONS))
-def test_what_a_constraint_takes(case: tuple[Condition, int, int | None]) -> None:
+def test_what_a_constraint_takes(case: tuple[ConstraintElement, int, int | None]) -> None:
     condition, space, plane = case
     assert equations(SPACE, condition).degrees_of_freedom == 6 - space
     if plane is not None:
@@ -107,7 +107,7 @@ def test_what_a_constraint_takes(case: tuple[Condition, int, int | None]) -> Non
     ],
     ids=lambda value: type(value).__name__,
 )
-def test_a_coupling_takes_one_freedom(coupling: Condition) -> None:
+def test_a_coupling_takes_one_freedom(coupling: ConstraintElement) -> None:
     wheels = [sb.Body(f"W{k}", mass=1, inertia=(0, 0, 1)) for k in (1, 2, 3)]
     hinges = [sb.Revolute(f"r{k}", "ground", f"W{k}", coordinate=f"a{k}") for k in (1, 2, 3)]
     rack = [sb.Body("Rack", mass=1), sb.Prismatic("p", "ground", "Rack", coordinate="s")]

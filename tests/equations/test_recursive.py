@@ -146,7 +146,7 @@ def test_forming_is_linear_in_the_length_of_a_chain() -> None:
         eqs = sb.form_equations(chain(links))
         eqs.roots("udot")
         dynamics = eqs.formed.dynamics
-        assert isinstance(dynamics, RecursiveDynamics) and dynamics.recursion.chosen == "articulated"
+        assert isinstance(dynamics, RecursiveDynamics) and dynamics.recursion.chosen_method == "articulated"
         sizes.append(len(eqs.formed.graph))
     assert sizes[1] < 2.1 * sizes[0]
     # The ratio of two fillings of the graph; a mass matrix alone would make it 4.

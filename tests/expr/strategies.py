@@ -20,13 +20,13 @@ from hypothesis import strategies as st
 
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import make
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
 
 both_tiers = pytest.mark.usefixtures("tier")
 
 NAMES = ("x", "y", "z")
-SYMBOLS = tuple(Symbol(name, Kind.COORDINATE) for name in NAMES)
+SYMBOLS = tuple(Symbol(name, SymbolKind.COORDINATE) for name in NAMES)
 SYMPY_SYMBOLS = sp.symbols(NAMES, real=True)
 DIGITS = 80  # of the oracles
 

@@ -24,7 +24,7 @@ from symbody.expr.calculus import (
 )
 from symbody.expr.canonical import ONE, TWO, ZERO, add, apply, div, mul, neg, power, select, sub
 from symbody.expr.evaluate import MPMATH, Arithmetic, evaluate_sequence
-from symbody.expr.graph import TIME, Graph, Kernel, Kind, Symbol, UserFunction
+from symbody.expr.graph import TIME, Graph, KernelNode, Symbol, SymbolKind, UserFunction
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Sequence
 from tests.expr.intervals import Interval, Undecided, interval, interval_arithmetic
@@ -182,7 +182,7 @@ def test_directions_are_any_seeds() -> None:
 
 def test_rates_replace_those_of_symbols() -> None:
     graph = Graph()
-    q, u = Symbol("q", Kind.COORDINATE), graph.symbol(Symbol("u", Kind.SPEED))
+    q, u = Symbol("q", SymbolKind.COORDINATE), graph.symbol(Symbol("u", SymbolKind.SPEED))
     node, t, k = graph.symbol(q), graph.symbol(TIME), graph.symbol(Symbol("k"))
     root = add(graph, mul(graph, k, mul(graph, node, node)), t)
     slope = mul(graph, k, mul(graph, TWO, node))
@@ -312,7 +312,7 @@ def test_the_kernel_differentiates_by_solving_again(sweep: str) -> None:
     pen = Pen()
     g, symbols = pen.g, [pen.x, pen.y, pen.z]
     operands = (pen.x, ZERO, ZERO, pen.y, neg(g, ONE), ONE, pen.z, ZERO, ZERO)
-    saddle = g.many(op.SADDLE, operands, g.kernel(Kernel(2, 1)))
+    saddle = g.many(op.SADDLE, operands, g.kernel(KernelNode(2, 1)))
     picks = [g.node(op.PICK, saddle, k) for k in range(3)]
     total = add(g, pen.x, pen.y)
     a = div(g, pen.z, total)
@@ -339,7 +339,7 @@ def test_linear_coefficients_are_what_was_put_in(one: Sample, two: Sample, three
     """(w + b) a + v c is split into [a, c] and a b, however it is written."""
     graph = Graph()
     a, b, c = (built(sample.program, graph)[-1] for sample in (one, two, three))
-    w, v = graph.symbol(Symbol("w", Kind.SPEED)), graph.symbol(Symbol("v", Kind.SPEED))
+    w, v = graph.symbol(Symbol("w", SymbolKind.SPEED)), graph.symbol(Symbol("v", SymbolKind.SPEED))
     forms = [
         add(graph, mul(graph, add(graph, w, b), a), mul(graph, v, c)),
         sub(graph, mul(graph, c, v), neg(graph, add(graph, mul(graph, a, b), mul(graph, w, a)))),

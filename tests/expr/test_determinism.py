@@ -15,7 +15,7 @@ from symbody.expr import opcodes as op
 from symbody.expr.calculus import gradient, jacobian
 from symbody.expr.canonical import add, apply, div, mul, select, sub
 from symbody.expr.fingerprint import fingerprints
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.sequence import Input, Roots, build_sequence
 from symbody.expr.trigonometry.normal_form import trigonometric_form
 from tests.expr.strategies import Sample, both_tiers, built_shuffled, samples, sequence_of
@@ -27,7 +27,7 @@ def report(seed: int) -> str:
     """Everything that must not depend on the process, for a random graph of the kind a mechanism makes."""
     rng = random.Random(seed)
     graph = Graph()
-    q = [graph.symbol(Symbol(name, Kind.COORDINATE)) for name in "xyz"]
+    q = [graph.symbol(Symbol(name, SymbolKind.COORDINATE)) for name in "xyz"]
     p = [graph.symbol(Symbol(f"m{k}")) for k in range(4)]
     nodes = [*p, *[apply(graph, code, a) for a in (*q, add(graph, q[0], q[1])) for code in (op.SIN, op.COS)]]
     products = [mul(graph, mul(graph, rng.choice(p), rng.choice(nodes)), rng.choice(nodes)) for _ in range(8)]

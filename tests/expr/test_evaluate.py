@@ -12,8 +12,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from symbody.expr import opcodes as op
-from symbody.expr.evaluate import FLOATS, MPMATH, evaluate_sequence, whole_power
-from symbody.expr.graph import Graph, Kernel
+from symbody.expr.evaluate import FLOATS, MPMATH, evaluate_sequence, integer_power
+from symbody.expr.graph import Graph, KernelNode
 from symbody.expr.rewrite import multiplications
 from tests.expr.intervals import FLOAT_UNIT, Interval, Undecided, interval, interval_arithmetic
 from tests.expr.strategies import (
@@ -136,13 +136,13 @@ class Power:
 @given(st.integers(1, 64))
 def test_whole_powers_are_made_by_squaring(exponent: int) -> None:
     made: list[tuple[int, int]] = []
-    assert whole_power(Power(1, made), exponent).exponent == exponent
+    assert integer_power(Power(1, made), exponent).exponent == exponent
     assert len(made) == multiplications(exponent)
 
 
 def test_whole_powers_square_from_the_lowest_bit() -> None:
     made: list[tuple[int, int]] = []
-    whole_power(Power(1, made), 11)
+    integer_power(Power(1, made), 11)
     assert made == [(1, 1), (1, 2), (2, 2), (4, 4), (3, 8)]
 
 
@@ -150,7 +150,7 @@ def test_values_of_a_kernel_are_picked() -> None:
     """M a = F + J^T lambda, J a = 0 for two unit masses tied together: a = 1/2 each, lambda = -1/2."""
     graph = Graph()
     numbers = [graph.constant(k) for k in (1, 0, 0, 1, 1, -1, 1, 0, 0)]
-    kernel = graph.kernel(Kernel(2, 1))
+    kernel = graph.kernel(KernelNode(2, 1))
     saddle = graph.many(op.SADDLE, tuple(numbers), kernel)
     sequence = sequence_of(graph, [graph.node(op.PICK, saddle, k) for k in range(4)])
     # 10 roundings of numbers of size 1 or less

@@ -15,8 +15,8 @@ from hypothesis import assume, given
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, TWO, ZERO, add, apply, div, mul, neg, power, select, sub
 from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.fingerprint import PRIME, fingerprints, scrambled, unsigned
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.fingerprint import PRIME, drop_sign, fingerprints, hash_words
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from tests.expr.intervals import Undecided, interval, interval_arithmetic
 from tests.expr.strategies import DIGITS, Sample, both_tiers, built, samples, sequence_of
 
@@ -158,8 +158,8 @@ DIFFERENT: dict[str, Callable[[Pen], tuple[Node, Node]]] = {
     "a, b": lambda p: (p.a, p.b),
     "a, -a": lambda p: (p.a, neg(p.g, p.a)),
     "a and its rate": lambda p: (
-        p.g.symbol(Symbol("q", Kind.COORDINATE)),
-        p.g.symbol(Symbol("q", Kind.COORDINATE, 1)),
+        p.g.symbol(Symbol("q", SymbolKind.COORDINATE)),
+        p.g.symbol(Symbol("q", SymbolKind.COORDINATE, 1)),
     ),
     "sin, cos": lambda p: (p.sin(p.a), p.cos(p.a)),
     "sqrt(a^2), a": lambda p: (apply(p.g, op.SQRT, power(p.g, p.a, TWO)), p.a),
@@ -231,7 +231,7 @@ def test_no_equality_is_invented(sample: Sample) -> None:
             assume(False)
         allowed = dict(zip(nodes, found, strict=True))
         for a, b in combinations(nodes, 2):
-            (key_a, flipped_a), (key_b, flipped_b) = unsigned(values[a]), unsigned(values[b])
+            (key_a, flipped_a), (key_b, flipped_b) = drop_sign(values[a]), drop_sign(values[b])
             if key_a == key_b:
                 other = allowed[b] if flipped_a == flipped_b else -allowed[b]
                 assert allowed[a].low <= other.high
@@ -251,9 +251,9 @@ def test_fingerprints_do_not_depend_on_the_graph(sample: Sample) -> None:
 
 
 def test_opposite_fingerprints_share_one_key() -> None:
-    assert unsigned((0, 0)) == ((0, 0), False)
-    assert unsigned((PRIME - 1, 5)) == ((1, PRIME - 5), True)
-    assert unsigned((1, PRIME - 5)) == ((1, PRIME - 5), False)
+    assert drop_sign((0, 0)) == ((0, 0), False)
+    assert drop_sign((PRIME - 1, 5)) == ((1, PRIME - 5), True)
+    assert drop_sign((1, PRIME - 5)) == ((1, PRIME - 5), False)
 
 
 def test_powers_of_two_are_distinct() -> None:
@@ -271,7 +271,7 @@ def test_entries_of_one_solution_have_no_sums_in_common() -> None:
     # Hashes of tuples are nearly sums of their entries: of one draw in some hundred, four fulfilled this.
     rng = random.Random(1)
     for _ in range(1000):
-        whole = scrambled(rng.randrange(PRIME))
-        entries = [scrambled(op.PICK, k, *whole) for k in range(8)]
+        whole = hash_words(rng.randrange(PRIME))
+        entries = [hash_words(op.PICK, k, *whole) for k in range(8)]
         sums = [(a + b) % PRIME for (a, _), (b, _) in combinations(entries, 2)]
         assert len(set(sums)) == len(sums)

@@ -28,7 +28,7 @@ from symbody.expr.expression import (
     sqrt,
     symbol,
 )
-from symbody.expr.graph import TIME, Graph, Kernel, Kind, Symbol, copy_nodes
+from symbody.expr.graph import TIME, Graph, KernelNode, Symbol, SymbolKind, copy_nodes
 from tests.expr.strategies import Sample, both_tiers, built, samples, sequence_of
 
 
@@ -56,8 +56,8 @@ def test_equal_structure_is_one_node() -> None:
 
 def test_symbols_differ_by_name_kind_and_order() -> None:
     graph = Graph()
-    x = Symbol("x", Kind.COORDINATE)
-    names = [x, x.derivative, x.derivative.derivative, Symbol("x"), Symbol("X", Kind.COORDINATE), TIME]
+    x = Symbol("x", SymbolKind.COORDINATE)
+    names = [x, x.derivative, x.derivative.derivative, Symbol("x"), Symbol("X", SymbolKind.COORDINATE), TIME]
     assert len({graph.symbol(name) for name in names}) == len(names)
     assert len({graph.hashes[graph.symbol(name)] for name in names}) == len(names)
     assert [name.label for name in names[:3]] == ["x", "x_dot", "x_ddot"]
@@ -75,11 +75,11 @@ def test_what_defines_a_node_beside_its_operands() -> None:
     x = graph.symbol(Symbol("x"))
     function = Square()
     call = graph.many(op.CALL, (x,), graph.function(function))
-    small, large = graph.kernel(Kernel(1, 0)), graph.kernel(Kernel(1, 1))
+    small, large = graph.kernel(KernelNode(1, 0)), graph.kernel(KernelNode(1, 1))
     saddle = graph.many(op.SADDLE, (x, x), small)
     picks = [graph.node(op.PICK, saddle, k) for k in range(2)]
     assert graph.function(function) == graph.datum(call) == 0
-    assert (graph.kernel(Kernel(1, 0)), large, graph.datum(saddle)) == (small, 1, small)
+    assert (graph.kernel(KernelNode(1, 0)), large, graph.datum(saddle)) == (small, 1, small)
     assert [graph.datum(pick) for pick in picks] == [0, 1]
     assert graph.operands(picks[1]) == (saddle,)
     assert graph.operands(saddle) == (x, x)
@@ -118,10 +118,10 @@ def test_copies_are_the_same_structure(sample: Sample) -> None:
 def test_copies_keep_functions_and_kernels() -> None:
     source, target = Graph(), Graph()
     target.function(Square())
-    target.kernel(Kernel(3, 0))
+    target.kernel(KernelNode(3, 0))
     x = source.symbol(Symbol("x"))
     call = source.many(op.CALL, (x,), source.function(Square()))
-    pick = source.node(op.PICK, source.many(op.SADDLE, (x, x), source.kernel(Kernel(1, 0))), 1)
+    pick = source.node(op.PICK, source.many(op.SADDLE, (x, x), source.kernel(KernelNode(1, 0))), 1)
     choice = source.many(op.SELECT, (apply(source, op.LT, x, call), pick, source.pi()))
     copy = copy_nodes(source, target, [choice], {})[0]
     assert target.hashes[copy] == source.hashes[choice]
@@ -129,7 +129,7 @@ def test_copies_keep_functions_and_kernels() -> None:
         target.functions[target.datum(k)].name for k in target.reachable([copy]) if target.ops[k] == op.CALL
     ]
     assert names == ["square"]
-    assert Kernel(1, 0) in target.kernels
+    assert KernelNode(1, 0) in target.kernels
 
 
 # Expressions: nodes with arithmetic
@@ -188,7 +188,7 @@ def test_arithmetic_of_expressions() -> None:
     assert atan2(y, x) != atan2(x, y)
     assert len({x, y, x + y - y, symbol(graph, Symbol("x"))}) == 3
     assert x != x.index
-    entry = saddle_entry(graph, graph.kernel(Kernel(1, 0)), (x.index, y.index), 0)
+    entry = saddle_entry(graph, graph.kernel(KernelNode(1, 0)), (x.index, y.index), 0)
     assert graph.ops[entry.index] == op.PICK
 
 
@@ -271,7 +271,7 @@ def test_threads_building_in_two_graphs_give_the_serial_result() -> None:
 
 def chain(graph: Graph, count: int) -> tuple[int, int, int]:
     """Return x, y and sin(... sin(sin(x) + y) + y ...) of `count` nodes."""
-    x, y = graph.symbol(Symbol("x", Kind.COORDINATE)), graph.symbol(Symbol("y", Kind.COORDINATE))
+    x, y = graph.symbol(Symbol("x", SymbolKind.COORDINATE)), graph.symbol(Symbol("y", SymbolKind.COORDINATE))
     node = x
     for _ in range(count // 2):
         node = add(graph, apply(graph, op.SIN, node), y)
@@ -292,8 +292,8 @@ def test_depth_has_no_limit(count: int) -> None:
 def derive() -> None:
     """What a derivation does: grow a graph, mix it with another, differentiate, make a sequence."""
     graph, scratch = Graph(), Graph()
-    angles = [symbol(graph, Symbol(name, Kind.COORDINATE)) for name in "xyz"]
-    other = symbol(scratch, Symbol("x", Kind.COORDINATE))
+    angles = [symbol(graph, Symbol(name, SymbolKind.COORDINATE)) for name in "xyz"]
+    other = symbol(scratch, Symbol("x", SymbolKind.COORDINATE))
     roots = [(sin(a) * cos(b) + other).index for a in angles for b in angles]
     rows = jacobian(graph, roots, [angle.index for angle in angles])
     sequence_of(graph, [node for row in rows for node in row])

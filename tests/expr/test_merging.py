@@ -14,7 +14,7 @@ from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, TWO, ZERO, add, apply, div, mul, neg, power, sub
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, cos, number, sin, symbol
-from symbody.expr.graph import Graph, Kernel, Symbol, copy_nodes
+from symbody.expr.graph import Graph, KernelNode, Symbol, copy_nodes
 from symbody.expr.merging import contract_products, merge_equal
 from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Roots, build_sequence
@@ -243,13 +243,13 @@ def test_a_cheap_risky_definition_does_not_replace_a_dear_safe_one() -> None:
 def test_functions_and_kernels_survive() -> None:
     pen = Pen()
     g = pen.g
-    saddle = g.many(op.SADDLE, (pen.x, pen.y), g.kernel(Kernel(1, 0)))
-    again = g.many(op.SADDLE, (pen.x, sub(g, add(g, pen.y, pen.z), pen.z)), g.kernel(Kernel(1, 0)))
+    saddle = g.many(op.SADDLE, (pen.x, pen.y), g.kernel(KernelNode(1, 0)))
+    again = g.many(op.SADDLE, (pen.x, sub(g, add(g, pen.y, pen.z), pen.z)), g.kernel(KernelNode(1, 0)))
     roots = [g.node(op.PICK, node, k) for node in (saddle, again) for k in (0, 1)]
     target, merged = pen.merged(*roots)
     assert merged[:2] == merged[2:]
     assert merged[0] != merged[1]
-    assert target.kernels == [Kernel(1, 0)]
+    assert target.kernels == [KernelNode(1, 0)]
 
 
 # Contraction

@@ -13,7 +13,9 @@ from symbody.expr.monomials import MOST, Monomials, monomials
 
 def products(*texts: str) -> list[Monomials]:
     graph = Graph()
-    nodes = [build(Formula.of(text), graph, lambda name, _: graph.symbol(Symbol(name))) for text in texts]
+    nodes = [
+        build(Formula.from_value(text), graph, lambda name, _: graph.symbol(Symbol(name))) for text in texts
+    ]
     found = monomials(graph, nodes)
     return [found[node] for node in nodes]
 

@@ -184,12 +184,12 @@ def test_degrees_are_exact(text: str) -> None:
     assert parse(normalize(text).replace("deg", "")).program == number
     assert [step.payload for step in angle.program[-4:]] == ["pi", "mul", 180, "div"]
     assert angle.text == normalize(text)
-    assert angle.renamed({"pi": "p"}) is angle
+    assert angle.rename({"pi": "p"}) is angle
 
 
 @pytest.mark.parametrize("value", ["pi/6", "deg", "2*deg", "deg*3", 0.5, 3, parse("phi")])
 def test_other_angles_are_plain_expressions(value: str | float | Formula) -> None:
-    assert parse_angle(value) == Formula.of(value)
+    assert parse_angle(value) == Formula.from_value(value)
 
 
 @pytest.mark.parametrize("text", ["30 degx", "2x deg", "30 deg + 1", "1.2.3 deg", "deg deg", ". deg", "30°"])

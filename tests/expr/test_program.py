@@ -14,7 +14,7 @@ from symbody.expr.canonical import ONE
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, cos, number, symbol
 from symbody.expr.graph import Graph, Symbol
-from symbody.expr.program import mapped, unrolled, written_out
+from symbody.expr.program import map_program, unroll, written_out
 from symbody.expr.rewrite import substitute, substitute_into
 from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
 
@@ -33,11 +33,11 @@ def area(shared: list[Expr], own: list[Expr]) -> list[Expr]:
 def two_programs(graph: Graph) -> tuple[list[Expr], dict[int, Input]]:
     """Results of a program that reads another's, beside plain operations on both sides."""
     x, places = inputs(graph)
-    first = mapped(
+    first = map_program(
         graph, [x[0], x[1]], [[x[2] * k + 1 for k in range(11)], [cos(x[3]) + k for k in range(11)]], area
     )
     row = [x[4] * k for k in range(7)]
-    second = mapped(graph, [first[0][3], x[1]], [first[1][2:9], row], area)
+    second = map_program(graph, [first[0][3], x[1]], [first[1][2:9], row], area)
     return [*first[0], *second[0], second[1][2] * first[1][1]], places
 
 
@@ -101,7 +101,7 @@ def test_derivatives_go_through_programs() -> None:
     results, places = two_programs(graph)
     last = results[-1].index
     by = list(places)
-    assert gradient(graph, last, by) == gradient(graph, unrolled(graph, [last])[0], by)
+    assert gradient(graph, last, by) == gradient(graph, unroll(graph, [last])[0], by)
     (slope,) = forward(graph, [last], {by[3]: ONE, **dict.fromkeys(by[:3], 0)})
     found, function = sequence(graph, [slope], places), sequence(graph, [last], places)
     for point in points(4):
@@ -113,7 +113,7 @@ def test_unrolled_is_equal_by_fingerprint_of_values() -> None:
     graph = Graph()
     results, places = two_programs(graph)
     nodes = [x.index for x in results]
-    flat = unrolled(graph, nodes)
+    flat = unroll(graph, nodes)
     assert all(graph.ops[node] != op.MAP for node in graph.reachable(flat))
     one, two = sequence(graph, nodes, places), sequence(graph, flat, places)
     for point in points(5):
@@ -124,7 +124,7 @@ def test_rows_of_one_constant_are_part_of_the_program() -> None:
     graph = Graph()
     (x, y, *_), places = inputs(graph)
     zero = number(graph, 0)
-    results = mapped(graph, [x], [[y, y + 1], [zero, zero]], lambda s, o: [s[0] * o[0] + s[0] * o[1]])
+    results = map_program(graph, [x], [[y, y + 1], [zero, zero]], lambda s, o: [s[0] * o[0] + s[0] * o[1]])
     found = sequence(graph, [value.index for value in results[0]], places)
     (program,) = found.programs
     assert program.group_size("q") == 1
@@ -135,7 +135,7 @@ def test_rows_of_one_constant_are_part_of_the_program() -> None:
 def test_what_no_item_changes_is_no_program() -> None:
     graph = Graph()
     (x, y, *_), places = inputs(graph)
-    results = mapped(graph, [x, y], [[x, y]], lambda s, _: [s[0] * s[1]])
+    results = map_program(graph, [x, y], [[x, y]], lambda s, _: [s[0] * s[1]])
     assert [value.index for value in results[0]] == [(x * y).index] * 2
     assert values(sequence(graph, [results[0][1].index], places), [3.0, 5.0]) == [15.0]
 

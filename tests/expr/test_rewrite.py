@@ -12,7 +12,7 @@ from symbody.errors import ExpressionError
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, TWO, ZERO, add, apply, div, mul, neg, power, sub
 from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.graph import TIME, Graph, Kernel, Kind, Symbol, copy_nodes
+from symbody.expr.graph import TIME, Graph, KernelNode, Symbol, SymbolKind, copy_nodes
 from symbody.expr.rewrite import (
     dependence,
     multiplications,
@@ -125,7 +125,7 @@ def test_a_divisor_that_becomes_zero_is_refused() -> None:
 def test_functions_and_kernels_are_rebuilt_on_new_operands() -> None:
     pen = Pen()
     g = pen.g
-    kernel = g.kernel(Kernel(1, 0))
+    kernel = g.kernel(KernelNode(1, 0))
     pick = g.node(op.PICK, g.many(op.SADDLE, (pen.x, pen.y), kernel), 1)
     choice = g.many(op.SELECT, (apply(g, op.LT, pen.x, pen.y), pick, pen.z))
     changed = substitute(g, [choice], {pen.x: pen.z})[0]
@@ -149,7 +149,7 @@ def test_operations_are_counted_as_people_count() -> None:
         (power(g, x, TWO), 1), (power(g, x, g.constant(7)), 4), (power(g, x, g.constant(Fraction(1, 3))), 1),
         (power(g, x, y), 1), (g.pi(), 0), (g.constant(-3), 0), (g.constant(0.5), 0),
         (mul(g, add(g, sine, y), add(g, sine, ONE)), 4),
-        (g.node(op.PICK, g.many(op.SADDLE, (x, y), g.kernel(Kernel(1, 0))), 0), 1),
+        (g.node(op.PICK, g.many(op.SADDLE, (x, y), g.kernel(KernelNode(1, 0))), 0), 1),
     ]:  # fmt: skip
         assert operation_count(g, [root]) == expected
     assert operation_count(g, [sine, add(g, sine, y), sine]) == 2
@@ -182,20 +182,20 @@ def test_counts_are_consistent(sample: Sample) -> None:
     assert shared == sum(node_cost(graph, node) for node in graph.reachable([root]))
     assert shared <= tree_size(graph, root)
     kinds = dependence(graph, [root])
-    assert kinds[root] == {Kind.COORDINATE for _ in symbols_of(graph, [root])}
+    assert kinds[root] == {SymbolKind.COORDINATE for _ in symbols_of(graph, [root])}
     assert kinds.keys() == set(graph.reachable([root]))
 
 
 def test_dependence_tells_kinds() -> None:
     g = Graph()
-    nodes = [g.symbol(Symbol("a", kind)) for kind in Kind if kind != Kind.TIME]
+    nodes = [g.symbol(Symbol("a", kind)) for kind in SymbolKind if kind != SymbolKind.TIME]
     time = g.symbol(TIME)
     total = time
     for node in nodes:
         total = add(g, total, apply(g, op.SIN, node))
     kinds = dependence(g, [total])
-    assert kinds[total] == set(Kind)
-    assert kinds[time] == {Kind.TIME}
+    assert kinds[total] == set(SymbolKind)
+    assert kinds[time] == {SymbolKind.TIME}
     assert dependence(g, [g.pi()]) == {g.pi(): frozenset()}
 
 
@@ -208,4 +208,4 @@ def test_depth_has_no_limit(count: int) -> None:
     back = substitute(g, substitute(g, [node], {pen.y: pen.z}), {pen.z: pen.y})
     assert back == [node]
     assert tree_size(g, node) == operation_count(g, [node]) == 2 * (count // 2)
-    assert dependence(g, [node])[node] == {Kind.COORDINATE}
+    assert dependence(g, [node])[node] == {SymbolKind.COORDINATE}

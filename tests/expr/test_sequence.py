@@ -14,7 +14,7 @@ from symbody.errors import CompileError
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, TWO, ZERO, add, apply, div, mul, power, select, sub
 from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.graph import TIME, Graph, Kernel, Kind, Symbol
+from symbody.expr.graph import TIME, Graph, KernelNode, Symbol, SymbolKind
 from symbody.expr.sequence import Input, Operation, Output, Roots, Sequence, build_sequence
 from tests.expr.strategies import SYMBOLS, Sample, both_tiers, built, samples, sequence_of
 
@@ -120,7 +120,7 @@ def test_conditions_are_not_handed_over_as_numbers() -> None:
 def test_kernels_are_split_at_their_results() -> None:
     pen = Pen()
     g = pen.g
-    saddle = g.many(op.SADDLE, (pen.y, ONE), g.kernel(Kernel(1, 0)))
+    saddle = g.many(op.SADDLE, (pen.y, ONE), g.kernel(KernelNode(1, 0)))
     pick = g.node(op.PICK, saddle, 0)
     head, tail = pen.sequence(mul(g, pick, pen.x), pick).split(["p"])
     assert op.SADDLE in {operation.op for operation in head.operations}
@@ -161,7 +161,7 @@ def test_sequences_pickle(sample: Sample) -> None:
 def test_missing_symbols_are_named_all_at_once() -> None:
     pen = Pen()
     g = pen.g
-    k, rate = g.symbol(Symbol("k")), g.symbol(Symbol("q", Kind.COORDINATE, 1))
+    k, rate = g.symbol(Symbol("k")), g.symbol(Symbol("q", SymbolKind.COORDINATE, 1))
     root = add(g, mul(g, k, pen.x), add(g, rate, g.symbol(TIME)))
     with pytest.raises(CompileError) as caught:
         pen.sequence(root)

@@ -17,7 +17,7 @@ from symbody.expr.canonical import ONE, add, apply, div, mul, neg, power, select
 from symbody.expr.evaluate import MPMATH, evaluate_sequence
 from symbody.expr.expression import Expr, cos, sin, symbol
 from symbody.expr.fingerprint import fingerprints
-from symbody.expr.graph import TIME, Graph, Kernel, Kind, Symbol
+from symbody.expr.graph import TIME, Graph, KernelNode, Symbol, SymbolKind
 from symbody.expr.rewrite import substitute, tree_size
 from symbody.expr.sympy_bridge import (
     from_sympy,
@@ -90,8 +90,8 @@ def test_every_operation_keeps_its_value(sample: Sample) -> None:
 
 
 def test_symbols_become_dynamicsymbols_and_plain_symbols(graph: Graph) -> None:
-    q = Symbol("x", Kind.COORDINATE)
-    kinds = [Kind.SPEED, Kind.INPUT, Kind.MULTIPLIER]
+    q = Symbol("x", SymbolKind.COORDINATE)
+    kinds = [SymbolKind.SPEED, SymbolKind.INPUT, SymbolKind.MULTIPLIER]
     symbols = [q, q.derivative, q.derivative.derivative, TIME, Symbol("m")]
     assert to_sympy(graph, [graph.symbol(name) for name in symbols]) == [x, x.diff(t), x.diff(t, 2), t, m]
     for kind in kinds:
@@ -102,7 +102,7 @@ def test_symbols_become_dynamicsymbols_and_plain_symbols(graph: Graph) -> None:
 def test_names_are_only_names(name: str, graph: Graph) -> None:
     plain, moving = sp.Symbol(name), sp.Function(name)(t)
     assert graph.symbols[graph.left[from_sympy(plain, graph)]] == Symbol(name)
-    assert graph.symbols[graph.left[from_sympy(moving, graph)]] == Symbol(name, Kind.COORDINATE)
+    assert graph.symbols[graph.left[from_sympy(moving, graph)]] == Symbol(name, SymbolKind.COORDINATE)
     expression = plain * sp.sin(moving) ** 2 + sp.Derivative(moving, t)
     assert out(graph, from_sympy(expression, graph)) == expression
     assert expression.free_symbols == {plain, t}
@@ -124,8 +124,8 @@ def test_numbers_keep_their_kind_and_value(graph: Graph) -> None:
 def test_results_equal_what_a_user_types(graph: Graph) -> None:
     g = symbol(graph, Symbol("g"))
     M, K, L = (symbol(graph, Symbol(name)) for name in "mkl")
-    q, p = (symbol(graph, Symbol(name, Kind.COORDINATE)) for name in "xy")
-    rate = symbol(graph, Symbol("x", Kind.COORDINATE, 1))
+    q, p = (symbol(graph, Symbol(name, SymbolKind.COORDINATE)) for name in "xy")
+    rate = symbol(graph, Symbol("x", SymbolKind.COORDINATE, 1))
     for ours, typed in [
         (
             Fraction(1, 2) * M * rate**2 - M * g * L * cos(q),
@@ -141,7 +141,7 @@ def test_results_equal_what_a_user_types(graph: Graph) -> None:
 
 
 def test_choices_and_conditions(graph: Graph) -> None:
-    q = graph.symbol(Symbol("x", Kind.COORDINATE))
+    q = graph.symbol(Symbol("x", SymbolKind.COORDINATE))
     c, e = (graph.symbol(Symbol(name)) for name in "kl")
     inner = select(graph, apply(graph, op.LT, q, c), e, c)
     both = apply(graph, op.AND, apply(graph, op.LE, 0, q), apply(graph, op.NOT, apply(graph, op.EQ, c, e)))
@@ -153,7 +153,7 @@ def test_choices_and_conditions(graph: Graph) -> None:
 
 def test_an_entry_of_a_kernel_is_a_function_of_its_data(graph: Graph) -> None:
     operands = tuple(graph.symbol(Symbol(name)) for name in ("M", "J", "F", "G"))
-    entry = graph.node(op.PICK, graph.many(op.SADDLE, operands, graph.kernel(Kernel(1, 1))), 1)
+    entry = graph.node(op.PICK, graph.many(op.SADDLE, operands, graph.kernel(KernelNode(1, 1))), 1)
     expected = sp.Function("solve_saddle_1_1")(1, *sp.symbols("M J F G"))
     assert out(graph, entry) == expected
     assert from_sympy(expected, graph) == entry
@@ -186,11 +186,13 @@ class Table:
 
 
 def test_one_name_for_two_things_of_time_is_an_error(graph: Graph) -> None:
-    total = add(graph, graph.symbol(Symbol("x", Kind.COORDINATE)), graph.symbol(Symbol("x", Kind.SPEED)))
+    total = add(
+        graph, graph.symbol(Symbol("x", SymbolKind.COORDINATE)), graph.symbol(Symbol("x", SymbolKind.SPEED))
+    )
     with pytest.raises(ExpressionError, match="the coordinate and the speed 'x'"):
         to_sympy(graph, [total])
     assert to_sympy(
-        graph, [add(graph, graph.symbol(Symbol("x", Kind.COORDINATE)), graph.symbol(Symbol("x")))]
+        graph, [add(graph, graph.symbol(Symbol("x", SymbolKind.COORDINATE)), graph.symbol(Symbol("x")))]
     ) == [x + sp.Symbol("x")]
 
 
@@ -277,11 +279,14 @@ def test_names_are_looked_up_and_derivatives_follow(graph: Graph) -> None:
 
     def lookup(name: str, of_time: bool) -> Symbol:
         seen.append((name, of_time))
-        return Symbol(name.upper(), Kind.INPUT if name == "x" else Kind.SPEED if of_time else Kind.PARAMETER)
+        return Symbol(
+            name.upper(),
+            SymbolKind.INPUT if name == "x" else SymbolKind.SPEED if of_time else SymbolKind.PARAMETER,
+        )
 
     node = from_sympy(m * x.diff(t) + y * t, graph, lookup)
-    rate = graph.symbol(Symbol("X", Kind.INPUT, 1))
-    M, Y = graph.symbol(Symbol("M")), graph.symbol(Symbol("Y", Kind.SPEED))
+    rate = graph.symbol(Symbol("X", SymbolKind.INPUT, 1))
+    M, Y = graph.symbol(Symbol("M")), graph.symbol(Symbol("Y", SymbolKind.SPEED))
     assert node == add(graph, mul(graph, M, rate), mul(graph, Y, graph.symbol(TIME)))
     assert sorted(seen) == [("m", False), ("x", True), ("y", True)]
 
@@ -345,7 +350,7 @@ def test_one_symbol_with_assumptions_is_a_name(graph: Graph) -> None:
 
 
 def test_a_sum_of_5000_terms(graph: Graph) -> None:
-    q = total = graph.symbol(Symbol("x", Kind.COORDINATE))
+    q = total = graph.symbol(Symbol("x", SymbolKind.COORDINATE))
     for i in range(5_000):
         term = graph.symbol(Symbol(f"a{i}"))
         total = add(graph, total, mul(graph, term, q)) if i % 3 else sub(graph, total, term)
@@ -380,7 +385,7 @@ QUICK = ("sin", "quotient", "choice")
     "level", [pytest.param(name, marks=[] if name in QUICK else pytest.mark.exhaustive) for name in LEVELS]
 )
 def test_formulas_5000_levels_deep(level: str, graph: Graph) -> None:
-    node, c = graph.symbol(Symbol("x", Kind.COORDINATE)), graph.symbol(Symbol("m"))
+    node, c = graph.symbol(Symbol("x", SymbolKind.COORDINATE)), graph.symbol(Symbol("m"))
     for _ in range(5000):
         node = LEVELS[level](graph, node, c)
     expression = out(graph, node)
@@ -389,7 +394,7 @@ def test_formulas_5000_levels_deep(level: str, graph: Graph) -> None:
 
 
 def doubling(graph: Graph, depth: int) -> Expr:
-    q, a = symbol(graph, Symbol("x", Kind.COORDINATE)), symbol(graph, Symbol("z1"))
+    q, a = symbol(graph, Symbol("x", SymbolKind.COORDINATE)), symbol(graph, Symbol("z1"))
     for _ in range(depth):
         q = (sin(q) * q + a) / 2
     return q

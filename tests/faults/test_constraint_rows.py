@@ -10,7 +10,7 @@ import pytest
 
 import symbody as sb
 from symbody.errors import AssemblyError, FormulationError, ModelError
-from symbody.model.constraint import Condition
+from symbody.model.constraint import ConstraintElement
 from tests.faults.refusals import refused, refused_file, refused_model
 
 EPS = np.finfo(float).eps
@@ -387,7 +387,7 @@ def test_row_55_explicit_time_in_a_loop() -> None:
 
 
 @cache
-def bead(*conditions: Condition, parameter: float | None = None) -> sb.EquationSet:
+def bead(*conditions: ConstraintElement, parameter: float | None = None) -> sb.EquationSet:
     """A bead without weight."""
     parts = [sb.Body("Bead", mass=2), sb.Cartesian("free", "ground", "Bead", coordinates=["x", "y", "z"])]
     parameters = {} if parameter is None else {"L": parameter}
@@ -403,7 +403,7 @@ def bead(*conditions: Condition, parameter: float | None = None) -> sb.EquationS
     ],
     ids=["distance", "equation", "rate"],
 )
-def test_row_55_explicit_time_in_constraints(rod: Condition) -> None:
+def test_row_55_explicit_time_in_constraints(rod: ConstraintElement) -> None:
     # Angular momentum is kept, m (L'' - L phi'^2) = lambda, and the rod gives the power lambda L'.
     run = sb.simulate(bead(rod), 2.0, {"x": 1.0, "y": 0.0, "z": 0.0, "y_dot": 1.5, "z_dot": 0.0})
     length, rate = 1 + run.t**2 / 4, 1.5 / (1 + run.t**2 / 4) ** 2

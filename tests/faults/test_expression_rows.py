@@ -10,7 +10,7 @@ import os
 
 import pytest
 
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.language.formula import Formula, build
 from symbody.formats import model_from_toml
 from symbody.model import Body, Model, Prismatic
@@ -118,7 +118,9 @@ def test_row_103_multiplication_is_written(text: str, fix: str) -> None:
 def test_row_103_a_caret_is_a_power() -> None:
     graph = Graph()
     roots = [
-        build(Formula.of(text), graph, lambda name, _: graph.symbol(Symbol(name, Kind.PARAMETER)))
+        build(
+            Formula.from_value(text), graph, lambda name, _: graph.symbol(Symbol(name, SymbolKind.PARAMETER))
+        )
         for text in ("x^2", "x**2")
     ]
     assert roots[0] == roots[1]
@@ -131,8 +133,8 @@ def test_row_104_decimal_commas() -> None:
 
 @pytest.mark.parametrize("text", ["1\N{MINUS SIGN}x", "\N{FULLWIDTH DIGIT ONE}-x", "1-\N{NO-BREAK SPACE}x"])
 def test_row_104_variants_of_plain_characters_are_normalized(text: str) -> None:
-    assert Formula.of(text).program[-1].kind == Formula.of("1-x").program[-1].kind
-    assert Formula.of(text).names == ("x",)
+    assert Formula.from_value(text).program[-1].kind == Formula.from_value("1-x").program[-1].kind
+    assert Formula.from_value(text).names == ("x",)
 
 
 @pytest.mark.parametrize("text", ["x \N{EN DASH} 1", "x\N{SUPERSCRIPT TWO}", "a\N{MULTIPLICATION SIGN}b"])

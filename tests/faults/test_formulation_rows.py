@@ -274,7 +274,7 @@ def test_row_64_functions_with_kinks_have_derivatives(
     assert callable(slope)
     graph = Graph()
     x = graph.symbol(Symbol("x"))
-    root = build(Formula.of(text), graph, lambda name, _: x)
+    root = build(Formula.from_value(text), graph, lambda name, _: x)
     rate = derivative(graph, [root], x)
     for place in places:
         (found,) = values_at(graph, rate, x, place)
@@ -361,9 +361,9 @@ def test_row_67_no_derivative_of_an_unknown_function_is_left() -> None:
 
 def test_row_68_floats_stay_floats_and_decimals_exact() -> None:
     graph = Graph()
-    noisy = build(Formula.of(0.1 + 0.2), graph, lambda name, _: 0)
+    noisy = build(Formula.from_value(0.1 + 0.2), graph, lambda name, _: 0)
     assert graph.ops[noisy] == FLOAT and graph.number(noisy) == 0.1 + 0.2
-    plain = build(Formula.of(0.3), graph, lambda name, _: 0)
+    plain = build(Formula.from_value(0.3), graph, lambda name, _: 0)
     assert graph.number(plain) == Fraction(3, 10)
     eqs = form_equations(block("-k*x", k=0.1 + 0.2))
     assert compile(eqs, "udot")(0.0, [1.0], [0.0])[0] == -(0.1 + 0.2)
@@ -371,11 +371,11 @@ def test_row_68_floats_stay_floats_and_decimals_exact() -> None:
 
 def test_row_69_no_huge_rationals() -> None:
     graph = Graph()
-    value = build(Formula.of(math.pi / 3), graph, lambda name, _: 0)
+    value = build(Formula.from_value(math.pi / 3), graph, lambda name, _: 0)
     assert graph.ops[value] == FLOAT
     # Sums of floats stay floats; thousands of terms do not grow digits.
     text = " + ".join(repr(math.sqrt(k)) for k in range(2, 2000))
-    total = graph.number(build(Formula.of(text), graph, lambda name, _: 0))
+    total = graph.number(build(Formula.from_value(text), graph, lambda name, _: 0))
     assert isinstance(total, float) and total == pytest.approx(
         sum(math.sqrt(k) for k in range(2, 2000)), rel=1e-12
     )

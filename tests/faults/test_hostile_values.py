@@ -14,7 +14,7 @@ import pytest
 
 import symbody as sb
 from symbody.analysis.named_values import positions_and_rates
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.language.formula import Formula, build
 from symbody.expr.rewrite import substitute, substitute_into
 from symbody.simulation.sweeps.case_table import case_table
@@ -267,8 +267,8 @@ def compared_choices(seed: int, count: int) -> int:
         text, exact = choice(source, 4)
         value = Fraction(source.randint(-2, 3))
         graph = Graph()
-        k = graph.symbol(Symbol("k", Kind.PARAMETER))
-        node = build(Formula.of(text), graph, lambda name, column, k=k: k)
+        k = graph.symbol(Symbol("k", SymbolKind.PARAMETER))
+        node = build(Formula.from_value(text), graph, lambda name, column, k=k: k)
         other = Graph()
         known = graph.constant(int(value))
         try:

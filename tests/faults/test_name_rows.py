@@ -11,7 +11,7 @@ from sympy.core.function import AppliedUndef, Derivative
 
 from symbody.codegen.compile import compile, generate_code
 from symbody.equations.form import form_equations
-from symbody.expr.graph import Kind, Symbol
+from symbody.expr.graph import Symbol, SymbolKind
 from symbody.model import Body, Drive, Frame, Model, Prismatic, Revolute
 from tests.faults.refusals import refused_file, refused_model
 
@@ -134,7 +134,7 @@ def test_row_21_names_that_look_alike_stay_apart() -> None:
 
 def test_row_22_one_name_is_one_symbol() -> None:
     assert refused_model(parameters={"h": 1}, inputs=["h"])[0][0] == "names.duplicate"
-    assert Symbol("h", Kind.PARAMETER) == Symbol("h", Kind.PARAMETER)
+    assert Symbol("h", SymbolKind.PARAMETER) == Symbol("h", SymbolKind.PARAMETER)
     eqs = form_equations(oscillator("k"))
     (stiffness,) = [symbol for symbol in eqs.forcing.free_symbols if str(symbol) == "k"]
     assert stiffness.assumptions0 == type(stiffness)("k").assumptions0

@@ -10,7 +10,7 @@ import tomlkit
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symbody.formats.lines import Path, key_lines, line_of
+from symbody.formats.lines import Path, find_line, key_lines
 
 TEXT = '''# a comment with name = "no"
 name = "quoted \\" [x] # no comment"   # comment
@@ -80,8 +80,8 @@ def test_line_of_a_key(path: Path, line: int) -> None:
 
 def test_what_is_missing_is_found_at_what_holds_it() -> None:
     lines = key_lines(TEXT)
-    assert line_of(lines, ("body", 1, "mass", 3)) == 17
-    assert line_of(lines, ("joint", 0)) is None
+    assert find_line(lines, ("body", 1, "mass", 3)) == 17
+    assert find_line(lines, ("joint", 0)) is None
 
 
 SCALARS = st.one_of(st.integers(), st.booleans(), st.floats(allow_nan=False, allow_infinity=False), st.text())

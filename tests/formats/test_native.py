@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 from symbody.errors import FormatError, ModelError, SymbodyError
 from symbody.formats import (
     from_data,
-    layout_of,
     load_model,
     model_from_toml,
     model_to_toml,
+    read_layout,
     save_model,
     to_data,
 )
@@ -468,9 +468,9 @@ def test_layout_is_replaced_on_request() -> None:
     text = model_to_toml(
         model_from_toml(COMMENTED), onto=COMMENTED, layout={"B": {"x": 1, "path": [[0, 1], [2, 3]]}}
     )
-    assert layout_of(text) == {"B": {"x": 1, "path": [[0, 1], [2, 3]]}}
+    assert read_layout(text) == {"B": {"x": 1, "path": [[0, 1], [2, 3]]}}
     assert "# mass of A" in text
-    assert layout_of(model_to_toml(spring_mass_damper(), layout={})) == {}
+    assert read_layout(model_to_toml(spring_mass_damper(), layout={})) == {}
     assert to_data(spring_mass_damper(), layout={"a": 1})["layout"] == {"a": 1}
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from symbody.errors import Problem
-from symbody.formats.places import lines_of, pointer, relocated, words
+from symbody.formats.places import line_locator, pointer, relocate, words
 
 TEXT = """name = "a"
 [[body]]
@@ -33,7 +33,7 @@ BASES = {"model": (), "body A": ("body", 0), "body A, mass": ("body", 1)}
     ],
 )
 def test_words_to_lines(where: str, placed: str) -> None:
-    (problem,) = relocated([Problem("c", where, "what")], BASES, lines_of(TEXT, "f"))
+    (problem,) = relocate([Problem("c", where, "what")], BASES, line_locator(TEXT, "f"))
     assert problem == Problem("c", placed, "what")
 
 

@@ -53,8 +53,8 @@ def test_parallel_edges_leave_the_later_as_chord() -> None:
 
 def test_unreached_nodes_are_told() -> None:
     graph = LinearGraph(("ground", "a", "b", "c"), (Edge("e", "ground", "a"), Edge("f", "b", "c")))
-    assert graph.unreached() == ("b", "c")
-    assert graph.unreached(["f"]) == ("a", "b", "c")
+    assert graph.unreached_nodes() == ("b", "c")
+    assert graph.unreached_nodes(["f"]) == ("a", "b", "c")
 
 
 def test_a_thousand_bodies_need_no_recursion() -> None:

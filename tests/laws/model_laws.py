@@ -215,19 +215,21 @@ def _reads_coordinates(model: sb.Model) -> bool:
     known = set(model.coordinates)
     if any(joint.drives for joint in model.joints):
         return True
-    return any(known & set(use.formula.names) for element in model.elements for use in element.uses())
+    return any(
+        known & set(use.formula.names) for element in model.elements for use in element.formula_sites()
+    )
 
 
 def _said(way: Way, point: Point, model: sb.Model) -> Said:
     bodies, joints = [body.name for body in model.bodies], [joint.name for joint in model.joints]
     words = {(b, kind): f"frame {kind} {b} ground ground" for b in bodies for kind in _MOTION}
     forces = {joint: f"reaction {joint}" for joint in joints}
-    places = {j.name: (j.start.frame, j.end.frame) for j in model.joints}
+    places = {j.name: (j.start.full_name, j.end.full_name) for j in model.joints}
     turned = {name: f"frame R {start} ground" for name, (start, _) in places.items()}
     arms = {name: f"frame r {end} {start} ground" for name, (start, end) in places.items()}
     listed = [*SYSTEM, *words.values(), *forces.values(), *turned.values(), *arms.values()]
     found = way.values(point, list(dict.fromkeys(listed)))
-    own = {joint.name: joint.start.frame for joint in way.eqs.model.joints}
+    own = {joint.name: joint.start.full_name for joint in way.eqs.model.joints}
     wrenches = {}
     for name, output in forces.items():
         force, moment = np.split(found[output], 2)

@@ -71,10 +71,10 @@ def size(eqs: sb.EquationSet, point: Point) -> float:
     """The largest distance of a joint's frame from a centre of mass it is fixed to, or of bodies; 1 if all is 0."""
     words = [f"frame r {body.name} ground ground" for body in eqs.model.bodies]
     words += [
-        f"frame r {place.frame} {place.body} ground"
+        f"frame r {place.full_name} {place.body} ground"
         for joint in eqs.model.joints
         for place in (joint.start, joint.end)
-        if place.point
+        if place.frame
     ]
     found = evaluator(eqs, list(dict.fromkeys(words)))(*point.of(eqs))
     return max((float(np.abs(r).max()) for r in found.values()), default=0.0) or 1.0
@@ -111,7 +111,7 @@ def _own_names(joint: Joint) -> tuple[str, ...]:
 
 def _of_frames(eqs: sb.EquationSet, point: Point, joint: Joint) -> dict[str, float]:
     """Quaternions, positions and velocity components of a joint: what has no name where it is cut."""
-    ends = {"s": joint.start.frame, "e": joint.end.frame}
+    ends = {"s": joint.start.full_name, "e": joint.end.full_name}
     words = {key: f"frame {word.format(**ends)}" for key, word in _MOTIONS.items()}
     found = evaluator(eqs, list(words.values()))(*point.of(eqs))
     at: dict[str, Array] = {key: found[word] for key, word in words.items()}

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.equations.solving.undetermined import undetermined
+from symbody.equations.solving.undetermined import find_undetermined
 from tests.laws.redundant import (
     ENTRIES,
     FORMULATIONS,
@@ -56,7 +56,7 @@ def check(seeds: Iterable[int]) -> None:
 
         free = np.linalg.norm(right[rank:], axis=0) if rank < len(columns) else np.zeros(len(columns))
         words = [f"reaction {name} {ENTRIES[entry]}" for name, entry in columns]
-        (open_ones,) = undetermined(eqs.formed, [{"t": [0.0], "q": q, "p": [], "r": []}])
+        (open_ones,) = find_undetermined(eqs.formed, [{"t": [0.0], "q": q, "p": [], "r": []}])
         assert open_ones.names >= {word for word, size in zip(words, free, strict=True) if size > CLEAR}, seed
         assert open_ones.names <= {word for word, size in zip(words, free, strict=True) if size > DEPENDENT}
         assert open_ones.redundant >= len(columns) - rank

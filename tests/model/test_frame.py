@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from symbody.errors import ModelError
 from symbody.model import Frame
-from symbody.model.numbers import as_float, value_of
-from symbody.model.turn import Turn
+from symbody.model.numbers import as_float, formula_value
+from symbody.model.turn import SimpleRotation
 
 Rows = list[list[float]]
 
@@ -24,12 +24,12 @@ def codes(error: pytest.ExceptionInfo[ModelError]) -> list[str]:
 
 
 def number(formula: object, **values: float) -> float:
-    value = value_of(formula, values)
+    value = formula_value(formula, values)
     assert value is not None
     return as_float(value)
 
 
-def turn_matrix(turn: Turn, **values: float) -> Rows:
+def turn_matrix(turn: SimpleRotation, **values: float) -> Rows:
     """Rodrigues' formula."""
     x, y, z = (number(component, **values) for component in turn.axis)
     angle = number(turn.angle, **values)
@@ -64,7 +64,7 @@ def test_formulas_numbers_and_degrees() -> None:
     frame = Frame(at=("L/2", 0.25, Decimal("1.50")), rotate=[("z", "30 deg"), (("a", 0, 1), "phi")])
     assert [component.text for component in frame.at] == ["L/2", "0.25", "1.50"]
     assert number(frame.turns()[0].angle) == pytest.approx(math.pi / 6, rel=1e-15)
-    assert [use.path for use in frame.uses("f")] == [
+    assert [use.path for use in frame.formula_sites("f")] == [
         "f.at[0]",
         "f.at[1]",
         "f.at[2]",
@@ -78,7 +78,7 @@ def test_formulas_numbers_and_degrees() -> None:
 
 def test_axes_are_normalized_exactly_where_possible() -> None:
     exact, rooted, symbolic = Frame(rotate=[((3, 0, 4), 1), ((1, 1, 0), 1), (("a", 0, "b"), 1)]).turns()
-    assert [component.constant() for component in exact.axis] == [value_of(c) for c in exact.axis]
+    assert [component.constant() for component in exact.axis] == [formula_value(c) for c in exact.axis]
     assert [str(component.constant()) for component in exact.axis] == ["3/5", "0", "4/5"]
     assert [number(component) for component in rooted.axis] == [1 / math.sqrt(2), 1 / math.sqrt(2), 0.0]
     # 0.8 and 0.6 up to the rounding of a root and a quotient: 2 units of 1.1e-16

@@ -11,7 +11,7 @@ from symbody.errors import ModelError
 from symbody.model import Body, Drive, Force, Frame, Prismatic, Revolute, SpringDamper, Torque, Weld
 from symbody.model.element import Element
 from symbody.model.joint import InTrees, Joint
-from symbody.model.numbers import as_float, value_of
+from symbody.model.numbers import as_float, formula_value
 
 LINK = Body("Link", frames={"tip": Frame()})
 JOINTS = [
@@ -57,7 +57,7 @@ def test_revolute_law() -> None:
 )
 def test_prismatic_law(axis: str | tuple[float, float, float], shift: tuple[float, float, float]) -> None:
     components = Prismatic("p", "ground", "Link", axis=axis, coordinate="s").shift()
-    values = [value_of(component, {"s": 2, "a": 5}) for component in components]
+    values = [formula_value(component, {"s": 2, "a": 5}) for component in components]
     # rounding of 3/5*2 to the nearest double at most
     assert [as_float(value) for value in values if value is not None] == pytest.approx(shift, rel=2.3e-16)
 
@@ -74,7 +74,7 @@ def test_drives_and_motions_by_coordinate() -> None:
     joint = Revolute("r", "ground", "A", torque=drive, motion="90 deg")
     assert joint.drives == {"r": drive}
     assert joint.motions["r"].text == "90 deg"
-    assert [use.path for use in joint.uses()] == [
+    assert [use.path for use in joint.formula_sites()] == [
         "torque.applied",
         "torque.stiffness",
         "torque.damping",
@@ -122,7 +122,7 @@ def test_bad_choice_of_trees(tree: object) -> None:
     ],
 )
 def test_ways_to_name_a_place(place: object, frame: str) -> None:
-    assert Weld("w", place, "X").start.frame == frame
+    assert Weld("w", place, "X").start.full_name == frame
 
 
 @pytest.mark.parametrize(

@@ -45,9 +45,9 @@ def test_bodies_are_taken_from_joints_and_kinds_are_sorted() -> None:
     model = arm()
     assert [element.name for element in model.elements] == ["Link", "pin", "s", "push"]
     assert [body.name for body in model.bodies] == ["Link"]
-    assert model.joint("pin").start.frame == "ground.post"
+    assert model.joint("pin").start.full_name == "ground.post"
     assert model.coordinates == ("theta",)
-    assert all(joint.start.carried is None and joint.end.carried is None for joint in model.joints)
+    assert all(joint.start.body_object is None and joint.end.body_object is None for joint in model.joints)
 
 
 def test_listed_and_carried_bodies_are_one() -> None:
@@ -66,7 +66,7 @@ def test_changed_elements_need_no_new_joints() -> None:
 def test_a_bare_word_is_a_body_or_a_unique_frame() -> None:
     body = Body("A", frames={"tip": Frame(), "post": Frame()})
     model = Model("bare", [body, Weld("w", "post2", "tip")], ground={"post2": Frame()})
-    assert (model.joints[0].start.frame, model.joints[0].end.frame) == ("ground.post2", "A.tip")
+    assert (model.joints[0].start.full_name, model.joints[0].end.full_name) == ("ground.post2", "A.tip")
 
 
 def test_frozen_picklable_and_copied() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from symbody.expr.language.formula import Formula
-from symbody.model.naming import element_problem, symbol_from, symbol_problem
+from symbody.model.naming import element_problem, make_symbol, symbol_problem
 
 # Words of Python, C, SymPy and of the expression language's functions: only names here.
 WORDS = """I E S N O Q beta gamma zeta lambda Lambda re im sign test sum max True None nan inf oo e j class
@@ -15,7 +15,7 @@ WORDS = """I E S N O Q beta gamma zeta lambda Lambda re im sign test sum max Tru
 @pytest.mark.parametrize("name", WORDS)
 def test_any_word_is_a_symbol(name: str) -> None:
     assert symbol_problem(name, "here") is None
-    assert Formula.of(f"2*{name} + 1").names == (name,)
+    assert Formula.from_value(f"2*{name} + 1").names == (name,)
 
 
 @pytest.mark.parametrize(
@@ -94,5 +94,5 @@ def test_illegal_element_name(name: object, code: str) -> None:
     ],
 )
 def test_symbol_from_an_element_name(name: str, symbol: str) -> None:
-    assert symbol_from(name) == symbol
-    assert symbol_problem(symbol_from(name), "") is None
+    assert make_symbol(name) == symbol
+    assert symbol_problem(make_symbol(name), "") is None

@@ -13,7 +13,7 @@ import pytest
 from symbody.errors import ModelError
 from symbody.model import Body, Drive, Force, Free, Model, Planar, Prismatic, Revolute, Spherical, Torque
 from symbody.model.joint import Joint, QuasiSpeeds
-from symbody.model.numbers import as_float, value_of
+from symbody.model.numbers import as_float, formula_value
 from symbody.model.turn import LETTERS
 from symbody.model.uses import Triple
 
@@ -32,7 +32,7 @@ JOINTS: list[Joint] = [
 
 
 def values(components: Sequence[object], known: Mapping[str, float]) -> list[float]:
-    found = [value_of(component, known) for component in components]
+    found = [formula_value(component, known) for component in components]
     return [as_float(value) for value in found if value is not None]
 
 
@@ -84,7 +84,7 @@ def test_planar_law(axis: str, shift: list[float], normal: list[float]) -> None:
 def test_planar_names_without_names() -> None:
     joint = Planar("disc 1", "ground", "A")
     assert joint.coordinates == ("disc_1_1", "disc_1_2", "disc_1_3")
-    assert not joint.has_named_coordinates and joint.names_given == (None, None, None)
+    assert not joint.has_named_coordinates and joint.given_names == (None, None, None)
 
 
 SEQUENCES = ["".join(s) for s in itertools.product("123", repeat=3) if s[0] != s[1] != s[2]]
@@ -179,7 +179,7 @@ def test_names_of_speeds() -> None:
 def test_places_by_coordinate() -> None:
     joint = JOINTS[1]
     assert dict(joint.drives) == {"X": Drive(1), "q": Drive(2)}
-    assert [use.path for use in joint.uses() if use.formula.constant() != 0] == [
+    assert [use.path for use in joint.formula_sites() if use.formula.constant() != 0] == [
         "force.X.applied",
         "torque.q.applied",
         "motion.Y",
@@ -397,7 +397,7 @@ def test_a_body_without_joint_has_names() -> None:
     push = Force("F", "upper arm", ("-upper_arm_vx", "upper_arm_y_dot", "upper_arm_z"))
     model = Model("m", [Body("upper arm"), push], initial={"upper_arm_z": 2, "upper_arm_wx": 1})
     (joint,) = model.free_joints
-    assert (joint.start.frame, joint.end.frame, joint.quaternion) == (
+    assert (joint.start.full_name, joint.end.full_name, joint.quaternion) == (
         "ground",
         "upper arm",
         ("upper_arm_qw", "upper_arm_qx", "upper_arm_qy", "upper_arm_qz"),

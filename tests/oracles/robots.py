@@ -14,7 +14,7 @@ import pytest
 
 import symbody as sb
 from symbody.formats import model_from_urdf, robot_from_text
-from symbody.model.naming import symbol_from
+from symbody.model.naming import make_symbol
 from tests.oracles.comparison import Floats
 
 POSITION, TWIST = ("x", "y", "z", "qw", "qx", "qy", "qz"), ("vx", "vy", "vz", "wx", "wy", "wz")
@@ -76,13 +76,13 @@ class PinocchioRobot:
                 factor *= float(leader.mimic.multiplier)
                 leader = joints[leader.mimic.leader]
             if leader is not joint:
-                ties.append((symbol_from(joint.name), symbol_from(leader.name), factor, offset))
+                ties.append((make_symbol(joint.name), make_symbol(leader.name), factor, offset))
         return cls(pin, model, model.createData(), ties)
 
     @property
     def joints(self) -> list[tuple[str, Any]]:
         return [
-            (symbol_from(str(name)), joint)
+            (make_symbol(str(name)), joint)
             for name, joint in zip(self.model.names, self.model.joints, strict=True)
         ][1:]
 

@@ -117,7 +117,7 @@ def test_without_any_length_a_note_names_the_cure() -> None:
 def test_tolerances_are_shares_of_sizes_unless_they_are_given(length: float) -> None:
     # 1e-10 of the length (half of it is the frame's offset) or 1 rad, and of that over sqrt(length / g).
     eqs = rod(length)
-    known, at_rest = mechanism_scales(eqs, {}).over(2.0, 1e5), np.zeros(len(eqs.state_names))
+    known, at_rest = mechanism_scales(eqs, {}).fit_span(2.0, 1e5), np.zeros(len(eqs.state_names))
     found = dict(zip(eqs.state_names, known.tolerances(eqs, at_rest), strict=True))
     time = np.sqrt(length / 2 / GRAVITY)
     expected = {"m": length / 2, "m/s": length / 2 / time, "rad/s": 1 / time}

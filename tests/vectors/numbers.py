@@ -8,14 +8,14 @@ import numpy as np
 
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, number, symbol
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Input, Roots, build_sequence
 from symbody.vectors.matrix import Matrix, Triple
 
 
 def named(graph: Graph, names: str) -> tuple[Expr, ...]:
-    return tuple(symbol(graph, Symbol(name, Kind.COORDINATE)) for name in names.split())
+    return tuple(symbol(graph, Symbol(name, SymbolKind.COORDINATE)) for name in names.split())
 
 
 def triple(graph: Graph, x: float, y: float, z: float) -> Triple:
@@ -28,7 +28,9 @@ def matrix_of(graph: Graph, rows: Sequence[Sequence[float]]) -> Matrix:
 
 
 def values(graph: Graph, expressions: Sequence[Expr], at: Mapping[str, float]) -> np.ndarray:
-    inputs = {graph.symbol(Symbol(name, Kind.COORDINATE)): Input(name, "q", k) for k, name in enumerate(at)}
+    inputs = {
+        graph.symbol(Symbol(name, SymbolKind.COORDINATE)): Input(name, "q", k) for k, name in enumerate(at)
+    }
     roots = Roots("out", (len(expressions),), tuple(e.index for e in expressions))
     return np.array(evaluate_sequence(build_sequence(graph, [roots], inputs), {"q": list(at.values())})[0])
 

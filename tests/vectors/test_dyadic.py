@@ -8,8 +8,8 @@ import pytest
 from symbody.expr.expression import Expr, cos, number
 from symbody.expr.graph import Graph
 from symbody.expr.rewrite import operation_count
-from symbody.vectors.dyadic import Dyadic, apply, gyroscopic, quadratic, symmetric_split
-from symbody.vectors.euler_angles import euler_turns
+from symbody.vectors.dyadic import Dyadic, gyroscopic, quadratic, symmetric_split, times_vector
+from symbody.vectors.euler_angles import euler_rotations
 from symbody.vectors.frame import FrameTree
 from symbody.vectors.matrix import Matrix, symmetric_tensor
 from symbody.vectors.rotation import AxisRotation, Rotation, compose_steps
@@ -42,7 +42,7 @@ def spun_tree(graph: Graph) -> FrameTree:
     """Return 3-1-3 turns with a frame each, a frame at rest in the last, and a bent branch."""
     parents: dict[str, tuple[str, Rotation]] = {}
     up = "ground"
-    for k, turn in enumerate(euler_turns(graph, "313", named(graph, "a b c"))):
+    for k, turn in enumerate(euler_rotations(graph, "313", named(graph, "a b c"))):
         parents[f"F{k + 1}"] = (up, compose_steps([turn]))
         up = f"F{k + 1}"
     parents["CoM"] = ("F3", Rotation())
@@ -69,7 +69,8 @@ def test_products_agree_with_plain_matrices(moments: str, products: str) -> None
     d = r @ matrix_values(graph, plain, AT) @ r.T
     x, y = (values(graph, components(tree, v, "ground"), AT) for v in (a, b))
     assert (
-        np.abs(values(graph, components(tree, apply(tree, dyadic, a), "ground"), AT) - d @ x).max() < ROUNDING
+        np.abs(values(graph, components(tree, times_vector(tree, dyadic, a), "ground"), AT) - d @ x).max()
+        < ROUNDING
     )
     assert abs(values(graph, [quadratic(tree, a, dyadic, b)], AT)[0] - x @ d @ y) < ROUNDING
     swirl = components(tree, gyroscopic(tree, a, dyadic), "ground")
@@ -122,7 +123,7 @@ def spinning_top(graph: Graph) -> tuple[FrameTree, Vector, Dyadic]:
     rates = named(graph, "a' b' c'")
     w = Vector({})
     for k, (turn, rate) in enumerate(
-        zip(euler_turns(graph, "313", named(graph, "a b c")), rates, strict=True)
+        zip(euler_rotations(graph, "313", named(graph, "a b c")), rates, strict=True)
     ):
         x, y, z = turn.axis
         w = w + vector(f"F{k + 1}", (x * rate, y * rate, z * rate))
@@ -134,7 +135,7 @@ def test_the_top_never_sees_its_spin_angle() -> None:
     tree, w, inertia = spinning_top(graph)
     energy = quadratic(tree, w, inertia, w)
     assert names_in(energy) == {"A", "C", "b", "a'", "b'", "c'"}
-    angular_momentum = apply(tree, inertia, w)
+    angular_momentum = times_vector(tree, inertia, w)
     moment = gyroscopic(tree, w, inertia)
     for v in (angular_momentum, moment):
         # The term of the spin itself stands in F3, along the axis; no term is turned by c.
@@ -168,7 +169,7 @@ def test_isotropic_bodies_have_no_gyroscopic_moment() -> None:
     split = symmetric_split("CoM", tensor(graph, "A A A"))
     assert gyroscopic(tree, scattered(graph, 1), split).is_zero
     v = scattered(graph, 2)
-    assert list(apply(tree, split, v).terms) == list(v.terms)
+    assert list(times_vector(tree, split, v).terms) == list(v.terms)
 
 
 def test_eulers_equations_of_principal_axes_need_three_products_each() -> None:

@@ -17,7 +17,7 @@ from sympy.physics.vector import ReferenceFrame, dynamicsymbols
 from symbody.errors import FrameError
 from symbody.expr.expression import Expr, cos, sin
 from symbody.expr.graph import Graph
-from symbody.vectors.euler_angles import angle_rates, euler_turns, measured_angles, sequence_axes
+from symbody.vectors.euler_angles import angle_rates, angles_of_matrix, euler_rotations, sequence_axes
 from symbody.vectors.rotation import AxisRotation, compose_steps, rotation_matrix
 from tests.vectors.numbers import matrix_of, matrix_values, named, names_in, triple, values
 
@@ -59,7 +59,7 @@ def test_matrix_and_rates_agree_with_sympy(sequence: str) -> None:
         zip(symbols, at.values(), strict=True)
     )
     graph = Graph()
-    turns = euler_turns(graph, sequence, named(graph, "a b c"))
+    turns = euler_rotations(graph, sequence, named(graph, "a b c"))
     expected = np.array(start.dcm(end).evalf(subs=numbers), dtype=float)
     found = matrix_values(graph, rotation_matrix(graph, compose_steps(turns)), at)
     assert np.abs(found - expected).max() < ROUNDING
@@ -74,7 +74,9 @@ def test_313_in_end_axes_divides_by_the_sine_of_the_middle_angle_alone() -> None
     graph = Graph()
     zeta, eta, xi = named(graph, "zeta eta xi")
     wx, wy, wz = named(graph, "wx wy wz")
-    rates, determinant = angle_rates(graph, euler_turns(graph, "313", (zeta, eta, xi)), (wx, wy, wz), "end")
+    rates, determinant = angle_rates(
+        graph, euler_rotations(graph, "313", (zeta, eta, xi)), (wx, wy, wz), "end"
+    )
     assert determinant == -sin(eta)
     across = sin(xi) * wx + cos(xi) * wy
     assert rates == (across / sin(eta), cos(xi) * wx - sin(xi) * wy, wz - cos(eta) * (across / sin(eta)))
@@ -82,7 +84,7 @@ def test_313_in_end_axes_divides_by_the_sine_of_the_middle_angle_alone() -> None
 
 def test_only_the_angles_that_matter_appear() -> None:
     graph = Graph()
-    turns = euler_turns(graph, "123", named(graph, "a b c"))
+    turns = euler_rotations(graph, "123", named(graph, "a b c"))
     omega = named(graph, "x y z")
     for side, unseen in (("start", "c"), ("end", "a")):
         rates, determinant = angle_rates(graph, turns, omega, side)
@@ -110,7 +112,7 @@ def test_rates_of_axes_that_are_not_perpendicular() -> None:
 
 def rebuilt(graph: Graph, sequence: str, angles: tuple[Expr, Expr, Expr]) -> np.ndarray:
     return matrix_values(
-        graph, rotation_matrix(graph, compose_steps(euler_turns(graph, sequence, angles))), {}
+        graph, rotation_matrix(graph, compose_steps(euler_rotations(graph, sequence, angles))), {}
     )
 
 
@@ -119,9 +121,9 @@ def test_measured_angles_are_the_angles_and_rebuild_the_matrix_where_singular(se
     middle = 0.0 if sequence[-3] == sequence[-1] else math.pi / 2
     for angles in ((0.5, 0.8, -2.1), (-2.9, 1.1, 3.0), (0.7, middle, 0.4)):
         graph = Graph()
-        turns = euler_turns(graph, sequence, triple(graph, *angles))
+        turns = euler_rotations(graph, sequence, triple(graph, *angles))
         matrix = matrix_values(graph, rotation_matrix(graph, compose_steps(turns)), {})
-        measured = measured_angles(matrix_of(graph, matrix), sequence)
+        measured = angles_of_matrix(matrix_of(graph, matrix), sequence)
         # The entries are wrong by about eps, the outer angles by that over sin or cos of the middle one;
         # where it is singular the product is still right to rounding.
         assert np.abs(rebuilt(graph, sequence, measured) - matrix).max() < ROUNDING
@@ -136,9 +138,9 @@ def test_any_rotation_is_measured_in_any_sequence(
     angles: tuple[float, float, float], made_by: str, measured_by: str
 ) -> None:
     graph = Graph()
-    turns = euler_turns(graph, made_by, triple(graph, *angles))
+    turns = euler_rotations(graph, made_by, triple(graph, *angles))
     matrix = matrix_values(graph, rotation_matrix(graph, compose_steps(turns)), {})
-    measured = measured_angles(matrix_of(graph, matrix), measured_by)
+    measured = angles_of_matrix(matrix_of(graph, matrix), measured_by)
     assert np.abs(rebuilt(graph, measured_by, measured) - matrix).max() < ROUNDING
     middle = values(graph, measured, {})[1]
     same = measured_by[-3] == measured_by[-1]
@@ -162,6 +164,6 @@ def test_other_words_are_refused_with_the_way_to_write_them(sequence: str) -> No
 
 def test_angular_velocity_needs_three_angles() -> None:
     graph = Graph()
-    turns = euler_turns(graph, "123", named(graph, "a b c"))
+    turns = euler_rotations(graph, "123", named(graph, "a b c"))
     with pytest.raises(FrameError, match="2 angles"):
         angle_rates(graph, turns[:2], named(graph, "x y z"))

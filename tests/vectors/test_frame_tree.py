@@ -9,8 +9,8 @@ import pytest
 
 from symbody.errors import FrameError
 from symbody.expr.expression import Expr, number
-from symbody.expr.graph import Graph, Kind, Symbol
-from symbody.vectors.euler_angles import euler_turns
+from symbody.expr.graph import Graph, Symbol, SymbolKind
+from symbody.vectors.euler_angles import euler_rotations
 from symbody.vectors.frame import FrameTree
 from symbody.vectors.matrix import Matrix3, Vector3, identity
 from symbody.vectors.rotation import (
@@ -21,7 +21,7 @@ from symbody.vectors.rotation import (
     compose_steps,
     rotation_matrix,
 )
-from symbody.vectors.vector import components, dot, drawn_near, vector
+from symbody.vectors.vector import components, dot, express_near, vector
 from tests.vectors.numbers import matrix_of, matrix_values, named, names_in, triple, values
 
 EPS = np.finfo(float).eps
@@ -70,7 +70,7 @@ def test_every_pair_is_the_product_along_the_tree(seed: int) -> None:
         found = matrix_values(graph, tree.matrix(a, b), at)
         # At most 24 factors with errors of some 10 eps each, on both sides; the norm of the parameters is 1.
         assert np.abs(found - from_ground[a].T @ from_ground[b]).max() < 500 * EPS
-        assert tree.matrix(b, a) == tree.matrix(a, b).transposed
+        assert tree.matrix(b, a) == tree.matrix(a, b).T
         assert tree.rotation(a, b).then(tree.rotation(b, a)) == Rotation()
 
 
@@ -132,7 +132,7 @@ def test_parallel_turns_merge_across_frames_and_branches(monkeypatch: pytest.Mon
     tree = FrameTree(graph, {
         "A": ("ground", compose_steps([AxisRotation(z, a)])), "B": ("A", compose_steps([AxisRotation(z, b)])),
         "C": ("ground", compose_steps([AxisRotation(z, c)])), "D": ("C", compose_steps([AxisRotation(z, a - c)])),
-        "E": ("B", compose_steps(euler_turns(graph, "313", (d, c, a)))),
+        "E": ("B", compose_steps(euler_rotations(graph, "313", (d, c, a)))),
     })  # fmt: skip
     assert tree.rotation("ground", "B").turns == (AxisRotation(z, a + b),)
     assert tree.rotation("D", "A") == Rotation()
@@ -153,10 +153,10 @@ def test_what_was_found_stays_right_while_frames_are_added() -> None:
         tree.depth("A")
     grow(tree, "A", "ground", compose_steps([AxisRotation(z, a)]))
     before = tree.matrix("ground", "A")
-    assert (tree.depth("A"), tree.home("A"), tree.path("A")) == (1, "A", ("A", "ground"))
+    assert (tree.depth("A"), tree.orientation_frame("A"), tree.path("A")) == (1, "A", ("A", "ground"))
     grow(tree, "B", "A", Rotation())
     grow(tree, "C", "B", compose_steps([AxisRotation(z, b)]))
-    assert (tree.depth("C"), tree.home("B"), tree.home("C")) == (3, "A", "C")
+    assert (tree.depth("C"), tree.orientation_frame("B"), tree.orientation_frame("C")) == (3, "A", "C")
     assert tree.path("C") == ("C", "B", "A", "ground")
     assert tree.matrix("ground", "A") is before
     assert tree.rotation("ground", "C").turns == (AxisRotation(z, a + b),)
@@ -165,7 +165,7 @@ def test_what_was_found_stays_right_while_frames_are_added() -> None:
 def test_long_chains_need_no_recursion() -> None:
     parents = {f"f{k + 1}": (f"f{k}", Rotation()) for k in range(5000)} | {"f0": ("ground", Rotation())}
     tree = FrameTree(Graph(), parents)
-    assert tree.depth("f5000") == 5001 and tree.home("f5000") == "ground"
+    assert tree.depth("f5000") == 5001 and tree.orientation_frame("f5000") == "ground"
     assert len(tree.path("f5000")) == 5002
 
 
@@ -190,7 +190,7 @@ def test_vectors_of_many_terms_are_drawn_near() -> None:
     tree, at = random_tree(2, 6)
     graph = tree.graph
     a = vector("f5", triple(graph, 1, 2, -3)) + vector("f1", triple(graph, 0.5, 0, 2))
-    short = drawn_near(tree, a, "f3")
+    short = express_near(tree, a, "f3")
     assert list(short.terms) == ["f3"]
     found = values(graph, components(tree, short, "ground"), at)
     # Components below 6 through at most 12 factors each way.
@@ -200,7 +200,7 @@ def test_vectors_of_many_terms_are_drawn_near() -> None:
 def test_a_single_term_across_parallel_turns_is_left() -> None:
     graph = Graph()
     zero, one = number(graph, 0), number(graph, 1)
-    angles = [Expr(graph, graph.symbol(Symbol(name, Kind.COORDINATE))) for name in "abc"]
+    angles = [Expr(graph, graph.symbol(Symbol(name, SymbolKind.COORDINATE))) for name in "abc"]
     parents = {}
     for k, angle in enumerate(angles):
         parents[f"f{k}"] = (
@@ -209,8 +209,8 @@ def test_a_single_term_across_parallel_turns_is_left() -> None:
         )
     tree = FrameTree(graph, parents)
     a = vector("f0", (one, zero, zero))
-    assert drawn_near(tree, a, "f2") is a
-    assert list(drawn_near(tree, a, "f1").terms) == ["f1"]
+    assert express_near(tree, a, "f2") is a
+    assert list(express_near(tree, a, "f1").terms) == ["f1"]
 
 
 def test_cosines_enter_a_tree_as_they_are() -> None:

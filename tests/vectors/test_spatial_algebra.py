@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symbody.vectors.inertia import RigidInertia, articulated, central_inertia
+from symbody.vectors.inertia import RigidInertia, central_inertia, single_body
 from symbody.vectors.matrix import Matrix3, SymmetricTensor, Vector3, matrix3, skew
 from symbody.vectors.transform import CoordinateRotation, Transform
 from symbody.vectors.twist import Twist, Wrench
@@ -61,17 +61,17 @@ def test_inertias_move_as_wrenches_and_twists_do(
     X: Transform[Number], body: RigidInertia[Number], a: Twist[Number]
 ) -> None:
     seen = X.wrench_to_parent(body @ X.twist_to_child(a))
-    assert body.to_parent(X) @ a == seen == articulated(body).to_parent(X) @ a
+    assert body.to_parent(X) @ a == seen == single_body(body).to_parent(X) @ a
 
 
 @given(inertias, twists, twists, fractions)
 def test_an_articulated_body_gives_way_along_its_joint(
     body: RigidInertia[Number], S: Twist[Number], a: Twist[Number], shift: Fraction
 ) -> None:
-    U = articulated(body) @ S
+    U = single_body(body) @ S
     D = S.dot(U)
     if D != 0:
-        left = articulated(body).without(U, 1 / D)
+        left = single_body(body).project_out(U, 1 / D)
         assert left @ (a + S * shift) == left @ a and S.dot(left @ a) == 0
 
 
@@ -80,8 +80,8 @@ def test_tensors_turn_as_matrices_do(
     turn: CoordinateRotation[Number], K: SymmetricTensor[Number], A: Matrix3[Number]
 ) -> None:
     R = turn.matrix
-    assert turn.rotate_tensor(K).matrix == R @ K.matrix @ R.transposed
-    assert turn.rotate_matrix(A) == R @ A @ R.transposed
+    assert turn.rotate_tensor(K).matrix == R @ K.matrix @ R.T
+    assert turn.rotate_matrix(A) == R @ A @ R.T
 
 
 @given(vectors, vectors)

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation as Reference
 from symbody.errors import FrameError
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, number, symbol
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Input, Roots, build_sequence
 from symbody.vectors.frame import FrameTree
@@ -28,7 +28,7 @@ def values(graph: Graph, expressions: Sequence[Expr]) -> np.ndarray:
     inputs = {}
     numbers = []
     for k, (name, value) in enumerate(ANGLES.items()):
-        inputs[graph.symbol(Symbol(name, Kind.COORDINATE))] = Input(name, "q", k)
+        inputs[graph.symbol(Symbol(name, SymbolKind.COORDINATE))] = Input(name, "q", k)
         numbers.append(value)
     roots = Roots("out", (len(expressions),), tuple(e.index for e in expressions))
     return np.array(evaluate_sequence(build_sequence(graph, [roots], inputs), {"q": numbers})[0])
@@ -39,7 +39,7 @@ def axis(graph: Graph, x: float, y: float, z: float) -> Triple:
 
 
 def angle(graph: Graph, name: str) -> Expr:
-    return symbol(graph, Symbol(name, Kind.COORDINATE))
+    return symbol(graph, Symbol(name, SymbolKind.COORDINATE))
 
 
 def general_axis(graph: Graph) -> tuple[Triple, np.ndarray]:
@@ -101,7 +101,7 @@ def test_relative_rotation_goes_along_the_tree_only() -> None:
     assert len(tree.rotation("B", "A").turns) == 1
     assert len(tree.rotation("B", "C").turns) == 2
     assert tree.rotation("A", "A") == Rotation()
-    assert tree.home("fixed") == "B"
+    assert tree.orientation_frame("fixed") == "B"
 
 
 def test_unknown_frame_is_named_with_the_nearest() -> None:

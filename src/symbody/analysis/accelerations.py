@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import Closure
+from symbody.analysis.closure import ConstraintEvaluator
 from symbody.analysis.state import State
 from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.errors import AssemblyError, Problem, SimulationError
@@ -30,7 +30,7 @@ _STAYED: Final = 1e-12  # of the size of a coordinate
 
 
 def complete_state(
-    evaluator: Closure,
+    evaluator: ConstraintEvaluator,
     q: Floats,
     u: Floats,
     start: Floats,
@@ -67,7 +67,7 @@ def complete_state(
     )
 
 
-def _accelerations(evaluator: Closure, q: Floats, u: Floats) -> Any:
+def _accelerations(evaluator: ConstraintEvaluator, q: Floats, u: Floats) -> Any:
     """Return accelerations, multipliers, J and gamma.
 
     Raises
@@ -76,10 +76,10 @@ def _accelerations(evaluator: Closure, q: Floats, u: Floats) -> Any:
         If no mass resists some motion, naming its coordinates.
     """
     try:
-        return evaluator.function(("udot", "lambda", "jacobian", "gamma"))(evaluator.t, q, u)
+        return evaluator.compile(("udot", "lambda", "jacobian", "gamma"))(evaluator.t, q, u)
     except SimulationError as error:
         eqs = evaluator.eqs
-        places = massless_speeds(*evaluator.function(("mass_matrix", "jacobian"))(evaluator.t, q, u))
+        places = massless_speeds(*evaluator.compile(("mass_matrix", "jacobian"))(evaluator.t, q, u))
         if not places:
             raise
         names = [eqs.speed_names[k] for k in places]
@@ -88,25 +88,27 @@ def _accelerations(evaluator: Closure, q: Floats, u: Floats) -> Any:
         ) from error
 
 
-def _free_acceleration(evaluator: Closure, q: Floats, u: Floats) -> float:
+def _free_acceleration(evaluator: ConstraintEvaluator, q: Floats, u: Floats) -> float:
     """Return the largest acceleration that the forces would give without constraints, over its size."""
-    solved, sizes = evaluator.function(("mass_matrix", "forcing"))(evaluator.t, q, u), evaluator.speed_sizes
+    solved, sizes = evaluator.compile(("mass_matrix", "forcing"))(evaluator.t, q, u), evaluator.speed_sizes
     mass = solved.mass_matrix * np.outer(sizes, sizes)
     free = np.linalg.lstsq(mass, solved.forcing * sizes, rcond=None)[0]
     return float(np.abs(free).max(initial=0.0))
 
 
-def _changed_rates(evaluator: Closure, q: Floats, u: Floats, guess: Mapping[str, float]) -> dict[str, float]:
+def _changed_rates(
+    evaluator: ConstraintEvaluator, q: Floats, u: Floats, guess: Mapping[str, float]
+) -> dict[str, float]:
     """Return by how much speeds, and rates of coordinates, differ from what was guessed for them."""
     eqs = evaluator.eqs
     rates = dict(zip(eqs.speed_names, u.tolist(), strict=True))
     names = [f"{name}_dot" for name in eqs.coordinate_names]
     if any(name in guess and name not in rates for name in names):
-        qdot = evaluator.function("qdot")(evaluator.t, q, u).tolist()
+        qdot = evaluator.compile("qdot")(evaluator.t, q, u).tolist()
         rates = dict(zip(names, qdot, strict=True)) | rates
-    for name in evaluator.parted(guess)[1]:  # of cut joints
+    for name in evaluator.split_values(guess)[1]:  # of cut joints
         if name not in rates:
-            rates[name] = float(evaluator.function(name)(evaluator.t, q, u))
+            rates[name] = float(evaluator.compile(name)(evaluator.t, q, u))
     scale = max(map(abs, [*rates.values(), *guess.values()]), default=0.0)
     changes = {name: rates[name] - value for name, value in guess.items() if name in rates}
     return {name: change for name, change in changes.items() if abs(change) > _CHANGED * scale}

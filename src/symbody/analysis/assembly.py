@@ -16,22 +16,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state
-from symbody.analysis.closure import STARTS, Closure, closure
-from symbody.analysis.least_open import least_open
-from symbody.analysis.named_values import checked_mappings, checked_pairs, named_values, unit_quaternions
+from symbody.analysis.closure import STARTS, ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.least_open import minimum_gap
+from symbody.analysis.named_values import check_mappings, check_pairs, named_values, unit_quaternions
 from symbody.analysis.ranges import (
     Ranges,
     checked_ranges,
-    into_ranges,
-    measured_in_ranges,
-    nearest_in_ranges,
-    out_of_range,
-    starts_in_ranges,
+    clip_to_ranges,
+    draw_measured_values,
+    draw_starts,
+    out_of_range_problem,
+    turn_into_ranges,
 )
-from symbody.analysis.ropes import assembled_with_ropes
+from symbody.analysis.ropes import assemble_with_ropes
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
-from symbody.analysis.velocities import consistent_speeds
+from symbody.analysis.velocities import solve_speeds
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
@@ -92,8 +92,8 @@ def assemble(
         gaps is least, and the others open there; or they close outside the ranges only; or fixed values
         contradict each other, naming the smallest set that does; or if a name is unknown.
     """
-    checked_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
-    checked_pairs(ranges or {})
+    check_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
+    check_pairs(ranges or {})
     if not ropes(eqs.formed):
         return assemble_taut(eqs, fixed, guess, parameters, inputs, t, ranges, scales)
 
@@ -104,7 +104,9 @@ def assemble(
     exact = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     values = dict(parameters or {}), dict(inputs or {})
     mechanism = mechanism_scales(eqs, values[0], scales, {**near, **exact})
-    return assembled_with_ropes(eqs, exact, near, attempt, lambda held: closure(held, *values, t, mechanism))
+    return assemble_with_ropes(
+        eqs, exact, near, attempt, lambda held: constraint_evaluator(held, *values, t, mechanism)
+    )
 
 
 def assemble_taut(
@@ -121,8 +123,8 @@ def assemble_taut(
     near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess or ()))
     values = named_values(eqs, fixed or {}, parameters, strict=set(fixed or ()))
     mechanism = mechanism_scales(eqs, dict(parameters or {}), scales, {**near, **values})
-    evaluator = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism)
-    positions, rates = evaluator.parted(values)
+    evaluator = constraint_evaluator(eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism)
+    positions, rates = evaluator.split_values(values)
     positions, near = unit_quaternions(eqs.quaternions, positions, near)
     lower, upper = (
         named_values(
@@ -131,21 +133,23 @@ def assemble_taut(
         for k in (0, 1)
     )
     within = checked_ranges(evaluator, lower, upper)
-    start = nearest_in_ranges(evaluator, evaluator.start({**near, **positions}), within, positions)
+    start = clip_to_ranges(evaluator, evaluator.initial_coordinates({**near, **positions}), within, positions)
     assembly = _find_assembly(
         evaluator, _measured_start(evaluator, start, positions, near), positions, within
     )
     if assembly is None:
-        raise AssemblyError(_open_problem(evaluator, evaluator.start(near), start, positions, within))
+        raise AssemblyError(
+            _open_problem(evaluator, evaluator.initial_coordinates(near), start, positions, within)
+        )
     q = assembly.q
     guessed = {name: value for name, value in near.items() if name not in positions and name not in rates}
-    u = consistent_speeds(evaluator, q, rates, guessed)
+    u = solve_speeds(evaluator, q, rates, guessed)
     others = partial(_other_states, evaluator, start, positions, q, within, rates, guessed)
     return complete_state(evaluator, q, u, start, guessed, others)
 
 
 def _other_states(
-    evaluator: Closure,
+    evaluator: ConstraintEvaluator,
     start: Floats,
     fixed: Mapping[str, float],
     q: Floats,
@@ -155,7 +159,7 @@ def _other_states(
 ) -> list[State]:
     attempts = _further_assemblies(evaluator, start, fixed, q, ranges)
     return [
-        complete_state(evaluator, b.q, consistent_speeds(evaluator, b.q, rates, guess), start, guess)
+        complete_state(evaluator, b.q, solve_speeds(evaluator, b.q, rates, guess), start, guess)
         for b in attempts
     ]
 
@@ -167,7 +171,7 @@ def _all_guesses(eqs: EquationSet, guess: Mapping[str, Value] | None) -> dict[st
 
 
 def consistent_start(
-    evaluator: Closure, fixed: Mapping[str, float], near: Mapping[str, float]
+    evaluator: ConstraintEvaluator, fixed: Mapping[str, float], near: Mapping[str, float]
 ) -> tuple[Floats, Floats]:
     """Return q and u in which all constraints hold, as `assemble` does with values instead of formulas.
 
@@ -176,14 +180,16 @@ def consistent_start(
     AssemblyError
         As `assemble`.
     """
-    positions, rates = evaluator.parted(fixed)
+    positions, rates = evaluator.split_values(fixed)
     positions, near = unit_quaternions(evaluator.eqs.quaternions, positions, near)
     q = consistent_positions(evaluator, positions, near)
     guess = {name: value for name, value in near.items() if name not in positions and name not in rates}
-    return q, consistent_speeds(evaluator, q, rates, guess)
+    return q, solve_speeds(evaluator, q, rates, guess)
 
 
-def consistent_positions(evaluator: Closure, fixed: Mapping[str, float], near: Mapping[str, float]) -> Floats:
+def consistent_positions(
+    evaluator: ConstraintEvaluator, fixed: Mapping[str, float], near: Mapping[str, float]
+) -> Floats:
     """Return coordinates (n_q,) in which all constraints hold, with the positions among the fixed values.
 
     Raises
@@ -191,20 +197,24 @@ def consistent_positions(evaluator: Closure, fixed: Mapping[str, float], near: M
     AssemblyError
         As `assemble`.
     """
-    positions, near = unit_quaternions(evaluator.eqs.quaternions, evaluator.parted(fixed)[0], near)
-    start = evaluator.start({**near, **positions})
+    positions, near = unit_quaternions(evaluator.eqs.quaternions, evaluator.split_values(fixed)[0], near)
+    start = evaluator.initial_coordinates({**near, **positions})
     assembly = _find_assembly(evaluator, _measured_start(evaluator, start, positions, near), positions)
     if assembly is None:
-        raise AssemblyError(_open_problem(evaluator, evaluator.start(near), start, positions, NO_RANGES))
+        raise AssemblyError(
+            _open_problem(evaluator, evaluator.initial_coordinates(near), start, positions, NO_RANGES)
+        )
     return assembly.q
 
 
 def _measured_start(
-    evaluator: Closure, start: Floats, fixed: Mapping[str, float], near: Mapping[str, float]
+    evaluator: ConstraintEvaluator, start: Floats, fixed: Mapping[str, float], near: Mapping[str, float]
 ) -> Floats:
     """Return a start at which coordinates of cut joints have the values guessed for them, if there is one."""
     guessed = {
-        name: near[name] for name in evaluator.parted(near)[0] if name not in evaluator.eqs.coordinate_names
+        name: near[name]
+        for name in evaluator.split_values(near)[0]
+        if name not in evaluator.eqs.coordinate_names
     }
     measured = {name: value for name, value in guessed.items() if name not in fixed}
     if not measured:
@@ -213,18 +223,20 @@ def _measured_start(
     return attempt.q if attempt.is_closed else start
 
 
-def assembled_configuration(
-    evaluator: Closure, guess: Mapping[str, Value], parameters: Mapping[str, Value] | None
+def find_configuration(
+    evaluator: ConstraintEvaluator, guess: Mapping[str, Value], parameters: Mapping[str, Value] | None
 ) -> Floats | None:
     """Return the configuration nearest to a guess that closes the loops, or None."""
     eqs = evaluator.eqs
     near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess))
-    assembly = _find_assembly(evaluator, _measured_start(evaluator, evaluator.start(near), {}, near), {})
+    assembly = _find_assembly(
+        evaluator, _measured_start(evaluator, evaluator.initial_coordinates(near), {}, near), {}
+    )
     return None if assembly is None else assembly.q
 
 
 def _find_assembly(
-    evaluator: Closure, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
+    evaluator: ConstraintEvaluator, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
 ) -> Configuration | None:
     """Return the assembly nearest to the start, trying starts farther and farther away; or None."""
     starts = _starts(evaluator, start, fixed, ranges)
@@ -234,35 +246,37 @@ def _find_assembly(
             return attempt
         if evaluator.is_tree:
             return None
-    for guess, inside in zip(starts, measured_in_ranges(evaluator, ranges, fixed, STARTS), strict=False):
+    for guess, inside in zip(starts, draw_measured_values(evaluator, ranges, fixed, STARTS), strict=False):
         attempt = _restrict_to_ranges(evaluator, _newton(evaluator, guess, {**fixed, **inside}), ranges)
         if attempt.is_closed:
             return attempt
     return None
 
 
-def _restrict_to_ranges(evaluator: Closure, attempt: Configuration, ranges: Ranges) -> Configuration:
+def _restrict_to_ranges(
+    evaluator: ConstraintEvaluator, attempt: Configuration, ranges: Ranges
+) -> Configuration:
     """Return an end of Newton's method with angles in their ranges; not closed outside of these."""
     if not attempt.is_closed or not ranges:
         return attempt
-    q = into_ranges(evaluator, attempt.q, ranges)
+    q = turn_into_ranges(evaluator, attempt.q, ranges)
     return replace(attempt, is_closed=False) if q is None else replace(attempt, q=q)
 
 
 def _starts(
-    evaluator: Closure, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
+    evaluator: ConstraintEvaluator, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
 ) -> list[Floats]:
     """Return the start and starts about it, and in the ranges, the same at every call."""
-    return [*evaluator.starts(start, fixed), *starts_in_ranges(evaluator, start, ranges, fixed, STARTS)]
+    return [*evaluator.starts(start, fixed), *draw_starts(evaluator, start, ranges, fixed, STARTS)]
 
 
-def _newton(evaluator: Closure, q: Floats, fixed: Mapping[str, float]) -> Configuration:
+def _newton(evaluator: ConstraintEvaluator, q: Floats, fixed: Mapping[str, float]) -> Configuration:
     """Return the end of steps of least length."""
     return evaluator.manifold(fixed).project(q, least_step)
 
 
 def _further_assemblies(
-    evaluator: Closure, start: Floats, fixed: Mapping[str, float], q: Floats, ranges: Ranges
+    evaluator: ConstraintEvaluator, start: Floats, fixed: Mapping[str, float], q: Floats, ranges: Ranges
 ) -> list[Configuration]:
     """Return further assemblies, nearest to the start first."""
     if evaluator.is_tree:
@@ -279,19 +293,21 @@ def _further_assemblies(
 
 
 def _open_problem(
-    evaluator: Closure, guess: Floats, start: Floats, fixed: Mapping[str, float], ranges: Ranges
+    evaluator: ConstraintEvaluator, guess: Floats, start: Floats, fixed: Mapping[str, float], ranges: Ranges
 ) -> Problem:
     """Return the contradiction of fixed values, the joint that stays open, or the ranges that are missed."""
     if ranges:
         outside = _find_assembly(evaluator, start, fixed)
         if outside is not None:
             others = _further_assemblies(evaluator, start, fixed, outside.q, NO_RANGES)
-            return out_of_range(evaluator, [outside.q, *(other.q for other in others)], ranges)
+            return out_of_range_problem(evaluator, [outside.q, *(other.q for other in others)], ranges)
     if fixed and _find_assembly(evaluator, guess, {}) is not None:
         conflict = dict(fixed)
         for name in fixed:
             fewer = {key: value for key, value in conflict.items() if key != name}
-            near = evaluator.start({**dict(zip(evaluator.eqs.coordinate_names, guess, strict=True)), **fewer})
+            near = evaluator.initial_coordinates(
+                {**dict(zip(evaluator.eqs.coordinate_names, guess, strict=True)), **fewer}
+            )
             if _find_assembly(evaluator, near, fewer) is None:
                 conflict = fewer
         listed = ", ".join(f"{name} = {value:g}" for name, value in conflict.items())
@@ -305,7 +321,7 @@ def _open_problem(
 
 
 def _open_joints(
-    evaluator: Closure, attempts: Sequence[Configuration], fixed: Mapping[str, float]
+    evaluator: ConstraintEvaluator, attempts: Sequence[Configuration], fixed: Mapping[str, float]
 ) -> Problem:
     """Say by how much joints stay open, from where Newton's method came nearest to closing them."""
     best = attempts[0]
@@ -315,7 +331,7 @@ def _open_joints(
         what = f"joint {joint} closes only with its axes opposite to each other"
     else:
         finite = [attempt.q for attempt in attempts if np.isfinite(attempt.residual)][:_GAP_TRIALS]
-        trials = [(best.q, np.inf), *(least_open(evaluator, evaluator.normalized(q), fixed) for q in finite)]
+        trials = [(best.q, np.inf), *(minimum_gap(evaluator, evaluator.normalize(q), fixed) for q in finite)]
         q, _ = min(trials, key=lambda trial: trial[1])
         (joint, gap), *others = evaluator.gaps(q).items() or [("", (0.0, 0.0))]
         size = evaluator.mechanism.length

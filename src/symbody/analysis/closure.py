@@ -27,7 +27,7 @@ NOTHING_FIXED: Final[Mapping[str, float]] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Closure:
+class ConstraintEvaluator:
     """Equations with values of parameters and inputs at one time.
 
     Attributes
@@ -83,10 +83,10 @@ class Closure:
             return np.concatenate(values), np.vstack(rows)
 
         scales = np.append(self.scales, [self._measured_size(name) for name in measured])
-        places, free = self.quaternions(), self.free(fixed)
+        places, free = self.quaternions(), self.free_coordinates(fixed)
         return ConstraintManifold(evaluate, self.sizes, scales, places, self.is_aligned, free, ASSEMBLED)
 
-    def function(self, outputs: str | Sequence[str]) -> CompiledFunction:
+    def compile(self, outputs: str | Sequence[str]) -> CompiledFunction:
         """Return a compiled function of t, q and u."""
         key = outputs if isinstance(outputs, str) else tuple(outputs)
 
@@ -97,7 +97,7 @@ class Closure:
 
         return self.functions.get(key, compile_outputs)
 
-    def parted(self, values: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
+    def split_values(self, values: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
         """Return the values of positions, and those of velocities."""
         topology = self.eqs.formed.topology
         coordinates = {name for joint in topology.joints for name in joint.coordinates}
@@ -106,11 +106,11 @@ class Closure:
         positions = {name: value for name, value in values.items() if name in coordinates}
         return positions, {name: value for name, value in values.items() if name not in coordinates}
 
-    def start(self, values: Mapping[str, float]) -> Floats:
+    def initial_coordinates(self, values: Mapping[str, float]) -> Floats:
         """Return coordinates with given values, 0 for the others; quaternions are normalized."""
-        return self.normalized(np.array([values.get(name, 0.0) for name in self.eqs.coordinate_names]))
+        return self.normalize(np.array([values.get(name, 0.0) for name in self.eqs.coordinate_names]))
 
-    def normalized(self, q: Floats) -> Floats:
+    def normalize(self, q: Floats) -> Floats:
         """Return coordinates with quaternions of unit norm; one that is zero becomes 1, 0, 0, 0."""
         result = q.copy()
         for places in self.quaternions():
@@ -120,15 +120,15 @@ class Closure:
 
     def starts(self, start: Floats, fixed: Mapping[str, float], growth: float = 1.25) -> list[Floats]:
         """Return a start and others about it, farther and farther away, the same at every call."""
-        random, free = np.random.default_rng(1), self.free(fixed)
+        random, free = np.random.default_rng(1), self.free_coordinates(fixed)
         starts = [start]
         for k in range(1, STARTS):
             q = start.copy()
             q[free] += 0.1 * growth**k * random.standard_normal(int(free.sum())) * self.sizes[free]
-            starts.append(self.normalized(q))
+            starts.append(self.normalize(q))
         return starts
 
-    def free(self, fixed: Mapping[str, float]) -> NDArray[np.bool_]:
+    def free_coordinates(self, fixed: Mapping[str, float]) -> NDArray[np.bool_]:
         """Return a mask of the coordinates that may move."""
         return np.array([name not in fixed for name in self.eqs.coordinate_names], dtype=np.bool_)
 
@@ -176,7 +176,7 @@ class Closure:
         if name in names:
             row[names.index(name)] = 1.0
             return row, value
-        rate = self.function(name)
+        rate = self.compile(name)
         drift = float(rate(self.t, q, np.zeros(len(names))))
         row[:] = [float(rate(self.t, q, unit)) - drift for unit in np.eye(len(names))]
         return row, value - drift
@@ -233,12 +233,12 @@ class Closure:
         """Return the size of changes of a coordinate of a cut joint."""
         return self.mechanism.length if self.eqs.units.get(name) == "m" else 1.0
 
-    def measured(self, name: str, q: Floats) -> float:
+    def measure(self, name: str, q: Floats) -> float:
         """Return a coordinate of a cut joint."""
-        return float(self.function(name)(self.t, q, np.zeros(len(self.eqs.speed_names))))
+        return float(self.compile(name)(self.t, q, np.zeros(len(self.eqs.speed_names))))
 
     def _measure_row(self, name: str, q: Floats) -> tuple[float, Floats]:
-        f, still = self.function(name), np.zeros(len(self.eqs.speed_names))
+        f, still = self.compile(name), np.zeros(len(self.eqs.speed_names))
         row = np.zeros(q.size)
         for k in range(q.size):
             step = np.zeros(q.size)
@@ -262,14 +262,14 @@ def constraint_function(
     return CompiledFunction(*program, quick=True)
 
 
-def closure(
+def constraint_evaluator(
     eqs: EquationSet,
     parameters: Mapping[str, Value],
     inputs: Mapping[str, Value],
     t: float,
     scales: Scales | None = None,
     constraints: Callable[..., Any] | None = None,
-) -> Closure:
+) -> ConstraintEvaluator:
     """Return the constraints of equations as numbers, by default with the scales of the model.
 
     `constraints` is a `constraint_function` with these parameters, where it is compiled already.
@@ -285,4 +285,6 @@ def closure(
         function = Unconstrained(len(eqs.coordinate_names), len(eqs.speed_names))
     sizes = mechanism.coordinates(eqs), mechanism.displacements(eqs)
     scales_of_rows = mechanism.constraints(eqs)[: len(eqs.formed.holonomic)]
-    return Closure(eqs, parameters, inputs, t, *sizes, scales_of_rows, function, angles, mechanism)
+    return ConstraintEvaluator(
+        eqs, parameters, inputs, t, *sizes, scales_of_rows, function, angles, mechanism
+    )

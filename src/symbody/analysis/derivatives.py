@@ -30,7 +30,7 @@ def with_laws(eqs: EquationSet, nodes: Sequence[int], laws: Mapping[str, Value])
     """Return nodes with the inputs replaced by their laws, so that derivatives see what these read."""
     names = eqs.formed.names
     replaced = {
-        names.value(name).index: names.expression(Formula.of(law, where=f"input {name}")).index
+        names.value(name).index: names.expression(Formula.from_value(law, where=f"input {name}")).index
         for name, law in laws.items()
     }
     return substitute(eqs.formed.graph, nodes, replaced)

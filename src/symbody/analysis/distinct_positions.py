@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from symbody.expr.calculus import jacobian
 from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.graph import Graph, Kind
+from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Input, Roots, build_sequence
 from symbody.expr.sequence import Sequence as Program
@@ -67,7 +67,7 @@ class Formulas:
     length: float | None = None
 
 
-def distinct(formulas: Formulas) -> list[int]:
+def distinct_solutions(formulas: Formulas) -> list[int]:
     """Return the places of solutions with poses that no earlier ones give."""
     kept = list(range(len(formulas.solutions)))
     if len(kept) < 2:
@@ -145,7 +145,7 @@ class _Samples:
                 value = given[name] * (1.0 + random.uniform(-_SPREAD, _SPREAD))
             elif node in self._formulas.angles:
                 value = random.uniform(-math.pi, math.pi)
-            elif kind == Kind.PARAMETER:
+            elif kind == SymbolKind.PARAMETER:
                 value = random.uniform(0.5, 2.0)
             else:
                 value = random.uniform(-size, size)

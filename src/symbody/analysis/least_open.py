@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from symbody.analysis.closure import Closure
+from symbody.analysis.closure import ConstraintEvaluator
 
 Floats = NDArray[np.float64]
 
@@ -18,14 +18,16 @@ _EXACT = 1e-12
 _EVALUATIONS = 400
 
 
-def least_open(evaluator: Closure, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, float]:
+def minimum_gap(
+    evaluator: ConstraintEvaluator, q: Floats, fixed: Mapping[str, float]
+) -> tuple[Floats, float]:
     """Return coordinates near `q` with the least sum of squares of all conditions, and this sum.
 
     Quaternions are units throughout: with another norm, a rotation matrix in them stretches the body.
     Lengths count over the size of the mechanism, angles in radians, so that what is missing is shared
     among all loops that it can be shared among.
     """
-    manifold, free = replace(evaluator.manifold(fixed), free=None), evaluator.free(fixed)
+    manifold, free = replace(evaluator.manifold(fixed), free=None), evaluator.free_coordinates(fixed)
     spheres = []  # of the free components of each quaternion, with their radius
     for places in map(np.array, evaluator.quaternions()):
         square = 1.0 - float((q[places[~free[places]]] ** 2).sum())

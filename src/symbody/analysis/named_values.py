@@ -11,7 +11,7 @@ from symbody.errors import AssemblyError, Problem, UsageError, nearest
 from symbody.expr.parser import parse_angle
 
 
-def checked_mappings(**given: object) -> None:
+def check_mappings(**given: object) -> None:
     """Refuse arguments that are not mappings of names.
 
     Raises
@@ -28,7 +28,7 @@ def checked_mappings(**given: object) -> None:
         raise UsageError(*problems)
 
 
-def checked_pairs(ranges: Mapping[str, tuple[Value, Value]]) -> None:
+def check_pairs(ranges: Mapping[str, tuple[Value, Value]]) -> None:
     """Refuse ranges that are not pairs.
 
     Raises

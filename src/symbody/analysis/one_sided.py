@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state
-from symbody.analysis.closure import Closure, closure
+from symbody.analysis.closure import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.ropes import AT_LENGTH, slackness, with_taut
 from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
-from symbody.equations.solving.sticking import STICKS, in_modes, switching_joints
+from symbody.equations.solving.sticking import STICKS, set_modes, switching_joints
 from symbody.errors import AssemblyError, SimulationError
 from symbody.tolerances import AT_REST, BALANCED
 
@@ -35,7 +35,7 @@ _MOST_TRIED: Final = 81  # modes of four joints at rest
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sides:
+class OneSidedState:
     """The modes of ropes and dry joints at a state.
 
     Attributes
@@ -56,12 +56,12 @@ class Sides:
     edges: tuple[str, ...] = ()
 
 
-def settled(eqs: EquationSet, state: State) -> Sides:
+def settle(eqs: EquationSet, state: State) -> OneSidedState:
     """Return the modes of ropes and dry joints at a state of these equations."""
     search = _search(eqs, state)
     if all(ways == (None,) for ways in search.ways.values()):
-        return Sides(eqs, state)
-    first: Sides | None = None
+        return OneSidedState(eqs, state)
+    first: OneSidedState | None = None
     for modes in search.candidates():
         found = search.try_modes(modes)
         if found is None:
@@ -72,8 +72,8 @@ def settled(eqs: EquationSet, state: State) -> Sides:
         first = first or sides
     names = tuple(search.ways)
     note = f"{', '.join(names)}: no combination of taut, slack, sticking and slipping holds at this state"
-    kept = first or Sides(eqs, state)
-    return Sides(kept.eqs, kept.state, (note,), names)
+    kept = first or OneSidedState(eqs, state)
+    return OneSidedState(kept.eqs, kept.state, (note,), names)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,10 +93,10 @@ class _ModeSearch:
         for choice in islice(product(*self.ways.values()), _MOST_TRIED):
             yield {name: mode for name, mode in zip(self.ways, choice, strict=True) if mode is not None}
 
-    def try_modes(self, modes: Modes) -> tuple[Sides, bool] | None:
+    def try_modes(self, modes: Modes) -> tuple[OneSidedState, bool] | None:
         """Return the state in some modes, and whether these hold; None where no accelerations exist."""
         held = self._equations(modes)
-        evaluator = closure(held, self.state.parameters, self.state.inputs, self.state.t)
+        evaluator = constraint_evaluator(held, self.state.parameters, self.state.inputs, self.state.t)
         try:
             state = complete_state(evaluator, self.q, self.u, self.q, {})
         except (AssemblyError, SimulationError):
@@ -114,14 +114,14 @@ class _ModeSearch:
                 edges.append(name)
                 notes.append(f"{self._element(name)} changes over at this state: what is said of small "
                              "deviations holds on one side of it at most")  # fmt: skip
-        return Sides(held, state, tuple(notes), tuple(edges)), fits
+        return OneSidedState(held, state, tuple(notes), tuple(edges)), fits
 
     def _equations(self, modes: Modes) -> EquationSet:
         """Return the equations in some modes."""
         slack = [name for name in self.ropes if modes.get(name) != _TAUT]
         held = with_taut(self.eqs, [name for name in self.ropes if name not in slack])
         joints = {name: mode for name, mode in modes.items() if name not in self.ropes}
-        return EquationSet(held.model, in_modes(held.formed, joints), held.notes) if joints else held
+        return EquationSet(held.model, set_modes(held.formed, joints), held.notes) if joints else held
 
     def _surplus(self, state: State, name: str, mode: int) -> tuple[float, str]:
         """Return a number that is positive where a mode holds, and the mode in a sentence."""
@@ -153,7 +153,7 @@ class _ModeSearch:
         return f"rope {name}" if name in self.ropes else f"the friction of joint {name}"
 
     @staticmethod
-    def _scales(evaluator: Closure, state: State) -> tuple[float, float]:
+    def _scales(evaluator: ConstraintEvaluator, state: State) -> tuple[float, float]:
         """Return the largest work of a force [J] and the largest acceleration [1/s^2], in sizes."""
         work = np.abs(np.ravel(state["forcing"])) * evaluator.speed_sizes
         reactions = np.abs(list(state.multipliers.values())) * evaluator.mechanism.constraints(evaluator.eqs)
@@ -168,12 +168,12 @@ def _search(eqs: EquationSet, state: State) -> _ModeSearch:
     ways: dict[str, tuple[int | None, ...]] = {}
     if not cords and not joints:
         return _ModeSearch(eqs, state, q, u, 1.0, frozenset(), ways)
-    evaluator = closure(with_taut(eqs, ()), state.parameters, state.inputs, state.t)
+    evaluator = constraint_evaluator(with_taut(eqs, ()), state.parameters, state.inputs, state.t)
     small = AT_REST * float(np.abs(u / evaluator.speed_sizes).max(initial=1.0 / evaluator.mechanism.time))
     if cords:
         rows = {row.element for row in eqs.formed.rows}
         for name, share in slackness(evaluator, q).items():
-            rate = float(evaluator.function(f"rope_slack_dot {name}")(evaluator.t, q, u))
+            rate = float(evaluator.compile(f"rope_slack_dot {name}")(evaluator.t, q, u))
             at_length = (
                 name in rows and share <= AT_LENGTH and abs(rate) <= small * evaluator.mechanism.length
             )

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from symbody.analysis.distinct_positions import Formulas, distinct
+from symbody.analysis.distinct_positions import Formulas, distinct_solutions
 from symbody.analysis.ropes import rope_assumptions
 from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
@@ -16,7 +16,7 @@ from symbody.errors import AssemblyError, CompileError, FormulationError, ModelE
 from symbody.expr.calculus import jacobian
 from symbody.expr.closed_form import readable
 from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.graph import Graph, Kind
+from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.opcodes import COS, SIN, TAN
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Input, Roots, build_sequence
@@ -216,7 +216,7 @@ def solve_positions(
                     "and arcs", "take other dependent coordinates, or assemble with numbers")
         )  # fmt: skip
     forms = _formulas(constraints, graph, rows, unknowns, solutions)
-    kept = tuple(tuple(solutions[k]) for k in distinct(forms))
+    kept = tuple(tuple(solutions[k]) for k in distinct_solutions(forms))
     formulas = iter(to_sympy(graph, readable(graph, [node for row in kept for node in row])))
     coordinates = tuple(to_sympy(graph, unknowns))
     branches = tuple({name: next(formulas) for name in coordinates} for _ in kept)
@@ -251,7 +251,7 @@ def _unknowns(graph: Graph, rows: Sequence[int], names: Sequence[str]) -> list[i
     nodes = {}
     for node in symbols_of(graph, rows):
         symbol = graph.symbols[graph.left[node]]
-        if symbol.kind == Kind.COORDINATE:
+        if symbol.kind == SymbolKind.COORDINATE:
             nodes[symbol.label] = node
     problems = [
         Problem("positions.dependent", name, f"{name!r} stands in no constraint", "", nearest(name, nodes))

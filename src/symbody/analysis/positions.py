@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assemble, consistent_positions
-from symbody.analysis.closure import Closure, closure
+from symbody.analysis.closure import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.named_values import named_values
 from symbody.analysis.scales import mechanism_scales
 from symbody.codegen.compile import Value, constant_values
@@ -31,7 +31,7 @@ class PositionSolver:
     """
 
     eqs: EquationSet
-    evaluator: Closure | None
+    evaluator: ConstraintEvaluator | None
     parameters: Mapping[str, Value] = field(default_factory=dict)
 
     def positions(self, fixed: Mapping[str, Value], guess: Mapping[str, Value]) -> dict[str, float]:
@@ -95,7 +95,7 @@ def position_solver(
     near = named_values(eqs, dict(eqs.model.initial), given, strict=set())
     scales = mechanism_scales(eqs, given, None, near)
     bound = None if constraints is None else constraints.bind(_numbers(eqs, given))
-    return PositionSolver(eqs, closure(eqs, given, {}, 0.0, scales, bound), given)
+    return PositionSolver(eqs, constraint_evaluator(eqs, given, {}, 0.0, scales, bound), given)
 
 
 def _numbers(eqs: EquationSet, parameters: Mapping[str, Value]) -> list[float]:

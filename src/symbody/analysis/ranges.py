@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import Closure
+from symbody.analysis.closure import ConstraintEvaluator
 from symbody.errors import AssemblyError, Problem
 
 Floats = NDArray[np.float64]
@@ -18,7 +18,9 @@ Ranges = Mapping[str, tuple[float, float]]
 _EDGE: Final = 1e-8
 
 
-def checked_ranges(evaluator: Closure, lower: Mapping[str, float], upper: Mapping[str, float]) -> Ranges:
+def checked_ranges(
+    evaluator: ConstraintEvaluator, lower: Mapping[str, float], upper: Mapping[str, float]
+) -> Ranges:
     """Return ranges with their ends.
 
     Raises
@@ -26,7 +28,7 @@ def checked_ranges(evaluator: Closure, lower: Mapping[str, float], upper: Mappin
     AssemblyError
         Naming each range that is empty or is not of a position.
     """
-    positions, _ = evaluator.parted(lower)
+    positions, _ = evaluator.split_values(lower)
     problems = [
         Problem("assembly.range", name, f"{name} is not a position", "only positions have ranges",
                 "leave it out, or give its value in fixed=")
@@ -42,13 +44,13 @@ def checked_ranges(evaluator: Closure, lower: Mapping[str, float], upper: Mappin
     return {name: (lower[name], upper[name]) for name in lower}
 
 
-def into_ranges(evaluator: Closure, q: Floats, ranges: Ranges) -> Floats | None:
+def turn_into_ranges(evaluator: ConstraintEvaluator, q: Floats, ranges: Ranges) -> Floats | None:
     """Return coordinates with angles turned by whole turns into their ranges; None if one is outside."""
     result = q.copy()
     names = evaluator.eqs.coordinate_names
     for name, (low, high) in ranges.items():
         edge = _EDGE * (1.0 if name in evaluator.angles else float(evaluator.sizes.max(initial=1.0)))
-        value = float(q[names.index(name)]) if name in names else evaluator.measured(name, q)
+        value = float(q[names.index(name)]) if name in names else evaluator.measure(name, q)
         if name in evaluator.angles:
             value += 2 * np.pi * np.ceil((low - edge - value) / (2 * np.pi))
         if not low - edge <= value <= high + edge:
@@ -58,18 +60,20 @@ def into_ranges(evaluator: Closure, q: Floats, ranges: Ranges) -> Floats | None:
     return result
 
 
-def nearest_in_ranges(evaluator: Closure, q: Floats, ranges: Ranges, fixed: Mapping[str, float]) -> Floats:
+def clip_to_ranges(
+    evaluator: ConstraintEvaluator, q: Floats, ranges: Ranges, fixed: Mapping[str, float]
+) -> Floats:
     """Return coordinates with those outside their ranges at the nearer end; fixed ones stay."""
     result = q.copy()
     for k, name in enumerate(evaluator.eqs.coordinate_names):
         if name in ranges and name not in fixed:
-            turned = into_ranges(evaluator, result, {name: ranges[name]})
+            turned = turn_into_ranges(evaluator, result, {name: ranges[name]})
             result[k] = np.clip(result[k], *ranges[name]) if turned is None else turned[k]
     return result
 
 
-def starts_in_ranges(
-    evaluator: Closure, start: Floats, ranges: Ranges, fixed: Mapping[str, float], count: int
+def draw_starts(
+    evaluator: ConstraintEvaluator, start: Floats, ranges: Ranges, fixed: Mapping[str, float], count: int
 ) -> list[Floats]:
     """Return starts whose coordinates lie anywhere in their ranges, the same at every call."""
     names = evaluator.eqs.coordinate_names
@@ -77,18 +81,18 @@ def starts_in_ranges(
     if not places:
         return []
     random = np.random.default_rng(2)
-    free = evaluator.free(fixed)
+    free = evaluator.free_coordinates(fixed)
     starts = []
     for _ in range(count):
         moved = start.copy()
         moved[free] += random.standard_normal(int(free.sum())) * evaluator.sizes[free]
         moved[places] = [random.uniform(*ranges[names[k]]) for k in places]
-        starts.append(evaluator.normalized(moved))
+        starts.append(evaluator.normalize(moved))
     return starts
 
 
-def measured_in_ranges(
-    evaluator: Closure, ranges: Ranges, fixed: Mapping[str, float], count: int
+def draw_measured_values(
+    evaluator: ConstraintEvaluator, ranges: Ranges, fixed: Mapping[str, float], count: int
 ) -> list[dict[str, float]]:
     """Return values of coordinates of cut joints in their ranges, the middle first."""
     names = [name for name in ranges if name not in evaluator.eqs.coordinate_names and name not in fixed]
@@ -99,13 +103,15 @@ def measured_in_ranges(
     return [middle, *({name: random.uniform(*ranges[name]) for name in names} for _ in range(count - 1))]
 
 
-def out_of_range(evaluator: Closure, configurations: Sequence[Floats], ranges: Ranges) -> Problem:
+def out_of_range_problem(
+    evaluator: ConstraintEvaluator, configurations: Sequence[Floats], ranges: Ranges
+) -> Problem:
     """Say that loops close outside the ranges only, and where."""
     names = evaluator.eqs.coordinate_names
     limits = ", ".join(f"{name} from {low:g} to {high:g}" for name, (low, high) in ranges.items())
     values = [
         {
-            name: float(q[names.index(name)]) if name in names else evaluator.measured(name, q)
+            name: float(q[names.index(name)]) if name in names else evaluator.measure(name, q)
             for name in ranges
         }
         for q in configurations

@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.analysis.assembly import assembled_configuration
-from symbody.analysis.closure import closure
+from symbody.analysis.assembly import find_configuration
+from symbody.analysis.closure import constraint_evaluator
 from symbody.analysis.named_values import named_values, refuse_unknown
 from symbody.analysis.ropes import rope_assumptions
 from symbody.analysis.scales import mechanism_scales
@@ -23,7 +23,7 @@ from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value, constant_values
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.freedoms.mobility import count_freedoms, generic_point
-from symbody.equations.solving.undetermined import generic, in_order, undetermined
+from symbody.equations.solving.undetermined import find_undetermined, generic, in_order
 from symbody.errors import AssemblyError, Problem
 from symbody.manifold import explore_branch, independent_rows
 
@@ -87,12 +87,14 @@ def redundancy(
     refuse_unknown(eqs, guess or ())
     values, around = dict(parameters or {}), {**eqs.model.initial, **(guess or {})}
     near = named_values(eqs, around, parameters, strict=set(guess or ()))
-    evaluator = closure(eqs, values, {}, 0.0, mechanism_scales(eqs, values, scales, near))
+    evaluator = constraint_evaluator(eqs, values, {}, 0.0, mechanism_scales(eqs, values, scales, near))
     if evaluator.is_tree:
-        somewhere = evaluator.normalized(np.linspace(0.2, 0.8, len(eqs.coordinate_names)))
-        names = undetermined_at(eqs, parameters or {}, [(0.0, somewhere)]) if eqs.formed.redundant else ()
+        somewhere = evaluator.normalize(np.linspace(0.2, 0.8, len(eqs.coordinate_names)))
+        names = (
+            undetermined_outputs(eqs, parameters or {}, [(0.0, somewhere)]) if eqs.formed.redundant else ()
+        )
         return Redundancy(len(eqs.speed_names), (), (), undetermined=names)
-    q = assembled_configuration(evaluator, guess or {}, parameters)
+    q = find_configuration(evaluator, guess or {}, parameters)
     if q is None:
         raise AssemblyError(
             Problem("redundancy.open", eqs.model.name, "no configuration closes the loops", "",
@@ -115,11 +117,11 @@ def redundancy(
         tuple(name for k, name in enumerate(names) if k not in kept),
         None if count.instantaneous == count.degrees_of_freedom else count.instantaneous,
         (*count.notes, *rope_assumptions(eqs)),
-        undetermined_at(eqs, parameters or {}, [(0.0, point) for point in branch.points]),
+        undetermined_outputs(eqs, parameters or {}, [(0.0, point) for point in branch.points]),
     )
 
 
-def undetermined_at(
+def undetermined_outputs(
     eqs: EquationSet, parameters: Mapping[str, Value], places: Iterable[tuple[float, ArrayLike]]
 ) -> tuple[str, ...]:
     """Return the outputs that do not follow from the motion at those configurations that are not singular.
@@ -133,4 +135,4 @@ def undetermined_at(
     formed = eqs.for_values(values).formed
     others = {"p": [values[name] for name in eqs.parameter_names], "r": [0.0] * len(formed.inputs)}
     points = [{"t": [t], "q": np.asarray(q, dtype=np.float64).tolist(), **others} for t, q in places]
-    return in_order(formed, generic(undetermined(formed, points)).names)
+    return in_order(formed, generic(find_undetermined(formed, points)).names)

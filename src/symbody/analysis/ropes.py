@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state
-from symbody.analysis.closure import Closure, closure
+from symbody.analysis.closure import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.state import State
-from symbody.analysis.velocities import consistent_speeds
+from symbody.analysis.velocities import solve_speeds
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.ropes import ropes, slackened
+from symbody.equations.solving.ropes import ropes, slacken
 from symbody.errors import AssemblyError, Problem
 from symbody.tolerances import AT_REST, TINY
 
@@ -31,12 +31,12 @@ LOOSE: Final = 1e-7  # of its length: what assembly and continuation leave of a 
 _MEASURES: Final = ("rope_slack", "rope_length")
 
 
-def assembled_with_ropes(
+def assemble_with_ropes(
     eqs: EquationSet,
     fixed: Mapping[str, float],
     guess: Mapping[str, float],
     attempt: Attempt,
-    closed: Callable[[EquationSet], Closure],
+    closed: Callable[[EquationSet], ConstraintEvaluator],
 ) -> State:
     """Return a state in which no rope is longer than it is, and no taut one gets longer.
 
@@ -54,7 +54,7 @@ def assembled_with_ropes(
     AssemblyError
         If the mechanism does not close, or a rope is too short for the positions fixed.
     """
-    positions, rates = closed(eqs).parted(fixed)
+    positions, rates = closed(eqs).split_values(fixed)
     state = _place(eqs, positions, attempt)
     search = _Speeds(eqs, np.array([*state.q.values()]), rates, guess, closed)
     complete = search.solve(state)
@@ -65,21 +65,21 @@ def assembled_with_ropes(
 def with_taut(eqs: EquationSet, names: Collection[str]) -> EquationSet:
     """Return equations in which only the ropes named are constraints; the others are slack."""
     slack = [name for name in ropes(eqs.formed) if name not in names]
-    return EquationSet(eqs.model, slackened(eqs.formed, slack), eqs.notes) if slack else eqs
+    return EquationSet(eqs.model, slacken(eqs.formed, slack), eqs.notes) if slack else eqs
 
 
-def slackness(evaluator: Closure, q: Floats) -> dict[str, float]:
+def slackness(evaluator: ConstraintEvaluator, q: Floats) -> dict[str, float]:
     """Return by how much each rope is longer than the distance of its ends, over its length."""
     names = ropes(evaluator.eqs.formed)
     if not names:
         return {}
     words = [f"{word} {name}" for name in names for word in _MEASURES]
-    values = np.ravel(evaluator.function(words)(evaluator.t, q, np.zeros(len(evaluator.eqs.speed_names))))
+    values = np.ravel(evaluator.compile(words)(evaluator.t, q, np.zeros(len(evaluator.eqs.speed_names))))
     pairs = zip(values[::2].tolist(), values[1::2].tolist(), strict=True)
     return {name: slack / max(abs(length), TINY) for name, (slack, length) in zip(names, pairs, strict=True)}
 
 
-def equations_at(
+def equations_with_ropes(
     eqs: EquationSet, q: Floats, parameters: Mapping[str, Value], t: float
 ) -> tuple[EquationSet, tuple[str, ...]]:
     """Return equations with the ropes at their length at a configuration as constraints, and notes on it.
@@ -88,7 +88,7 @@ def equations_at(
     """
     if not ropes(eqs.formed):
         return eqs, ()
-    shares = slackness(closure(with_taut(eqs, ()), parameters, {}, t), q)
+    shares = slackness(constraint_evaluator(with_taut(eqs, ()), parameters, {}, t), q)
     taut = [name for name, share in shares.items() if share <= AT_LENGTH]
     notes = tuple(
         f"rope {name} is at its length and taken as taut, whatever its tension"
@@ -105,7 +105,7 @@ def rope_assumptions(eqs: EquationSet) -> tuple[str, ...]:
     return tuple(f"rope {name} is taken as taut" for name in ropes(eqs.formed) if name in rows)
 
 
-def ropes_out_of_place(eqs: EquationSet, evaluator: Closure, q: Floats) -> str:
+def ropes_out_of_place(eqs: EquationSet, evaluator: ConstraintEvaluator, q: Floats) -> str:
     """Return a sentence on the ropes that are not as these equations have them; empty if all are.
 
     Parameters
@@ -163,7 +163,7 @@ class _Speeds:
     q: Floats
     rates: Mapping[str, float]
     guess: Mapping[str, float]
-    closed: Callable[[EquationSet], Closure]
+    closed: Callable[[EquationSet], ConstraintEvaluator]
 
     def solve(self, state: State) -> State:
         """Return the state with speeds and accelerations; the ropes that pull are its constraints."""
@@ -197,11 +197,13 @@ class _Speeds:
 
     def _consistent(self, taut: list[str]) -> Floats:
         evaluator = self.closed(with_taut(self.eqs, taut))
-        return consistent_speeds(evaluator, self.q, self.rates, self._guessed_rates(evaluator))
+        return solve_speeds(evaluator, self.q, self.rates, self._guessed_rates(evaluator))
 
-    def _guessed_rates(self, evaluator: Closure) -> dict[str, float]:
+    def _guessed_rates(self, evaluator: ConstraintEvaluator) -> dict[str, float]:
         """Return the rates guessed that are not fixed."""
-        return {name: x for name, x in evaluator.parted(self.guess)[1].items() if name not in self.rates}
+        return {
+            name: x for name, x in evaluator.split_values(self.guess)[1].items() if name not in self.rates
+        }
 
     def _apart(self, names: list[str], u: Floats) -> dict[str, float]:
         """Return the rates at which ends move apart, over the largest speed or the mechanism's own."""
@@ -209,8 +211,7 @@ class _Speeds:
         mechanism, rates = evaluator.mechanism, np.abs(u / evaluator.speed_sizes)
         fast = mechanism.length * float(rates.max(initial=1.0 / mechanism.time))
         rates_of = {
-            name: float(evaluator.function(f"rope_slack_dot {name}")(evaluator.t, self.q, u))
-            for name in names
+            name: float(evaluator.compile(f"rope_slack_dot {name}")(evaluator.t, self.q, u)) for name in names
         }
         return {name: -rate / fast for name, rate in rates_of.items()}
 

@@ -108,7 +108,7 @@ class Scales:
         lengths, times = np.array([self.length]), np.array([self.time])
         return np.asarray(state_tolerances(eqs, lengths, times, x[np.newaxis])[0])
 
-    def over(self, start: float, end: float) -> Scales:
+    def fit_span(self, start: float, end: float) -> Scales:
         """Return the scales of a motion between two times."""
         span = abs(end - start)
         return self if self.has_time or span == 0.0 else replace(self, time=TIME_OF_SPAN * span)
@@ -151,17 +151,17 @@ def mechanism_scales(
     chosen = checked_scales(given)
     groups = {"length": model_lengths(eqs.model), "pull": eqs.model.gravity, "mass": _masses(eqs)}
     lengths, pulls, masses = _values_of_groups(eqs, groups, parameters)
-    length = chosen.get("length", largest(lengths))
+    length = chosen.get("length", largest_magnitude(lengths))
     if not length and near is None:
         initial = {name: value for name, value in eqs.model.initial.items() if _is_length(eqs, name)}
-        length = largest(values_at_start(eqs, initial, parameters).values())
+        length = largest_magnitude(values_at_start(eqs, initial, parameters).values())
     elif not length and near is not None:
-        length = largest(x for name, x in near.items() if _is_length(eqs, name))
+        length = largest_magnitude(x for name, x in near.items() if _is_length(eqs, name))
     scales = Scales(length or 1.0, has_length=bool(length))
     gravity = math.hypot(*pulls)
     fallen = math.sqrt(scales.length / gravity) if gravity else 1.0
     scales = replace(scales, time=chosen.get("time", fallen), has_time="time" in chosen or gravity > 0.0)
-    mass = chosen.get("mass", largest(masses) or _moment(eqs, parameters) / scales.length**2) or 1.0
+    mass = chosen.get("mass", largest_magnitude(masses) or _moment(eqs, parameters) / scales.length**2) or 1.0
     return replace(scales, mass=mass, equations=_equations(eqs, parameters, scales))
 
 
@@ -217,7 +217,7 @@ def checked_scales(given: Mapping[str, float] | None) -> dict[str, float]:
 
 def geometry(eqs: EquationSet) -> dict[str, Value]:
     """Return the formulas of all lengths of the model [m], by number."""
-    return numbered(model_lengths(eqs.model))
+    return number_formulas(model_lengths(eqs.model))
 
 
 def are_lengths(eqs: EquationSet) -> list[bool]:
@@ -236,13 +236,13 @@ def values_at_start(
     distinct = dict.fromkeys(formulas.values())  # the same few lengths stand in many places
     if not distinct:
         return {}
-    sequence, _ = form_values(eqs, numbered(distinct), parameters)
+    sequence, _ = form_values(eqs, number_formulas(distinct), parameters)
     values = evaluate_sequence(sequence, {"t": [0.0]})
     numbers = {formula: float(value[0]) for formula, value in zip(distinct, values, strict=True)}
     return {name: numbers[formula] for name, formula in formulas.items()}
 
 
-def largest(values: Iterable[float]) -> float:
+def largest_magnitude(values: Iterable[float]) -> float:
     """Return the largest absolute value, 0 if there is none."""
     return max(map(abs, values), default=0.0)
 
@@ -254,8 +254,8 @@ def _masses(eqs: EquationSet) -> Iterator[Formula]:
 
 def _moment(eqs: EquationSet, parameters: Mapping[str, Value]) -> float:
     """Return the largest moment of inertia [kg m^2]."""
-    moments = numbered(moment for body in eqs.model.bodies for moment in body.inertia)
-    return largest(values_at_start(eqs, moments, parameters).values())
+    moments = number_formulas(moment for body in eqs.model.bodies for moment in body.inertia)
+    return largest_magnitude(values_at_start(eqs, moments, parameters).values())
 
 
 def _values_of_groups(
@@ -295,7 +295,7 @@ def pose_share(eqs: EquationSet) -> Floats:
     return np.array([_SPREAD * math.cos(k + 1.0) for k in range(len(eqs.coordinate_names))])
 
 
-def numbered(formulas: Iterable[Value]) -> dict[str, Value]:
+def number_formulas(formulas: Iterable[Value]) -> dict[str, Value]:
     """Return formulas by their numbers."""
     return {str(k): formula for k, formula in enumerate(formulas)}
 

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import Closure
+from symbody.analysis.closure import ConstraintEvaluator
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
 from symbody.manifold import least_solution, row_space
@@ -21,8 +21,8 @@ CURE: Final = (
 )
 
 
-def consistent_speeds(
-    evaluator: Closure, q: Floats, fixed: Mapping[str, float], guess: Mapping[str, float]
+def solve_speeds(
+    evaluator: ConstraintEvaluator, q: Floats, fixed: Mapping[str, float], guess: Mapping[str, float]
 ) -> Floats:
     """Return u with ``J u + b = 0`` and the fixed rates; independent speeds left take their guess, else 0.
 
@@ -40,7 +40,7 @@ def consistent_speeds(
     if not _fulfils(evaluator, least_solution(rows, right), rows, right):
         raise AssemblyError(_conflict(evaluator, q, fixed))
     basis = row_space(rows)
-    for name in dict.fromkeys([*evaluator.parted(guess)[1], *evaluator.all_speeds]):
+    for name in dict.fromkeys([*evaluator.split_values(guess)[1], *evaluator.all_speeds]):
         condition, value = evaluator.speed_row(q, name, guess.get(name, 0.0))
         row, target = _scale_conditions(evaluator, condition[np.newaxis, :], np.array([value]))
         left = _project_out(basis, row[0])
@@ -52,12 +52,14 @@ def consistent_speeds(
     return least_solution(rows, right) * evaluator.speed_sizes
 
 
-def _conditions(evaluator: Closure, q: Floats, fixed: Mapping[str, float]) -> tuple[Floats, Floats]:
+def _conditions(
+    evaluator: ConstraintEvaluator, q: Floats, fixed: Mapping[str, float]
+) -> tuple[Floats, Floats]:
     """Return A and b of all conditions ``A v = b``, v the speeds over their sizes."""
     return _scale_conditions(evaluator, *evaluator.velocity_rows(q, fixed))
 
 
-def _scale_conditions(evaluator: Closure, rows: Floats, right: Floats) -> tuple[Floats, Floats]:
+def _scale_conditions(evaluator: ConstraintEvaluator, rows: Floats, right: Floats) -> tuple[Floats, Floats]:
     """Return conditions on speeds over their sizes, with rows of length 1: they have no unit of length."""
     sized = rows * evaluator.speed_sizes
     lengths = np.linalg.norm(sized, axis=1)
@@ -65,7 +67,7 @@ def _scale_conditions(evaluator: Closure, rows: Floats, right: Floats) -> tuple[
     return sized / lengths[:, np.newaxis], right / lengths
 
 
-def _fulfils(evaluator: Closure, speeds: Floats, rows: Floats, right: Floats) -> bool:
+def _fulfils(evaluator: ConstraintEvaluator, speeds: Floats, rows: Floats, right: Floats) -> bool:
     """Return whether all rows hold."""
     sizes = 1.0 / evaluator.mechanism.time + np.abs(right).max(initial=0.0) + np.abs(rows) @ np.abs(speeds)
     return bool((np.abs(rows @ speeds - right) <= ASSEMBLED * sizes).all())
@@ -76,7 +78,7 @@ def _project_out(basis: Floats, row: Floats) -> Floats:
     return np.asarray(row - basis.T @ (basis @ row))
 
 
-def _conflict(evaluator: Closure, q: Floats, fixed: Mapping[str, float]) -> Problem:
+def _conflict(evaluator: ConstraintEvaluator, q: Floats, fixed: Mapping[str, float]) -> Problem:
     conflict = dict(fixed)
     for name in fixed:
         others = {key: value for key, value in conflict.items() if key != name}
@@ -99,7 +101,7 @@ def pivot_groups(eqs: EquationSet) -> list[list[str]]:
     return list(groups.values())
 
 
-def check_pivots(evaluator: Closure, q: NDArray[np.float64]) -> None:
+def check_pivots(evaluator: ConstraintEvaluator, q: NDArray[np.float64]) -> None:
     """Refuse a configuration at which dependent speeds do not follow from the others.
 
     Raises
@@ -111,7 +113,7 @@ def check_pivots(evaluator: Closure, q: NDArray[np.float64]) -> None:
     if not groups:
         return
     still = np.zeros(len(evaluator.eqs.speed_names))
-    found = np.ravel(evaluator.function([f"{names[0]}_pivot" for names in groups])(evaluator.t, q, still))
+    found = np.ravel(evaluator.compile([f"{names[0]}_pivot" for names in groups])(evaluator.t, q, still))
     lost = [names for names, value in zip(groups, found, strict=True) if not abs(value) > ASSEMBLED]
     if lost:
         raise AssemblyError(*(_vanishing_pivot(", ".join(names)) for names in lost))

@@ -148,7 +148,7 @@ def _adopt(request: asked.AdoptRequest, builder: Builder) -> Answer:
 
 @api.post("/changed")
 def _compare_file(request: asked.ChangedRequest, builder: Builder) -> Answer:
-    return builder.documents.changed(request.document, request.fingerprint)
+    return builder.documents.has_changed(request.document, request.fingerprint)
 
 
 @api.post("/check")
@@ -201,33 +201,35 @@ def _export(request: asked.ExportRequest, builder: Builder) -> Answer:
     return builder.export(request)
 
 
-def _told(status: int, problems: list[Any]) -> JSONResponse:
+def _problem_response(status: int, problems: list[Any]) -> JSONResponse:
     return JSONResponse({"problems": problems}, status_code=status)
 
 
 async def _symbody_answer(request: Request, error: Exception) -> Response:
     assert isinstance(error, SymbodyError)
-    return _told(status_of(error), page_problems(error.problems, {}))
+    return _problem_response(status_of(error), page_problems(error.problems, {}))
 
 
 async def _failure_answer(request: Request, error: Exception) -> Response:
     assert isinstance(error, TaskFailure)
-    return _told(422, error.problems)
+    return _problem_response(422, error.problems)
 
 
 async def _request_answer(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     faults = [(".".join(map(str, each["loc"][1:])), str(each["msg"])) for each in error.errors()[:20]]
-    return _told(422, [page_problem(Problem("builder.request", where, what), {}) for where, what in faults])
+    return _problem_response(
+        422, [page_problem(Problem("builder.request", where, what), {}) for where, what in faults]
+    )
 
 
 async def _http_answer(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     problem = page_problem(Problem("builder.request", request.url.path, str(error.detail)), {})
-    return _told(error.status_code, [problem])
+    return _problem_response(error.status_code, [problem])
 
 
 async def _fault_answer(request: Request, error: Exception) -> Response:
     what, cure = f"an unforeseen {type(error).__name__}", "save the model, and report it with the model file"
     fault = refusal("builder.fault", request.url.path, what, "this is a fault of symbody", cure)
-    return _told(500, page_problems(fault.problems, {}))
+    return _problem_response(500, page_problems(fault.problems, {}))

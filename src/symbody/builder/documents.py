@@ -181,7 +181,7 @@ class Documents:
         self._user.save_draft(identifier, entry, data)
         return {}
 
-    def changed(self, identifier: str, mark: str | None) -> Answer:
+    def has_changed(self, identifier: str, mark: str | None) -> Answer:
         """Return whether the file of a document has another content than the one with a fingerprint."""
         path = self._document(identifier).path
         if path is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
-from symbody.display.formulas import formula_shown
+from symbody.display.formulas import show_formula
 from symbody.errors import SymbodyError
 from symbody.expr.language.formula import Formula
 
@@ -26,7 +26,7 @@ def formula_mathml(text: str, pointer: str = "") -> str:
     ExpressionError
         If it is none.
     """
-    return formula_shown(Formula.of(_without_degrees(text), where=f"#{pointer}" if pointer else ""))
+    return show_formula(Formula.from_value(_degrees_to_radians(text), where=f"#{pointer}" if pointer else ""))
 
 
 def model_formulas(data: Mapping[str, Any]) -> dict[str, str]:
@@ -36,9 +36,9 @@ def model_formulas(data: Mapping[str, Any]) -> dict[str, str]:
         if len(shown) >= _MOST:
             break
         try:
-            formula = Formula.of(_without_degrees(text))
+            formula = Formula.from_value(_degrees_to_radians(text))
             if not formula.is_number:
-                shown[pointer] = formula_shown(formula)
+                shown[pointer] = show_formula(formula)
         except SymbodyError:
             continue  # its field says what is wrong
     return shown
@@ -56,7 +56,7 @@ def _texts(value: Any, pointer: str) -> Iterator[tuple[str, str]]:
         yield pointer, value
 
 
-def _without_degrees(text: str) -> str:
+def _degrees_to_radians(text: str) -> str:
     """Return an angle such as ``"30 deg"`` as a formula in radians."""
     words = text.strip()
     return f"({words[:-3].strip()})*pi/180" if words.endswith(" deg") else words

@@ -92,7 +92,7 @@ class Jobs:
             self._states[job] = JobState(kind)
             self._workers[job] = self._reserve.take()
             self._forget()
-        Thread(target=self._run, args=(job, kind, payload), daemon=True).start()
+        Thread(target=self._run_job, args=(job, kind, payload), daemon=True).start()
         return job
 
     def state(self, job: str, seen: int) -> dict[str, Any]:
@@ -107,7 +107,7 @@ class Jobs:
         with self._news:
             state = self._find_job(job)
             if state.state == "running":
-                self._put(job, replace(state, state="cancelled", ended=time.monotonic()))
+                self._store_state(job, replace(state, state="cancelled", ended=time.monotonic()))
                 self._workers.pop(job).kill()
             return self._find_job(job).answer()
 
@@ -138,7 +138,7 @@ class Jobs:
         except TimeoutError:
             raise refusal("builder.time_limit", task, "this takes too long", fix="simulate again") from None
 
-    def _run(self, job: str, kind: str, payload: Payload) -> None:
+    def _run_job(self, job: str, kind: str, payload: Payload) -> None:
         until = time.monotonic() + self._limits.job
         worker = self._workers.get(job)
         if worker is None:  # it was cancelled before it began
@@ -166,16 +166,16 @@ class Jobs:
             if state is None or state.state != "running":
                 return
             stages = state.stages if stage in state.stages[-1:] else (*state.stages, stage)
-            self._put(job, replace(state, stages=stages, percent=percent))
+            self._store_state(job, replace(state, stages=stages, percent=percent))
 
     def _end(self, job: str, word: str, result: Any = None, problems: tuple[Any, ...] = ()) -> None:
         with self._news:
             state = self._states.get(job)
             if state is not None and state.state == "running":  # not cancelled
                 ended = replace(state, state=word, result=result, problems=problems, ended=time.monotonic())
-                self._put(job, ended)
+                self._store_state(job, ended)
 
-    def _put(self, job: str, state: JobState) -> None:
+    def _store_state(self, job: str, state: JobState) -> None:
         """Store a newer state; the lock is held."""
         self._states[job] = replace(state, version=state.version + 1)
         self._news.notify_all()

@@ -16,8 +16,8 @@ from symbody.builder.page_problems import PageProblem, page_problems, pointer_pa
 from symbody.errors import FormatError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.formats.entries import Node
-from symbody.formats.lines import key_lines, line_of
-from symbody.formats.native import from_data, layout_of, model_to_toml, to_data
+from symbody.formats.lines import find_line, key_lines
+from symbody.formats.native import from_data, model_to_toml, read_layout, to_data
 from symbody.formats.toml_syntax import parse_toml
 from symbody.formats.toml_text import write_layout, write_toml
 from symbody.model.model import Model
@@ -99,7 +99,7 @@ def _text(data: Mapping[str, Any], onto: str) -> str:
         text = _incomplete_text(data, onto)
     layout = data.get("layout") or {}
     try:
-        old = layout_of(text)
+        old = read_layout(text)
     except FormatError:
         old = {}
     return text if _same(old, layout) else _with_layout(text, layout)
@@ -115,7 +115,7 @@ def _is_model(text: str) -> bool:
 
 def _with_layout(text: str, layout: Mapping[str, Any]) -> str:
     try:
-        return write_layout(text, _without_nulls(layout))
+        return write_layout(text, _drop_nulls(layout))
     except (TypeError, ValueError, RecursionError, TOMLKitError) as error:
         raise FormatError(
             Problem("file.layout", "layout", f"it cannot be written to a file: {error}")
@@ -124,7 +124,7 @@ def _with_layout(text: str, layout: Mapping[str, Any]) -> str:
 
 def _incomplete_text(data: Mapping[str, Any], onto: str) -> str:
     """Return the text of data that are no model, on an older text where that is possible."""
-    content = _nodes(_without_nulls({key: value for key, value in data.items() if key != "layout"}))
+    content = _nodes(_drop_nulls({key: value for key, value in data.items() if key != "layout"}))
     try:
         before = _nodes(_no_layout(data_from_text(onto, "").data)) if onto.strip() else {}
         text = write_toml(content, onto, before)
@@ -149,14 +149,14 @@ def _says(whole: Node | None, part: Node, before: Node | None) -> bool:
         old = before if isinstance(before, dict) else {}
         return all(_says(whole.get(key), node, old.get(key)) for key, node in part.items())
     if isinstance(whole, list) and isinstance(part, list):
-        old_entries = _by_name(before)
+        old_entries = _index_by_name(before)
         return len(whole) == len(part) and all(
             _says(each, node, old_entries.get(_name(node))) for each, node in zip(whole, part, strict=True)
         )
     return whole == part
 
 
-def _by_name(nodes: Node | None) -> dict[str, Node]:
+def _index_by_name(nodes: Node | None) -> dict[str, Node]:
     return {_name(node): node for node in nodes if _name(node)} if isinstance(nodes, list) else {}
 
 
@@ -195,7 +195,7 @@ def _formula(text: str) -> Formula | None:
     if not text or not (text[-1].isdigit() and text.lstrip("-")[:1].isdigit()):
         return None
     try:
-        return Formula.of(text)
+        return Formula.from_value(text)
     except SymbodyError:
         return None
 
@@ -211,10 +211,10 @@ def _as_texts(value: Any, key: str = "") -> Any:
     return str(value)
 
 
-def _without_nulls(value: Any) -> Any:
+def _drop_nulls(value: Any) -> Any:
     if isinstance(value, Mapping):
-        return {key: _without_nulls(entry) for key, entry in value.items() if entry is not None}
-    return [_without_nulls(entry) for entry in value] if isinstance(value, list) else value
+        return {key: _drop_nulls(entry) for key, entry in value.items() if entry is not None}
+    return [_drop_nulls(entry) for entry in value] if isinstance(value, list) else value
 
 
 def _same(old: Any, new: Any) -> bool:
@@ -236,4 +236,4 @@ def _plain(text: str) -> str:
 def _with_line(problem: PageProblem, lines: Mapping[Any, int]) -> PageProblem:
     parts = pointer_parts(problem["pointer"])
     path = tuple(int(part) if part.isdecimal() else part for part in parts)
-    return {**problem, "line": line_of(cast("dict[Any, int]", lines), path)}
+    return {**problem, "line": find_line(cast("dict[Any, int]", lines), path)}

@@ -33,7 +33,7 @@ def contained_path(path: str, roots: Sequence[Path]) -> Path:
             "builder.bad_path", path, "the path does not begin at the root", fix="give the whole path"
         )
     if os.name == "nt" and path.replace("/", "\\").startswith("\\\\"):
-        raise _outside(path, roots)
+        raise _outside_roots(path, roots)
     if any(part.split(".")[0].strip().lower() in _DEVICES for part in given.parts):
         raise refusal("builder.bad_path", path, "the path names a device", fix="choose another name")
     try:
@@ -41,7 +41,7 @@ def contained_path(path: str, roots: Sequence[Path]) -> Path:
     except (OSError, ValueError):
         raise refusal("builder.bad_path", path, "this is no path", fix="name a file") from None
     if not any(real.is_relative_to(root) for root in roots):
-        raise _outside(path, roots)
+        raise _outside_roots(path, roots)
     return real
 
 
@@ -64,7 +64,7 @@ def with_ending(path: Path, endings: Iterable[str]) -> Path:
     return path
 
 
-def _outside(path: str, roots: Sequence[Path]) -> Exception:
+def _outside_roots(path: str, roots: Sequence[Path]) -> Exception:
     return refusal(
         "builder.outside_roots",
         path,

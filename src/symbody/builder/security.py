@@ -138,10 +138,10 @@ class LocalOnly:
         except TimeoutError:
             return 408, "the request took too long to arrive"
         content = bytes(parts)
-        return content if nesting(content) <= DEEPEST else (400, "the request is nested too deeply")
+        return content if nesting_depth(content) <= DEEPEST else (400, "the request is nested too deeply")
 
 
-def nesting(content: bytes) -> int:
+def nesting_depth(content: bytes) -> int:
     """Return how many brackets are open at once in a JSON text.
 
     >>> nesting(b'{"a": [[1], "[[[["]}')
@@ -173,7 +173,7 @@ def _replay(content: bytes, receive: Receive) -> Receive:
 
 
 def _with_headers(send: Send) -> Send:
-    async def send_guarded(message: Message) -> None:
+    async def send_with_headers(message: Message) -> None:
         if message["type"] == "http.response.start":
             present = {name.lower() for name, _ in message.get("headers", ())}
             added = [(name, value) for name, value in _HEADERS if name not in present]
@@ -182,7 +182,7 @@ def _with_headers(send: Send) -> Send:
             message["headers"] = [*message.get("headers", ()), *added]
         await send(message)
 
-    return send_guarded
+    return send_with_headers
 
 
 async def _refuse(send: Send, status: int, what: str) -> None:

@@ -28,7 +28,7 @@ class UserState:
 
     def recent(self) -> list[dict[str, str]]:
         """Return the files that were opened or saved last, the newest first; only those that are there."""
-        listed = _read(self.folder / "recent.json")
+        listed = _read_json(self.folder / "recent.json")
         entries = listed if isinstance(listed, list) else []
         return [entry for entry in entries if _is_entry(entry) and os.path.isfile(entry["path"])]
 
@@ -49,7 +49,7 @@ class UserState:
 
     def drafts(self) -> list[dict[str, Any]]:
         """Return the drafts without their data, the newest first."""
-        entries = [_read(path) for path in self._draft_files()]
+        entries = [_read_json(path) for path in self._draft_files()]
         drafts = [
             {key: entry.get(key) for key in ("id", "path", "name", "when")}
             for entry in entries
@@ -66,7 +66,7 @@ class UserState:
         UsageError
             If there is none.
         """
-        entry = _read(self._draft(document))
+        entry = _read_json(self._draft(document))
         if not isinstance(entry, dict) or not isinstance(entry.get("data"), dict):
             raise refusal("builder.unknown_draft", document, "there is no such draft", fix="open the file")
         return entry
@@ -117,7 +117,7 @@ def _age(path: Path) -> float:
     return 0.0
 
 
-def _read(path: Path) -> Any:
+def _read_json(path: Path) -> Any:
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):

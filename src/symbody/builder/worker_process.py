@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from symbody.builder.page_problems import page_problem, page_problems
 from symbody.errors import Problem, SymbodyError
-from symbody.expr.deadline import stages_watched
+from symbody.expr.deadline import watch_stages
 
 Report = Callable[[str, int | None], None]
 
@@ -73,7 +73,7 @@ def _outcome(name: str, payload: dict[str, Any], report: Report) -> tuple[str, A
     """Return what became of a task: nothing that a task raises ends the worker."""
     try:
         module, _, function = _TASKS[name].partition(":")
-        with _reporting(report):
+        with _report_stages(report):
             return "done", getattr(import_module(module), function)(payload, report)
     except TaskFailure as failure:
         return "failed", failure.problems
@@ -84,8 +84,8 @@ def _outcome(name: str, payload: dict[str, Any], report: Report) -> tuple[str, A
 
 
 @contextmanager
-def _reporting(report: Report) -> Iterator[None]:
-    with stages_watched(lambda stage: report(stage, None)):
+def _report_stages(report: Report) -> Iterator[None]:
+    with watch_stages(lambda stage: report(stage, None)):
         yield
 
 

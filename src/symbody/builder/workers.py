@@ -68,7 +68,7 @@ class Worker:
         """
         with self._turn:
             self._load()
-            return self._run(task, payload, on_stage, is_over)
+            return self._exchange(task, payload, on_stage, is_over)
 
     def load(self) -> None:
         """Wait until the process has loaded what tasks need; on a busy computer that takes longest.
@@ -90,9 +90,11 @@ class Worker:
                     raise EOFError
         except (EOFError, OSError):
             self.kill()
-            raise TaskFailure([_lost()]) from None
+            raise TaskFailure([_worker_lost()]) from None
 
-    def _run(self, task: str, payload: Payload, on_stage: OnStage | None, is_over: Callable[[], bool]) -> Any:
+    def _exchange(
+        self, task: str, payload: Payload, on_stage: OnStage | None, is_over: Callable[[], bool]
+    ) -> Any:
         try:
             self._pipe.send((task, payload))
             while True:
@@ -113,7 +115,7 @@ class Worker:
             self.kill()
             if isinstance(error, TimeoutError):
                 raise
-            raise TaskFailure([_lost()]) from None
+            raise TaskFailure([_worker_lost()]) from None
 
     def kill(self) -> None:
         """End the process at once, whatever it computes."""
@@ -225,7 +227,7 @@ def _superseded_error() -> Exception:
     return refusal("builder.superseded", "", "a newer request took the place of this one")
 
 
-def _lost() -> dict[str, Any]:
+def _worker_lost() -> dict[str, Any]:
     what = "the process that computed this has ended"
     cure = "try again, or make the model smaller"
     return page_problem(Problem("builder.worker_lost", "", what, "perhaps memory ran out", cure), {})

@@ -20,8 +20,8 @@ import symbody
 import symbody.builder
 from symbody.cli.flags import FlagCommand, FlagGroup
 from symbody.cli.options import Force, Initials, Inputs, ModelFile, Pairs, Settings, Tree, TreeWord, option
-from symbody.cli.settings import Settled, assigned
-from symbody.cli.small_motions import linear_json, linear_lines, rest_json, rest_lines
+from symbody.cli.settings import Settled, read_pairs
+from symbody.cli.small_motions import equilibrium_json, equilibrium_lines, linear_json, linear_lines
 from symbody.cli.stages import StageBar
 from symbody.cli.summary import summary
 from symbody.cli.written import equation_lines
@@ -29,7 +29,7 @@ from symbody.codegen.compile import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.showing.textbook import MOST_SPEEDS
-from symbody.errors import EnvironmentFault, Problem, UsageError, counted, nearest
+from symbody.errors import EnvironmentFault, Problem, UsageError, nearest, number_in_words
 from symbody.formats.model_files import example_names, example_text, examples_folder, load_model
 from symbody.model.model import Model
 from symbody.simulation.native.run import check_memory
@@ -71,14 +71,14 @@ def equations(
     tree: Tree = None,
 ) -> None:
     """Print the equations of motion, with the rates of coordinates and the constraints there are."""
-    _print(equation_lines(_formed(load_model(model), tree), latex))
+    _print(equation_lines(_form(load_model(model), tree), latex))
 
 
 @command()
 def check(model: ModelFile, tree: Tree = None) -> None:
     """Read a model and say what it is: bodies, joints, trees, degrees of freedom, notes."""
     loaded = load_model(model)
-    _print(summary(loaded, _formed(loaded, tree)))
+    _print(summary(loaded, _form(loaded, tree)))
 
 
 @command()
@@ -135,11 +135,11 @@ def simulate(
         if path is not None:
             _refuse_overwriting(path, force)
     _check_samples(samples)
-    given = [assigned(parameters, "--set"), assigned(inputs, "--input"), assigned(initial, "--initial")]
+    given = [read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(initial, "--initial")]
     bar = StageBar()
     with bar.stage("forming the equations"):
-        eqs = _formed(load_model(model), tree)
-        settings = Settled.of(eqs, *given)
+        eqs = _form(load_model(model), tree)
+        settings = Settled.resolve(eqs, *given)
         told = [] if as_json else _introduction(eqs, model)
     _print(told)
     with bar.stage("compiling"):
@@ -183,11 +183,11 @@ def animate(
     """Compute the motion and write a page that shows it in any browser, without a network."""
     if out is not None:
         _refuse_overwriting(out, force)
-    given = [assigned(parameters, "--set"), assigned(inputs, "--input"), assigned(initial, "--initial")]
+    given = [read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(initial, "--initial")]
     bar = StageBar()
     with bar.stage("forming the equations"):
-        eqs = _formed(load_model(model), tree)
-        settings = Settled.of(eqs, *given)
+        eqs = _form(load_model(model), tree)
+        settings = Settled.resolve(eqs, *given)
     with bar.stage("compiling"):
         motion = _motion(eqs, end, settings, None, 1e-8, None, bar)
     target = model.with_suffix(".html") if out is None else out
@@ -238,8 +238,10 @@ def linearize(
     as_json: Annotated[bool, option("--json", text="Print the result as JSON.")] = False,
 ) -> None:
     """Print A, B, C, D of small motions about a state, eigenvalues, and what they say of stability."""
-    eqs = _formed(load_model(model), tree)
-    given = Settled.of(eqs, assigned(parameters, "--set"), assigned(inputs, "--input"), assigned(at, "--at"))
+    eqs = _form(load_model(model), tree)
+    given = Settled.resolve(
+        eqs, read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(at, "--at")
+    )
     found = symbody.linearize(
         eqs, given.initial, given.parameters, given.inputs, outputs or (), independent, cyclic or ()
     )
@@ -260,17 +262,17 @@ def equilibrium(
     as_json: Annotated[bool, option("--json", text="Print the result as JSON.")] = False,
 ) -> None:
     """Print the equilibrium nearest to a guess, others found, and whether they are stable."""
-    eqs = _formed(load_model(model), tree)
-    given = Settled.of(
-        eqs, assigned(parameters, "--set"), assigned(inputs, "--input"), assigned(near, "--near")
+    eqs = _form(load_model(model), tree)
+    given = Settled.resolve(
+        eqs, read_pairs(parameters, "--set"), read_pairs(inputs, "--input"), read_pairs(near, "--near")
     )
     found = symbody.find_equilibrium(
-        eqs, given.initial, given.parameters, given.inputs, unknowns or (), assigned(fixed, "--fix")
+        eqs, given.initial, given.parameters, given.inputs, unknowns or (), read_pairs(fixed, "--fix")
     )
-    _print([rest_json(found)] if as_json else rest_lines(found))
+    _print([equilibrium_json(found)] if as_json else equilibrium_lines(found))
 
 
-def _formed(model: Model, tree: TreeWord | None) -> EquationSet:
+def _form(model: Model, tree: TreeWord | None) -> EquationSet:
     return form_equations(model, tree=None if tree is None else tree.value)
 
 
@@ -308,7 +310,7 @@ def _introduction(eqs: EquationSet, model: Path) -> list[str]:
         "speed": eqs.speed_names,
         "constraint": eqs.multiplier_names,
     }
-    sizes = ", ".join(counted(len(names), word) for word, names in numbers.items())
+    sizes = ", ".join(number_in_words(len(names), word) for word, names in numbers.items())
     return [f"{sizes}; `symbody equations {model}` prints the equations"]
 
 
@@ -319,11 +321,11 @@ def _report(eqs: EquationSet, motion: Trajectory) -> list[str]:
         f"{motion.status.value}: t = {motion.t[0]:g} to {motion.t[-1]:g} s",
         f"{statistics.accepted} steps, {statistics.evaluations} evaluations, "
         f"{statistics.loop_seconds * 1e3:.2f} ms; energy drift {motion.energy_drift:.1e} J",
-        *_closing(eqs, motion),
+        *_loop_gaps(eqs, motion),
     ]
 
 
-def _closing(eqs: EquationSet, motion: Trajectory) -> list[str]:
+def _loop_gaps(eqs: EquationSet, motion: Trajectory) -> list[str]:
     """Return how far loops open on the way, as a share of lengths and in radians; nothing of trees."""
     if not eqs.multiplier_names:
         return []

@@ -24,14 +24,14 @@ def run(arguments: Sequence[str]) -> int:
     except SystemExit as done:  # typer ends this way, after telling faults of usage
         return done.code if isinstance(done.code, int) else 0
     except SymbodyError as error:
-        return _told(str(error), error.exit_code)
+        return _print_message(str(error), error.exit_code)
     except KeyboardInterrupt:
-        return _told("interrupted", 130)
+        return _print_message("interrupted", 130)
     except OSError as error:
         fix = "\n  fix: give a path in a folder that exists and is yours" if error.filename else ""
-        return _told(f"[cli.file] {error.filename or ''}: {error.strerror or error}{fix}", 5)
+        return _print_message(f"[cli.file] {error.filename or ''}: {error.strerror or error}{fix}", 5)
 
 
-def _told(message: str, code: int) -> int:
+def _print_message(message: str, code: int) -> int:
     Console(stderr=True, highlight=False).print(message, markup=False, soft_wrap=True)
     return code

@@ -18,7 +18,7 @@ class Settled:
     initial: Mapping[str, str]
 
     @classmethod
-    def of(
+    def resolve(
         cls,
         eqs: EquationSet,
         settings: Mapping[str, str],
@@ -32,15 +32,15 @@ class Settled:
         UsageError
             With every name that the model does not have.
         """
-        starting = _starting(eqs)
+        starting = _initial_names(eqs)
         known = {*eqs.parameter_names, *eqs.input_names, *starting}
         problems = [_unknown(name, known) for name in settings if name not in known]
         if problems:
             raise UsageError(*problems)
         return cls(
             {name: text for name, text in settings.items() if name in eqs.parameter_names},
-            {**_among(settings, eqs.input_names), **inputs},
-            {**_among(settings, starting), **initial},
+            {**_select(settings, eqs.input_names), **inputs},
+            {**_select(settings, starting), **initial},
         )
 
 
@@ -49,18 +49,18 @@ def _unknown(name: str, known: Iterable[str]) -> Problem:
     return Problem("cli.unknown_name", f"--set {name}", what, "", nearest(name, known))
 
 
-def _among(settings: Mapping[str, str], names: Iterable[str]) -> dict[str, str]:
+def _select(settings: Mapping[str, str], names: Iterable[str]) -> dict[str, str]:
     return {name: settings[name] for name in names if name in settings}
 
 
-def _starting(eqs: EquationSet) -> list[str]:
+def _initial_names(eqs: EquationSet) -> list[str]:
     """Return the names that may have a value at the start: coordinates of all joints, rates, speeds."""
     measured = [name for joint in eqs.model.joints for name in joint.coordinates]
     coordinates = [*eqs.coordinate_names, *measured]
     return list(dict.fromkeys([*coordinates, *(f"{name}_dot" for name in coordinates), *eqs.speed_names]))
 
 
-def assigned(pairs: Iterable[str] | None, option: str) -> dict[str, str]:
+def read_pairs(pairs: Iterable[str] | None, option: str) -> dict[str, str]:
     """Return ``NAME=VALUE`` texts as a mapping.
 
     Raises

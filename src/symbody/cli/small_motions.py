@@ -36,7 +36,7 @@ def linear_json(lin: Linearization) -> str:
     return json.dumps({**told, **names, **rest, "verdict": lin.verdict, "notes": lin.notes})
 
 
-def rest_lines(found: Equilibrium) -> list[str]:
+def equilibrium_lines(found: Equilibrium) -> list[str]:
     """Return an equilibrium, the others found, and what they are."""
     places = [found, *(state for state in found.branches if isinstance(state, Equilibrium))]
     return [
@@ -47,7 +47,7 @@ def rest_lines(found: Equilibrium) -> list[str]:
     ]
 
 
-def rest_json(found: Equilibrium) -> str:
+def equilibrium_json(found: Equilibrium) -> str:
     """Return the same as JSON."""
     places = [found, *(state for state in found.branches if isinstance(state, Equilibrium))]
     states = [

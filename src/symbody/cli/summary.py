@@ -31,7 +31,7 @@ def summary(model: Model, eqs: EquationSet) -> list[str]:
         *_tree_lines(eqs),
         _fact("coordinates", eqs.coordinate_names),
         _fact("speeds", eqs.speed_names),
-        _fact("constraints", _counted(eqs.multiplier_names)),
+        _fact("constraints", _count_names(eqs.multiplier_names)),
         *_freedom_lines(eqs),
         *(f"note: {note}" for note in eqs.notes),
     ]
@@ -78,7 +78,7 @@ def _constraint_lines(model: Model, eqs: EquationSet) -> list[str]:
 def _joint_row(joint: Joint, word: str) -> tuple[str, str, str, str]:
     coordinates = [
         name if given else f"({name})"
-        for name, given in zip(joint.coordinates, joint.names_given, strict=True)
+        for name, given in zip(joint.coordinates, joint.given_names, strict=True)
     ]
     return joint.name, word.replace("_", " "), f"{joint.start} -> {joint.end}", ", ".join(coordinates)
 
@@ -88,7 +88,8 @@ def _tree_lines(eqs: EquationSet) -> list[str]:
     topology = eqs.formed.topology
     order = [joint.name for joint in topology.joints]
     turning, sliding = (
-        [name for name in order if name in tree] for tree in (topology.turning, topology.sliding)
+        [name for name in order if name in tree]
+        for tree in (topology.rotation_branches, topology.translation_branches)
     )
     cut = [name for name in order if name not in turning and name not in sliding]
     if turning == sliding:
@@ -98,7 +99,7 @@ def _tree_lines(eqs: EquationSet) -> list[str]:
     return [*trees, _fact("cut joints", cut)]
 
 
-def _counted(names: tuple[str, ...]) -> list[str]:
+def _count_names(names: tuple[str, ...]) -> list[str]:
     return [f"{len(names)} ({', '.join(names)})"] if names else []
 
 
@@ -114,7 +115,7 @@ def _freedom_lines(eqs: EquationSet) -> list[str]:
     if count.dropped:
         u, rows = len(eqs.speed_names), len(eqs.multiplier_names)
         lines += [
-            _fact("redundant constraints", _counted(count.dropped)),
+            _fact("redundant constraints", _count_names(count.dropped)),
             f"  they follow from the other {len(count.kept)}: {u} speeds less {rows} constraints would be "
             f"{u - rows} freedoms, less {len(count.kept)} independent ones it is {count.degrees_of_freedom}; "
             "how the joints share the loads of these directions is not determined",

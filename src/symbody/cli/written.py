@@ -47,7 +47,7 @@ def equation_lines(eqs: EquationSet, latex: bool = False, limit: int = LONG) -> 
         lines[before : before + motion] = latex_equations(eqs) if latex else display_equations(eqs)
     if len(sections) == 1 and not named:
         return lines
-    return _titled(sections, lines, [f"{name} = {text}" for name, text in named], latex)
+    return _add_title(sections, lines, [f"{name} = {text}" for name, text in named], latex)
 
 
 def _sections(eqs: EquationSet) -> list[_Section]:
@@ -56,13 +56,16 @@ def _sections(eqs: EquationSet) -> list[_Section]:
     rates = zip(symbols, eqs.textbook.readable("qdot").nodes, strict=True)
     found = [
         _Section("rates", [(left, right) for left, right in rates if left != right]),
-        _Section("motion", list(zip(eqs.textbook.inertial.nodes, eqs.textbook.driving.nodes, strict=True))),
+        _Section(
+            "motion",
+            list(zip(eqs.textbook.inertial_side.nodes, eqs.textbook.forcing_side.nodes, strict=True)),
+        ),
         _Section("constraints", [(node, ZERO) for node in eqs.textbook.readable("constraints").nodes]),
     ]
     return [section for section in found if section.sides or section.title == "motion"]
 
 
-def _titled(
+def _add_title(
     sections: Sequence[_Section], lines: Sequence[str], named: Sequence[str], latex: bool
 ) -> list[str]:
     result: list[str] = []

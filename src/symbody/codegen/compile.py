@@ -26,8 +26,8 @@ from symbody.expr.graph import TIME, Graph
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import substitute, substitute_into, symbols_of
 from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
-from symbody.model.content import content_of
-from symbody.model.door import plain
+from symbody.model.content import content_bytes
+from symbody.model.door import plain_value
 from symbody.model.model import Model, value_problems
 from symbody.model.numbers import as_float
 
@@ -77,10 +77,10 @@ def compile(
         When time is up.
     """
 
-    def made() -> CompiledFunction:
+    def make_function() -> CompiledFunction:
         return CompiledFunction(*form_sequence(eqs, outputs, parameters, free), quick=quick, lanes=lanes)
 
-    return in_time(time_limit, "compiling", _LESS, made)
+    return in_time(time_limit, "compiling", _LESS, make_function)
 
 
 @checked_arguments
@@ -123,7 +123,7 @@ def form_sequence(
     """
     names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     kept, values, replaced = tuple(free), dict(parameters or {}), dict(inputs or {})
-    key = sequence_key(eqs.identity, content_of(names, values, kept, replaced) if eqs.identity else b"")
+    key = sequence_key(eqs.identity, content_bytes(names, values, kept, replaced) if eqs.identity else b"")
     known = read_sequence(key)
     if known is None:
         known = _made_sequence(eqs, names, values, kept, replaced)
@@ -154,9 +154,9 @@ def _made_sequence(
         roots = []
         for name in names:
             begin(f"output {name}")
-            roots.append(_replaced(eqs, eqs.code_roots(name), replacements, graph))
+            roots.append(_replace_symbols(eqs, eqs.code_roots(name), replacements, graph))
     except ExpressionError as error:
-        raise _undefined(eqs, names, replacements, signature, error) from error
+        raise _explain_undefined(eqs, names, replacements, signature, error) from error
     signature = replace(signature, r=(*left, *_accelerations_read(eqs, roots, graph)))
     begin("computational sequence")
     return build_sequence(graph, roots, _places(eqs, signature, graph)), signature
@@ -169,7 +169,7 @@ def _accelerations_read(eqs: EquationSet, roots: Items[Roots], graph: Graph) -> 
     return () if given.isdisjoint(read) else eqs.acceleration_names
 
 
-def _replaced(eqs: EquationSet, roots: Roots, replacements: Mapping[int, int], graph: Graph) -> Roots:
+def _replace_symbols(eqs: EquationSet, roots: Roots, replacements: Mapping[int, int], graph: Graph) -> Roots:
     """Return roots with symbols replaced, in the graph of the equations or in another one."""
     own, all_nodes = eqs.formed.graph, (*roots.nodes, *roots.given)
     if graph is own:
@@ -180,7 +180,7 @@ def _replaced(eqs: EquationSet, roots: Roots, replacements: Mapping[int, int], g
     return Roots(roots.name, roots.shape, tuple(nodes[:count]), tuple(nodes[count:]))
 
 
-def _undefined(
+def _explain_undefined(
     eqs: EquationSet,
     outputs: Items[str],
     replacements: Mapping[int, int],
@@ -189,7 +189,9 @@ def _undefined(
 ) -> CompileError | ExpressionError:
     """Return why outputs cannot be formed with these values: what no mass resists, or what was divided."""
     graph = eqs.formed.graph
-    matrices = [_replaced(eqs, eqs.roots(name), replacements, graph) for name in ("mass_matrix", "jacobian")]
+    matrices = [
+        _replace_symbols(eqs, eqs.roots(name), replacements, graph) for name in ("mass_matrix", "jacobian")
+    ]
     sequence = build_sequence(graph, matrices, _places(eqs, signature, graph))
     # A configuration without symmetries; mass matrices that are singular everywhere are so there.
     anywhere = {
@@ -209,9 +211,9 @@ def _undefined_formula(eqs: EquationSet, replacements: Mapping[int, int]) -> str
     """Return where the first formula of the model stands that has no value with these parameters."""
     names, graph = eqs.formed.names, eqs.formed.graph
     for element in eqs.model.elements:
-        for use in element.uses():
+        for use in element.formula_sites():
             where = f"{element.kind} {element.name}, {use.path}"
-            if use.own:
+            if use.local_names:
                 continue
             try:
                 substitute(graph, [names.expression(use.formula, where).index], replacements)
@@ -239,7 +241,9 @@ def _parameter_nodes(eqs: EquationSet, given: Mapping[str, Value], free: Items[s
     nodes = {symbol_nodes[name]: symbol_nodes[name] for name in free}
     missing = []
     asked = {
-        name: Formula.of(plain(value), where=name) for name, value in given.items() if name in symbol_nodes
+        name: Formula.from_value(plain_value(value), where=name)
+        for name, value in given.items()
+        if name in symbol_nodes
     }
     for name in model.parameter_order(asked):
         if symbol_nodes[name] in nodes:
@@ -251,7 +255,7 @@ def _parameter_nodes(eqs: EquationSet, given: Mapping[str, Value], free: Items[s
             node = names.expression(formula, f"parameter {name}").index
             nodes[symbol_nodes[name]] = substitute(graph, [node], nodes)[0]
     if missing:
-        raise CompileError(_missing(missing))
+        raise CompileError(_missing_value(missing))
     return {symbol: node for symbol, node in nodes.items() if symbol != node}
 
 
@@ -273,7 +277,7 @@ def _input_nodes(eqs: EquationSet, given: Mapping[str, Value], known: Mapping[in
         raise CompileError(*problems)
     result = {}
     for name, value in given.items():
-        node = names.expression(Formula.of(value, where=f"input {name}"), f"input {name}").index
+        node = names.expression(Formula.from_value(value, where=f"input {name}"), f"input {name}").index
         result[names.value(name).index] = substitute(graph, [node], known)[0]
     return result
 
@@ -291,7 +295,7 @@ def _unknown(kind: str, name: str, known: Items[str]) -> Problem:
     )
 
 
-def _missing(names: Items[str]) -> Problem:
+def _missing_value(names: Items[str]) -> Problem:
     listed = ", ".join(names)
     return Problem(
         "compile.missing_value", "parameters", f"no value is given for {listed}",
@@ -317,7 +321,10 @@ def form_values(
     kept = tuple(free)
     graph, names = eqs.formed.graph, eqs.formed.names
     replacements = _parameter_nodes(eqs, parameters or {}, kept)
-    nodes = [names.expression(Formula.of(value, where=name), name).index for name, value in formulas.items()]
+    nodes = [
+        names.expression(Formula.from_value(value, where=name), name).index
+        for name, value in formulas.items()
+    ]
     made = substitute(graph, nodes, replacements)
     roots = [Roots(name, (), (node,)) for name, node in zip(formulas, made, strict=True)]
     signature = Signature((), (), (), kept)
@@ -338,7 +345,7 @@ def constant_values(
         return {}
     graph, names = eqs.formed.graph, eqs.formed.names
     replacements = _parameter_nodes(eqs, parameters or {}, ())
-    read = {name: Formula.of(value, where=name) for name, value in formulas.items()}
+    read = {name: Formula.from_value(value, where=name) for name, value in formulas.items()}
     distinct = dict.fromkeys(formula for formula in read.values() if formula.constant() is None)
     nodes = [names.expression(formula, formula.text).index for formula in distinct]
     roots = [Roots(str(k), (), (node,)) for k, node in enumerate(substitute(graph, nodes, replacements))]

@@ -115,18 +115,18 @@ class CompiledFunction:
             found = self._at_point(t, q, u, r, p)
             if found is not None:
                 return found if self._result is None else self._taken_apart(found)
-        if self._head is None and self._filled(t, q, u, r, p):
+        if self._head is None and self._fill_points(t, q, u, r, p):
             self._check_out(out, ())
             if self._at_point is None:
                 self._at_point = self._direct.get(None, self._made_direct).call
-            return self._shaped(self._single.run().copy(), (), out)
-        given = {group: self._checked(group, x) for group, x in zip("qurp", (q, u, r, p), strict=True)}
-        given["t"] = self._checked("t", t)
+            return self._reshape_outputs(self._single.run().copy(), (), out)
+        given = {group: self._check_shape(group, x) for group, x in zip("qurp", (q, u, r, p), strict=True)}
+        given["t"] = self._check_shape("t", t)
         batch = _broadcast(given)
         self._check_out(out, batch)
         if self._head is not None:
             given["c"] = self._head({"p": given["p"]}, given["p"].shape[:-1])
-        return self._shaped(self._tail(given, batch, _positive(threads)), batch, out)
+        return self._reshape_outputs(self._tail(given, batch, _positive(threads)), batch, out)
 
     def of_state(self, t: ArrayLike, x: ArrayLike, r: ArrayLike = (), p: ArrayLike = ()) -> Any:
         """Return the outputs for a state (speeds, then coordinates), the order of ``eqs.states``."""
@@ -139,17 +139,17 @@ class CompiledFunction:
 
     def bind(self, p: ArrayLike) -> Callable[..., Any]:
         """Return ``f(t, q, u, r=())`` with parameters fixed; what depends on them alone is computed now."""
-        values = self._checked("p", p)
+        values = self._check_shape("p", p)
         given = {group: np.zeros(0) for group in GROUPS} | {"p": values}
         cached = np.zeros(0) if self._head is None else self._head(given, values.shape[:-1])
 
-        def bound(t: ArrayLike, q: ArrayLike, u: ArrayLike, r: ArrayLike = ()) -> Any:
-            now = {group: self._checked(group, x) for group, x in zip("qur", (q, u, r), strict=True)}
-            now |= {"t": self._checked("t", t), "p": values, "c": cached}
+        def evaluate_rest(t: ArrayLike, q: ArrayLike, u: ArrayLike, r: ArrayLike = ()) -> Any:
+            now = {group: self._check_shape(group, x) for group, x in zip("qur", (q, u, r), strict=True)}
+            now |= {"t": self._check_shape("t", t), "p": values, "c": cached}
             batch = _broadcast(now)
-            return self._shaped(self._tail(now, batch), batch, None)
+            return self._reshape_outputs(self._tail(now, batch), batch, None)
 
-        return bound
+        return evaluate_rest
 
     @property
     def address(self) -> int:
@@ -167,7 +167,7 @@ class CompiledFunction:
 
     def constants(self, p: ArrayLike = ()) -> Floats:
         """Return the values ``c`` that depend on parameters alone, for calls by address."""
-        given = {group: np.zeros(0) for group in GROUPS} | {"p": self._checked("p", p)}
+        given = {group: np.zeros(0) for group in GROUPS} | {"p": self._check_shape("p", p)}
         return np.zeros(0) if self._head is None else self._head(given, given["p"].shape[:-1])
 
     @property
@@ -209,7 +209,7 @@ class CompiledFunction:
             start = stop
         return self._result(*results) if self._result is not None else results[0]
 
-    def _filled(self, *arguments: ArrayLike) -> bool:
+    def _fill_points(self, *arguments: ArrayLike) -> bool:
         """Put single points of floats in place; False if this is anything else."""
         groups = self._single.groups
         for group, value in zip("tqurp", arguments, strict=True):
@@ -222,7 +222,7 @@ class CompiledFunction:
             place[:] = array
         return True
 
-    def _checked(self, group: str, value: ArrayLike) -> Floats:
+    def _check_shape(self, group: str, value: ArrayLike) -> Floats:
         given = _array(group, _WORDS[group], value)
         given = given[..., np.newaxis] if group == "t" else given
         names = self.signature.names(group)
@@ -252,7 +252,7 @@ class CompiledFunction:
             return
         raise CompileError(Problem("compile.out", "out", what, "", fitting))
 
-    def _shaped(self, flat: Floats, batch: tuple[int, ...], out: Floats | None) -> Any:
+    def _reshape_outputs(self, flat: Floats, batch: tuple[int, ...], out: Floats | None) -> Any:
         results, start = [], 0
         for output in self.sequence.outputs:
             stop = start + len(output.values)

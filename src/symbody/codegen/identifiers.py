@@ -63,7 +63,7 @@ def assign_identifiers(names: Iterable[str], is_reserved: Callable[[str], bool])
     return result
 
 
-def quoted(name: str) -> str:
+def quote_name(name: str) -> str:
     r"""Return `name` in ASCII between double quotes, harmless in comments and strings of any language.
 
     It is a JSON string in which slashes and question marks are escaped too: no bracket of a comment, no

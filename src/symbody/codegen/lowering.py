@@ -11,7 +11,7 @@ from symbody.expr.opcodes import CALL, FLOAT, PI, RATIONAL
 from symbody.expr.sequence import Sequence
 
 
-def rounded(constant: Constant) -> float:
+def round_to_double(constant: Constant) -> float:
     """Return the double nearest to `constant`.
 
     Raises
@@ -41,13 +41,13 @@ def constant_values(sequence: Sequence) -> dict[int, float]:
     values: dict[int, float] = {}
     for k, operation in enumerate(sequence.operations):
         if operation.op in (RATIONAL, FLOAT):
-            values[k] = rounded(sequence.constants[operation.datum])
+            values[k] = round_to_double(sequence.constants[operation.datum])
         elif operation.op == PI:
             values[k] = math.pi
     return values
 
 
-def whole_exponent(sequence: Sequence, value: int) -> int | None:
+def integer_exponent(sequence: Sequence, value: int) -> int | None:
     """Return the exponent of a POW if it is a constant integer >= 1, else None.
 
     Other exponents go to the library's pow.

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from symbody.codegen.llvm.machine import lanes as widest
 from symbody.codegen.llvm.native import NativeFunction, compile_sequence
 from symbody.errors import Problem, SimulationError
-from symbody.expr.sequence import Kernel, Sequence
+from symbody.expr.sequence import KernelNode, Sequence
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
@@ -68,7 +68,7 @@ class NativeCall:
         """Return (*batch, outputs) by at most `threads`; groups that are missing or empty are not read."""
         count = int(np.prod(batch, dtype=np.int64))
         out = np.empty((count, self.sequence.output_size))
-        points = _Points(tuple(_rows(given.get(group), batch, count) for group in GROUPS), out)
+        points = _PointArrays(tuple(_rows(given.get(group), batch, count) for group in GROUPS), out)
         lanes = self._lanes_for(count)
         useful = max(1, min(threads, count * self._work // _WORTH_A_THREAD))
         part = max(1, -(-count // useful))
@@ -76,11 +76,13 @@ class NativeCall:
             part = -(-part // lanes.width) * lanes.width
         starts = range(0, count, part)
         if len(starts) < 2:
-            check_status(self._run(0, count, points, lanes))
+            check_status(self._run_points(0, count, points, lanes))
         else:
             with ThreadPoolExecutor(len(starts) - 1) as pool:  # this thread takes the first part
-                others = pool.map(lambda k: self._run(k, min(k + part, count), points, lanes), starts[1:])
-                codes = [self._run(0, part, points, lanes), *others]
+                others = pool.map(
+                    lambda k: self._run_points(k, min(k + part, count), points, lanes), starts[1:]
+                )
+                codes = [self._run_points(0, part, points, lanes), *others]
             check_status(next(filter(None, codes), 0))
         return out.reshape((*batch, out.shape[1]))
 
@@ -97,7 +99,7 @@ class NativeCall:
         """Return the code for several points at once, compiled when it is first asked for."""
         return self._in_lanes.get(None, lambda: compile_sequence(self.sequence, in_lanes=True))
 
-    def _run(self, start: int, stop: int, points: _Points, lanes: NativeFunction | None) -> int:
+    def _run_points(self, start: int, stop: int, points: _PointArrays, lanes: NativeFunction | None) -> int:
         """Compute some of the points and return the first status that is not 0."""
         blocks = 0 if lanes is None else (stop - start) // lanes.width
         # The scalar code computes the same again to find which point failed first, and how.
@@ -107,7 +109,7 @@ class NativeCall:
 
 
 @dataclass(frozen=True, slots=True)
-class _Points:
+class _PointArrays:
     """Rows of all groups with the distances of two rows, and rows of results."""
 
     rows: tuple[tuple[Floats, int], ...]
@@ -148,7 +150,7 @@ class SinglePoint(local):
         return self.out
 
 
-def _kernel_work(kernel: Kernel) -> int:
+def _kernel_work(kernel: KernelNode) -> int:
     """Return about how many operations a kernel takes."""
     return (kernel.n + kernel.m) ** 3
 

@@ -17,7 +17,7 @@ from typing import Final
 
 from symbody.codegen.lowering import constant_values, refuse_user_functions
 from symbody.expr.opcodes import LEAVES, MAP, PICK, SADDLE
-from symbody.expr.sequence import Kernel, Sequence
+from symbody.expr.sequence import KernelNode, Sequence
 from symbody.kernels.solve_saddle import work_size as saddle_work_size
 
 # LLVM takes the same time for 50,000 operations in pieces of 500 to 4,000, three times as long for one.
@@ -68,7 +68,7 @@ class Plan:
     work_size: int
 
 
-def argument_places(kernel: Kernel, start: int) -> tuple[int, int, int, int]:
+def argument_places(kernel: KernelNode, start: int) -> tuple[int, int, int, int]:
     """Return where M, J, F and gamma begin when stored one after the other from `start`."""
     jacobian = start + kernel.n * kernel.n
     force = jacobian + kernel.m * kernel.n
@@ -86,10 +86,10 @@ def plan_pieces(sequence: Sequence, size: int = PIECE_SIZE) -> Plan:
         If the sequence calls functions the user supplied, or a constant is beyond the doubles.
     """
     refuse_user_functions(sequence)
-    needed = _needed(sequence)
+    needed = _find_needed(sequence)
     last_use = _last_uses(sequence, needed)
     bounds = _bounds(sequence, last_use, size)
-    crossing = _crossing(sequence, last_use, bounds)
+    crossing = _find_crossing_values(sequence, last_use, bounds)
     slots, taken = _assign_slots(crossing, last_use, bounds)
     pieces = _pieces(sequence, needed, bounds, slots)
     results: dict[int, int] = {}
@@ -112,7 +112,7 @@ def _output_places(sequence: Sequence) -> dict[int, list[int]]:
     return places
 
 
-def _needed(sequence: Sequence) -> list[bool]:
+def _find_needed(sequence: Sequence) -> list[bool]:
     needed = [False] * len(sequence.operations)
     for output in sequence.outputs:
         for value in output.values:
@@ -169,7 +169,7 @@ def _weight(op: int, operands: tuple[int, ...]) -> int:
     return _MAP_WEIGHT if op == MAP else len(operands) if op == SADDLE else 0 if op in _REREAD else 1
 
 
-def _crossing(sequence: Sequence, last_use: Items[int], bounds: Items[int]) -> list[list[int]]:
+def _find_crossing_values(sequence: Sequence, last_use: Items[int], bounds: Items[int]) -> list[list[int]]:
     """Return for each piece the values defined in it that later pieces read."""
     return [
         [k for k in range(start, stop) if last_use[k] >= stop and sequence.operations[k].op not in _REREAD]

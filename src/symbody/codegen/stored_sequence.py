@@ -17,8 +17,8 @@ from symbody.codegen.function import Signature
 from symbody.codegen.llvm.machine import environment
 from symbody.codegen.llvm.stored_module import written_by
 from symbody.expr.graph import Constant
-from symbody.expr.sequence import Input, Kernel, Operation, Output, Sequence
-from symbody.storage import store, stored
+from symbody.expr.sequence import Input, KernelNode, Operation, Output, Sequence
+from symbody.storage import load_stored, store
 
 SMALLEST: Final = 500  # operations
 _CODE: Final = "i"  # 32 bits on every machine
@@ -34,7 +34,7 @@ def sequence_key(equations: bytes, asked: bytes) -> bytes:
 
 def read_sequence(key: bytes) -> tuple[Sequence, Signature] | None:
     """Return the sequence stored under `key` and its arguments, or None."""
-    content = stored(key) if key else None
+    content = load_stored(key) if key else None
     if content is None:
         return None
     head, _, body = content.partition(b"\n")
@@ -49,12 +49,12 @@ def store_sequence(key: bytes, sequence: Sequence, signature: Signature) -> bool
     """Store a sequence if that pays, and return whether it did."""
     if not key or len(sequence.operations) < SMALLEST or sequence.functions:
         return False
-    header = _told(sequence) | {"signature": (signature.q, signature.u, signature.r, signature.p)}
+    header = _as_mapping(sequence) | {"signature": (signature.q, signature.u, signature.r, signature.p)}
     store(key, json.dumps(header).encode() + b"\n" + _columns(sequence).tobytes())
     return True
 
 
-def _told(sequence: Sequence) -> dict[str, object]:
+def _as_mapping(sequence: Sequence) -> dict[str, object]:
     """Return a sequence without its operations as a mapping; programs are short and stand in it whole."""
     return {
         "inputs": [(entry.name, entry.group, entry.position) for entry in sequence.inputs],
@@ -62,7 +62,7 @@ def _told(sequence: Sequence) -> dict[str, object]:
         "kernels": [(kernel.n, kernel.m) for kernel in sequence.kernels],
         "operations": len(sequence.operations),
         "outputs": [(output.name, output.shape, output.values) for output in sequence.outputs],
-        "programs": [(_told(program), _columns(program).tolist()) for program in sequence.programs],
+        "programs": [(_as_mapping(program), _columns(program).tolist()) for program in sequence.programs],
     }
 
 
@@ -80,7 +80,7 @@ def _sequence(header: Mapping[str, Any], columns: array[int]) -> Sequence:
     return Sequence(
         tuple(Input(*entry) for entry in header["inputs"]),
         tuple(_constant(text) for text in header["constants"]),
-        tuple(Kernel(n, m) for n, m in header["kernels"]),
+        tuple(KernelNode(n, m) for n, m in header["kernels"]),
         (),
         tuple(_operations(columns, header["operations"])),
         tuple(Output(name, tuple(shape), tuple(values)) for name, shape, values in header["outputs"]),

@@ -6,13 +6,13 @@ from collections.abc import Collection
 
 from symbody.display.html import Markup
 from symbody.errors import ExpressionError
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.language.formula import Formula, build
 from symbody.expr.printing.mathml import to_mathml
 from symbody.expr.printing.mathml_tables import math_element
 
 
-def formula_shown(formula: Formula | None, states: Collection[str] = ()) -> str:
+def show_formula(formula: Formula | None, states: Collection[str] = ()) -> str:
     """Return a formula as MathML, a plain number as it is typed, or a dash where there is none.
 
     Parameters
@@ -31,8 +31,8 @@ def formula_shown(formula: Formula | None, states: Collection[str] = ()) -> str:
             return graph.pi()
         for ending, order in (("_ddot", 2), ("_dot", 1)):
             if name.endswith(ending):
-                return graph.symbol(Symbol(name.removesuffix(ending), Kind.COORDINATE, order))
-        return graph.symbol(Symbol(name, Kind.COORDINATE if name in states else Kind.PARAMETER))
+                return graph.symbol(Symbol(name.removesuffix(ending), SymbolKind.COORDINATE, order))
+        return graph.symbol(Symbol(name, SymbolKind.COORDINATE if name in states else SymbolKind.PARAMETER))
 
     try:
         return Markup(math_element(to_mathml(graph, build(formula, graph, look_up))))

@@ -73,7 +73,7 @@ def complex_number(value: complex) -> str:
     return f"{value.real:.5g} {sign} {abs(value.imag):.5g} i".replace("-", "\u2212")
 
 
-def unit_shown(unit: str) -> str:
+def show_unit(unit: str) -> str:
     """Return a unit with raised powers."""
     first, *others = unit.split("^")
     return first + "".join(part[:1].translate(_SUPERSCRIPTS) + part[1:] for part in others)

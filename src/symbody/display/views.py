@@ -13,7 +13,7 @@ from symbody.analysis.equilibrium.find_equilibrium import Equilibrium
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.modes import Mode
 from symbody.analysis.state import State
-from symbody.display.formulas import formula_shown
+from symbody.display.formulas import show_formula
 from symbody.display.html import (
     Markup,
     complex_number,
@@ -21,9 +21,9 @@ from symbody.display.html import (
     number,
     page,
     paragraph,
+    show_unit,
     symbol,
     table,
-    unit_shown,
 )
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.showing.display import mathml_sides
@@ -55,12 +55,12 @@ def _model(model: Model) -> str:
     ]
     units = symbol_units(model)
     parameters = [
-        (symbol(name), formula_shown(value), unit_shown(units.get(name, "")))
+        (symbol(name), show_formula(value), show_unit(units.get(name, "")))
         for name, value in model.parameters.items()
     ]
     return page(
         repr(model),
-        table(("body", "mass"), ((body.name, formula_shown(body.mass)) for body in model.bodies)),
+        table(("body", "mass"), ((body.name, show_formula(body.mass)) for body in model.bodies)),
         table(("joint", "kind", "from \u2192 to", "coordinates"), joints),
         table(("element", "kind"), others),
         table(("parameter", "value", "unit"), parameters),
@@ -74,7 +74,7 @@ def _symbols(names: tuple[str, ...]) -> Markup:
 
 def _equations(eqs: EquationSet) -> str:
     if len(eqs.speed_names) <= _MOST_SPEEDS:
-        sides = [*eqs.textbook.inertial.nodes, *eqs.textbook.driving.nodes]
+        sides = [*eqs.textbook.inertial_side.nodes, *eqs.textbook.forcing_side.nodes]
         if sum(tree_sizes(eqs.textbook.formed.graph, sides)) <= _MOST_OPERATIONS:
             formulas = mathml_equations(mathml_sides(eqs))
             return page(repr(eqs), Markup(math_element(formulas, block=True)), notes(eqs.notes))
@@ -85,7 +85,7 @@ def _equations(eqs: EquationSet) -> str:
 
 def _trajectory(run: Trajectory) -> str:
     rows = [
-        (symbol(name), unit_shown(run.units.get(name, "")), *_course(np.atleast_1d(run[name])))
+        (symbol(name), show_unit(run.units.get(name, "")), *_course(np.atleast_1d(run[name])))
         for name in (*run.coordinate_names, *run.speed_names)
     ]
     counts = Counter(event.name for event in run.events)
@@ -115,7 +115,7 @@ def _state(state: State) -> str:
 def _state_rows(state: State) -> Iterator[tuple[str, str, str]]:
     for values in (state.q, state.u):
         for name, value in values.items():
-            yield symbol(name), number(value), unit_shown(state.eqs.units.get(name, ""))
+            yield symbol(name), number(value), show_unit(state.eqs.units.get(name, ""))
 
 
 def _equilibrium(state: Equilibrium) -> str:
@@ -165,7 +165,7 @@ def _mode(mode: Mode) -> str:
 
 def _sweep(sweep: Sweep) -> str:
     rows = [
-        (symbol(name), unit_shown(sweep.units.get(name, "")), number(column.min()), number(column.max()))
+        (symbol(name), show_unit(sweep.units.get(name, "")), number(column.min()), number(column.max()))
         for name, column in sweep.cases.items()
         if len(sweep)
     ]

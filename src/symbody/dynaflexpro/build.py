@@ -51,7 +51,7 @@ def BuildEQs(
     FormatError, ModelError, FormulationError
         If the model cannot be read, contradicts itself, or has no equations.
     """
-    chosen = _checked(options)
+    chosen = _parse_options(options)
     if not isinstance(model, Model):
         _refuse_foreign(model)
     described = model if isinstance(model, Model) else load_model(model)
@@ -101,7 +101,7 @@ def _refuse_foreign(path: str | os.PathLike[str]) -> None:
         )  # fmt: skip
 
 
-def _checked(options: Sequence[str]) -> dict[str, str]:
+def _parse_options(options: Sequence[str]) -> dict[str, str]:
     """Return the options as a mapping.
 
     Raises

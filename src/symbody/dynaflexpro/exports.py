@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from symbody.dynaflexpro.stabilization import checked_pair, stabilized
+from symbody.dynaflexpro.stabilization import check_pair, stabilize
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.showing.textbook import Reaction
 from symbody.expr.closed_form import closed_forms
-from symbody.expr.graph import TIME, Kind, Symbol
+from symbody.expr.graph import TIME, Symbol, SymbolKind
 from symbody.expr.printing.definitions import EXPAND_LIMIT
 from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, symbol_to_sympy, to_sympy
 
@@ -107,7 +107,7 @@ class ModelEquations:
     def vVelRHS(self) -> SympyMatrix:
         """Right-hand side of ``xJacVel vP = vVelRHS``, (n_c, 1); zero unless a motion is prescribed."""
         formed = self.equations.formed
-        return _column(-rest for rest in to_sympy(formed.graph, [row.rest.index for row in formed.rows]))
+        return _column(-rest for rest in to_sympy(formed.graph, [row.drift.index for row in formed.rows]))
 
     @property
     def vAccRHS(self) -> SympyMatrix:
@@ -141,11 +141,11 @@ class ModelEquations:
 
     def GetPosCons(self) -> list[SympyEquation]:
         """Return the position constraints ``Phi = 0``; none in a tree."""
-        return _vanishing(self.equations.constraints)
+        return _zero_equations(self.equations.constraints)
 
     def GetVelCons(self) -> list[SympyEquation]:
         """Return the velocity constraints ``xJacVel vP - vVelRHS = 0``; none in a tree."""
-        return _vanishing(self.equations.velocity_constraints)
+        return _zero_equations(self.equations.velocity_constraints)
 
     def GetAccCons(self) -> list[SympyEquation]:
         """Return the acceleration constraints ``xJacVel vPdot = vAccRHS``; none in a tree."""
@@ -168,8 +168,8 @@ class ModelEquations:
             If there are not two numbers >= 0.
         """
         if pair is not None:
-            self._baumgarte = checked_pair(pair)
-            self.equations = stabilized(self._formed, *self._baumgarte)
+            self._baumgarte = check_pair(pair)
+            self.equations = stabilize(self._formed, *self._baumgarte)
         return self._baumgarte
 
     def GetSysODEs(self) -> list[SympyEquation]:
@@ -205,7 +205,7 @@ class ModelEquations:
         """
         found = self.equations.reaction(joint, on, at, ref)
         formed = self.equations.formed
-        symbols = [formed.graph.symbol(Symbol(row.name, Kind.MULTIPLIER)) for row in formed.redundant]
+        symbols = [formed.graph.symbol(Symbol(row.name, SymbolKind.MULTIPLIER)) for row in formed.redundant]
         idle = dict.fromkeys(to_sympy(formed.graph, symbols), 0)
         return Reaction(found.force.subs(idle), found.moment.subs(idle)) if idle else found
 
@@ -219,5 +219,5 @@ def _column(entries: Iterable[SympyExpr]) -> SympyMatrix:
     return SympyMatrix(len(values), 1, values)
 
 
-def _vanishing(column: SympyMatrix) -> list[SympyEquation]:
+def _zero_equations(column: SympyMatrix) -> list[SympyEquation]:
     return [SympyEquation(entry, 0, evaluate=False) for entry in column]

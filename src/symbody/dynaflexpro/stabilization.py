@@ -11,7 +11,7 @@ from symbody.errors import Problem, UsageError
 from symbody.expr.expression import Expr
 
 
-def checked_pair(pair: Sequence[float]) -> tuple[float, float]:
+def check_pair(pair: Sequence[float]) -> tuple[float, float]:
     """Return alpha and beta as they are.
 
     Raises
@@ -29,14 +29,14 @@ def checked_pair(pair: Sequence[float]) -> tuple[float, float]:
     return values[0], values[1]
 
 
-def stabilized(eqs: EquationSet, alpha: float, beta: float) -> EquationSet:
+def stabilize(eqs: EquationSet, alpha: float, beta: float) -> EquationSet:
     """Return equations whose constraints decay like ``Psi'' + 2 alpha Psi' + beta^2 Psi = 0``."""
     if not alpha and not beta:
         return eqs
     graph, rows = eqs.formed.graph, []
     for row in eqs.formed.rows:
-        rate = row.rest
-        for speed, slope in row.slopes.items():
+        rate = row.drift
+        for speed, slope in row.jacobian.items():
             rate = rate + slope * Expr(graph, speed)
         rows.append(replace(row, gamma=row.gamma - (rate * (2 * alpha) + row.value * beta**2)))
     return EquationSet(eqs.model, eqs.formed.with_rows(tuple(rows)), eqs.notes)

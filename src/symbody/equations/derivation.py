@@ -6,28 +6,28 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Final
 
-from symbody.equations.constraints.closings import alignments
+from symbody.equations.constraints.closings import assembly_mode
 from symbody.equations.constraints.rolling import add_contact_frames
-from symbody.equations.constraints.rows import form_rows
+from symbody.equations.constraints.rows import form_constraints
 from symbody.equations.dynamics.inertia import Rotor, form_inertia
-from symbody.equations.elimination.dependent_speeds import eliminated, elimination_notes
-from symbody.equations.elimination.elimination import Elimination
+from symbody.equations.elimination.dependent_speeds import eliminate_speeds, elimination_notes
+from symbody.equations.elimination.elimination import SpeedElimination
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.formulations.recursive import Recursive
 from symbody.equations.formulations.virtual_work import VirtualWork
-from symbody.equations.kinematics.measured import measured_coordinates
+from symbody.equations.kinematics.measured import measure_coordinates
 from symbody.equations.kinematics.mechanism_names import mechanism_names, rates_by_name, second_rates
 from symbody.equations.kinematics.motion import Kinematics, form_kinematics
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.placements import differentiated, differentiated_rows
-from symbody.equations.kinematics.placing import shiftings, turnings
-from symbody.equations.kinematics.row import Row
-from symbody.equations.kinematics.uses import is_read, joint_uses, names_read
-from symbody.equations.kinematics.variables import Use, Variables, form_variables
+from symbody.equations.kinematics.placements import differentiate_constraints, differentiate_placements
+from symbody.equations.kinematics.placing import rotation_steps, translation_steps
+from symbody.equations.kinematics.row import ConstraintEquation
+from symbody.equations.kinematics.uses import is_read, joint_roles, names_read
+from symbody.equations.kinematics.variables import JointRole, Variables, form_variables
 from symbody.equations.loads.friction import form_friction
 from symbody.equations.loads.loads import form_loads
-from symbody.equations.solving.undetermined import identically_undetermined, share_notes
+from symbody.equations.solving.undetermined import find_identically_undetermined, share_notes
 from symbody.equations.system import MultibodySystem
 from symbody.expr.deadline import begin
 from symbody.expr.graph import Graph
@@ -63,15 +63,15 @@ def derive(
         determine the dependent speeds.
     """
     formulation, notes = _possible_formulation(topology, formulation, eliminates=bool(dependent))
-    uses = joint_uses(topology)
+    uses = joint_roles(topology)
     names, variables = _variables(topology, graph, uses)
     begin("kinematics")
     names, kinematics = _kinematics(topology, names, uses, variables, formulation)
     begin("constraints")
-    constraints = form_rows(topology, names, kinematics, uses)
+    constraints = form_constraints(topology, names, kinematics, uses)
     rows = constraints.rows
     if formulation.differentiates_placements:
-        rows = differentiated_rows(kinematics, rows)
+        rows = differentiate_constraints(kinematics, rows)
     notes = constraints.notes + notes
     begin("loads", notes)
     system = _system(topology, names, uses, variables, kinematics, rows, formulation)
@@ -107,7 +107,7 @@ def _possible_formulation(
     )
 
 
-def _variables(topology: Topology, graph: Graph, uses: Sequence[Use]) -> tuple[Names, Variables]:
+def _variables(topology: Topology, graph: Graph, uses: Sequence[JointRole]) -> tuple[Names, Variables]:
     """Return the names of a mechanism with the rates, and its coordinates and speeds."""
     names = mechanism_names(graph, topology, uses)
     added = [name for condition in topology.model.constraints for name in condition.coordinates]
@@ -116,35 +116,39 @@ def _variables(topology: Topology, graph: Graph, uses: Sequence[Use]) -> tuple[N
 
 
 def _kinematics(
-    topology: Topology, names: Names, uses: Sequence[Use], variables: Variables, formulation: Formulation
+    topology: Topology,
+    names: Names,
+    uses: Sequence[JointRole],
+    variables: Variables,
+    formulation: Formulation,
 ) -> tuple[Names, Kinematics]:
     """Return the kinematics, and the names with second rates and the measured coordinates that are read."""
     graph = names.graph
     kinematics = form_kinematics(
         graph,
-        turnings(topology, names, uses),
-        shiftings(topology, names),
+        rotation_steps(topology, names, uses),
+        translation_steps(topology, names),
         variables.rates,
         [graph.symbol(u) for u in variables.u],
         lazy=formulation.has_lazy_velocities,
     )
     if formulation.differentiates_placements:
-        kinematics = differentiated(kinematics)
+        kinematics = differentiate_placements(kinematics)
     names = names.with_values(second_rates(kinematics, variables))
     read = names_read(topology.model)
     for use in uses:
         if is_read(use, read):
-            names = names.with_values(measured_coordinates(names, kinematics, use))
+            names = names.with_values(measure_coordinates(names, kinematics, use))
     return names, kinematics
 
 
 def _system(
     topology: Topology,
     names: Names,
-    uses: Sequence[Use],
+    uses: Sequence[JointRole],
     variables: Variables,
     kinematics: Kinematics,
-    rows: Sequence[Row],
+    rows: Sequence[ConstraintEquation],
     formulation: Formulation,
 ) -> MultibodySystem:
     """Return the system with its bodies, loads, rotors and friction."""
@@ -178,15 +182,15 @@ def _equations(
     system: MultibodySystem,
     formulation: Formulation,
     notes: tuple[str, ...],
-    elimination: Elimination | None = None,
+    elimination: SpeedElimination | None = None,
 ) -> EquationsOfMotion:
     """Return the equations of motion of a system, without contact frames."""
     names, kinematics = system.names, system.kinematics
     return EquationsOfMotion.of_system(
         system,
         formulation,
-        formulation.derive(system) if elimination is None else elimination.dynamics(system),
-        alignments=tuple(cosine for use in system.uses for cosine in alignments(names, kinematics, use)),
+        formulation.derive(system) if elimination is None else elimination.reduce_dynamics(system),
+        alignments=tuple(cosine for use in system.uses for cosine in assembly_mode(names, kinematics, use)),
         notes=notes + system.loads.notes + _notes(system),
         elimination=elimination,
     )
@@ -197,13 +201,16 @@ def _eliminate(
 ) -> EquationsOfMotion:
     """Return equations in independent speeds; loads are formed again in these."""
     begin("elimination of dependent speeds")
-    elimination = eliminated(formed.readable_names, formed.u, formed.rows, formed.dynamics, dependent)
-    holding = {law.holding: (formed.kinematics.slopes(law.rate), law.rate * 0) for law in formed.friction}
+    elimination = eliminate_speeds(formed.readable_names, formed.u, formed.rows, formed.dynamics, dependent)
+    holding = {
+        law.holding_effort: (formed.kinematics.speed_partials(law.rate), law.rate * 0)
+        for law in formed.friction
+    }
     elimination = replace(elimination, given={**elimination.given, **holding})
-    variables = elimination.variables(formed.variables)
-    names = elimination.names(formed.names)
-    kinematics = elimination.kinematics(formed.kinematics, variables.rates)
-    rows = elimination.reduced_rows(formed.holonomic)
+    variables = elimination.reduce_variables(formed.variables)
+    names = elimination.substitute_names(formed.names)
+    kinematics = elimination.reduce_kinematics(formed.kinematics, variables.rates)
+    rows = elimination.reduce_rows(formed.holonomic)
     notes = notes + elimination_notes(elimination)
     begin("loads", notes)
     system = _system(formed.topology, names, formed.uses, variables, kinematics, rows, formed.formulation)
@@ -222,30 +229,30 @@ def _share_notes(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return notes on reactions that redundant constraints leave undetermined."""
     if not formed.redundant:
         return ()
-    listed = identically_undetermined(formed) if len(formed.uses) <= _MOST_LISTED else ()
+    listed = find_identically_undetermined(formed) if len(formed.uses) <= _MOST_LISTED else ()
     return share_notes(formed, listed)
 
 
 def _notes(system: MultibodySystem) -> tuple[str, ...]:
     """Return where the equations differ from what one may expect, or do not hold."""
     return (
-        *_coupled_cuts(system.uses),
-        *_singularities(system.graph, system.variables),
-        *_ropes(system.topology.model),
+        *_cut_coupling_notes(system.uses),
+        *_singularity_notes(system.graph, system.variables),
+        *_rope_notes(system.topology.model),
     )
 
 
-def _coupled_cuts(uses: Iterable[Use]) -> tuple[str, ...]:
+def _cut_coupling_notes(uses: Iterable[JointRole]) -> tuple[str, ...]:
     """Return notes on cut joints whose displacement depends on their angle."""
     return tuple(
         f"joint {use.joint.name}: its displacement depends on {', '.join(use.joint.coupled_coordinates)}, "
         "which joins the coordinates with one more closing equation, although the joint is cut"
         for use in uses
-        if use.joint.coupled_coordinates and not use.in_rotation and use.unknown
+        if use.joint.coupled_coordinates and not use.in_rotation and use.unknown_coordinates
     )
 
 
-def _ropes(model: Model) -> tuple[str, ...]:
+def _rope_notes(model: Model) -> tuple[str, ...]:
     names = [part.name for part in model.constraints if isinstance(part, Distance) and part.rope]
     return tuple(
         f"constraint {name}: the equations are those of the taut rope; simulate switches to slack ones"
@@ -253,7 +260,7 @@ def _ropes(model: Model) -> tuple[str, ...]:
     )
 
 
-def _singularities(graph: Graph, variables: Variables) -> tuple[str, ...]:
+def _singularity_notes(graph: Graph, variables: Variables) -> tuple[str, ...]:
     return tuple(
         f"joint {joint}: the angle rates do not follow from the angular velocity where "
         f"{to_text(graph, determinant.index).removeprefix('-')} = 0"

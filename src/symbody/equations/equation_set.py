@@ -9,16 +9,16 @@ from typing import Final
 
 from symbody.arguments import checked_arguments
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.freedoms.always_undetermined import always_undetermined
+from symbody.equations.freedoms.always_undetermined import find_always_undetermined
 from symbody.equations.freedoms.mobility import Mobility, mobility
-from symbody.equations.known import Deferred
-from symbody.equations.showing.derivative_outputs import asked_derivative
+from symbody.equations.known import DeferredEquations
+from symbody.equations.showing.derivative_outputs import parse_derivative
 from symbody.equations.showing.outputs import code_roots, evaluable_roots
 from symbody.equations.showing.textbook import Reaction, Textbook
 from symbody.equations.showing.units import Units, output_units
-from symbody.equations.solving.idle import check_idle
-from symbody.equations.solving.noise import noise_program, without_noise
-from symbody.errors import counted
+from symbody.equations.solving.idle import check_parameter_constraints
+from symbody.equations.solving.noise import drop_negligible, magnitude_program
+from symbody.errors import number_in_words
 from symbody.expr.graph import Symbol
 from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Roots, Sequence
@@ -54,7 +54,7 @@ class EquationSet(Displayed):
     """
 
     model: Model
-    _given: EquationsOfMotion | Deferred
+    _given: EquationsOfMotion | DeferredEquations
     notes: tuple[str, ...] = ()
     further: Mapping[str, Roots] = field(default_factory=dict, repr=False)
     # Roots and formulas already made; pure functions of `formed`, so they cannot go stale.
@@ -81,13 +81,13 @@ class EquationSet(Displayed):
 
     def __repr__(self) -> str:
         numbers = {"coordinate": self.formed.q, "speed": self.formed.u, "constraint": self.formed.rows}
-        sizes = ", ".join(counted(len(those), word) for word, those in numbers.items())
+        sizes = ", ".join(number_in_words(len(those), word) for word, those in numbers.items())
         return f"EquationSet of {self.model.name!r}: {sizes}"
 
     @property
     def formed(self) -> EquationsOfMotion:
         """The equations in the expression graph."""
-        return self._given.formed if isinstance(self._given, Deferred) else self._given
+        return self._given.formed if isinstance(self._given, DeferredEquations) else self._given
 
     @property
     def quaternions(self) -> tuple[tuple[str, ...], ...]:
@@ -279,7 +279,7 @@ class EquationSet(Displayed):
         redundant constraints. As outputs they have the share of least norm. What values of the parameters
         leave undetermined beside them stands in `redundancy` and in the notes of a run.
         """
-        return self._undetermined.get(None, partial(always_undetermined, self.formed))
+        return self._undetermined.get(None, partial(find_always_undetermined, self.formed))
 
     @checked_arguments
     def for_values(self, parameters: Mapping[str, float]) -> EquationSet:
@@ -300,13 +300,13 @@ class EquationSet(Displayed):
         """
         key = tuple(parameters.get(symbol.name) for symbol in self.formed.parameters)
 
-        def without() -> EquationSet:
-            check_idle(self.formed, parameters)
-            program = self._noise_program.get(None, lambda: noise_program(self.formed))
-            formed = without_noise(self.formed, parameters, program)
+        def drop_negligible_rows() -> EquationSet:
+            check_parameter_constraints(self.formed, parameters)
+            program = self._noise_program.get(None, lambda: magnitude_program(self.formed))
+            formed = drop_negligible(self.formed, parameters, program)
             return self if formed is self.formed else EquationSet(self.model, formed, self.notes)
 
-        return self._for_values.get(key, without)
+        return self._for_values.get(key, drop_negligible_rows)
 
     @property
     def textbook(self) -> Textbook:
@@ -329,7 +329,7 @@ class EquationSet(Displayed):
     @checked_arguments
     def code_roots(self, name: str) -> Roots:
         """Return the roots of an output for machine code: derivatives as programs for several columns."""
-        if asked_derivative(name) is None:
+        if parse_derivative(name) is None:
             return self.roots(name)
         return self._code_roots.get(name, lambda: code_roots(self.formed, name))
 

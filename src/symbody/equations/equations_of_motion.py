@@ -8,22 +8,22 @@ from functools import partial
 from typing import Any
 
 from symbody.equations.dynamics.balance import Wrench
-from symbody.equations.dynamics.reactions import row_wrenches, summed
-from symbody.equations.elimination.elimination import Elimination
+from symbody.equations.dynamics.reactions import row_wrenches, sum_wrenches
+from symbody.equations.elimination.elimination import SpeedElimination
 from symbody.equations.formulations.formulation import Dynamics, Formulation
-from symbody.equations.kinematics.measured import measured_coordinates
+from symbody.equations.kinematics.measured import measure_coordinates
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.equations.loads.friction import Resistance
 from symbody.equations.measured_wrenches import coupling_wrenches, drive_wrenches
 from symbody.equations.system import MultibodySystem
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Kind, Symbol
+from symbody.expr.graph import Symbol, SymbolKind
 from symbody.model.constraints import Rolling
-from symbody.model.element import Address, address_of
-from symbody.model.lookup import places_of
+from symbody.model.element import FrameRef, make_frame_ref
+from symbody.model.lookup import frame_index
 from symbody.single_flight import SingleFlight
 
 
@@ -57,13 +57,13 @@ class EquationsOfMotion(MultibodySystem):
     dynamics: Dynamics
     alignments: tuple[Expr, ...] = ()
     notes: tuple[str, ...] = ()
-    elimination: Elimination | None = None
-    slack: tuple[Row, ...] = ()
+    elimination: SpeedElimination | None = None
+    slack: tuple[ConstraintEquation, ...] = ()
     angles: frozenset[str] = frozenset()
     # Made on first request; pure functions of the fields above, so they cannot go stale.
     _wrenches: SingleFlight[bool, Mapping[str, Wrench]] = field(default_factory=SingleFlight, repr=False)
     _names: SingleFlight[None, Names] = field(default_factory=SingleFlight, repr=False)
-    solved: SingleFlight[None, tuple[list[Expr], list[Expr]]] = field(
+    solution: SingleFlight[None, tuple[list[Expr], list[Expr]]] = field(
         default_factory=SingleFlight, repr=False
     )
     resistances: list[Resistance] = field(default_factory=list, repr=False)
@@ -78,8 +78,8 @@ class EquationsOfMotion(MultibodySystem):
         model = system.topology.model
         return cls(
             **{part.name: getattr(system, part.name) for part in fields(MultibodySystem)},
-            inputs=tuple(Symbol(name, Kind.INPUT) for name in model.inputs),
-            parameters=tuple(Symbol(name, Kind.PARAMETER) for name in model.parameters),
+            inputs=tuple(Symbol(name, SymbolKind.INPUT) for name in model.inputs),
+            parameters=tuple(Symbol(name, SymbolKind.PARAMETER) for name in model.parameters),
             formulation=formulation,
             dynamics=dynamics,
             **others,
@@ -101,19 +101,22 @@ class EquationsOfMotion(MultibodySystem):
         return () if self.elimination is None else tuple(u.label for u in self.elimination.dependent)
 
     @property
-    def released(self) -> Mapping[str, Expr]:
+    def eliminated_multipliers(self) -> Mapping[str, Expr]:
         """The multipliers of rows eliminated, in u', the other multipliers and friction efforts."""
         if self.elimination is None:
             return {}
         # Rows that were silenced have no slopes, and their multipliers are 0.
-        others = [row.name for row in self.rows if row.slopes]
+        others = [row.name for row in self.rows if row.jacobian]
         return self._released.get(None, partial(self.elimination.multipliers, others))
 
     @property
-    def rows_and_multipliers(self) -> list[tuple[Row, Expr]]:
+    def rows_and_multipliers(self) -> list[tuple[ConstraintEquation, Expr]]:
         """All constraints, those eliminated too, each with its multiplier."""
         eliminated = () if self.elimination is None else self.elimination.rows
-        return [*self._with_multipliers(self.rows), *((row, self.released[row.name]) for row in eliminated)]
+        return [
+            *self._with_multipliers(self.rows),
+            *((row, self.eliminated_multipliers[row.name]) for row in eliminated),
+        ]
 
     @property
     def position_jacobian(self) -> list[list[Expr]]:
@@ -139,15 +142,17 @@ class EquationsOfMotion(MultibodySystem):
         if total is None:
             return self.wrenches
         contacts = [pair for pair in rows if pair[0].element in self.topology.contacts]
-        return total | summed(row_wrenches(contacts))
+        return total | sum_wrenches(row_wrenches(contacts))
 
-    def with_rows(self, rows: tuple[Row, ...], redundant: tuple[Row, ...] | None = None) -> EquationsOfMotion:
+    def with_rows(
+        self, rows: tuple[ConstraintEquation, ...], redundant: tuple[ConstraintEquation, ...] | None = None
+    ) -> EquationsOfMotion:
         """Return the same equations under other constraints."""
         return replace(
             self,
             rows=rows,
             redundant=self.redundant if redundant is None else redundant,
-            solved=SingleFlight(),
+            solution=SingleFlight(),
             resistances=[],
             self_stress=SingleFlight(),
             _wrenches=SingleFlight(),
@@ -162,9 +167,9 @@ class EquationsOfMotion(MultibodySystem):
         others = tuple(row for k, row in enumerate(self.rows) if k not in places)
         return self.with_rows(rows, (*self.redundant, *others))
 
-    def own_rest(self, row: Row) -> Expr:
+    def rest_in_all_speeds(self, row: ConstraintEquation) -> Expr:
         """Return the rest of a row in all speeds, the eliminated ones too."""
-        return row.rest if self.elimination is None else self.elimination.given[row.name][1]
+        return row.drift if self.elimination is None else self.elimination.given[row.name][1]
 
     @property
     def readable_names(self) -> Names:
@@ -173,11 +178,11 @@ class EquationsOfMotion(MultibodySystem):
 
     def _form_names(self) -> Names:
         multipliers = zip(self.multipliers, self.expressions(self.multipliers), strict=True)
-        values = {symbol.label: value for symbol, value in multipliers} | dict(self.released)
+        values = {symbol.label: value for symbol, value in multipliers} | dict(self.eliminated_multipliers)
         pivots = {} if self.elimination is None else self.elimination.pivots
         names = self.names.with_values(values | dict(pivots))
         for use in self.uses:
-            names = names.with_values(measured_coordinates(names, self.kinematics, use))
+            names = names.with_values(measure_coordinates(names, self.kinematics, use))
         return names
 
     def frame(self, name: str) -> str:
@@ -192,8 +197,8 @@ class EquationsOfMotion(MultibodySystem):
         if isinstance(link, Rolling):
             return link.name  # its frame is at the point of contact
         body, _, point = name.partition(".")
-        places = places_of(self.topology.model.bodies, self.topology.model.ground)
-        found = places.find(address_of(body, point))
-        if isinstance(found, Address):
-            return found.frame
+        places = frame_index(self.topology.model.bodies, self.topology.model.ground)
+        found = places.find(make_frame_ref(body, point))
+        if isinstance(found, FrameRef):
+            return found.full_name
         raise FormulationError(Problem("equations.unknown_frame", f"frame {name}", found[0], "", found[1]))

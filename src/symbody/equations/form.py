@@ -12,8 +12,8 @@ from symbody.equations.derivation import default_formulation, derive
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.formulations.formulation import Formulation
-from symbody.equations.freedoms.chosen_speeds import chosen_speeds
-from symbody.equations.known import Deferred, identity, known_notes
+from symbody.equations.freedoms.chosen_speeds import choose_dependent_speeds
+from symbody.equations.known import DeferredEquations, identity, load_notes
 from symbody.errors import Problem, UsageError
 from symbody.expr.deadline import begin, check_limit, in_time
 from symbody.expr.graph import Graph
@@ -78,14 +78,14 @@ def form_equations(
     check_limit(time_limit)
     choices = (model, formulation, tree, dependent_speeds)
     equations = identity(*choices)
-    notes = known_notes(equations)
+    notes = load_notes(equations)
     form = partial(in_time, time_limit, "forming the equations", _LESS, partial(_form, *choices))
-    given: EquationsOfMotion | Deferred
+    given: EquationsOfMotion | DeferredEquations
     if notes is None:
         given = form()
         notes = given.notes
     else:  # nothing was wrong with them, so they can wait
-        given = Deferred(form)
+        given = DeferredEquations(form)
     again = partial(form_equations, model, formulation, tree=tree, dependent_speeds=dependent_speeds)
     return EquationSet(model, given, notes, identity=equations, _again=again)
 
@@ -110,7 +110,7 @@ def _form(
     dependent = _names(dependent_speeds)
     if dependent_speeds == "auto":
         begin("equations to choose dependent speeds by", notes)
-        dependent = chosen_speeds(derive(topology, Graph(), formulation))
+        dependent = choose_dependent_speeds(derive(topology, Graph(), formulation))
         notes = (*notes, _choice_note(dependent))
     begin("coordinates", notes)
     formed = derive(topology, Graph(), formulation, dependent=dependent)

@@ -16,10 +16,10 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.model.content import content_of
+from symbody.model.content import content_bytes
 from symbody.model.model import Model
 from symbody.single_flight import SingleFlight, once
-from symbody.storage import folder, store, stored
+from symbody.storage import folder, load_stored, store
 
 # The folders whose code forms equations and sequences, and the packages that change their results.
 _ROOMS: Final = ("expr", "vectors", "model", "graph", "equations")
@@ -27,16 +27,16 @@ _PACKAGES: Final = ("networkx", "sympy")
 
 
 @dataclass(frozen=True, slots=True)
-class Deferred:
+class DeferredEquations:
     """Equations that are formed on first use."""
 
     form: Callable[[], EquationsOfMotion]
-    _made: SingleFlight[None, EquationsOfMotion] = field(default_factory=SingleFlight, repr=False)
+    _result: SingleFlight[None, EquationsOfMotion] = field(default_factory=SingleFlight, repr=False)
 
     @property
     def formed(self) -> EquationsOfMotion:
         """The equations; all threads get the same."""
-        return self._made.get(None, self.form)
+        return self._result.get(None, self.form)
 
 
 def identity(model: Model, *choices: object) -> bytes:
@@ -45,19 +45,19 @@ def identity(model: Model, *choices: object) -> bytes:
     It cannot if classes or functions of a user's own take part, and it is not if nothing is stored.
     """
     sources = _sources() if folder() is not None else b""
-    content = content_of(model, choices) if sources else b""
+    content = content_bytes(model, choices) if sources else b""
     return sha256(sources + content).digest() if content else b""
 
 
-def known_notes(equations: bytes) -> tuple[str, ...] | None:
+def load_notes(equations: bytes) -> tuple[str, ...] | None:
     """Return the notes of equations that an earlier process formed without an error, else None."""
-    found = stored(_key(equations)) if equations else None
+    found = load_stored(_key(equations)) if equations else None
     return None if found is None else tuple(json.loads(found))
 
 
 def store_notes(equations: bytes, notes: tuple[str, ...]) -> None:
     """Keep the notes of equations for the next process."""
-    if equations and stored(_key(equations)) is None:
+    if equations and load_stored(_key(equations)) is None:
         store(_key(equations), json.dumps(notes).encode())
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from symbody.equations.dynamics.balance import NOTHING, Wrench, balanced
-from symbody.equations.dynamics.reactions import drive_wrench, row_wrenches, summed
-from symbody.equations.kinematics.row import Row
-from symbody.equations.kinematics.variables import Use
+from symbody.equations.dynamics.balance import NO_WRENCH, Wrench, balance_wrenches
+from symbody.equations.dynamics.reactions import drive_wrench, row_wrenches, sum_wrenches
+from symbody.equations.kinematics.row import ConstraintEquation
+from symbody.equations.kinematics.variables import JointRole
 from symbody.equations.loads.loads import effort_name
 from symbody.equations.system import MultibodySystem
 from symbody.expr.expression import Expr, number
@@ -36,7 +36,7 @@ def drive_wrenches(system: MultibodySystem) -> Iterator[tuple[str, Wrench]]:
         yield joint.name, drive_wrench(names, kinematics, joint, coordinate, effort)
 
 
-def _loaded_coordinates(system: MultibodySystem) -> Iterator[tuple[Use, str]]:
+def _loaded_coordinates(system: MultibodySystem) -> Iterator[tuple[JointRole, str]]:
     """Return the measured coordinates with a drive, a rotor or friction."""
     for use in system.uses:
         joint = use.joint
@@ -47,7 +47,7 @@ def _loaded_coordinates(system: MultibodySystem) -> Iterator[tuple[Use, str]]:
 
 
 def coupling_wrenches(
-    system: MultibodySystem, rows: Sequence[tuple[Row, Expr]]
+    system: MultibodySystem, rows: Sequence[tuple[ConstraintEquation, Expr]]
 ) -> Iterator[tuple[str, Wrench]]:
     """Return the wrenches along measured coordinates of constraints, with their multipliers, by joint."""
     for row, multiplier in rows:
@@ -55,7 +55,7 @@ def coupling_wrenches(
             yield joint, Wrench(share.force * multiplier, share.moment * multiplier)
 
 
-def unit_coupling_wrenches(system: MultibodySystem, row: Row) -> Iterator[tuple[str, Wrench]]:
+def unit_coupling_wrenches(system: MultibodySystem, row: ConstraintEquation) -> Iterator[tuple[str, Wrench]]:
     """Return the wrenches of a unit multiplier of a row along the measured coordinates it contains."""
     for use in system.uses:
         measured = set(use.joint.coordinates).difference(use.coordinates)
@@ -65,8 +65,10 @@ def unit_coupling_wrenches(system: MultibodySystem, row: Row) -> Iterator[tuple[
                 yield use.joint.name, wrench
 
 
-def static_wrenches(system: MultibodySystem, rows: Sequence[tuple[Row, Expr]]) -> dict[str, Wrench]:
+def static_wrenches(
+    system: MultibodySystem, rows: Sequence[tuple[ConstraintEquation, Expr]]
+) -> dict[str, Wrench]:
     """Return the total wrench of every joint if multipliers alone act, on bodies without mass or load."""
-    cut = summed([*row_wrenches(rows), *coupling_wrenches(system, rows)])
-    idle = dict.fromkeys((joint.name for joint in system.topology.joints), NOTHING)
-    return idle | cut | balanced(system.topology, system.kinematics, {}, cut)
+    cut = sum_wrenches([*row_wrenches(rows), *coupling_wrenches(system, rows)])
+    idle = dict.fromkeys((joint.name for joint in system.topology.joints), NO_WRENCH)
+    return idle | cut | balance_wrenches(system.topology, system.kinematics, {}, cut)

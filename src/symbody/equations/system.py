@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from symbody.equations.dynamics.inertia import Inertia, Rotor
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.row import Row
-from symbody.equations.kinematics.variables import Use, Variables
+from symbody.equations.kinematics.row import ConstraintEquation
+from symbody.equations.kinematics.variables import JointRole, Variables
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.loads.loads import Loads
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.graph.topology import Topology
 
 
@@ -37,14 +37,14 @@ class MultibodySystem:
 
     names: Names
     topology: Topology
-    uses: tuple[Use, ...]
+    uses: tuple[JointRole, ...]
     variables: Variables
     kinematics: Kinematics
     bodies: tuple[Inertia, ...]
     loads: Loads
     armatures: Mapping[str, Rotor]
-    rows: tuple[Row, ...]
-    redundant: tuple[Row, ...] = ()
+    rows: tuple[ConstraintEquation, ...]
+    redundant: tuple[ConstraintEquation, ...] = ()
     friction: tuple[FrictionLaw, ...] = ()
 
     @property
@@ -63,33 +63,35 @@ class MultibodySystem:
         return self.variables.u
 
     @property
-    def holonomic(self) -> tuple[Row, ...]:
+    def holonomic(self) -> tuple[ConstraintEquation, ...]:
         """The constraints on positions, which stand first."""
         return tuple(row for row in self.rows if row.is_holonomic)
 
     @property
     def multipliers(self) -> tuple[Symbol, ...]:
         """Multipliers, one a row."""
-        return tuple(Symbol(row.name, Kind.MULTIPLIER) for row in self.rows)
+        return tuple(Symbol(row.name, SymbolKind.MULTIPLIER) for row in self.rows)
 
     @property
     def jacobian(self) -> list[list[Expr]]:
         """J, one row a constraint."""
         zero = Expr(self.graph, 0)
-        return [[row.slopes.get(u, zero) for u in self.kinematics.speeds] for row in self.rows]
+        return [[row.jacobian.get(u, zero) for u in self.kinematics.speeds] for row in self.rows]
 
     @property
-    def rows_and_multipliers(self) -> list[tuple[Row, Expr]]:
+    def rows_and_multipliers(self) -> list[tuple[ConstraintEquation, Expr]]:
         """The constraints, each with its multiplier."""
         return self._with_multipliers(self.rows)
 
     @property
-    def bearing_rows(self) -> list[tuple[Row, Expr]]:
+    def bearing_rows(self) -> list[tuple[ConstraintEquation, Expr]]:
         """All constraints that bear loads, redundant ones too, each with its multiplier."""
         return [*self.rows_and_multipliers, *self._with_multipliers(self.redundant)]
 
-    def _with_multipliers(self, rows: tuple[Row, ...]) -> list[tuple[Row, Expr]]:
-        symbols = self.expressions([Symbol(row.name, Kind.MULTIPLIER) for row in rows])
+    def _with_multipliers(
+        self, rows: tuple[ConstraintEquation, ...]
+    ) -> list[tuple[ConstraintEquation, Expr]]:
+        symbols = self.expressions([Symbol(row.name, SymbolKind.MULTIPLIER) for row in rows])
         return list(zip(rows, symbols, strict=True))
 
     def expressions(self, symbols: Sequence[Symbol]) -> tuple[Expr, ...]:

@@ -93,22 +93,22 @@ def div(g: Graph, a: int, b: int) -> int:
     return ZERO if a == ZERO else g.node(DIV, a, b)
 
 
-def whole_power(g: Graph, a: int, n: int) -> int:
+def integer_power(g: Graph, a: int, n: int) -> int:
     """Return ``a ** n``."""
     if n == 0:
         return ONE
     if n < 0:
-        return div(g, ONE, whole_power(g, a, -n))
+        return div(g, ONE, integer_power(g, a, -n))
     base = g.number(a)
     if base is not None and (folded := fold_power(base, n)) is not None:
         return g.constant(folded)
     if g.ops[a] == NEG:
-        result = whole_power(g, g.left[a], n)
+        result = integer_power(g, g.left[a], n)
         return neg(g, result) if n % 2 else result
     if n == 1:
         return a
     if g.ops[a] == SQRT:
-        result = whole_power(g, g.left[a], n // 2)
+        result = integer_power(g, g.left[a], n // 2)
         return mul(g, result, a) if n % 2 else result
     x, m = _base(g, a)
     return g.node(POW, x, g.constant(n * m))
@@ -187,7 +187,7 @@ def _mul_special(g: Graph, a: int, b: int) -> int:
         return _scale(g, a, b) if ops[a] <= FLOAT else _scale(g, b, a)
     (x, n), (y, m) = _base(g, a), _base(g, b)
     if x == y:
-        return whole_power(g, x, n + m)
+        return integer_power(g, x, n + m)
     return g.node(MUL, a, b) if g.hashes[a] <= g.hashes[b] else g.node(MUL, b, a)
 
 

@@ -48,7 +48,7 @@ def hand_on_within(graph: Graph, weights: Weights, condition: int, holds: bool, 
             onto[inner] = add(graph, onto.get(inner, ZERO), weight)
 
 
-def joined(graph: Graph, weights: Weights) -> Weights:
+def join_branches(graph: Graph, weights: Weights) -> Weights:
     """Return the weights with branches put together that cover both values of a condition."""
     left = dict(weights)
     done: Weights = {}

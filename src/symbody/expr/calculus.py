@@ -10,12 +10,12 @@ from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 
 from symbody.errors import FormulationError, Problem
-from symbody.expr.branches import ALWAYS, Weights, alternatives, hand_on, hand_on_within, joined, total
+from symbody.expr.branches import ALWAYS, Weights, alternatives, hand_on, hand_on_within, join_branches, total
 from symbody.expr.canonical import ONE, ZERO, add, mul, select, sub
-from symbody.expr.graph import Graph, Kernel, Kind
+from symbody.expr.graph import Graph, KernelNode, SymbolKind
 from symbody.expr.opcodes import PICK, SADDLE, SYMBOL
 from symbody.expr.partials import partials
-from symbody.expr.program import unrolled
+from symbody.expr.program import unroll
 from symbody.expr.rewrite import substitute, symbols_of
 
 
@@ -28,7 +28,7 @@ def forward(graph: Graph, roots: Sequence[int], tangents: Mapping[int, int]) -> 
         Derivative of each seed; every other symbol counts as constant.
     """
     rates = dict(tangents)
-    roots = unrolled(graph, roots)
+    roots = unroll(graph, roots)
     for node in graph.reachable(roots):
         if node in rates:
             continue
@@ -48,7 +48,7 @@ def derivative(graph: Graph, roots: Sequence[int], by: int) -> list[int]:
 
 def gradient(graph: Graph, root: int, by: Sequence[int]) -> list[int]:
     """Return the partial derivatives of one `root` by many nodes, each with the others held fixed."""
-    (root,) = unrolled(graph, [root])
+    (root,) = unroll(graph, [root])
     reached = graph.reachable([root])
     if any(graph.ops[node] == SADDLE for node in reached):
         return [forward(graph, [root], _one_of(by, node))[0] for node in by]
@@ -60,8 +60,8 @@ def gradient(graph: Graph, root: int, by: Sequence[int]) -> list[int]:
     stops = set(by)
     for node in reversed(reached):
         if node in adjoint and node not in stops:
-            _hand_down(graph, node, joined(graph, adjoint.pop(node)), relevant, adjoint)
-    return [total(graph, joined(graph, adjoint.get(node, {}))) for node in by]
+            _hand_down(graph, node, join_branches(graph, adjoint.pop(node)), relevant, adjoint)
+    return [total(graph, join_branches(graph, adjoint.get(node, {}))) for node in by]
 
 
 def jacobian(graph: Graph, roots: Sequence[int], by: Sequence[int]) -> list[list[int]]:
@@ -85,9 +85,9 @@ def time_derivative(graph: Graph, roots: Sequence[int], rates: Mapping[int, int]
     for node in symbols_of(graph, roots):
         if node not in seeds:
             symbol = graph.symbols[graph.left[node]]
-            if symbol.kind == Kind.TIME:
+            if symbol.kind == SymbolKind.TIME:
                 seeds[node] = ONE
-            elif symbol.kind != Kind.PARAMETER:
+            elif symbol.kind != SymbolKind.PARAMETER:
                 seeds[node] = graph.symbol(symbol.derivative)
     return forward(graph, roots, seeds)
 
@@ -184,6 +184,6 @@ def _saddle_tangents(graph: Graph, node: int, tangents: dict[int, int]) -> None:
         for j in range(n):
             gamma[k] = sub(graph, gamma[k], mul(graph, d_jacobian[k * n + j], entry[j]))
     right = (*operands[: n * n + m * n], *force, *gamma)
-    solved = graph.many(SADDLE, right, graph.kernel(Kernel(n, m)))
+    solved = graph.many(SADDLE, right, graph.kernel(KernelNode(n, m)))
     for k in range(n + m):
         tangents[entry[k]] = graph.node(PICK, solved, k)

@@ -13,7 +13,7 @@ import math
 from collections.abc import Callable
 from fractions import Fraction
 
-from symbody.expr.arithmetic import ONE, TWO, ZERO, add, div, mul, neg, sub, whole_power
+from symbody.expr.arithmetic import ONE, TWO, ZERO, add, div, integer_power, mul, neg, sub
 from symbody.expr.constants import fold_function
 from symbody.expr.graph import Constant, Graph
 from symbody.expr.opcodes import (
@@ -71,7 +71,7 @@ def power(g: Graph, a: int, b: int) -> int:
     if isinstance(exponent, float) and exponent.is_integer() and abs(exponent) <= 64:
         exponent = int(exponent)
     if isinstance(exponent, int):
-        return whole_power(g, a, exponent)
+        return integer_power(g, a, exponent)
     if exponent is not None and 2 * exponent == 1:
         return apply(g, SQRT, a)
     if exponent is not None and 2 * exponent == -1:
@@ -89,7 +89,7 @@ def apply(g: Graph, op: int, *operands: int) -> int:
     if len(operands) == 1 and op != NOT:
         return _apply_unary(g, op, operands[0])
     if op == ATAN2:
-        folded = _folded(g, op, *operands)
+        folded = _fold(g, op, *operands)
         return g.node(op, *operands) if folded is None else folded
     if op in (MIN, MAX):
         return _extremum(g, op, *operands)
@@ -130,7 +130,7 @@ _RULES: dict[int, Callable[..., int]] = {
 
 
 def _apply_unary(g: Graph, op: int, a: int) -> int:
-    folded = _folded(g, op, a)
+    folded = _fold(g, op, a)
     if folded is not None:
         return folded
     if g.ops[a] == NEG and op in ODD_FUNCTIONS:
@@ -201,7 +201,7 @@ def _condition(g: Graph, op: int, *operands: int) -> int:
     return a if a == b and op in (AND, OR) else g.node(op, a, b)
 
 
-def _folded(g: Graph, op: int, *operands: int) -> int | None:
+def _fold(g: Graph, op: int, *operands: int) -> int | None:
     values = [g.number(k) for k in operands]
     if any(value is None for value in values):
         return None

@@ -42,7 +42,7 @@ class ClosedForms:
     definitions: tuple[tuple[SympyExpr, SympyExpr], ...]
 
 
-def equated(left: SympyMatrix, right: SympyMatrix) -> list[SympyEquation]:
+def equations_between(left: SympyMatrix, right: SympyMatrix) -> list[SympyEquation]:
     """Return ``left = right``, entry by entry, unevaluated."""
     return [sp.Eq(a, b, evaluate=False) for a, b in zip(left, right, strict=True)]
 

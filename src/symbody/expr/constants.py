@@ -51,25 +51,29 @@ _EXACT_POINTS: Final = {
 
 def fold_sum(x: Constant, y: Constant) -> Constant | None:
     """Return ``x + y``, or None."""
-    return _rounded(operator.add, x, y) if _any_float(x, y) else _kept(x + y)
+    return _float_value(operator.add, x, y) if _any_float(x, y) else _exact_or_none(x + y)
 
 
 def fold_product(x: Constant, y: Constant) -> Constant | None:
     """Return ``x * y``, or None."""
-    return _rounded(operator.mul, x, y) if _any_float(x, y) else _kept(x * y)
+    return _float_value(operator.mul, x, y) if _any_float(x, y) else _exact_or_none(x * y)
 
 
 def fold_quotient(x: Constant, y: Constant) -> Constant | None:
     """Return ``x / y``, or None."""
-    return _rounded(operator.truediv, x, y) if _any_float(x, y) else _kept(Fraction(x) / Fraction(y))
+    return (
+        _float_value(operator.truediv, x, y)
+        if _any_float(x, y)
+        else _exact_or_none(Fraction(x) / Fraction(y))
+    )
 
 
 def fold_power(x: Constant, n: int) -> Constant | None:
     """Return ``x ** n`` for ``n > 0``, or None."""
     if isinstance(x, float):
-        return _rounded(math.pow, x, n)
+        return _float_value(math.pow, x, n)
     size = max(x.numerator.bit_length(), x.denominator.bit_length())
-    return _kept(x**n) if size * n <= 2 * _BITS else None
+    return _exact_or_none(x**n) if size * n <= 2 * _BITS else None
 
 
 def fold_function(op: int, *values: Constant) -> Constant | None:
@@ -81,7 +85,7 @@ def fold_function(op: int, *values: Constant) -> Constant | None:
         return int(x > 0) - int(x < 0) if op == SIGN else math.floor(x)
     if _any_float(*values):
         function = _FLOAT_FUNCTIONS.get(op)
-        return None if function is None else _rounded(function, *values)
+        return None if function is None else _float_value(function, *values)
     if op == SQRT:
         return _exact_root(Fraction(values[0]))
     point = _EXACT_POINTS.get(op)
@@ -92,20 +96,20 @@ def _exact_root(x: Fraction) -> Constant | None:
     if x < 0:
         return None
     top, bottom = math.isqrt(x.numerator), math.isqrt(x.denominator)
-    return _kept(Fraction(top, bottom)) if Fraction(top * top, bottom * bottom) == x else None
+    return _exact_or_none(Fraction(top, bottom)) if Fraction(top * top, bottom * bottom) == x else None
 
 
 def _any_float(*values: Constant) -> bool:
     return any(isinstance(value, float) for value in values)
 
 
-def _kept(x: int | Fraction | float) -> Constant | None:
+def _exact_or_none(x: int | Fraction | float) -> Constant | None:
     if isinstance(x, float) or max(x.numerator.bit_length(), x.denominator.bit_length()) > _BITS:
         return None
     return x.numerator if x.denominator == 1 else x
 
 
-def _rounded(function: Callable[..., float], *values: Constant) -> float | None:
+def _float_value(function: Callable[..., float], *values: Constant) -> float | None:
     try:
         result = function(*map(float, values))
     except (ArithmeticError, ValueError):  # overflow, pole, or outside the domain

@@ -111,7 +111,7 @@ def check() -> None:
 
 
 @contextmanager
-def stages_watched(watch: Callable[[str], object]) -> Iterator[None]:
+def watch_stages(watch: Callable[[str], object]) -> Iterator[None]:
     """Call `watch` with the name of each stage that begins in this context."""
     token = _WATCH.set(watch)
     try:

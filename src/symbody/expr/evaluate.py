@@ -81,19 +81,19 @@ def _value(
     if code == op.POW:
         exponent = sequence.constant_value(operands[1])
         if isinstance(exponent, int) and exponent > 0:
-            return whole_power(arguments[0], exponent)
+            return integer_power(arguments[0], exponent)
     if code == op.PICK:
         return arguments[0][datum]
     if code == op.SADDLE:
         return _saddle(sequence, datum, arguments, rules)
     if code == op.MAP:
-        return _mapped(sequence, operation, arguments, rules)
+        return _run_program(sequence, operation, arguments, rules)
     if code == op.CALL:
         return sequence.functions[datum](*arguments)
     return rules.functions[code](*arguments)
 
 
-def whole_power(base: Number, exponent: int) -> Number:
+def integer_power(base: Number, exponent: int) -> Number:
     """Return ``base ** exponent`` for a whole exponent >= 1, squaring from the lowest bit up.
 
     Every language multiplies in this order, so all give the same bits.
@@ -117,7 +117,7 @@ def _saddle(sequence: Sequence, datum: int, arguments: list[Number], rules: Arit
     return [*solution.udot, *solution.multipliers, rules.constant(solution.rank)]
 
 
-def _mapped(
+def _run_program(
     sequence: Sequence, operation: Operation, arguments: list[Number], rules: Arithmetic
 ) -> list[Number]:
     program, count = sequence.programs[operation.datum], sequence.item_count(operation)

@@ -93,17 +93,17 @@ class _Fingerprinter:
             value = Fraction(value)
             residue = value.numerator * pow(value.denominator, -1, PRIME) % PRIME
             return (residue, residue)
-        return scrambled(op, self.graph.hashes[node])
+        return hash_words(op, self.graph.hashes[node])
 
     def _power(self, node: int, base: Pair) -> Pair:
         exponent = self.graph.number(self.graph.right[node])
         if isinstance(exponent, int):
             return (pow(base[0], exponent, PRIME), pow(base[1], exponent, PRIME))
-        return scrambled(POW, *base, *self.values[self.graph.right[node]])
+        return hash_words(POW, *base, *self.values[self.graph.right[node]])
 
     def _quotient(self, node: int, a: Pair, b: Pair) -> Pair:
         if b[0] == 0 or b[1] == 0:  # a divisor that vanishes identically: equal to nothing else
-            return scrambled(DIV, self.graph.hashes[node])
+            return hash_words(DIV, self.graph.hashes[node])
         return (a[0] * pow(b[0], -1, PRIME) % PRIME, a[1] * pow(b[1], -1, PRIME) % PRIME)
 
     def _function(self, node: int) -> Pair:
@@ -117,13 +117,13 @@ class _Fingerprinter:
             a, b, c = pairs
             return ((a[0] * b[0] + c[0]) % PRIME, (a[1] * b[1] + c[1]) % PRIME)
         if op in ODD_FUNCTIONS or op == ABS:
-            pair, flipped = unsigned(pairs[0])
-            value = scrambled(op, *pair)
+            pair, flipped = drop_sign(pairs[0])
+            value = hash_words(op, *pair)
             return (-value[0] % PRIME, -value[1] % PRIME) if flipped and op != ABS else value
         if op in (MIN, MAX):
             pairs.sort()
         words = [word for pair in pairs for word in pair]
-        return scrambled(op, graph.datum(node), *words)
+        return hash_words(op, graph.datum(node), *words)
 
     def _circular(self, node: int, angle: int) -> Pair:
         (c1, c2), (s1, s2) = self._circle.point(angle)
@@ -133,13 +133,13 @@ class _Fingerprinter:
         return (s1, s2) if op == SIN else self._quotient(node, (s1, s2), (c1, c2))
 
 
-def vanishing(graph: Graph, nodes: Sequence[int]) -> list[bool]:
+def find_zeros(graph: Graph, nodes: Sequence[int]) -> list[bool]:
     """Return which nodes are identically zero."""
     values = fingerprints(graph, list(graph.reachable(nodes)))
     return [values[node] == (0, 0) for node in nodes]
 
 
-def unsigned(pair: Pair) -> tuple[Pair, bool]:
+def drop_sign(pair: Pair) -> tuple[Pair, bool]:
     """Return the smaller of a fingerprint and its negative, and whether the sign was changed."""
     first, second = pair
     if first > _HALF or (not first and second > _HALF):
@@ -147,12 +147,12 @@ def unsigned(pair: Pair) -> tuple[Pair, bool]:
     return (pair, False)
 
 
-def scrambled(*words: int) -> Pair:
+def hash_words(*words: int) -> Pair:
     """Return a fingerprint that is a random function of `words`."""
-    return (_mixed(hash((1, *words))) % PRIME, _mixed(hash((2, *words))) % PRIME)
+    return (_mix(hash((1, *words))) % PRIME, _mix(hash((2, *words))) % PRIME)
 
 
-def _mixed(word: int) -> int:
+def _mix(word: int) -> int:
     """Return 64 bits that no addition relates to those of other words (splitmix64, Steele et al. 2014).
 
     Hashes of tuples are sums of multiples of their entries but for carries: those of entries 0, 1, 5, 6 of

@@ -32,7 +32,7 @@ Exact = int | Fraction
 Constant = int | Fraction | float
 
 
-class Kind(StrEnum):
+class SymbolKind(StrEnum):
     """What a symbol stands for."""
 
     TIME = "time"
@@ -58,7 +58,7 @@ class Symbol:
     """
 
     name: str
-    kind: Kind = Kind.PARAMETER
+    kind: SymbolKind = SymbolKind.PARAMETER
     order: int = 0
 
     @property
@@ -72,7 +72,7 @@ class Symbol:
         return Symbol(self.name, self.kind, self.order + 1)
 
 
-TIME = Symbol("t", Kind.TIME)
+TIME = Symbol("t", SymbolKind.TIME)
 
 
 class UserFunction(Protocol):
@@ -98,7 +98,7 @@ class Program(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Kernel:
+class KernelNode:
     """Sizes of one `solve_saddle`: `n` unknown accelerations, `m` constraint rows."""
 
     n: int
@@ -132,7 +132,7 @@ class Graph:
         self.symbols: list[Symbol] = []
         self.operand_tuples: list[tuple[int, ...]] = []
         self.functions: list[UserFunction] = []
-        self.kernels: list[Kernel] = []
+        self.kernels: list[KernelNode] = []
         self.programs: list[Program] = []
         self._index: dict[object, int] = {}
         self._symbol_index: dict[Symbol, int] = {}
@@ -203,7 +203,7 @@ class Graph:
         return known
 
     def _constant(self, value: Constant) -> int:
-        kind, number = _checked(value)
+        kind, number = _classify_constant(value)
         if number < 0 or (kind == FLOAT and math.copysign(1.0, number) < 0):
             return self.node(NEG, self.constant(-number))
         key: object
@@ -244,7 +244,7 @@ class Graph:
                 self.functions.append(function)
             return self.functions.index(function)
 
-    def kernel(self, kernel: Kernel) -> int:
+    def kernel(self, kernel: KernelNode) -> int:
         """Return the place of a kernel, for `many(SADDLE, operands, place)`."""
         with self._lock:
             if kernel not in self.kernels:
@@ -368,7 +368,7 @@ def _text_hash(text: str) -> int:
     return int.from_bytes(blake2b(text.encode("utf-8", "surrogatepass"), digest_size=7).digest(), "little")
 
 
-def _checked(value: Constant) -> tuple[int, Constant]:
+def _classify_constant(value: Constant) -> tuple[int, Constant]:
     if isinstance(value, Integral) and not isinstance(value, bool):
         return RATIONAL, int(value)
     if isinstance(value, Fraction):

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from symbody.expr.canonical import ONE, ZERO, make, neg
 from symbody.expr.circle import Pair
 from symbody.expr.deadline import check
-from symbody.expr.fingerprint import fingerprints, unsigned
+from symbody.expr.fingerprint import drop_sign, fingerprints
 from symbody.expr.graph import Graph, copied_datum, copy_nodes
 from symbody.expr.opcodes import (
     ACOS,
@@ -49,7 +49,7 @@ def merge_equal(source: Graph, roots: Sequence[int], target: Graph, given: Seque
     keys: dict[int, Pair] = {}
     flipped: dict[int, bool] = {}
     for node, value in fingerprints(source, nodes).items():
-        keys[node], flipped[node] = unsigned(value)
+        keys[node], flipped[node] = drop_sign(value)
     check()
     rank = _ranks(source, nodes)
     check()
@@ -57,9 +57,9 @@ def merge_equal(source: Graph, roots: Sequence[int], target: Graph, given: Seque
     if given:
         below = source.reachable([ZERO, ONE, *given])
         alone = _cheapest(below, keys, rank, {})
-        fixed = {keys[node]: node for node in _needed(source, given, alone)}
+        fixed = {keys[node]: node for node in _find_needed(source, given, alone)}
     best = _cheapest(nodes, keys, rank, fixed)
-    kept = _needed(source, roots, best)
+    kept = _find_needed(source, roots, best)
     check()
     built: dict[int, int] = {}
 
@@ -100,11 +100,11 @@ def _contract(graph: Graph, roots: Sequence[int], memo: dict[int, int]) -> None:
     for node, old in zip(nodes, operands, strict=True):
         if node in memo:
             continue
-        fused = _fused(graph, node, uses, memo) if graph.ops[node] in (ADD, SUB) else None
+        fused = _fuse(graph, node, uses, memo) if graph.ops[node] in (ADD, SUB) else None
         memo[node] = fused if fused is not None else _remade(graph, node, old, memo)
 
 
-def _fused(graph: Graph, node: int, uses: dict[int, int], memo: dict[int, int]) -> int | None:
+def _fuse(graph: Graph, node: int, uses: dict[int, int], memo: dict[int, int]) -> int | None:
     a, b = graph.left[node], graph.right[node]
     if uses[a] > 1 and uses[b] > 1:
         return None
@@ -187,7 +187,7 @@ def _cheapest(
     return {node: chosen[keys[node]] for node in nodes}
 
 
-def _needed(graph: Graph, roots: Sequence[int], best: dict[int, int]) -> set[int]:
+def _find_needed(graph: Graph, roots: Sequence[int], best: dict[int, int]) -> set[int]:
     needed = {best[root] for root in roots}
     found = list(needed)
     for node in found:  # it grows meanwhile

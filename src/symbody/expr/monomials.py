@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Final
 
 from symbody.expr.circle import Pair
-from symbody.expr.fingerprint import PRIME, fingerprints, unsigned
+from symbody.expr.fingerprint import PRIME, drop_sign, fingerprints
 from symbody.expr.graph import Graph
 from symbody.expr.opcodes import ADD, DIV, MUL, NEG, POW, SUB
 
@@ -43,12 +43,12 @@ def _expand(graph: Graph, node: int, values: dict[int, Pair], expanded: dict[int
     if op == NEG:
         return {pair: -factor for pair, factor in expanded[operands[0]].items()}
     if op == MUL:
-        return _product(expanded[operands[0]], expanded[operands[1]]) or _whole(values[node])
+        return _product(expanded[operands[0]], expanded[operands[1]]) or _as_monomials(values[node])
     if op == DIV:
         a, b = values[operands[1]]
         if a and b:
             inverse = _atom((pow(a, -1, PRIME), pow(b, -1, PRIME)))
-            return _product(expanded[operands[0]], inverse) or _whole(values[node])
+            return _product(expanded[operands[0]], inverse) or _as_monomials(values[node])
     if op == POW:
         return _power(graph, node, values, expanded)
     return _atom(values[node])
@@ -62,16 +62,16 @@ def _power(graph: Graph, node: int, values: dict[int, Pair], expanded: dict[int,
     result = expanded[base]
     for _ in range(times - 1):
         result = _product(result, expanded[base])
-    return result or _whole(values[node])
+    return result or _as_monomials(values[node])
 
 
 def _atom(value: Pair) -> Monomials:
     """Return a node as one factor, not multiplied out, with the same fingerprint for both signs."""
-    pair, flipped = unsigned(value)
+    pair, flipped = drop_sign(value)
     return {pair: Fraction(-1 if flipped else 1)}
 
 
-def _whole(value: Pair) -> Monomials:
+def _as_monomials(value: Pair) -> Monomials:
     return _atom(value) if any(value) else {}
 
 

@@ -39,7 +39,7 @@ def parse(text: str, *, where: str = "") -> Formula:
     >>> parse("-m*g*sin(theta) + if(x < 0, k*x, 0)").names
     ('m', 'g', 'theta', 'x', 'k')
     """
-    return Formula.of(text, where=where)
+    return Formula.from_value(text, where=where)
 
 
 def parse_angle(value: FormulaLike, *, where: str = "") -> Formula:
@@ -50,7 +50,7 @@ def parse_angle(value: FormulaLike, *, where: str = "") -> Formula:
     text = normalize(value) if isinstance(value, str) else ""
     degrees = _DEGREES.fullmatch(text)
     if degrees is None:
-        return Formula.of(value, where=where)
+        return Formula.from_value(value, where=where)
     number = read_program(Source(degrees[1], where))
     column = degrees.end(1) + 1
     conversion = (

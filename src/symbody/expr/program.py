@@ -19,7 +19,7 @@ from symbody.expr.sequence import Input, Operation, Output, Roots, Sequence, bui
 Compute = Callable[[list[Expr], list[Expr]], Items[Expr]]
 
 
-def traced(shared: int, per_item: int, compute: Compute) -> tuple[Sequence, list[int], list[int]]:
+def trace(shared: int, per_item: int, compute: Compute) -> tuple[Sequence, list[int], list[int]]:
     """Return the program of `compute`.
 
     Parameters
@@ -52,7 +52,7 @@ def traced(shared: int, per_item: int, compute: Compute) -> tuple[Sequence, list
     return replace(program, inputs=inputs), read["p"], read["q"]
 
 
-def mapped(
+def map_program(
     graph: Graph, shared: Items[Expr], per_item: Items[Items[Expr]], compute: Compute
 ) -> list[list[Expr]]:
     """Return the results of `compute` for several items: one row a result, one column an item.
@@ -70,13 +70,13 @@ def mapped(
         fixed[0] = None
     free = [k for k, value in enumerate(fixed) if value is None]
 
-    def reduced(given: list[Expr], numbers: list[Expr]) -> Items[Expr]:
+    def compute_rest(given: list[Expr], numbers: list[Expr]) -> Items[Expr]:
         left = iter(numbers)
         inside = (*given, *numbers)[0].graph
         return compute(given, [next(left) if value is None else number(inside, value) for value in fixed])
 
     count = len(per_item[0])
-    program, read, own_read = traced(len(shared), len(free), reduced)
+    program, read, own_read = trace(len(shared), len(free), compute_rest)
     if not own_read:  # the same for all
         return [[x] * count for x in compute(list(shared), [row[0] for row in per_item])]
     operands = [shared[k].index for k in read] + [x.index for k in own_read for x in per_item[free[k]]]
@@ -123,7 +123,7 @@ def written_out(sequence: Sequence) -> Sequence:
     )
 
 
-def unrolled(graph: Graph, roots: Items[int]) -> list[int]:
+def unroll(graph: Graph, roots: Items[int]) -> list[int]:
     """Return the `roots` without programs, in nodes that can be differentiated."""
     memo: dict[int, int] = {}
     results: dict[int, list[int]] = {}

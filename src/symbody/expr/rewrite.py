@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from symbody.errors import ExpressionError
 from symbody.expr.canonical import make
-from symbody.expr.graph import Graph, Kind, copied_datum, copy_node, copy_nodes
+from symbody.expr.graph import Graph, SymbolKind, copied_datum, copy_node, copy_nodes
 from symbody.expr.opcodes import COST, POW, SELECT, SYMBOL
 
 
@@ -29,7 +29,7 @@ def substitute(graph: Graph, roots: Sequence[int], replacements: Mapping[int, in
         old = operands(node)
         new = tuple([memo.get(k, k) for k in old])
         if undefined and not undefined.keys().isdisjoint(old):
-            chosen = _chosen(graph, ops[node], old, new, undefined)
+            chosen = _decide_branch(graph, ops[node], old, new, undefined)
             if chosen is None:
                 undefined[node] = next(undefined[k] for k in old if k in undefined)
             else:
@@ -39,7 +39,7 @@ def substitute(graph: Graph, roots: Sequence[int], replacements: Mapping[int, in
                 memo[node] = make(graph, ops[node], new, graph.datum(node))
             except ExpressionError as error:
                 undefined[node] = error
-    return _defined(roots, memo, undefined)
+    return _check_defined(roots, memo, undefined)
 
 
 def substitute_into(
@@ -56,7 +56,7 @@ def substitute_into(
         old = source.operands(node)
         if undefined and not undefined.keys().isdisjoint(old):
             new = tuple([memo.get(k, -1) for k in old])
-            chosen = _chosen(target, source.ops[node], old, new, undefined)
+            chosen = _decide_branch(target, source.ops[node], old, new, undefined)
             if chosen is None:
                 undefined[node] = next(undefined[k] for k in old if k in undefined)
                 continue
@@ -72,10 +72,10 @@ def substitute_into(
         except ExpressionError as error:
             undefined[node] = error
         changed.add(node)
-    return _defined(roots, memo, undefined)
+    return _check_defined(roots, memo, undefined)
 
 
-def _chosen(
+def _decide_branch(
     graph: Graph, code: int, old: Sequence[int], new: Sequence[int], undefined: Mapping[int, ExpressionError]
 ) -> int | None:
     """Return the operand that a decided condition selects, if it has a value, else None."""
@@ -88,7 +88,7 @@ def _chosen(
     return None if old[place] in undefined else new[place]
 
 
-def _defined(
+def _check_defined(
     roots: Sequence[int], memo: Mapping[int, int], undefined: Mapping[int, ExpressionError]
 ) -> list[int]:
     for root in roots:
@@ -141,10 +141,10 @@ def tree_sizes(graph: Graph, roots: Sequence[int]) -> list[int]:
     return [size[root] for root in roots]
 
 
-def dependence(graph: Graph, roots: Iterable[int]) -> dict[int, frozenset[Kind]]:
+def dependence(graph: Graph, roots: Iterable[int]) -> dict[int, frozenset[SymbolKind]]:
     """Return for every reachable node the kinds of symbols it depends on."""
-    found: dict[int, frozenset[Kind]] = {}
-    nothing: frozenset[Kind] = frozenset()
+    found: dict[int, frozenset[SymbolKind]] = {}
+    nothing: frozenset[SymbolKind] = frozenset()
     for node in graph.reachable(roots):
         if graph.ops[node] == SYMBOL:
             found[node] = frozenset({graph.symbols[graph.left[node]].kind})

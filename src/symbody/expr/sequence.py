@@ -14,12 +14,12 @@ from typing import Final, NamedTuple
 
 from symbody.errors import CompileError, Problem
 from symbody.expr.deadline import check
-from symbody.expr.graph import Constant, Graph, Kernel, UserFunction, copy_nodes
+from symbody.expr.graph import Constant, Graph, KernelNode, UserFunction, copy_nodes
 from symbody.expr.merging import contract_products, merge_equal
 from symbody.expr.opcodes import ADD, CONDITIONS, COST, DIV, FLOAT, LEAVES, MAP, POW, RATIONAL, SADDLE, SYMBOL
 from symbody.expr.rewrite import multiplications
 
-__all__ = ["Input", "Kernel", "Operation", "Output", "Roots", "Sequence", "build_sequence"]
+__all__ = ["Input", "KernelNode", "Operation", "Output", "Roots", "Sequence", "build_sequence"]
 
 # Values that only certain operations can read: they are not handed from one sequence to another.
 _NO_NUMBERS: Final = CONDITIONS | {SADDLE, MAP}
@@ -88,7 +88,7 @@ class Sequence:
 
     inputs: tuple[Input, ...]
     constants: tuple[Constant, ...]
-    kernels: tuple[Kernel, ...]
+    kernels: tuple[KernelNode, ...]
     functions: tuple[UserFunction, ...]
     operations: tuple[Operation, ...]
     outputs: tuple[Output, ...]
@@ -97,7 +97,7 @@ class Sequence:
     @property
     def operation_count(self) -> int:
         """Operations of one evaluation: + - * / and functions 1, negation 0, fma 2, powers by squaring."""
-        return sum(self._cost(operation) for operation in self.operations)
+        return sum(self._operation_count(operation) for operation in self.operations)
 
     def group_size(self, group: str) -> int:
         """Return how many numbers of a group are read, counting gaps."""
@@ -119,7 +119,7 @@ class Sequence:
         program = self.programs[operation.datum]
         return (len(operation.operands) - program.group_size("p")) // program.group_size("q")
 
-    def _cost(self, operation: Operation) -> int:
+    def _operation_count(self, operation: Operation) -> int:
         if operation.op == POW:
             exponent = self.constant_value(operation.operands[1])
             if isinstance(exponent, int):
@@ -237,10 +237,10 @@ def build_sequence(
         finished.append(Roots(output.name, output.shape, tuple(nodes)))
     check()
     places = {graph.symbols[graph.left[node]]: entry for node, entry in inputs.items()}
-    return _linearized(target, finished, [places.get(name) for name in target.symbols])
+    return _linearize_graph(target, finished, [places.get(name) for name in target.symbols])
 
 
-def _linearized(graph: Graph, outputs: Items[Roots], inputs: Items[Input | None]) -> Sequence:
+def _linearize_graph(graph: Graph, outputs: Items[Roots], inputs: Items[Input | None]) -> Sequence:
     order = graph.reachable(node for output in outputs for node in output.nodes)
     missing = {k for k, entry in enumerate(inputs) if entry is None}
     unknown = [graph.left[n] for n in order if graph.ops[n] == SYMBOL and graph.left[n] in missing]

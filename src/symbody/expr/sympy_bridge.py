@@ -30,7 +30,7 @@ from sympy.functions.elementary.piecewise import ExprCondPair
 from symbody.errors import ExpressionError, Problem
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import sub
-from symbody.expr.graph import Exact, Graph, Kind, Symbol
+from symbody.expr.graph import Exact, Graph, Symbol, SymbolKind
 from symbody.expr.printing.definitions import EXPAND_LIMIT, definitions
 from symbody.expr.printing.flattening import SUMS, linear_terms, nested_operands, power_factors
 from symbody.expr.rewrite import symbols_of
@@ -88,7 +88,7 @@ def to_sympy(graph: Graph, nodes: Iterable[int]) -> list[SympyExpr]:
         If two symbols in them would be the same symbol to SymPy.
     """
     wanted = list(nodes)
-    writer = _Writer(graph, {})
+    writer = _SympyWriter(graph, {})
     writer.check_names(wanted)
     return [writer.expression(node) for node in wanted]
 
@@ -105,7 +105,7 @@ def to_sympy_with_definitions(
         as long as the graph, however often its parts are shared.
     """
     named = {node: sp.Symbol(name) for node, name in definitions(graph, nodes, limit).items()}
-    writer = _Writer(graph, named)
+    writer = _SympyWriter(graph, named)
     writer.check_names(nodes)
     defined = [(symbol, writer.definition(node)) for node, symbol in named.items()]
     return [writer.expression(node) for node in nodes], defined
@@ -156,15 +156,15 @@ def is_matrix(thing: object) -> TypeGuard[SympyMatrix]:
 def symbol_to_sympy(symbol: Symbol) -> SympyExpr:
     """Return a symbol as SymPy writes it: a function of time, its derivative, or a plain symbol."""
     t = sympy_time()
-    if symbol.kind == Kind.TIME:
+    if symbol.kind == SymbolKind.TIME:
         return t
-    if symbol.kind == Kind.PARAMETER:
+    if symbol.kind == SymbolKind.PARAMETER:
         return sp.Symbol(symbol.name)
     function = sp.Function(symbol.name)(t)
     return sp.Derivative(function, (t, symbol.order)) if symbol.order else function
 
 
-class _Writer:
+class _SympyWriter:
     """Writes nodes of one graph; made for them and dropped."""
 
     __slots__ = ("_graph", "_known", "_named")
@@ -201,7 +201,7 @@ class _Writer:
                 stack.append((node, plan))
                 stack.extend((operand, None) for operand in plan.operands if operand not in built)
             else:
-                built[node] = self._built(plan)
+                built[node] = self._build(plan)
         return built[root][0]
 
     def definition(self, node: int) -> SympyExpr:
@@ -209,9 +209,9 @@ class _Writer:
         plan = self._plan(node)
         for operand in plan.operands:
             self.expression(operand)
-        return self._built(plan)[0]
+        return self._build(plan)[0]
 
-    def _built(self, plan: _Plan) -> tuple[sp.Basic, int]:
+    def _build(self, plan: _Plan) -> tuple[sp.Basic, int]:
         parts = [self._known[k] for k in plan.operands]
         height = max([height for _, height in parts], default=0)
         operands = [part for part, _ in parts]
@@ -257,9 +257,9 @@ class _Writer:
         is_negated = graph.ops[node] == op.NOT
         compared = graph.left[node] if is_negated else node
         if graph.ops[compared] not in _COMPARISONS:
-            return _Plan((compared,), partial(_applied, sp.Not))
+            return _Plan((compared,), partial(_apply_function, sp.Not))
         kinds = _COMPARISONS[graph.ops[compared]][2 * is_negated :][:2]
-        return _Plan(graph.operands(compared), partial(_compared, kinds))
+        return _Plan(graph.operands(compared), partial(_compare, kinds))
 
     def _choice(self, node: int) -> _Plan:
         graph = self._graph
@@ -275,16 +275,16 @@ class _Writer:
         code, operands = graph.ops[node], graph.operands(node)
         step = 3 if code in _STEEP else 1
         if code == op.POW:
-            return _Plan(operands, partial(_applied, sp.Pow), step=step)
+            return _Plan(operands, partial(_apply_function, sp.Pow), step=step)
         if code == op.SQRT:
             return _Plan(operands, _root, step=step)
         if code in _FUNCTIONS:
-            return _Plan(operands, partial(_applied, _FUNCTIONS[code]), _FUNCTION_HEIGHT, step)
+            return _Plan(operands, partial(_apply_function, _FUNCTIONS[code]), _FUNCTION_HEIGHT, step)
         if code == op.FMA:
-            return _Plan(operands, _fused, step=2)
+            return _Plan(operands, _multiply_add, step=2)
         if code == op.CALL:
             function = sp.Function(graph.functions[graph.right[node]].name)
-            return _Plan(operands, partial(_applied, function), limit=-1)
+            return _Plan(operands, partial(_apply_function, function), limit=-1)
         solved, entry = operands[0], graph.right[node]
         kernel = graph.kernels[graph.right[solved]]
         function = sp.Function(KERNEL_NAME.format(n=kernel.n, m=kernel.m))
@@ -306,11 +306,11 @@ def _rational(value: Exact) -> SympyExpr:
     return sp.Rational(value.numerator, value.denominator)
 
 
-def _applied(kind: Callable[..., sp.Basic], parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
+def _apply_function(kind: Callable[..., sp.Basic], parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
     return kind(*parts, evaluate=rules)
 
 
-def _compared(kinds: Sequence[type], parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
+def _compare(kinds: Sequence[type], parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
     """Return a comparison, turned round as SymPy does inside Piecewise: numbers stand right."""
     a, b = parts
     turned = a.is_number or (rules and next(iter(sp.ordered(parts))) is not a)
@@ -357,7 +357,7 @@ def _is_kept_power(thing: sp.Basic) -> bool:
     )
 
 
-def _fused(parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
+def _multiply_add(parts: Sequence[sp.Basic], rules: bool) -> sp.Basic:
     a, b, c = parts
     return sp.Add(sp.Mul(a, b, evaluate=rules), c, evaluate=rules)
 

@@ -16,8 +16,8 @@ from sympy.logic.boolalg import Boolean
 from symbody.errors import ExpressionError, Problem
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import ONE, ZERO, add, apply, div, mul, neg, power, select, sub
-from symbody.expr.graph import TIME, Graph, Kernel, Kind, Symbol
-from symbody.expr.language.caret import shown
+from symbody.expr.graph import TIME, Graph, KernelNode, Symbol, SymbolKind
+from symbody.expr.language.caret import printable
 
 try:
     from sympy.physics.vector import dynamicsymbols as time_functions
@@ -57,15 +57,15 @@ def from_sympy(expression: object, graph: Graph, lookup: Lookup | None = None) -
 
 def nodes_from_sympy(expressions: Iterable[object], graph: Graph, lookup: Lookup | None = None) -> list[int]:
     """Return the nodes of several expressions, which must agree on what their names are."""
-    reader = _Reader(graph, lookup or _default_lookup)
+    reader = _SympyReader(graph, lookup or _default_lookup)
     return [reader.read(expression) for expression in expressions]
 
 
 def _default_lookup(name: str, of_time: bool) -> Symbol:
-    return Symbol(name, Kind.COORDINATE if of_time else Kind.PARAMETER)
+    return Symbol(name, SymbolKind.COORDINATE if of_time else SymbolKind.PARAMETER)
 
 
-class _Reader:
+class _SympyReader:
     """Reads expressions one after another; made for them and dropped."""
 
     __slots__ = ("_functions", "_graph", "_known", "_lookup", "_names", "_time")
@@ -80,7 +80,7 @@ class _Reader:
         self._names: dict[tuple[str, bool], object] = {(self._time.name, False): self._time}
 
     def read(self, expression: object) -> int:
-        root = _accepted(expression)
+        root = _check_expression(expression)
         nodes = self._known
         stack: list[tuple[sp.Basic, Sequence[sp.Basic] | None]] = [(root, None)]
         while stack:
@@ -96,7 +96,7 @@ class _Reader:
             operands = [nodes[id(argument)][1] for argument in arguments]
             nodes[id(item)] = (item, self._node(item, arguments, operands))
         if _is_condition(root):
-            raise _refused(
+            raise _not_an_expression(
                 root, "is true or false, not a number", "for an equation a = b give a - b; else use Piecewise"
             )
         return nodes[id(root)][1]
@@ -119,7 +119,7 @@ class _Reader:
         if isinstance(item, sp.Symbol):
             return self._symbol(item)
         if isinstance(item, AppliedUndef):
-            return self._applied(item, operands)
+            return self._read_function(item, operands)
         if isinstance(item, sp.Derivative):
             return self._derivative(item)
         kind = _kind(item)
@@ -134,8 +134,10 @@ class _Reader:
             return
         kind = type(item).__name__
         if is_wanted:
-            raise _refused(argument, f"is not a condition, as {kind} needs", "compare it: x > 0, or Ne(x, 0)")
-        raise _refused(
+            raise _not_an_expression(
+                argument, f"is not a condition, as {kind} needs", "compare it: x > 0, or Ne(x, 0)"
+            )
+        raise _not_an_expression(
             argument, f"is a condition; {kind} needs a number", "write Piecewise((1, c), (0, True))"
         )
 
@@ -147,7 +149,7 @@ class _Reader:
         self._check_name(item.func.__name__, True, item.func)
         return self._lookup(item.func.__name__, True)
 
-    def _applied(self, item: AppliedUndef, operands: list[int]) -> int:
+    def _read_function(self, item: AppliedUndef, operands: list[int]) -> int:
         place = self._place(item)
         if place is not None:
             return self._graph.many(op.CALL, tuple(operands), place)
@@ -158,10 +160,12 @@ class _Reader:
     def _derivative(self, item: sp.Derivative) -> int:
         function = item.expr
         if not isinstance(function, AppliedUndef) or not self._is_of_time(function):
-            raise _refused(item, "is a derivative of something composed", "call .doit() first")
+            raise _not_an_expression(item, "is a derivative of something composed", "call .doit() first")
         counts = [count for variable, count in item.variable_count if variable == self._time]
         if len(counts) < len(item.variable_count) or not all(isinstance(k, sp.Integer) for k in counts):
-            raise _refused(item, "is not a derivative by time", f"coordinates depend on {self._time} only")
+            raise _not_an_expression(
+                item, "is not a derivative by time", f"coordinates depend on {self._time} only"
+            )
         symbol = self._of_time(function)
         order = symbol.order + sum(map(int, counts))
         return self._graph.symbol(Symbol(symbol.name, symbol.kind, order))
@@ -172,7 +176,7 @@ class _Reader:
             if item.func.__name__ == KERNEL_NAME.format(n=kernel.n, m=kernel.m) and _fits(kernel, item.args):
                 solved = self._graph.many(op.SADDLE, tuple(operands[1:]), self._graph.kernel(kernel))
                 return self._graph.node(op.PICK, solved, int(item.args[0]))
-        raise _refused(
+        raise _not_an_expression(
             item,
             f"is a function of something else than time ({self._time})",
             "write coordinates as dynamicsymbols('x'), parameters as symbols('m')",
@@ -189,8 +193,9 @@ class _Reader:
         if seen != item:
             raise ExpressionError(
                 Problem(
-                    "sympy.assumptions", shown(name),
-                    f"two symbols have the name '{shown(name)}': {_declared(seen)} and {_declared(item)}",
+                    "sympy.assumptions", printable(name),
+                    f"two symbols have the name '{printable(name)}': "
+                    f"{_describe_symbol(seen)} and {_describe_symbol(item)}",
                     "they differ in their assumptions, which makes them different symbols to SymPy",
                     "create the symbol once, without assumptions",
                 )
@@ -207,17 +212,17 @@ def _kind(item: sp.Basic) -> type:
     for kind in type(item).__mro__:
         if kind in _RULES:
             return kind
-    raise _refused(item)
+    raise _not_an_expression(item)
 
 
-def _accepted(expression: object) -> sp.Basic:
+def _check_expression(expression: object) -> sp.Basic:
     if isinstance(expression, sp.Basic):
         return expression
     if isinstance(expression, Fraction):
         return sp.Rational(expression.numerator, expression.denominator)
     if isinstance(expression, int | float) and not isinstance(expression, bool) and math.isfinite(expression):
         return sp.Integer(expression) if isinstance(expression, int) else sp.Float(expression)
-    raise _refused(expression)
+    raise _not_an_expression(expression)
 
 
 def _value(item: sp.Number) -> int | Fraction | float:
@@ -227,16 +232,16 @@ def _value(item: sp.Number) -> int | Fraction | float:
         return Fraction(int(item.p), int(item.q))
     if isinstance(item, sp.Float) and item.is_finite and math.isfinite(value := float(item)):
         return value
-    raise _refused(item)
+    raise _not_an_expression(item)
 
 
-def _fits(kernel: Kernel, arguments: Sequence[sp.Basic]) -> bool:
+def _fits(kernel: KernelNode, arguments: Sequence[sp.Basic]) -> bool:
     entry = arguments[0]
     count = (kernel.n + 1) * (kernel.n + kernel.m)
     return len(arguments) == 1 + count and isinstance(entry, sp.Integer) and 0 <= entry <= kernel.n + kernel.m
 
 
-def _refused(
+def _not_an_expression(
     item: object,
     what: str = "cannot stand in an expression of a mechanism",
     fix: str = "evaluate or replace it before: only real scalars, symbols, functions of time and the usual "
@@ -253,15 +258,17 @@ def _text(item: object) -> str:
     """Return a short text of an object; long expressions are not written out, since that recurses."""
     if isinstance(item, sp.Basic) and len(list(islice(sp.preorder_traversal(item), 40))) == 40:
         return "a long expression"
-    return f"'{shown(str(item))}'"
+    return f"'{printable(str(item))}'"
 
 
-def _declared(item: object) -> str:
+def _describe_symbol(item: object) -> str:
     """Return a symbol or function with its assumptions."""
     return str(sp.srepr(item)) if isinstance(item, sp.Symbol) else f"{item} with other assumptions"
 
 
-def _folded(rule: Callable[[Graph, int, int], int], g: Graph, operands: Iterable[int], empty: int) -> int:
+def _fold_operands(
+    rule: Callable[[Graph, int, int], int], g: Graph, operands: Iterable[int], empty: int
+) -> int:
     """Return the left fold of `operands` in an order that does not depend on their names or age."""
     ordered = sorted(operands, key=g.hashes.__getitem__)
     return reduce(lambda a, b: rule(g, a, b), ordered) if ordered else empty
@@ -271,8 +278,8 @@ def _sum(g: Graph, *operands: int) -> int:
     """Return positive terms minus negative ones, then the number."""
     numbers = [k for k in operands if g.number(k) is not None]
     others = [k for k in operands if g.number(k) is None]
-    plus = _folded(add, g, [k for k in others if g.ops[k] != op.NEG], ZERO)
-    minus = _folded(add, g, [g.left[k] for k in others if g.ops[k] == op.NEG], ZERO)
+    plus = _fold_operands(add, g, [k for k in others if g.ops[k] != op.NEG], ZERO)
+    minus = _fold_operands(add, g, [g.left[k] for k in others if g.ops[k] == op.NEG], ZERO)
     return reduce(lambda a, b: add(g, a, b), numbers, sub(g, plus, minus))
 
 
@@ -293,10 +300,10 @@ def _product(g: Graph, *operands: int) -> int:
         else:
             above.append(factor)
     number = reduce(lambda a, b: mul(g, a, b), numbers, ONE)
-    divisor = _folded(mul, g, below, ONE)
+    divisor = _fold_operands(mul, g, below, ONE)
     if not above:
         return div(g, number, divisor) if below else number
-    return mul(g, number, div(g, _folded(mul, g, above, ONE), divisor))
+    return mul(g, number, div(g, _fold_operands(mul, g, above, ONE), divisor))
 
 
 def _power(g: Graph, base: int, exponent: int) -> int:
@@ -334,16 +341,16 @@ def _heaviside(g: Graph, a: int, at_zero: int) -> int:
     return select(g, apply(g, op.LT, a, ZERO), ZERO, select(g, apply(g, op.LT, ZERO, a), ONE, at_zero))
 
 
-def _applying(code: int) -> _Rule:
+def _apply_rule(code: int) -> _Rule:
     return lambda g, *operands: apply(g, code, *operands)
 
 
-def _swapped(code: int) -> _Rule:
+def _swap_rule(code: int) -> _Rule:
     return lambda g, a, b: apply(g, code, b, a)
 
 
-def _folding(code: int) -> _Rule:
-    return lambda g, *operands: _folded(lambda g, a, b: apply(g, code, a, b), g, operands, ZERO)
+def _fold_rule(code: int) -> _Rule:
+    return lambda g, *operands: _fold_operands(lambda g, a, b: apply(g, code, a, b), g, operands, ZERO)
 
 
 def _quotient(above: int | None, below: int) -> _Rule:
@@ -361,20 +368,21 @@ _RULES: Final[Mapping[type, _Rule]] = {
     type(sp.E): lambda g: apply(g, op.EXP, ONE),
     type(sp.true): lambda g: ONE,
     type(sp.false): lambda g: ZERO,
-    sp.sin: _applying(op.SIN), sp.cos: _applying(op.COS), sp.tan: _applying(op.TAN),
-    sp.asin: _applying(op.ASIN), sp.acos: _applying(op.ACOS), sp.atan: _applying(op.ATAN),
-    sp.sinh: _applying(op.SINH), sp.cosh: _applying(op.COSH), sp.tanh: _applying(op.TANH),
-    sp.exp: _applying(op.EXP), sp.log: _applying(op.LOG), sp.Abs: _applying(op.ABS),
-    sp.sign: _applying(op.SIGN), sp.floor: _applying(op.FLOOR), sp.atan2: _applying(op.ATAN2),
+    sp.sin: _apply_rule(op.SIN), sp.cos: _apply_rule(op.COS), sp.tan: _apply_rule(op.TAN),
+    sp.asin: _apply_rule(op.ASIN), sp.acos: _apply_rule(op.ACOS), sp.atan: _apply_rule(op.ATAN),
+    sp.sinh: _apply_rule(op.SINH), sp.cosh: _apply_rule(op.COSH), sp.tanh: _apply_rule(op.TANH),
+    sp.exp: _apply_rule(op.EXP), sp.log: _apply_rule(op.LOG), sp.Abs: _apply_rule(op.ABS),
+    sp.sign: _apply_rule(op.SIGN), sp.floor: _apply_rule(op.FLOOR), sp.atan2: _apply_rule(op.ATAN2),
     sp.sec: _quotient(None, op.COS), sp.csc: _quotient(None, op.SIN), sp.cot: _quotient(op.COS, op.SIN),
     sp.sech: _quotient(None, op.COSH), sp.csch: _quotient(None, op.SINH),
     sp.coth: _quotient(op.COSH, op.SINH),
     sp.ceiling: lambda g, a: neg(g, apply(g, op.FLOOR, neg(g, a))),
     sp.frac: lambda g, a: sub(g, a, apply(g, op.FLOOR, a)),
     sp.Mod: _modulo, sp.Heaviside: _heaviside,
-    sp.Min: _folding(op.MIN), sp.Max: _folding(op.MAX), sp.And: _folding(op.AND), sp.Or: _folding(op.OR),
-    sp.Not: _applying(op.NOT), sp.ITE: _chosen_condition, sp.Eq: _applying(op.EQ),
+    sp.Min: _fold_rule(op.MIN), sp.Max: _fold_rule(op.MAX),
+    sp.And: _fold_rule(op.AND), sp.Or: _fold_rule(op.OR),
+    sp.Not: _apply_rule(op.NOT), sp.ITE: _chosen_condition, sp.Eq: _apply_rule(op.EQ),
     sp.Ne: lambda g, a, b: apply(g, op.NOT, apply(g, op.EQ, a, b)),
-    sp.StrictLessThan: _applying(op.LT), sp.LessThan: _applying(op.LE),
-    sp.StrictGreaterThan: _swapped(op.LT), sp.GreaterThan: _swapped(op.LE),
+    sp.StrictLessThan: _apply_rule(op.LT), sp.LessThan: _apply_rule(op.LE),
+    sp.StrictGreaterThan: _swap_rule(op.LT), sp.GreaterThan: _swap_rule(op.LE),
 }  # fmt: skip

@@ -82,17 +82,17 @@ def check_structure(data: object, locate: Locate) -> Mapping[str, Any]:
 
 
 def _problem(found: dict[str, Any], schema: Schema, data: object, locate: Locate) -> Problem:
-    path = _without_tag(found["loc"])
+    path = _drop_tag(found["loc"])
     if found["type"] == "extra_forbidden":
         code, what, why = "unknown_key", f"there is no key {path[-1]!r} here", ""
-        fix = nearest(str(path[-1]), _known_keys(schema, found["loc"]))
+        fix = nearest(str(path[-1]), _legal_keys(schema, found["loc"]))
     else:
-        code, what, why, fix = _said(found, path)
+        code, what, why, fix = _explain(found, path)
     shown = ", ".join(part for part in (locate(path), _element(path, data), _inner(path)) if part)
     return Problem(f"file.{code}", shown, what, why, fix)
 
 
-def _said(finding: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
+def _explain(finding: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
     """Return code, fact, cause and cure of one finding."""
     kind, value = finding["type"], finding["input"]
     key = path[-1] if path else ""
@@ -103,12 +103,12 @@ def _said(finding: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
     if kind == "newer":
         return (
             "newer_version",
-            f"the file was made by a newer version of symbody: it has version {_shown(value)}",
+            f"the file was made by a newer version of symbody: it has version {_short_text(value)}",
             f"this symbody reads versions up to {VERSION}",
             "update symbody",
         )
     if kind in ("union_tag_invalid", "union_tag_not_found"):
-        return _type_of(finding, "shape" if "shape" in path[1:3] else str(path[0]))
+        return _type_problem(finding, "shape" if "shape" in path[1:3] else str(path[0]))
     if kind in ("too_short", "too_long"):
         context = finding["ctx"]
         number = context.get("min_length") or context.get("max_length")
@@ -122,7 +122,7 @@ def _said(finding: dict[str, Any], path: Path) -> tuple[str, str, str, str]:
         return "not_finite", f"the value is {value}", "", "give a finite number"
     expected = _EXPECTED.get(kind, finding["msg"])
     why = _causes(kind, value)
-    return "wrong_type", f"{_shown(value)} stands where {expected} is expected", why, f"write {expected}"
+    return "wrong_type", f"{_short_text(value)} stands where {expected} is expected", why, f"write {expected}"
 
 
 def _causes(kind: str, value: object) -> str:
@@ -131,7 +131,7 @@ def _causes(kind: str, value: object) -> str:
     return "true and false are not numbers" if isinstance(value, bool) else ""
 
 
-def _type_of(found: dict[str, Any], kind: str) -> tuple[str, str, str, str]:
+def _type_problem(found: dict[str, Any], kind: str) -> tuple[str, str, str, str]:
     known = [name.strip("'") for name in found["ctx"].get("expected_tags", "").split(", ") if name]
     if not known:
         word = _USUAL_TYPES[kind]
@@ -142,7 +142,7 @@ def _type_of(found: dict[str, Any], kind: str) -> tuple[str, str, str, str]:
     return "unknown_type", f"there is no {kind} type {tag!r}", "", fix
 
 
-def _known_keys(root: Schema, location: Path) -> list[str]:
+def _legal_keys(root: Schema, location: Path) -> list[str]:
     """Return the keys of the table in which an unknown one was found, by walking the JSON Schema."""
     node = root
     for part in location[:-1]:
@@ -166,7 +166,7 @@ def _child(root: Schema, node: Schema, part: str | int) -> Schema:
     return root["$defs"][reference.rpartition("/")[2]] if reference else child
 
 
-def _without_tag(location: tuple[str | int, ...]) -> Path:
+def _drop_tag(location: tuple[str | int, ...]) -> Path:
     """Return a path without the type of joint, constraint or shape that pydantic inserts."""
     if location[:1] in _TYPED:
         return (*location[:2], *location[3:])
@@ -191,7 +191,7 @@ def _inner(path: Path) -> str:
     return words(path[2:] if inside else path)
 
 
-def _shown(value: object) -> str:
+def _short_text(value: object) -> str:
     if isinstance(value, int) and abs(value) >= _LARGE:  # Python declines to write out the largest
         return "a huge whole number"
     if isinstance(value, list | dict):  # perhaps nested without end

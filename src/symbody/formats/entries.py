@@ -10,7 +10,7 @@ from symbody.errors import ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body, Frames
 from symbody.model.declaration import Declared, Field
-from symbody.model.element import Address, Element
+from symbody.model.element import Element, FrameRef
 from symbody.model.frame import Frame
 from symbody.model.joint import InTrees, Joint
 from symbody.model.joint_fields import CoordinateDrive, CoordinateDrives, DryFriction
@@ -20,7 +20,7 @@ from symbody.model.loads.friction import Friction
 from symbody.model.registry import TYPED, element_types, shape_types, snake_case, type_word
 from symbody.model.shapes.mesh import Mesh
 from symbody.model.shapes.shape import BodyShape, Shapes
-from symbody.model.table import Table
+from symbody.model.table import FrozenMapping
 
 T = TypeVar("T")
 
@@ -31,7 +31,7 @@ Node = Formula | str | bool | list["Node"] | dict[str, "Node"]
 _ALWAYS: Final = frozenset({"angles", "axes", "axis"})
 
 
-def element_from(kind: str, entry: Mapping[str, object], folder: str = "") -> Element:
+def read_element(kind: str, entry: Mapping[str, object], folder: str = "") -> Element:
     """Return the element of a table that fits the schema; paths of meshes start from `folder`.
 
     Raises
@@ -64,7 +64,7 @@ def _value(field: Field[Any, Any], entry: object, where: str, folder: str, probl
         return shapes_from_entries(entry, where, folder, problems)
     if isinstance(field, CoordinateDrive | CoordinateDrives):
         return _drives(entry, where, problems)
-    return _nested(Friction, entry, where, problems) if isinstance(field, DryFriction) else entry
+    return _read_part(Friction, entry, where, problems) if isinstance(field, DryFriction) else entry
 
 
 def ground_frames(entry: object, problems: list[Problem]) -> dict[str, Frame]:
@@ -80,7 +80,7 @@ def shapes_from_entries(entries: object, where: str, folder: str, problems: list
         make: Callable[..., BodyShape] = shape_types()[arguments.pop("type")]
         if make is Mesh:
             arguments["folder"] = folder
-        shape = _nested(make, arguments, f"{where}[{k}]", problems)
+        shape = _read_part(make, arguments, f"{where}[{k}]", problems)
         shapes += [] if shape is None else [shape]
     return shapes
 
@@ -96,20 +96,20 @@ def shape_entries(shapes: Iterable[BodyShape], folder: str | None = None) -> lis
     entries: list[Node] = []
     for shape in shapes:
         values = _values(shape)
-        plain = type(shape)(**{name: getattr(shape, name) for name in _needed(shape)})
+        plain = type(shape)(**{name: getattr(shape, name) for name in _required_arguments(shape)})
         entry: dict[str, Node] = {"type": snake_case(type(shape).__name__)}
         for name, value in values.items():
-            if value is not None and (name in _needed(shape) or value != getattr(plain, name)):
-                entry[name] = node_of(value)
+            if value is not None and (name in _required_arguments(shape) or value != getattr(plain, name)):
+                entry[name] = write_node(value)
         if isinstance(shape, Mesh):
-            entry["path"] = shape.path if folder is None else shape.path_from(folder)
+            entry["path"] = shape.path if folder is None else shape.relative_path(folder)
             if "scale" in entry and len(set(shape.scale)) == 1:
                 entry["scale"] = shape.scale[0]
         entries.append(entry)
     return entries
 
 
-def entry_of(element: Element, folder: str | None = None) -> dict[str, Node]:
+def write_element(element: Element, folder: str | None = None) -> dict[str, Node]:
     """Return the table of an element, without what has its default; `folder` as in `shape_entries`."""
     entry: dict[str, Node] = {"name": element.name}
     if element.kind in TYPED:
@@ -117,37 +117,37 @@ def entry_of(element: Element, folder: str | None = None) -> dict[str, Node]:
     values = _values(element)
     shapes = values.pop("shapes", ())
     if "start" in values:
-        entry["between"] = [node_of(values.pop("start")), node_of(values.pop("end"))]
-    given = [*_needed(element), *(_ALWAYS & set(values))]
+        entry["between"] = [write_node(values.pop("start")), write_node(values.pop("end"))]
+    given = [*_required_arguments(element), *(_ALWAYS & set(values))]
     plainest = type(element)(**{name: getattr(element, name) for name in given})
     defaults = {name: value for name, value in _values(plainest).items() if name not in given}
     for name, value in values.items():
         if name not in entry and value is not None and (name not in defaults or value != defaults[name]):
-            entry[name] = node_of(_alone(element, value))
+            entry[name] = write_node(_alone(element, value))
     if isinstance(element, Body) and shapes:
         entry["shape"] = shape_entries(element.shapes, folder)
     return entry
 
 
-def node_of(value: object) -> Node:
+def write_node(value: object) -> Node:
     """Return a value of the model as part of a file."""
     if isinstance(value, Formula | str | bool):
         return value
-    if isinstance(value, Address):
-        return value.frame
-    if isinstance(value, Table):
-        return {name: node_of(item) for name, item in value.items()}
+    if isinstance(value, FrameRef):
+        return value.full_name
+    if isinstance(value, FrozenMapping):
+        return {name: write_node(item) for name, item in value.items()}
     if isinstance(value, tuple):
-        return [node_of(item) for item in value]
+        return [write_node(item) for item in value]
     if isinstance(value, InTrees) and value.rotation is not None and value.rotation == value.translation:
         return value.rotation
     values = _values(value)
     if isinstance(value, Curve):
         plain = {"kind": "linear", "outside": "hold"}
-        return {name: node_of(item) for name, item in values.items() if item != plain.get(name)}
+        return {name: write_node(item) for name, item in values.items() if item != plain.get(name)}
     empty = {InTrees: InTrees, Drive: Drive, Frame: Frame, Friction: Friction}[type(value)]()
     defaults = _values(empty)
-    return {name: node_of(item) for name, item in values.items() if item != defaults[name]}
+    return {name: write_node(item) for name, item in values.items() if item != defaults[name]}
 
 
 def _values(value: object) -> dict[str, object]:
@@ -159,12 +159,12 @@ def _values(value: object) -> dict[str, object]:
 
 def _alone(element: Element, value: object) -> object:
     """Return the value for the only coordinate of a joint; all of them, by name, where there are several."""
-    if isinstance(value, Table) and isinstance(element, Joint) and len(element.coordinates) == 1:
+    if isinstance(value, FrozenMapping) and isinstance(element, Joint) and len(element.coordinates) == 1:
         return next(iter(value.values()))
     return value
 
 
-def _needed(value: Declared) -> list[str]:
+def _required_arguments(value: Declared) -> list[str]:
     """Return the arguments without default of a constructor."""
     return [name for name, field in value.fields.items() if field.is_required]
 
@@ -175,8 +175,8 @@ def _drives(entry: object, where: str, problems: list[Problem]) -> object:
     is_curve = isinstance(law, Mapping) and "x" in law  # and not the drive of a coordinate called law
     keyed = isinstance(entry, Mapping) and entry and all(isinstance(item, Mapping) for item in entry.values())
     if isinstance(entry, Mapping) and keyed and not is_curve:
-        return {name: _nested(Drive, item, f"{where}.{name}", problems) for name, item in entry.items()}
-    return _nested(Drive, entry, where, problems)
+        return {name: _read_part(Drive, item, f"{where}.{name}", problems) for name, item in entry.items()}
+    return _read_part(Drive, entry, where, problems)
 
 
 def _frames(entries: object, where: str, problems: list[Problem]) -> dict[str, Frame]:
@@ -184,12 +184,12 @@ def _frames(entries: object, where: str, problems: list[Problem]) -> dict[str, F
         return {}
     frames: dict[str, Frame] = {}
     for name, entry in entries.items():
-        frame = _nested(Frame, entry, f"{where}.{name}", problems)
+        frame = _read_part(Frame, entry, f"{where}.{name}", problems)
         frames[name] = Frame() if frame is None else frame
     return frames
 
 
-def _nested(make: Callable[..., T], entry: object, where: str, problems: list[Problem]) -> T | None:
+def _read_part(make: Callable[..., T], entry: object, where: str, problems: list[Problem]) -> T | None:
     """Return what `make` makes of a table; its faults are placed at `where`, below which they are told."""
     inner: list[Problem] = []
     made = _attempt(lambda: make(**entry), inner) if isinstance(entry, Mapping) else None

@@ -35,7 +35,7 @@ def key_lines(text: str) -> dict[Path, int]:
     return _Scanner(text).lines
 
 
-def line_of(lines: dict[Path, int], path: Path) -> int | None:
+def find_line(lines: dict[Path, int], path: Path) -> int | None:
     """Return the line of the innermost part of `path` that has one."""
     for length in range(len(path), 0, -1):
         if path[:length] in lines:
@@ -67,18 +67,18 @@ class _Scanner:
         path: Path = ()
         for key in keys[:-1]:
             self.lines.setdefault((*path, key), first.line)
-            path = self._entered((*path, key))
+            path = self._last_entry((*path, key))
         path = (*path, keys[-1])
         self.lines.setdefault(path, first.line)
         if not is_array:
-            return self._entered(path)
+            return self._last_entry(path)
         next(self._tokens)  # the second closing bracket
         self._counts[path] = self._counts.get(path, 0) + 1
-        path = self._entered(path)
+        path = self._last_entry(path)
         self.lines[path] = first.line
         return path
 
-    def _entered(self, path: Path) -> Path:
+    def _last_entry(self, path: Path) -> Path:
         """Return the path of the last entry if `path` is an array of tables."""
         count = self._counts.get(path)
         return path if count is None else (*path, count - 1)
@@ -88,7 +88,7 @@ class _Scanner:
         keys = []
         while not (token.kind == "mark" and token.text == closing):
             if token.kind in ("word", "string"):
-                keys.append(_unquoted(token.text))
+                keys.append(_unquote(token.text))
             token = next(self._tokens)
         return keys
 
@@ -144,7 +144,7 @@ def _tokens(text: str) -> Iterator[_Token]:
         line += found.group().count("\n")
 
 
-def _unquoted(key: str) -> str:
+def _unquote(key: str) -> str:
     if key[0] == "'":
         return key[1:-1]
     return _ESCAPE.sub(_character, key[1:-1]) if key[0] == '"' else key

@@ -12,15 +12,15 @@ from symbody.expr.language.formula import Formula
 from symbody.formats.checking import check_structure
 from symbody.formats.entries import (
     Node,
-    element_from,
-    entry_of,
     ground_frames,
-    node_of,
+    read_element,
     shape_entries,
     shapes_from_entries,
+    write_element,
+    write_node,
 )
 from symbody.formats.lines import Path
-from symbody.formats.places import Locate, lines_of, pointer, relocated
+from symbody.formats.places import Locate, line_locator, pointer, relocate
 from symbody.formats.reading import read_text
 from symbody.formats.toml_syntax import parse_toml
 from symbody.formats.toml_text import write_layout, write_toml
@@ -76,7 +76,7 @@ def model_from_toml(text: str, where: str = "model file") -> Model:
         See `load_model`.
     """
     plain = text.removeprefix("\N{ZERO WIDTH NO-BREAK SPACE}").replace("\r\n", "\n")
-    return _model(parse_toml(plain, where), lines_of(plain, where), os.path.dirname(where))
+    return _model(parse_toml(plain, where), line_locator(plain, where), os.path.dirname(where))
 
 
 def model_to_toml(model: Model, onto: str = "", layout: Mapping[str, Any] | None = None) -> str:
@@ -117,7 +117,7 @@ def from_data(data: object, where: str = "", folder: str = "") -> Model:
     def locate(path: Path) -> str:
         return f"{where}{pointer(path)}"
 
-    return _model(_without_nulls(data), locate, folder)
+    return _model(_drop_nulls(data), locate, folder)
 
 
 def to_data(model: Model, layout: Mapping[str, Any] | None = None) -> dict[str, Any]:
@@ -126,7 +126,7 @@ def to_data(model: Model, layout: Mapping[str, Any] | None = None) -> dict[str, 
     return data if layout is None else {**data, "layout": dict(layout)}
 
 
-def layout_of(text: str, where: str = "model file") -> dict[str, Any]:
+def read_layout(text: str, where: str = "model file") -> dict[str, Any]:
     """Return the ``[layout]`` of a TOML text, empty if there is none.
 
     Raises
@@ -146,15 +146,15 @@ def _model(data: object, locate: Locate, folder: str = "") -> Model:
     for kind in KINDS:
         for k, entry in enumerate(content.get(kind, [])):
             try:
-                elements.append(element_from(kind, entry, folder))
+                elements.append(read_element(kind, entry, folder))
                 paths.append((kind, k))
             except ModelError as error:
-                problems += relocated(error.problems, {f"{kind} {entry['name']}": (kind, k)}, locate)
+                problems += relocate(error.problems, {f"{kind} {entry['name']}": (kind, k)}, locate)
     faults: list[Problem] = []
     fixed = content.get("ground", {})
     ground = ground_frames(fixed.get("frames", {}), faults)
     shapes = shapes_from_entries(fixed.get("shape", []), "model, ground.shape", folder, faults)
-    problems += relocated(faults, {"model": ()}, locate)
+    problems += relocate(faults, {"model": ()}, locate)
     if problems:
         raise ModelError(*problems)
     labels = element_labels(elements)
@@ -171,12 +171,12 @@ def _model(data: object, locate: Locate, folder: str = "") -> Model:
             ground_shapes=shapes,
         )
     except ModelError as error:
-        raise ModelError(*relocated(error.problems, bases, locate)) from None
+        raise ModelError(*relocate(error.problems, bases, locate)) from None
 
 
 def _content(model: Model, folder: str | None = None) -> dict[str, Node]:
     """Return what the file of a model says, without layout; `folder` as in `shape_entries`."""
-    content: dict[str, Node] = {"name": model.name, "gravity": node_of(model.gravity)}
+    content: dict[str, Node] = {"name": model.name, "gravity": write_node(model.gravity)}
     if model.inputs:
         content["inputs"] = list(model.inputs)
     if model.parameters:
@@ -185,29 +185,29 @@ def _content(model: Model, folder: str | None = None) -> dict[str, Node]:
         }
     fixed: dict[str, Node] = {}
     if model.ground:
-        fixed["frames"] = node_of(model.ground)
+        fixed["frames"] = write_node(model.ground)
     if model.ground_shapes:
         fixed["shape"] = shape_entries(model.ground_shapes, folder)
     if fixed:
         content["ground"] = fixed
     for kind in KINDS:
         entries: list[Node] = [
-            entry_of(element, folder) for element in model.elements if element.kind == kind
+            write_element(element, folder) for element in model.elements if element.kind == kind
         ]
         if entries:
             content[kind] = entries
     if model.initial:
-        content["initial"] = node_of(model.initial)
+        content["initial"] = write_node(model.initial)
     return content
 
 
 def _toml_text(content: Mapping[str, Node], onto: str, folder: str | None = None) -> str:
     """Return the TOML text of a content, on an older text where that takes the changes."""
-    merged = _merged(content, onto.replace("\r\n", "\n"), folder) if onto.strip() else None
+    merged = _merge(content, onto.replace("\r\n", "\n"), folder) if onto.strip() else None
     return merged or write_toml(content)
 
 
-def _merged(content: Mapping[str, Node], onto: str, folder: str | None) -> str | None:
+def _merge(content: Mapping[str, Node], onto: str, folder: str | None) -> str | None:
     """Return the changed text of a model file, or None if `onto` is none or does not take the changes."""
     where = os.path.join(folder or "", "model file")
     try:
@@ -243,7 +243,7 @@ def _plain(node: Node) -> Any:
     return {name: _plain(entry) for name, entry in node.items()} if isinstance(node, dict) else node
 
 
-def _without_nulls(data: object) -> object:
+def _drop_nulls(data: object) -> object:
     """Return data without null entries above the layout; a parameter that is null has no value."""
     if not isinstance(data, Mapping):
         return data
@@ -251,13 +251,13 @@ def _without_nulls(data: object) -> object:
     kept = {key: value for key, value in data.items() if value is not None}
     for kind in KINDS:
         if isinstance(kept.get(kind), list):
-            kept[kind] = [_without_null_keys(entry) for entry in kept[kind]]
+            kept[kind] = [_drop_null_keys(entry) for entry in kept[kind]]
     if isinstance(parameters, Mapping):
         kept["parameters"] = {name: "" if value is None else value for name, value in parameters.items()}
     return kept
 
 
-def _without_null_keys(entry: object) -> object:
+def _drop_null_keys(entry: object) -> object:
     if not isinstance(entry, Mapping):
         return entry
     return {key: value for key, value in entry.items() if value is not None}

@@ -7,18 +7,18 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 from symbody.errors import Problem
-from symbody.formats.lines import Path, key_lines, line_of
+from symbody.formats.lines import Path, find_line, key_lines
 
 # Takes the path of a key; returns the place, such as "model.toml:12".
 Locate = Callable[[Path], str]
 
 
-def lines_of(text: str, where: str) -> Locate:
+def line_locator(text: str, where: str) -> Locate:
     """Return what finds keys in a legal TOML text called `where`."""
     lines = key_lines(text)
 
     def locate(path: Path) -> str:
-        line = line_of(lines, path)
+        line = find_line(lines, path)
         return where if line is None else f"{where}:{line}"
 
     return locate
@@ -30,7 +30,7 @@ def pointer(path: Path) -> str:
     return "#" + "".join(f"/{part}" for part in parts)
 
 
-def relocated(problems: Iterable[Problem], bases: Mapping[str, Path], locate: Locate) -> list[Problem]:
+def relocate(problems: Iterable[Problem], bases: Mapping[str, Path], locate: Locate) -> list[Problem]:
     """Return problems of a model with the place in the file put before the words of the model.
 
     Parameters
@@ -39,7 +39,9 @@ def relocated(problems: Iterable[Problem], bases: Mapping[str, Path], locate: Lo
         Where each element stands: ``{"joint slider": ("joint", 0)}``; "model" is the file itself.
     """
     return [
-        replace(problem, where="; ".join(_placed(part, bases, locate) for part in problem.where.split("; ")))
+        replace(
+            problem, where="; ".join(_add_location(part, bases, locate) for part in problem.where.split("; "))
+        )
         for problem in problems
     ]
 
@@ -50,7 +52,7 @@ def words(path: Path) -> str:
     return text.removeprefix(".")
 
 
-def _placed(where: str, bases: Mapping[str, Path], locate: Locate) -> str:
+def _add_location(where: str, bases: Mapping[str, Path], locate: Locate) -> str:
     label = max((label for label in bases if f"{where}, ".startswith(f"{label}, ")), key=len, default=None)
     if label is None:
         return ", ".join(part for part in (locate(()), where) if part)

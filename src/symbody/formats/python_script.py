@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Final
 
 from symbody.expr.language.formula import Formula
-from symbody.formats.entries import Node, entry_of, node_of, shape_entries
+from symbody.formats.entries import Node, shape_entries, write_element, write_node
 from symbody.model.element import Element
 from symbody.model.model import Model
 from symbody.model.registry import shape_types
@@ -27,15 +27,15 @@ def model_to_script(model: Model) -> str:
     """
     elements = [_element(element) for element in model.elements]
     arguments = [_text(model.name), _list(elements)]
-    arguments += [f"gravity={_value(node_of(model.gravity))}"]
+    arguments += [f"gravity={_value(write_node(model.gravity))}"]
     if model.parameters:
         arguments.append(f"parameters={_parameters(model.parameters)}")
     if model.inputs:
         arguments.append(f"inputs={list(model.inputs)!r}")
     if model.initial:
-        arguments.append(f"initial={_value(node_of(model.initial))}")
+        arguments.append(f"initial={_value(write_node(model.initial))}")
     if model.ground:
-        arguments.append(f"ground={_frames(node_of(model.ground))}")
+        arguments.append(f"ground={_frames(write_node(model.ground))}")
     if model.ground_shapes:
         arguments.append(f"ground_shapes={_shapes(shape_entries(model.ground_shapes, None))}")
     first = f'"""{_title(model.name)}, written by symbody."""'
@@ -48,7 +48,7 @@ def _title(name: str) -> str:
 
 
 def _element(element: Element) -> str:
-    entry = entry_of(element)
+    entry = write_element(element)
     entry.pop("type", None)
     arguments = [_value(entry.pop("name"))]
     between = entry.pop("between", None)
@@ -122,7 +122,7 @@ def _number(formula: Formula) -> str | None:
     if not _NUMBER.fullmatch(text):
         return None
     value = float(text) if "." in text else int(text)
-    return text if Formula.of(value) == formula else None
+    return text if Formula.from_value(value) == formula else None
 
 
 def _text(value: str) -> str:

@@ -37,7 +37,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
         If there is no such regular file of up to 10 MB, or it is not UTF-8 text.
     """
     where = os.fsdecode(path) or "''"
-    return _decoded(_content(path, where), where)
+    return _decode(_content(path, where), where)
 
 
 def _content(path: str | os.PathLike[str], where: str) -> bytes:
@@ -45,7 +45,7 @@ def _content(path: str | os.PathLike[str], where: str) -> bytes:
         # Without blocking: a pipe would wait for its writer for ever.
         descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
     except FileNotFoundError:
-        raise FormatError(_missing(where)) from None
+        raise FormatError(_missing_problem(where)) from None
     except (OSError, ValueError) as error:
         raise FormatError(_unreadable(where, error)) from error
     try:
@@ -71,10 +71,10 @@ def _content(path: str | os.PathLike[str], where: str) -> bytes:
     )
 
 
-def _decoded(content: bytes, where: str) -> str:
+def _decode(content: bytes, where: str) -> str:
     for mark, encoding in _OTHER_ENCODINGS:
         if content.startswith(mark):
-            raise FormatError(_encoding(where, f"the file is encoded as {encoding}"))
+            raise FormatError(_encoding_problem(where, f"the file is encoded as {encoding}"))
     if b"\0" in content:
         raise FormatError(
             Problem(
@@ -87,7 +87,7 @@ def _decoded(content: bytes, where: str) -> str:
         line = content.count(b"\n", 0, error.start) + 1
         byte = content[error.start]
         raise FormatError(
-            _encoding(f"{where}:{line}", f"byte 0x{byte:02X} in line {line} is not UTF-8")
+            _encoding_problem(f"{where}:{line}", f"byte 0x{byte:02X} in line {line} is not UTF-8")
         ) from None
     if not text.strip():
         raise FormatError(
@@ -102,7 +102,7 @@ def _decoded(content: bytes, where: str) -> str:
     return text.replace("\r\n", "\n")
 
 
-def _encoding(where: str, what: str) -> Problem:
+def _encoding_problem(where: str, what: str) -> Problem:
     return Problem(
         "file.encoding",
         where,
@@ -112,7 +112,7 @@ def _encoding(where: str, what: str) -> Problem:
     )
 
 
-def _missing(where: str) -> Problem:
+def _missing_problem(where: str) -> Problem:
     folder = Path(where).parent
     return Problem("file.missing", where, "there is no such file", "", _similar(Path(where).name, folder))
 

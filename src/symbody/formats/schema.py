@@ -13,8 +13,8 @@ from pydantic import Field, WithJsonSchema, create_model
 from pydantic.functional_validators import PlainValidator
 from pydantic_core import PydanticCustomError
 
-from symbody.formats.schema_entries import TYPES, entries_of
-from symbody.formats.schema_types import Angle, Entry, Triple
+from symbody.formats.schema_entries import TYPES, entry_list_type
+from symbody.formats.schema_types import Angle, FileEntry, Triple
 from symbody.model.body import Frames
 from symbody.model.model import KINDS
 from symbody.model.shapes.shape import Shapes
@@ -33,7 +33,7 @@ def _version(value: object) -> int:
 # Ground has no name: it is the same in every model.
 GroundEntry: Final = create_model(
     "GroundEntry",
-    __base__=Entry,
+    __base__=FileEntry,
     __doc__="What is fixed.",
     frames=(TYPES[Frames], Field(default={}, description="Frames fixed on the ground.")),
     shape=(TYPES[Shapes], Field(default=[], description="What is seen of it.")),
@@ -41,10 +41,10 @@ GroundEntry: Final = create_model(
 Version = Annotated[
     Any, PlainValidator(_version), WithJsonSchema({"type": "integer", "minimum": 1, "maximum": VERSION})
 ]
-_LISTS: Final[Mapping[str, Any]] = {kind: (entries_of(kind), []) for kind in KINDS}
+_LISTS: Final[Mapping[str, Any]] = {kind: (entry_list_type(kind), []) for kind in KINDS}
 ModelFile: Final = create_model(
     "ModelFile",
-    __base__=Entry,
+    __base__=FileEntry,
     __doc__="A mechanism. SI units, radians.",
     version=(Version, Field(default=VERSION, description="Version of the file format.")),
     name=(str, Field(description="Title.")),

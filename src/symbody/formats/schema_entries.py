@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field, create_model
 from pydantic_core import PydanticCustomError
 
 from symbody.formats import schema_types as values
-from symbody.formats.schema_types import Angle, Axis, Entry, Expression, Triple
+from symbody.formats.schema_types import Angle, Axis, Expression, FileEntry, Triple
 from symbody.model import declaration, element_fields, fields, joint_fields
 from symbody.model.body import Frames
 from symbody.model.declaration import Declared
@@ -70,7 +70,7 @@ _PLAIN: Final[Mapping[Role, Any]] = MappingProxyType(
 _TABLES: Final = (joint_fields.CoordinateDrives, joint_fields.PrescribedMotions, Frames)
 
 
-def make_entry(kind: type[Declared], name: str, types: Mapping[Role, Any], word: str = "") -> type[Entry]:
+def make_entry(kind: type[Declared], name: str, types: Mapping[Role, Any], word: str = "") -> type[FileEntry]:
     """Return the entry of what declares its fields; `word` is its type, if it has one."""
     keys: dict[str, Any] = {"type": (Literal[word], ...)} if word else {}
     for key, field in kind.fields.items():
@@ -80,7 +80,7 @@ def make_entry(kind: type[Declared], name: str, types: Mapping[Role, Any], word:
         elif field.is_content:
             keys[place] = (_value_type(field, types), _key(field))
     first = {key: keys.pop(key) for key in _FIRST if key in keys}
-    return create_model(name, __base__=Entry, __doc__=kind.summary(), **first, **keys)
+    return create_model(name, __base__=FileEntry, __doc__=kind.summary(), **first, **keys)
 
 
 def _value_type(field: declaration.Field[Any, Any], types: Mapping[Role, Any]) -> Any:
@@ -111,7 +111,7 @@ def _refuse_single_drive(value: object) -> object:
     return value
 
 
-def _list_of(entries: Sequence[Any]) -> Any:
+def _list_type(entries: Sequence[Any]) -> Any:
     """Return the type of a list of entries; if there are several types, `type` says which one each has."""
     union: Any = reduce(or_, entries)
     entry: Any = Annotated[union, Field(discriminator="type")] if len(entries) > 1 else union
@@ -129,16 +129,16 @@ def _parts() -> Mapping[Role, Any]:
         joint_fields.CoordinateDrives: Annotated[dict[str, drive], BeforeValidator(_refuse_single_drive)],
         joint_fields.DryFriction: make_entry(Friction, "FrictionEntry", _PLAIN) | None,
         Frames: dict[str, frame],
-        Shapes: _list_of(shapes),
+        Shapes: _list_type(shapes),
     }
 
 
 TYPES: Final[Mapping[Role, Any]] = MappingProxyType(_parts())
 
 
-def entries_of(kind: str) -> Any:
+def entry_list_type(kind: str) -> Any:
     """Return the type of the list of all entries of a kind."""
-    return _list_of(
+    return _list_type(
         [
             make_entry(each, definition_name(word or kind), TYPES, word)
             for word, each in element_types(kind).items()

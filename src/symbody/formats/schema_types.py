@@ -153,7 +153,7 @@ Turn = Annotated[tuple[Axis, Angle], Strict(False)]
 Between = Annotated[list[str], Field(min_length=2, max_length=2, description="Start and end frame.")]
 
 
-class Entry(BaseModel):
+class FileEntry(BaseModel):
     """A table of the file: only the keys listed, no conversion of types."""
 
     model_config: ClassVar[ConfigDict] = ConfigDict(extra="forbid", strict=True, frozen=True)

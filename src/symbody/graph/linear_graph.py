@@ -36,7 +36,7 @@ class LinearGraph:
         """Return the edge called `name`."""
         return next(edge for edge in self.edges if edge.name == name)
 
-    def unreached(
+    def unreached_nodes(
         self, names: Iterable[str] | None = None, from_nodes: Iterable[str] = ()
     ) -> tuple[str, ...]:
         """Return the nodes that the edges `names`, or all, do not join to the root or to `from_nodes`."""

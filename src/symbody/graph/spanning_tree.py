@@ -11,7 +11,7 @@ from symbody.graph.linear_graph import Edge, LinearGraph
 
 
 @dataclass(frozen=True, slots=True)
-class Branch:
+class TreeBranch:
     """A tree edge, walked from the side of the root.
 
     Attributes
@@ -30,7 +30,7 @@ class Branch:
 class SpanningTree:
     """Branches ordered so that every parent comes before its children, and the chords."""
 
-    branches: tuple[Branch, ...]
+    branches: tuple[TreeBranch, ...]
     chords: tuple[Edge, ...]
 
 
@@ -59,7 +59,7 @@ def spanning_tree(graph: LinearGraph, names: Collection[str]) -> SpanningTree:
         if edge.name in names:
             tree.add_edge(edge.start, edge.end, edge=edge)
     branches = tuple(
-        Branch(edge := tree.edges[parent, child]["edge"], parent, child, edge.start == parent)
+        TreeBranch(edge := tree.edges[parent, child]["edge"], parent, child, edge.start == parent)
         for parent, child in nx.bfs_edges(tree, graph.root)
     )
     return SpanningTree(branches, tuple(edge for edge in graph.edges if edge.name not in names))

@@ -12,7 +12,7 @@ from symbody.errors import Problem, TopologyError
 from symbody.graph.linear_graph import Edge, LinearGraph
 from symbody.graph.spanning_tree import SpanningTree, least_forest, spanning_tree
 from symbody.graph.trees import Preference, TreeChoice, cycle_problem, preferences
-from symbody.model.constraint import Contact
+from symbody.model.constraint import FrameConstraint
 from symbody.model.joint import InTrees, Joint
 from symbody.model.joints import Free
 from symbody.model.model import Model
@@ -43,7 +43,7 @@ class Topology:
     _named: SingleFlight[None, dict[str, Joint]] = field(
         default_factory=SingleFlight, init=False, compare=False, repr=False
     )
-    _links: SingleFlight[None, dict[str, Joint | Contact]] = field(
+    _links: SingleFlight[None, dict[str, Joint | FrameConstraint]] = field(
         default_factory=SingleFlight, init=False, compare=False, repr=False
     )
     # Names of the joints in each tree, filled on first use too: it is asked for each joint.
@@ -54,28 +54,28 @@ class Topology:
         return self._named.get(None, lambda: {joint.name: joint for joint in self.joints})[name]
 
     @property
-    def contacts(self) -> Mapping[str, Contact]:
+    def contacts(self) -> Mapping[str, FrameConstraint]:
         """The constraints between two frames, by name."""
-        return {part.name: part for part in self.model.constraints if isinstance(part, Contact)}
+        return {part.name: part for part in self.model.constraints if isinstance(part, FrameConstraint)}
 
-    def link(self, name: str) -> Joint | Contact | None:
+    def link(self, name: str) -> Joint | FrameConstraint | None:
         """Return what is called `name` and connects two frames, if it does."""
         return self._links.get(None, self._form_links).get(name)
 
-    def _form_links(self) -> dict[str, Joint | Contact]:
+    def _form_links(self) -> dict[str, Joint | FrameConstraint]:
         return {**self.contacts, **{joint.name: joint for joint in self.joints}}
 
     @property
-    def turning(self) -> frozenset[str]:
+    def rotation_branches(self) -> frozenset[str]:
         """Names of the joints in the rotation tree."""
-        return self._names_in("rotation", self.rotation)
+        return self._branch_names("rotation", self.rotation)
 
     @property
-    def sliding(self) -> frozenset[str]:
+    def translation_branches(self) -> frozenset[str]:
         """Names of the joints in the translation tree."""
-        return self._names_in("translation", self.translation)
+        return self._branch_names("translation", self.translation)
 
-    def _names_in(self, kind: str, tree: SpanningTree) -> frozenset[str]:
+    def _branch_names(self, kind: str, tree: SpanningTree) -> frozenset[str]:
         found = self._inside.get(kind)
         if found is None:
             found = self._inside[kind] = frozenset(branch.edge.name for branch in tree.branches)
@@ -140,7 +140,7 @@ def _loose(graph: LinearGraph, names: Sequence[str]) -> tuple[str, ...]:
     """Return one body of each part that the edges `names` do not join to ground."""
     loose: list[str] = []
     joined = set(names)
-    while missing := graph.unreached(joined, from_nodes=(graph.root, *loose)):
+    while missing := graph.unreached_nodes(joined, from_nodes=(graph.root, *loose)):
         loose.append(missing[0])
     return tuple(loose)
 
@@ -162,14 +162,14 @@ def _check_mixing(topology: Topology) -> None:
                 f"it is in one tree only, but its turning and shifting share {shared}",
                 "such a joint gives all its coordinates or none", "put it in both trees or in neither")
         for joint in topology.joints
-        if (joint.name in topology.turning) != (joint.name in topology.sliding)
-        and (shared := _shared(joint))
+        if (joint.name in topology.rotation_branches) != (joint.name in topology.translation_branches)
+        and (shared := _common_part(joint))
     ]  # fmt: skip
     if problems:
         raise TopologyError(*problems)
 
 
-def _shared(joint: Joint) -> str:
+def _common_part(joint: Joint) -> str:
     """Return what rotation and translation of a joint have in common, or nothing."""
     both = joint.coupled_coordinates
     if joint.shift_in == "end":
@@ -197,7 +197,7 @@ def _check_count(topology: Topology) -> None:
 def _notes(topology: Topology, free: Sequence[Free]) -> tuple[str, ...]:
     notes = []
     for joint in topology.model.joints:
-        turns, slides = joint.name in topology.turning, joint.name in topology.sliding
+        turns, slides = joint.name in topology.rotation_branches, joint.name in topology.translation_branches
         if not (turns or slides):
             reason = (
                 "its loop has cheaper joints" if joint.has_named_coordinates else "it names no coordinates"

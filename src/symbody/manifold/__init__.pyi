@@ -1,4 +1,4 @@
-from .branch import Branch as Branch
+from .branch import ConfigurationBranch as ConfigurationBranch
 from .branch import explore_branch as explore_branch
 from .manifold import Configuration as Configuration
 from .manifold import ConstraintManifold as ConstraintManifold

@@ -37,7 +37,7 @@ _MOST: Final = 6  # configurations examined at each depth
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Branch:
+class ConfigurationBranch:
     """The configurations about one that fulfils all constraints.
 
     Attributes
@@ -64,21 +64,21 @@ class Branch:
     is_decided: bool = True
 
 
-def explore_branch(manifold: ConstraintManifold, q: Floats) -> Branch:
+def explore_branch(manifold: ConstraintManifold, q: Floats) -> ConfigurationBranch:
     """Return the branch on which a configuration (n,) lies that fulfils the constraints."""
     search = _BranchSearch(manifold)
     basis = manifold.tangent(q)
     instantaneous = basis.shape[1]
     ends = search.tangent_ends(q, basis)
     if ends is not None:
-        return Branch(q, instantaneous, instantaneous, (instantaneous,), (q, *ends))
+        return ConfigurationBranch(q, instantaneous, instantaneous, (instantaneous,), (q, *ends))
     regular, is_decided = search.find_regular(q, basis)
     if not regular:
-        return Branch(q, 0, instantaneous, (0,), (q,), is_decided)
+        return ConfigurationBranch(q, 0, instantaneous, (0,), (q,), is_decided)
     dimensions = sorted({count for count, _ in regular}, reverse=True)
     points = [point for count, point in regular if count == dimensions[0]]
     points.sort(key=lambda point: float(np.linalg.norm((point - q) / manifold.sizes)))
-    return Branch(q, dimensions[0], instantaneous, tuple(dimensions), tuple(points), is_decided)
+    return ConfigurationBranch(q, dimensions[0], instantaneous, tuple(dimensions), tuple(points), is_decided)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -63,16 +63,14 @@ def as_body(given: object, where: str) -> BODY:
     _refuse(given, where, "a body", "give what make_BODY(...) returned")
 
 
-def reacting(given: object, where: str) -> BODY | None:
+def reaction_body(given: object, where: str) -> BODY | None:
     """Return the body a force reacts on; None for ground."""
     if given is None or (isinstance(given, FRAME) and not given.placed.steps):
         return None
     return as_body(given, where)
 
 
-def placed_vector(
-    arguments: Sequence[object], count: int, where: str
-) -> tuple[PlacedVector, Sequence[object]]:
+def read_vector(arguments: Sequence[object], count: int, where: str) -> tuple[PlacedVector, Sequence[object]]:
     """Return the vector that arguments begin with, a VECTOR or a frame and three components, and the rest.
 
     Raises
@@ -103,7 +101,7 @@ def components(given: Sequence[object]) -> Triple:
     return triple(x, y, z)
 
 
-def objects_of(given: object, where: str) -> list[OBJECT]:
+def read_objects(given: object, where: str) -> list[OBJECT]:
     """Return bodies, forces, torques, constraints: one, or any iterable; of a set in order of making."""
     if isinstance(given, BODY | FORCE | TORQUE | CONSTRAINT):
         return [given]
@@ -124,9 +122,9 @@ def objects_of(given: object, where: str) -> list[OBJECT]:
     return sorted(items, key=lambda item: item.serial) if isinstance(given, set | frozenset) else items
 
 
-def bodies_of(given: object, where: str) -> list[BODY]:
+def read_bodies(given: object, where: str) -> list[BODY]:
     """Return bodies: one, or any iterable; those of a set in order of making."""
-    return [as_body(item, where) for item in objects_of(given, where)]
+    return [as_body(item, where) for item in read_objects(given, where)]
 
 
 def _refuse(given: object, where: str, kind: str, cure: str) -> NoReturn:

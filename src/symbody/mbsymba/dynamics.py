@@ -11,19 +11,19 @@ from symbody.equations.by_hand.energies import kinetic_energy as kinetic
 from symbody.equations.by_hand.energies import lagrange
 from symbody.equations.by_hand.form import equations_by_hand
 from symbody.equations.by_hand.mechanism import (
-    HandPlaced,
+    MechanismByHand,
     PlacedForce,
     PlacedObject,
+    build_mechanism,
     check_coordinates,
-    hand_placed,
 )
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.formulations.lagrange import Lagrange
 from symbody.expr.sympy_bridge import SympyExpr
-from symbody.mbsymba.arguments import as_point, bodies_of, objects_of
+from symbody.mbsymba.arguments import as_point, read_bodies, read_objects
 from symbody.mbsymba.objects import BODY, FRAME, OBJECT, POINT, VECTOR
-from symbody.mbsymba.workplace import WORKPLACE, function_names, write
+from symbody.mbsymba.workplace import WORKPLACE, function_names, to_sympy_expressions
 from symbody.model.door import Value
 
 Objects = OBJECT | Iterable[OBJECT]
@@ -43,7 +43,7 @@ class Equations(list[SympyExpr]):
     def __init__(
         self,
         expressions: Iterable[SympyExpr],
-        mechanism: HandPlaced,
+        mechanism: MechanismByHand,
         coordinates: tuple[str, ...],
         natural: bool,
     ) -> None:
@@ -64,7 +64,7 @@ def newton_equations(objects: Objects) -> VECTOR:
     Forces on other bodies do not count, forces between the bodies cancel. Weights count by themselves once
     set_gravity was called: then leave them out of the forces.
     """
-    items = [item.placed for item in objects_of(objects, "newton_equations")]
+    items = [item.placed for item in read_objects(objects, "newton_equations")]
     _warn_of_weights(items)
     return VECTOR(newton(WORKPLACE.graph, items, WORKPLACE.gravity))
 
@@ -75,7 +75,7 @@ def euler_equations(objects: Objects, pole: POINT | FRAME | BODY) -> VECTOR:
     ``I alpha + w x I w + (G - P) x m a - M``, 0 in every motion, whatever the pole. Weights count as in
     `newton_equations`.
     """
-    items = [item.placed for item in objects_of(objects, "euler_equations")]
+    items = [item.placed for item in read_objects(objects, "euler_equations")]
     _warn_of_weights(items)
     return VECTOR(euler(WORKPLACE.graph, items, as_point(pole, "euler_equations"), WORKPLACE.gravity))
 
@@ -86,14 +86,14 @@ def kinetic_energy(bodies: BODY | Iterable[BODY], nat_coords: bool = False) -> S
     With ``nat_coords`` its mass matrix is constant in natural coordinates; where they are unit vectors, it is
     the same.
     """
-    items = [body.placed for body in bodies_of(bodies, "kinetic_energy")]
-    return write([kinetic(WORKPLACE.graph, items, nat_coords)])[0]
+    items = [body.placed for body in read_bodies(bodies, "kinetic_energy")]
+    return to_sympy_expressions([kinetic(WORKPLACE.graph, items, nat_coords)])[0]
 
 
 def gravitational_energy(bodies: BODY | Iterable[BODY]) -> SympyExpr:
     """Return the potential energy of bodies in the gravity of set_gravity, 0 at the origin of ground."""
-    items = [body.placed for body in bodies_of(bodies, "gravitational_energy")]
-    return write([gravitational(WORKPLACE.graph, items, WORKPLACE.gravity)])[0]
+    items = [body.placed for body in read_bodies(bodies, "gravitational_energy")]
+    return to_sympy_expressions([gravitational(WORKPLACE.graph, items, WORKPLACE.gravity)])[0]
 
 
 def lagrange_equations(
@@ -121,7 +121,7 @@ def lagrange_equations(
     names = function_names(variables, "lagrange_equations")
     coordinates = tuple(name for name in names if name not in mechanism.multipliers)
     check_coordinates(mechanism, coordinates)
-    equations = write(lagrange(mechanism, coordinates, nat_coords))
+    equations = to_sympy_expressions(lagrange(mechanism, coordinates, nat_coords))
     return Equations(equations, mechanism, coordinates, nat_coords)
 
 
@@ -170,10 +170,10 @@ def equation_set(
     )
 
 
-def _mechanism(objects: Objects, where: str) -> HandPlaced:
-    items = [item.placed for item in objects_of(objects, where)]
+def _mechanism(objects: Objects, where: str) -> MechanismByHand:
+    items = [item.placed for item in read_objects(objects, where)]
     _warn_of_weights(items)
-    return hand_placed(items, WORKPLACE.gravity)
+    return build_mechanism(items, WORKPLACE.gravity)
 
 
 def _warn_of_weights(items: Iterable[PlacedObject]) -> None:

@@ -6,13 +6,13 @@ from typing import Final
 
 from symbody.errors import FrameError, Problem
 from symbody.expr.expression import sqrt
-from symbody.expr.fingerprint import vanishing
+from symbody.expr.fingerprint import find_zeros
 from symbody.expr.sympy_bridge import SympyExpr, SympyMatrix
 from symbody.mbsymba.arguments import as_frame
 from symbody.mbsymba.objects import FRAME, VECTOR
-from symbody.mbsymba.workplace import WORKPLACE, read, triple
+from symbody.mbsymba.workplace import WORKPLACE, to_expressions, triple
 from symbody.vectors.matrix import Triple, Vector3
-from symbody.vectors.moving import turned_by
+from symbody.vectors.moving import axis_rotation_step
 from symbody.vectors.placed import GROUND_FRAME, PlacedFrame, Shift
 
 ground: Final = FRAME(GROUND_FRAME)
@@ -40,7 +40,7 @@ def rotate(axis: str | VECTOR, angle: SympyExpr | float) -> FRAME:
     FrameError
         If the axis is neither, or the null vector.
     """
-    return FRAME(PlacedFrame((turned_by(WORKPLACE.graph, _axis(axis), read([angle])[0]),)))
+    return FRAME(PlacedFrame((axis_rotation_step(WORKPLACE.graph, _axis(axis), to_expressions([angle])[0]),)))
 
 
 def inv_frame(RF: FRAME | SympyMatrix) -> FRAME:
@@ -59,7 +59,7 @@ def _axis(axis: str | VECTOR) -> Triple:
         )  # fmt: skip
     direction = Vector3(axis.placed.components)
     square = direction.dot(direction)
-    null, unit = vanishing(square.graph, [square.index, (square - 1).index])
+    null, unit = find_zeros(square.graph, [square.index, (square - 1).index])
     if null:
         raise FrameError(
             Problem("mbsymba.null_axis", "rotate", "the axis is the null vector", "it has no direction",

@@ -7,13 +7,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from symbody.equations.by_hand.linear import (
     coefficient_matrix,
     first_order_system,
-    linearized,
+    linearize_at,
     state_matrices,
 )
 from symbody.equations.index_reduction.separation import Separation, separate_derivatives
 from symbody.errors import Problem, UsageError
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.opcodes import SYMBOL
 from symbody.expr.sympy_bridge import (
     SympyEquation,
@@ -23,7 +23,7 @@ from symbody.expr.sympy_bridge import (
     symbol_to_sympy,
     sympy_derivative,
 )
-from symbody.mbsymba.workplace import WORKPLACE, function_names, read, write
+from symbody.mbsymba.workplace import WORKPLACE, function_names, to_expressions, to_sympy_expressions
 
 Equation = SympyExpr | SympyEquation
 
@@ -58,9 +58,9 @@ def first_order(
         Accepted as in the scripts, and not used.
     """
     graph = WORKPLACE.graph
-    symbols = [Symbol(name, Kind.COORDINATE) for name in function_names(variables, "first_order")]
+    symbols = [Symbol(name, SymbolKind.COORDINATE) for name in function_names(variables, "first_order")]
     symbols_of_first_order, nodes = first_order_system(graph, nodes_from_equations(eqns, graph), symbols)
-    return [symbol_to_sympy(symbol) for symbol in symbols_of_first_order], _written(graph, nodes)
+    return [symbol_to_sympy(symbol) for symbol in symbols_of_first_order], _write(graph, nodes)
 
 
 def linearize(eqns: Iterable[Equation], point: Mapping[SympyExpr, SympyExpr | float]) -> list[SympyExpr]:
@@ -77,8 +77,8 @@ def linearize(eqns: Iterable[Equation], point: Mapping[SympyExpr, SympyExpr | fl
     graph = WORKPLACE.graph
     roots = nodes_from_equations(eqns, graph)
     unknowns = _symbol_nodes(graph, point, "linearize")
-    values = [value.index for value in read(point.values())]
-    return _written(graph, linearized(graph, roots, dict(zip(unknowns, values, strict=True))))
+    values = [value.index for value in to_expressions(point.values())]
+    return _write(graph, linearize_at(graph, roots, dict(zip(unknowns, values, strict=True))))
 
 
 def state_space(
@@ -94,7 +94,7 @@ def state_space(
         If the equations are not linear in x and x', or hold higher derivatives.
     """
     graph = WORKPLACE.graph
-    symbols = [Symbol(name, Kind.COORDINATE) for name in function_names(x, "state_space")]
+    symbols = [Symbol(name, SymbolKind.COORDINATE) for name in function_names(x, "state_space")]
     left, right, rest = state_matrices(graph, nodes_from_equations(eqns, graph), symbols)
     return _matrix(graph, left), _matrix(graph, right), _column(graph, rest)
 
@@ -138,7 +138,7 @@ def LUMethod(eqns: Iterable[Equation], derivatives: Iterable[SympyExpr]) -> Sepa
 
 def _symbol_nodes(graph: Graph, variables: Iterable[SympyExpr], where: str) -> list[int]:
     items = list(variables)
-    nodes = [value.index for value in read(items)]
+    nodes = [value.index for value in to_expressions(items)]
     wrong = [str(item) for item, node in zip(items, nodes, strict=True) if graph.ops[node] != SYMBOL]
     if wrong:
         raise UsageError(
@@ -149,14 +149,14 @@ def _symbol_nodes(graph: Graph, variables: Iterable[SympyExpr], where: str) -> l
     return nodes
 
 
-def _written(graph: Graph, nodes: Sequence[int]) -> list[SympyExpr]:
-    return write([Expr(graph, node) for node in nodes])
+def _write(graph: Graph, nodes: Sequence[int]) -> list[SympyExpr]:
+    return to_sympy_expressions([Expr(graph, node) for node in nodes])
 
 
 def _matrix(graph: Graph, rows: Sequence[Sequence[int]]) -> SympyMatrix:
-    flat = _written(graph, [node for row in rows for node in row])
+    flat = _write(graph, [node for row in rows for node in row])
     return SympyMatrix(len(rows), len(flat) // max(1, len(rows)), flat)
 
 
 def _column(graph: Graph, nodes: Sequence[int]) -> SympyMatrix:
-    return SympyMatrix(len(nodes), 1, _written(graph, nodes))
+    return SympyMatrix(len(nodes), 1, _write(graph, nodes))

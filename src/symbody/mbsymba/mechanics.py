@@ -9,9 +9,9 @@ from symbody.equations.by_hand.mechanism import PlacedBody, PlacedConstraint, Pl
 from symbody.errors import ModelError, Problem
 from symbody.expr.expression import Expr
 from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, nodes_from_equations
-from symbody.mbsymba.arguments import as_body, as_point, as_vector, placed_vector, reacting
+from symbody.mbsymba.arguments import as_body, as_point, as_vector, reaction_body, read_vector
 from symbody.mbsymba.objects import BODY, CONSTRAINT, FORCE, FRAME, POINT, TORQUE, VECTOR
-from symbody.mbsymba.workplace import WORKPLACE, function_names, read
+from symbody.mbsymba.workplace import WORKPLACE, function_names, to_expressions
 from symbody.vectors.placed import PlacedFrame, PlacedPoint
 from symbody.vectors.rotation import AxisRotation
 
@@ -44,7 +44,7 @@ def make_BODY(
     name : str
         In the names of results; body1, body2 by default.
     """
-    mass, xx, yy, zz, yz, xz, xy = read((m, Ixx, Iyy, Izz, Cyz, Cxz, Cxy))
+    mass, xx, yy, zz, yz, xz, xy = to_expressions((m, Ixx, Iyy, Izz, Cyz, Cxz, Cxy))
     tensor = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
     body = PlacedBody(name, as_point(G, "make_BODY"), mass, tensor)
     _warn_of_plane(body)
@@ -61,8 +61,8 @@ def make_FORCE(*arguments: object) -> FORCE:
     UsageError, FrameError
         If the arguments are not these.
     """
-    vector, (P, B1, *B2) = placed_vector(arguments, 3, "make_FORCE")
-    on, back = as_body(B1, "make_FORCE"), reacting(B2[0] if B2 else None, "make_FORCE")
+    vector, (P, B1, *B2) = read_vector(arguments, 3, "make_FORCE")
+    on, back = as_body(B1, "make_FORCE"), reaction_body(B2[0] if B2 else None, "make_FORCE")
     force = PlacedForce(vector, as_point(P, "make_FORCE"), on.placed, back.placed if back else None)
     return FORCE(force, next(WORKPLACE.serial))
 
@@ -77,8 +77,8 @@ def make_TORQUE(*arguments: object) -> TORQUE:
     UsageError, FrameError
         If the arguments are not these.
     """
-    vector, (B1, *B2) = placed_vector(arguments, 2, "make_TORQUE")
-    on, back = as_body(B1, "make_TORQUE"), reacting(B2[0] if B2 else None, "make_TORQUE")
+    vector, (B1, *B2) = read_vector(arguments, 2, "make_TORQUE")
+    on, back = as_body(B1, "make_TORQUE"), reaction_body(B2[0] if B2 else None, "make_TORQUE")
     return TORQUE(PlacedTorque(vector, on.placed, back.placed if back else None), next(WORKPLACE.serial))
 
 

@@ -11,7 +11,7 @@ from symbody.errors import FrameError, Problem
 from symbody.expr.expression import Expr, common_graph
 from symbody.expr.fingerprint import fingerprints
 from symbody.expr.sympy_bridge import SympyExpr, SympyMatrix, is_matrix
-from symbody.mbsymba.workplace import WORKPLACE, read, write
+from symbody.mbsymba.workplace import WORKPLACE, to_expressions, to_sympy_expressions
 from symbody.vectors.placed import PlacedFrame, PlacedPoint, PlacedVector, Shift, homogeneous
 from symbody.vectors.rotation import DirectionCosines
 
@@ -56,7 +56,7 @@ class FRAME(Shown):
     def matrix(self) -> SympyMatrix:
         """The homogeneous matrix."""
         rows = homogeneous(self.placed, WORKPLACE.graph)
-        return SympyMatrix(4, 4, write([entry for row in rows for entry in row]))
+        return SympyMatrix(4, 4, to_sympy_expressions([entry for row in rows for entry in row]))
 
     def __mul__(self, other: FRAME | POINT | VECTOR | SympyMatrix) -> FRAME | POINT | VECTOR | SympyMatrix:
         if isinstance(other, FRAME):
@@ -64,7 +64,7 @@ class FRAME(Shown):
         if isinstance(other, POINT):
             return POINT(PlacedPoint(PlacedFrame(), self.placed.place(other.placed.coordinates)))
         if isinstance(other, VECTOR):
-            return VECTOR(PlacedVector(PlacedFrame(), self.placed.turn(other.placed.components)))
+            return VECTOR(PlacedVector(PlacedFrame(), self.placed.rotate(other.placed.components)))
         if is_matrix(other):
             return _times(self, other)
         return NotImplemented
@@ -101,15 +101,15 @@ class POINT(Shown):
     @property
     def coords(self) -> SympyMatrix:
         """The coordinates, then 1."""
-        return SympyMatrix([*write(self.placed.coordinates), 1])
+        return SympyMatrix([*to_sympy_expressions(self.placed.coordinates), 1])
 
     def __sub__(self, other: POINT) -> VECTOR:
-        there = self.placed.projected(other.placed.frame).coordinates
+        there = self.placed.express_in(other.placed.frame).coordinates
         x, y, z = (a - b for a, b in zip(there, other.placed.coordinates, strict=True))
         return VECTOR(PlacedVector(other.placed.frame, (x, y, z)))
 
     def __add__(self, other: VECTOR) -> POINT:
-        here = other.placed.projected(self.placed.frame).components
+        here = other.placed.express_in(self.placed.frame).components
         x, y, z = (a + b for a, b in zip(self.placed.coordinates, here, strict=True))
         return POINT(PlacedPoint(self.placed.frame, (x, y, z)))
 
@@ -141,7 +141,7 @@ class VECTOR(Shown):
     @property
     def comps(self) -> SympyMatrix:
         """The components, then 0."""
-        return SympyMatrix([*write(self.placed.components), 0])
+        return SympyMatrix([*to_sympy_expressions(self.placed.components), 0])
 
     def __add__(self, other: VECTOR) -> VECTOR:
         return VECTOR(self.placed + other.placed) if isinstance(other, VECTOR) else NotImplemented
@@ -153,12 +153,12 @@ class VECTOR(Shown):
         return VECTOR(-self.placed)
 
     def __mul__(self, factor: SympyExpr | float) -> VECTOR:
-        return VECTOR(self.placed * read([factor])[0])
+        return VECTOR(self.placed * to_expressions([factor])[0])
 
     __rmul__ = __mul__
 
     def __truediv__(self, divisor: SympyExpr | float) -> VECTOR:
-        return VECTOR(self.placed * (1 / read([divisor])[0]))
+        return VECTOR(self.placed * (1 / to_expressions([divisor])[0]))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, VECTOR) and marks(self.placed.in_ground) == marks(other.placed.in_ground)
@@ -188,12 +188,12 @@ class BODY(Shown):
     @property
     def mass(self) -> SympyExpr:
         """The mass."""
-        return write([self.placed.mass])[0]
+        return to_sympy_expressions([self.placed.mass])[0]
 
     @property
     def inertia(self) -> SympyMatrix:
         """The inertia tensor about the centre of mass."""
-        return SympyMatrix(3, 3, write([entry for row in self.placed.tensor for entry in row]))
+        return SympyMatrix(3, 3, to_sympy_expressions([entry for row in self.placed.tensor for entry in row]))
 
     def lines(self) -> list[str]:
         """Return mass, inertia, centre of mass and frame."""
@@ -268,7 +268,7 @@ class CONSTRAINT(Shown):
     @property
     def exprs(self) -> list[SympyExpr]:
         """What vanishes."""
-        return write(self.placed.values)
+        return to_sympy_expressions(self.placed.values)
 
     def lines(self) -> list[str]:
         """Return each equation with its multiplier."""
@@ -294,7 +294,7 @@ def frame_of_matrix(matrix: SympyMatrix) -> PlacedFrame:
                     "a frame is a 4 x 4 matrix with the last row 0, 0, 0, 1",
                     "put the axes in the first three columns and the origin in the fourth")
         )  # fmt: skip
-    a = read(matrix)
+    a = to_expressions(matrix)
     r, R = (a[3], a[7], a[11]), ((a[0], a[1], a[2]), (a[4], a[5], a[6]), (a[8], a[9], a[10]))
     turn = DirectionCosines(R)
     return PlacedFrame((Shift(r),) if turn.is_identity else (Shift(r), turn))
@@ -310,10 +310,10 @@ def _times(frame: FRAME, matrix: SympyMatrix) -> FRAME | SympyMatrix:
                     "coordinates of a point are x, y, z, 1; components of a vector x, y, z, 0",
                     "give four rows")
         )  # fmt: skip
-    x, y, z = read(matrix[:3])
+    x, y, z = to_expressions(matrix[:3])
     here = (x, y, z)
-    there = frame.placed.place(here) if matrix[3] == 1 else frame.placed.turn(here)
-    return SympyMatrix([*write(there), matrix[3]])
+    there = frame.placed.place(here) if matrix[3] == 1 else frame.placed.rotate(here)
+    return SympyMatrix([*to_sympy_expressions(there), matrix[3]])
 
 
 def _entries(frame: FRAME) -> list[Expr]:

@@ -6,11 +6,11 @@ from symbody.equations.by_hand.mechanism import PlacedForce, PlacedTorque
 from symbody.expr.sympy_bridge import SympyExpr, SympyMatrix
 from symbody.mbsymba.arguments import as_frame, as_point, as_vector
 from symbody.mbsymba.objects import BODY, FORCE, FRAME, POINT, TORQUE, VECTOR
-from symbody.mbsymba.workplace import WORKPLACE, triple, write
+from symbody.mbsymba.workplace import WORKPLACE, to_sympy_expressions, triple
 from symbody.vectors.moving import acceleration as acceleration_of
 from symbody.vectors.moving import angular_velocity as angular_velocity_of
 from symbody.vectors.moving import velocity as velocity_of
-from symbody.vectors.placed import GROUND_FRAME, PlacedPoint, PlacedVector, joined
+from symbody.vectors.placed import GROUND_FRAME, PlacedPoint, PlacedVector, vector_between
 
 Scalar = SympyExpr | float
 AnyFrame = FRAME | SympyMatrix
@@ -29,21 +29,21 @@ def make_VECTOR(RF: AnyFrame, x: Scalar, y: Scalar, z: Scalar) -> VECTOR:
 
 def join_points(P: POINT, Q: POINT) -> VECTOR:
     """Return the vector from P to Q, in the frame of P."""
-    return VECTOR(joined(as_point(P, "join_points"), as_point(Q, "join_points")))
+    return VECTOR(vector_between(as_point(P, "join_points"), as_point(Q, "join_points")))
 
 
 def project(thing: POINT | VECTOR | FORCE | TORQUE, RF: AnyFrame) -> POINT | VECTOR | FORCE | TORQUE:
     """Return the same point, vector, force or torque, expressed in a frame."""
     frame = as_frame(RF, "project")
     if isinstance(thing, POINT):
-        return POINT(thing.placed.projected(frame))
+        return POINT(thing.placed.express_in(frame))
     if isinstance(thing, FORCE):
         f = thing.placed
-        return FORCE(PlacedForce(f.vector.projected(frame), f.point, f.on, f.reaction_on), thing.serial)
+        return FORCE(PlacedForce(f.vector.express_in(frame), f.point, f.on, f.reaction_on), thing.serial)
     if isinstance(thing, TORQUE):
         m = thing.placed
-        return TORQUE(PlacedTorque(m.vector.projected(frame), m.on, m.reaction_on), thing.serial)
-    return VECTOR(as_vector(thing, "project").projected(frame))
+        return TORQUE(PlacedTorque(m.vector.express_in(frame), m.on, m.reaction_on), thing.serial)
+    return VECTOR(as_vector(thing, "project").express_in(frame))
 
 
 def origin(RF: AnyFrame) -> POINT:
@@ -83,12 +83,14 @@ def comp_Z(v: AnyVector | POINT) -> SympyExpr:
 
 def comp_XYZ(v: AnyVector | POINT) -> list[SympyExpr]:
     """Return the three components of a vector in its frame; of a point the coordinates."""
-    return write(v.placed.coordinates if isinstance(v, POINT) else as_vector(v, "comp_XYZ").components)
+    return to_sympy_expressions(
+        v.placed.coordinates if isinstance(v, POINT) else as_vector(v, "comp_XYZ").components
+    )
 
 
 def dot_prod(u: AnyVector, v: AnyVector) -> SympyExpr:
     """Return the scalar product: 0 for vectors at right angles."""
-    return write([as_vector(u, "dot_prod").dot(as_vector(v, "dot_prod"))])[0]
+    return to_sympy_expressions([as_vector(u, "dot_prod").dot(as_vector(v, "dot_prod"))])[0]
 
 
 def cross_prod(u: AnyVector, v: AnyVector) -> VECTOR:
@@ -111,11 +113,11 @@ def acceleration(P: POINT | FRAME | BODY) -> VECTOR:
 
 def angular_velocity(RF: AnyFrame | BODY, RF2: AnyFrame | BODY | None = None) -> VECTOR:
     """Return the angular velocity of RF relative to RF2, or to ground, in RF."""
-    first, second = (_axes_of(item) for item in (RF, RF2))
+    first, second = (_frame_axes(item) for item in (RF, RF2))
     return VECTOR(angular_velocity_of(WORKPLACE.graph, as_frame(first, "angular_velocity"), second.placed))
 
 
-def _axes_of(given: AnyFrame | BODY | None) -> FRAME:
+def _frame_axes(given: AnyFrame | BODY | None) -> FRAME:
     """Return the axes that something turns with; of nothing those of ground."""
     if given is None:
         return FRAME(GROUND_FRAME)

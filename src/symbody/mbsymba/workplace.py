@@ -11,7 +11,7 @@ from weakref import ReferenceType, ref
 from symbody.errors import Problem, UsageError
 from symbody.expr.closed_form import readable
 from symbody.expr.expression import Expr, common_graph
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.opcodes import SYMBOL
 from symbody.expr.sympy_bridge import SympyExpr, nodes_from_sympy, to_sympy
 from symbody.vectors.matrix import Triple
@@ -39,7 +39,7 @@ class Workplace(local):
 WORKPLACE: Final = Workplace()
 
 
-def read(values: Iterable[object]) -> list[Expr]:
+def to_expressions(values: Iterable[object]) -> list[Expr]:
     """Return SymPy expressions, or numbers, as expressions of this thread's graph."""
     graph = WORKPLACE.graph
     return [Expr(graph, node) for node in nodes_from_sympy(values, graph)]
@@ -47,11 +47,11 @@ def read(values: Iterable[object]) -> list[Expr]:
 
 def triple(x: object, y: object, z: object) -> Triple:
     """Return three components."""
-    a, b, c = read((x, y, z))
+    a, b, c = to_expressions((x, y, z))
     return (a, b, c)
 
 
-def write(values: Sequence[Expr]) -> list[SympyExpr]:
+def to_sympy_expressions(values: Sequence[Expr]) -> list[SympyExpr]:
     """Return expressions in the short form in which books print them, as SymPy's."""
     if not values:
         return []
@@ -68,7 +68,7 @@ def function_names(given: object, where: str) -> list[str]:
         If something is no function of time.
     """
     items = list(given) if isinstance(given, Iterable) else [given]
-    symbols = [_symbol_of(value) for value in read(items)]
+    symbols = [_coordinate_symbol(value) for value in to_expressions(items)]
     wrong = [str(item) for item, symbol in zip(items, symbols, strict=True) if symbol is None]
     if wrong:
         raise UsageError(
@@ -79,7 +79,7 @@ def function_names(given: object, where: str) -> list[str]:
     return [symbol.name for symbol in symbols if symbol is not None]
 
 
-def _symbol_of(value: Expr) -> Symbol | None:
+def _coordinate_symbol(value: Expr) -> Symbol | None:
     graph = value.graph
     symbol = graph.symbols[graph.left[value.index]] if graph.ops[value.index] == SYMBOL else None
-    return symbol if symbol and symbol.kind is Kind.COORDINATE and not symbol.order else None
+    return symbol if symbol and symbol.kind is SymbolKind.COORDINATE and not symbol.order else None

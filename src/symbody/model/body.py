@@ -7,31 +7,31 @@ from typing import ClassVar, final
 
 from symbody.expr.language.tokens import normalize
 from symbody.model.declaration import Field
-from symbody.model.door import Door
-from symbody.model.element import Address, Element, address_of
+from symbody.model.door import Arguments
+from symbody.model.element import Element, FrameRef, make_frame_ref
 from symbody.model.fields import Flag, Quantity, VectorQuantity, part
 from symbody.model.frame import Frame
 from symbody.model.naming import CENTRE, element_problem
 from symbody.model.shapes.shape import Shapes
-from symbody.model.table import Table
-from symbody.model.uses import Use
+from symbody.model.table import FrozenMapping
+from symbody.model.uses import FormulaSite
 
 
-class Frames(Field[Mapping[str, Frame] | None, Table[Frame]]):
+class Frames(Field[Mapping[str, Frame] | None, FrozenMapping[Frame]]):
     """Frames by name."""
 
     role: ClassVar[str] = "frames"
     takes: ClassVar[str] = "mapping of name to Frame"
     annotation: ClassVar[str] = "Mapping[str, Frame] | None"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> Table[Frame]:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> FrozenMapping[Frame]:
         """Return the frames."""
         return frame_table(door, value or {}, path)
 
-    def formula_sites(self, owner: object, value: Table[Frame], path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: FrozenMapping[Frame], path: str) -> Iterator[FormulaSite]:
         """Return where their formulas stand."""
         for name, frame in value.items():
-            yield from frame.uses(f"{path}.{name}")
+            yield from frame.formula_sites(f"{path}.{name}")
 
 
 @final
@@ -63,59 +63,59 @@ class Body(Element):
         "What is seen of it; without any it is drawn as rods between its joints.", default=(), place="shape"
     )
 
-    def __getitem__(self, frame: str) -> Address:
+    def __getitem__(self, frame: str) -> FrameRef:
         """Return a frame of this body, for use in joints and forces."""
-        return address_of(self.name, normalize(frame), self)
+        return make_frame_ref(self.name, normalize(frame), self)
 
-    def shape_uses(self) -> Iterator[Use]:
+    def shape_formula_sites(self) -> Iterator[FormulaSite]:
         """Return where the formulas of its shapes stand, which nothing but pictures evaluates."""
         for k, shape in enumerate(self.shapes):
-            yield from shape.uses(f"shape[{k}]")
+            yield from shape.formula_sites(f"shape[{k}]")
 
 
-FrameLike = Body | Address | str | tuple[Body | str, str]
+FrameLike = Body | FrameRef | str | tuple[Body | str, str]
 
 
-def address_from(door: Door, place: object, path: str) -> Address:
+def read_frame_ref(door: Arguments, place: object, path: str) -> FrameRef:
     """Return the address of a place given as body, ``body["frame"]``, text or (body, frame name)."""
-    if isinstance(place, Address):
+    if isinstance(place, FrameRef):
         return place
     if isinstance(place, Body):
-        return address_of(place.name, "", place)
+        return make_frame_ref(place.name, "", place)
     if isinstance(place, str):
-        return _parsed(door, place, path)
+        return _parse_frame_ref(door, place, path)
     if isinstance(place, tuple) and len(place) == 2 and isinstance(place[1], str):
         body, frame = place
         if isinstance(body, Body):
             return body[frame]
         if isinstance(body, str):
-            return address_of(normalize(body), normalize(frame))
+            return make_frame_ref(normalize(body), normalize(frame))
     is_frame = isinstance(place, Frame)
-    door.refuse(
+    door.add(
         "model.not_a_place",
         path,
         f"{'a Frame' if is_frame else repr(place)} is not a place on a body",
         "a Frame does not know which body it is on" if is_frame else "",
         'give a Body, body["frame"], or a text such as "Body.Frame"',
     )
-    return Address("ground")
+    return FrameRef("ground")
 
 
-def _parsed(door: Door, text: str, path: str) -> Address:
+def _parse_frame_ref(door: Arguments, text: str, path: str) -> FrameRef:
     body, dot, frame = (part.strip() for part in normalize(text).partition("."))
     if body and bool(frame) == bool(dot) and "." not in frame:
-        return address_of(body, frame)
-    door.refuse(
+        return make_frame_ref(body, frame)
+    door.add(
         "model.bad_address",
         path,
         f"{text!r} is not an address",
         "",
         "write Body.Frame, or Body for its centre of mass, or ground",
     )
-    return Address("ground")
+    return FrameRef("ground")
 
 
-def frame_table(door: Door, frames: object, path: str) -> Table[Frame]:
+def frame_table(door: Arguments, frames: object, path: str) -> FrozenMapping[Frame]:
     """Return named frames, checked."""
     table = door.table(frames, path, lambda value, place: _frame(door, value, place))
     for name in table:
@@ -123,7 +123,7 @@ def frame_table(door: Door, frames: object, path: str) -> Table[Frame]:
         if problem is not None:
             door.problems.append(problem)
         if name == CENTRE:
-            door.refuse(
+            door.add(
                 "names.reserved",
                 f"{path}.{name}",
                 f"the name {CENTRE!r} is taken: every body has it",
@@ -133,8 +133,8 @@ def frame_table(door: Door, frames: object, path: str) -> Table[Frame]:
     return table
 
 
-def _frame(door: Door, value: object, path: str) -> Frame:
+def _frame(door: Arguments, value: object, path: str) -> Frame:
     if isinstance(value, Frame):
         return value
-    door.refuse("model.not_a_frame", path, f"{value!r} is not a frame", "", "write Frame(at=(x, y, z))")
+    door.add("model.not_a_frame", path, f"{value!r} is not a frame", "", "write Frame(at=(x, y, z))")
     return Frame()

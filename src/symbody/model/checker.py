@@ -9,12 +9,12 @@ from typing import Final
 from symbody.errors import ExpressionError, Problem
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
-from symbody.model.numbers import as_float, value_of
+from symbody.model.numbers import as_float, formula_value
 
 _UNIT: Final = 1e-9
 
 
-class Checker:
+class NumericChecks:
     """Values of formulas under given parameters; collects what is wrong and what is merely unusual.
 
     Parameters
@@ -33,7 +33,7 @@ class Checker:
     def value(self, formula: Formula, where: str) -> float | None:
         """Return the value of a formula, or None if it has none or one that is not finite."""
         try:
-            value = value_of(formula, self.parameters)
+            value = formula_value(formula, self.parameters)
         except ExpressionError as error:
             self.problems.extend(Problem(p.code, where, p.what, p.why, p.fix) for p in error.problems)
             return None
@@ -60,17 +60,17 @@ class Checker:
         """Note an error."""
         self.problems.append(Problem(code, where, what, why, fix))
 
-    def remark(self, text: str) -> None:
+    def note(self, text: str) -> None:
         """Note something legal but unusual."""
         self.notes.append(text)
 
 
-def need_value(check: Checker, formula: Formula, where: str) -> None:
+def need_value(check: NumericChecks, formula: Formula, where: str) -> None:
     """Refuse a formula whose value is not finite."""
     check.value(formula, where)
 
 
-def check_axis(check: Checker, axis: Sequence[Formula], where: str) -> None:
+def check_axis(check: NumericChecks, axis: Sequence[Formula], where: str) -> None:
     """Refuse a direction of length zero; remark on one that is normalized."""
     values = check.values(axis, where)
     if values is None:
@@ -85,20 +85,20 @@ def check_axis(check: Checker, axis: Sequence[Formula], where: str) -> None:
             'give a direction, for instance "z" or [0, 0, 1]',
         )
     elif abs(length - 1) > _UNIT:
-        check.remark(f"{where}: the axis of length {length:g} is normalized")
+        check.note(f"{where}: the axis of length {length:g} is normalized")
 
 
-def check_angle(check: Checker, angle: Formula, where: str) -> None:
+def check_angle(check: NumericChecks, angle: Formula, where: str) -> None:
     """Remark on an angle of more than a turn, which may be in degrees."""
     value = check.value(angle, where)
     if value is not None and abs(value) > 2 * math.pi:
-        check.remark(f'{where}: {value:g} rad is more than a turn; degrees are written "{value:g} deg"')
+        check.note(f'{where}: {value:g} rad is more than a turn; degrees are written "{value:g} deg"')
 
 
-def positive_length(why: str) -> Callable[[Checker, Formula, str], None]:
+def positive_length(why: str) -> Callable[[NumericChecks, Formula, str], None]:
     """Return the check of a length that has to be above zero; `why` is the cause of the fault."""
 
-    def check_length(check: Checker, length: Formula, where: str) -> None:
+    def check_length(check: NumericChecks, length: Formula, where: str) -> None:
         value = check.value(length, where)
         if value is not None and value <= 0:
             check.refuse(
@@ -108,7 +108,7 @@ def positive_length(why: str) -> Callable[[Checker, Formula, str], None]:
     return check_length
 
 
-def refuse_zero_ratio(check: Checker, ratio: Formula, where: str) -> None:
+def refuse_zero_ratio(check: NumericChecks, ratio: Formula, where: str) -> None:
     """Refuse a ratio of zero."""
     if check.value(ratio, where) == 0:
         check.refuse(
@@ -120,9 +120,9 @@ def refuse_zero_ratio(check: Checker, ratio: Formula, where: str) -> None:
         )
 
 
-def remark_negative(check: Checker, coefficient: Formula, where: str) -> None:
+def note_negative(check: NumericChecks, coefficient: Formula, where: str) -> None:
     """Remark on a negative stiffness or damping; the last word of its place is what it is."""
     value = check.value(coefficient, where)
     if value is not None and value < 0:
         label, _, path = where.partition(", ")
-        check.remark(f"{label}: the {path.rpartition('.')[2]} {coefficient} is negative ({value:g})")
+        check.note(f"{label}: the {path.rpartition('.')[2]} {coefficient} is negative ({value:g})")

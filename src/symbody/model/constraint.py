@@ -9,7 +9,7 @@ from symbody.model.element_fields import Connection, element
 
 
 @element
-class Condition(Element):
+class ConstraintElement(Element):
     """Equations that a motion fulfils beside those of the joints; each has a multiplier.
 
     Attributes
@@ -33,5 +33,5 @@ class Condition(Element):
 
 
 @element
-class Contact(Condition, Connection):
+class FrameConstraint(ConstraintElement, Connection):
     """A condition between two frames: its multipliers are a wrench on end and its opposite on start."""

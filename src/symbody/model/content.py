@@ -17,7 +17,7 @@ from symbody.expr.language.formula import Formula
 _OURS: Final = "symbody."
 
 
-def content_of(*values: object) -> bytes:
+def content_bytes(*values: object) -> bytes:
     """Return frozen values as bytes; empty if something in them is not data of this package.
 
     Classes of a user's own, and functions, may do tomorrow what they do not do today.
@@ -41,7 +41,7 @@ def content_of(*values: object) -> bytes:
         parts: list[object]
         if names is not None:
             parts = [getattr(value, name) for name in names]
-        elif not _is_known(kind):
+        elif not _is_data(kind):
             return b""
         elif isinstance(value, tuple | list):
             parts = list(value)
@@ -58,12 +58,12 @@ def content_of(*values: object) -> bytes:
 
 def _field_names(value: object) -> tuple[str, ...] | None:
     """Return the names of the fields of a dataclass of this package."""
-    if not is_dataclass(value) or not _is_known(type(value)):
+    if not is_dataclass(value) or not _is_data(type(value)):
         return None
     return tuple(field.name for field in fields(value))
 
 
-def _is_known(kind: type) -> bool:
+def _is_data(kind: type) -> bool:
     return kind in (dict, list, tuple) or kind.__module__.startswith(_OURS)
 
 

@@ -16,10 +16,10 @@ from types import MappingProxyType
 from typing import Any, ClassVar, Final, Generic, Never, Self, TypeVar, overload
 
 from symbody.errors import Problem, SymbodyError, UsageError
-from symbody.model.checker import Checker
-from symbody.model.door import Door
+from symbody.model.checker import NumericChecks
+from symbody.model.door import Arguments
 from symbody.model.turn import Axis
-from symbody.model.uses import Use
+from symbody.model.uses import FormulaSite
 
 Given = TypeVar("Given", contravariant=True)
 Kept = TypeVar("Kept", covariant=True)
@@ -80,15 +80,15 @@ class Field(Generic[Given, Kept]):
     def __set__(self, owner: Never, value: Given) -> None:
         raise AttributeError(self.sentence)
 
-    def read(self, owner: Any, door: Door, value: object, path: str) -> Kept:
+    def read(self, owner: Any, door: Arguments, value: object, path: str) -> Kept:
         """Return what is kept of an argument; the owner holds what stands before it."""
         raise NotImplementedError(self.role)
 
-    def formula_sites(self, owner: Any, value: Any, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: Any, value: Any, path: str) -> Iterator[FormulaSite]:
         """Return where the formulas of the value stand."""
         return iter(())
 
-    def check_numbers(self, check: Checker, owner: Any, value: Any, where: str) -> None:
+    def check_numbers(self, check: NumericChecks, owner: Any, value: Any, where: str) -> None:
         """Note numbers that cannot be, as far as parameters have values."""
 
     def directions(self, value: Any, path: str) -> dict[str, Axis]:
@@ -131,7 +131,7 @@ class Declared:
         ModelError
             With everything that is wrong with them.
         """
-        door = Door(self.label())
+        door = Arguments(self.label())
         for name, field in self.fields.items():
             value = getattr(self, name)
             try:
@@ -142,7 +142,7 @@ class Declared:
                 raise UsageError(self._misfit(name, value)) from error
             object.__setattr__(self, name, kept)
         self.check(door)
-        door.close()
+        door.raise_all()
 
     def __eq__(self, other: object) -> bool:
         return self._content() == other._content() if type(other) is type(self) else NotImplemented
@@ -167,15 +167,15 @@ class Declared:
         """Return what it is in words, the first part of the place of a fault."""
         return type(self).__name__.lower()
 
-    def check(self, door: Door) -> None:
+    def check(self, door: Arguments) -> None:
         """Note arguments that contradict each other."""
 
-    def _sites(self, before: str = "") -> Iterator[Use]:
+    def _formula_sites(self, before: str = "") -> Iterator[FormulaSite]:
         """Return where the formulas stand; `before` begins each path."""
         for name, field in self.fields.items():
             yield from field.formula_sites(self, getattr(self, name), f"{before}{field.place or name}")
 
-    def _check_numbers(self, check: Checker, before: str) -> None:
+    def _check_numbers(self, check: NumericChecks, before: str) -> None:
         """Note numbers that cannot be, as far as parameters have values; `before` begins each place."""
         for name, field in self.fields.items():
             field.check_numbers(check, self, getattr(self, name), f"{before}{field.place or name}")
@@ -197,16 +197,16 @@ class ElementPart(Declared):
 
     __slots__ = ()
 
-    def uses(self, path: str) -> Iterator[Use]:
+    def formula_sites(self, path: str) -> Iterator[FormulaSite]:
         """Return where the formulas stand, below `path`."""
-        return self._sites(f"{path}.")
+        return self._formula_sites(f"{path}.")
 
-    def check_numbers(self, check: Checker, where: str) -> None:
+    def check_numbers(self, check: NumericChecks, where: str) -> None:
         """Note numbers that cannot be, as far as parameters have values; `where` begins their places."""
         self._check_numbers(check, f"{where}.")
 
 
-def declared(kind: type[C]) -> type[C]:
+def declare(kind: type[C]) -> type[C]:
     """Return a class with declared fields as a frozen dataclass with a constructor that reads them."""
     for name, value in list(vars(kind).items()):
         if isinstance(value, Field):

@@ -17,16 +17,16 @@ from symbody.expr.language.formula import Formula, FormulaLike
 from symbody.expr.language.tokens import normalize
 from symbody.expr.parser import parse_angle
 from symbody.model.naming import element_problem, symbol_problem
-from symbody.model.table import Table
+from symbody.model.table import FrozenMapping
 from symbody.model.uses import Triple
 
 Value = FormulaLike | SupportsFloat
 T = TypeVar("T")
 
-ZERO: Final = Formula.of(0)
+ZERO: Final = Formula.from_value(0)
 
 
-class Door:
+class Arguments:
     """Collects the faults of one element.
 
     Parameters
@@ -45,7 +45,7 @@ class Door:
         """Return the place of an argument in words."""
         return f"{self.label}, {path}" if path else self.label
 
-    def refuse(self, code: str, path: str, what: str, why: str = "", fix: str = "") -> None:
+    def add(self, code: str, path: str, what: str, why: str = "", fix: str = "") -> None:
         """Note a fault."""
         self.problems.append(Problem(code, self.where(path), what, why, fix))
 
@@ -59,13 +59,13 @@ class Door:
 
     def formula(self, value: object, path: str) -> Formula:
         """Return a formula from text, a real number or a formula."""
-        return self._parsed(lambda where: Formula.of(plain(value), where=where), path)
+        return self._parse(lambda where: Formula.from_value(plain_value(value), where=where), path)
 
     def angle(self, value: object, path: str) -> Formula:
         """Return a formula [rad]; a text such as ``"30 deg"`` is understood too."""
-        return self._parsed(lambda where: parse_angle(plain(value), where=where), path)
+        return self._parse(lambda where: parse_angle(plain_value(value), where=where), path)
 
-    def optional(self, value: object, path: str) -> Formula | None:
+    def optional_formula(self, value: object, path: str) -> Formula | None:
         """Return a formula, or None for None."""
         return None if value is None else self.formula(value, path)
 
@@ -74,7 +74,7 @@ class Door:
         items = list(values) if _is_many(values) else None
         if items is None or len(items) != 3:
             found = f"one: {reprlib.repr(values)}" if items is None else str(len(items))
-            self.refuse(
+            self.add(
                 "model.not_three",
                 path,
                 f"three entries are needed, not {found}",
@@ -89,29 +89,27 @@ class Door:
         """Return the entries of a list; anything that can be iterated but text and mappings counts as one."""
         if _is_many(values):
             return list(values)
-        self.refuse(
-            "model.not_a_list", path, f"{reprlib.repr(values)} is not a list", "", "write [.., .., ..]"
-        )
+        self.add("model.not_a_list", path, f"{reprlib.repr(values)} is not a list", "", "write [.., .., ..]")
         return []
 
-    def table(self, values: object, path: str, read: Callable[[object, str], T]) -> Table[T]:
+    def table(self, values: object, path: str, read: Callable[[object, str], T]) -> FrozenMapping[T]:
         """Return a table of what `read` makes of each value."""
         if not isinstance(values, Mapping):
-            self.refuse(
+            self.add(
                 "model.not_a_table", path, f"{values!r} is not a mapping of names", "", "write {name: value}"
             )
-            return Table()
+            return FrozenMapping()
         entries: dict[str, T] = {}
         for name, value in values.items():
             key = normalize(name) if isinstance(name, str) else str(name)
             if key in entries:
-                self.refuse(
+                self.add(
                     "names.duplicate",
                     f"{path}.{key}" if path else key,
                     f"the name {key!r} appears twice once characters are composed",
                 )
             entries[key] = read(value, f"{path}.{key}" if path else key)
-        return Table(entries)
+        return FrozenMapping(entries)
 
     def attempt(self, make: Callable[[], T]) -> T | None:
         """Return what `make` returns; None if it raises, its faults taken over."""
@@ -121,7 +119,7 @@ class Door:
             self.problems.extend(error.problems)
             return None
 
-    def close(self) -> None:
+    def raise_all(self) -> None:
         """Raise what was collected.
 
         Raises
@@ -137,7 +135,7 @@ class Door:
             self.problems.append(problem)
         return normalize(name) if isinstance(name, str) else "?"
 
-    def _parsed(self, parse: Callable[[str], Formula], path: str) -> Formula:
+    def _parse(self, parse: Callable[[str], Formula], path: str) -> Formula:
         try:
             return parse(self.where(path))
         except ExpressionError as error:
@@ -145,7 +143,7 @@ class Door:
             return ZERO
 
 
-def plain(value: object) -> FormulaLike:
+def plain_value(value: object) -> FormulaLike:
     """Return a scalar of another library as float; anything else as it is, to be told what is wrong."""
     is_known = isinstance(value, str | Formula | Real | Decimal | complex)
     if type(value).__name__ in ("bool", "bool_"):  # NumPy's does what bool does, and is no number either

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from symbody.model.checker import Checker
+from symbody.model.checker import NumericChecks
 from symbody.model.declaration import Declared
 from symbody.model.fields import ElementName, part
 from symbody.model.naming import CENTRE, GROUND
-from symbody.model.uses import Use
+from symbody.model.uses import FormulaSite
 
 
 @part
@@ -34,17 +34,17 @@ class Element(Declared):
         """Return kind and name."""
         return f"{self.kind} {self.name}"
 
-    def uses(self) -> Iterator[Use]:
+    def formula_sites(self) -> Iterator[FormulaSite]:
         """Return where its formulas stand."""
-        return self._sites()
+        return self._formula_sites()
 
-    def check_numbers(self, check: Checker, label: str) -> None:
+    def check_numbers(self, check: NumericChecks, label: str) -> None:
         """Note numbers that cannot be, as far as parameters have values; `label` begins their places."""
         self._check_numbers(check, f"{label}, ")
 
 
 @dataclass(frozen=True, slots=True)
-class Address:
+class FrameRef:
     """A frame of a body, or of the ground.
 
     Attributes
@@ -58,19 +58,19 @@ class Address:
     """
 
     body: str
-    point: str = ""
-    carried: Element | None = field(default=None, compare=False, repr=False)
+    frame: str = ""
+    body_object: Element | None = field(default=None, compare=False, repr=False)
 
     @property
-    def frame(self) -> str:
+    def full_name(self) -> str:
         """The address as text: ``"Body"`` or ``"Body.Frame"``."""
-        return f"{self.body}.{self.point}" if self.point else self.body
+        return f"{self.body}.{self.frame}" if self.frame else self.body
 
     def __str__(self) -> str:
-        return self.frame
+        return self.full_name
 
 
-def address_of(body: str, point: str = "", carried: Element | None = None) -> Address:
+def make_frame_ref(body: str, point: str = "", carried: Element | None = None) -> FrameRef:
     """Return an address in its one spelling: ground in lower case, the centre of mass left out."""
     is_ground = body.lower() == GROUND
-    return Address(GROUND if is_ground else body, "" if point == CENTRE else point, carried)
+    return FrameRef(GROUND if is_ground else body, "" if point == CENTRE else point, carried)

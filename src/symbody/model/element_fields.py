@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, TypeVar, dataclass_transform
 
 from symbody.expr.language.formula import Formula
-from symbody.model.body import FrameLike, address_from
-from symbody.model.checker import Checker, check_axis, positive_length
-from symbody.model.declaration import Declared, Field, declared
-from symbody.model.door import Door, Value
-from symbody.model.element import Address, Element
+from symbody.model.body import FrameLike, read_frame_ref
+from symbody.model.checker import NumericChecks, check_axis, positive_length
+from symbody.model.declaration import Declared, Field, declare
+from symbody.model.door import Arguments, Value
+from symbody.model.element import Element, FrameRef
 from symbody.model.fields import (
     AngleQuantity,
     AxisLike,
@@ -21,24 +21,24 @@ from symbody.model.fields import (
     Quantity,
     SymbolName,
     VectorQuantity,
-    list_of,
+    read_list,
 )
-from symbody.model.turn import Axis, axis_from
-from symbody.model.uses import Scope, Triple, Use, triple_uses
+from symbody.model.turn import Axis, read_axis
+from symbody.model.uses import FormulaSite, Scope, Triple, component_sites
 
 E = TypeVar("E", bound=Declared)
 
 
-class AttachedFrame(Field[FrameLike, Address]):
+class AttachedFrame(Field[FrameLike, FrameRef]):
     """A frame of a body or of the ground."""
 
     role: ClassVar[str] = "frame"
     takes: ClassVar[str] = "Body, frame or name"
     annotation: ClassVar[str] = "FrameLike"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> Address:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> FrameRef:
         """Return the address."""
-        return address_from(door, value, path)
+        return read_frame_ref(door, value, path)
 
 
 class Directions(Field[Iterable[AxisLike], tuple[Axis, Axis]]):
@@ -49,24 +49,24 @@ class Directions(Field[Iterable[AxisLike], tuple[Axis, Axis]]):
     annotation: ClassVar[str] = "Axes"
     explanation: ClassVar[str] = "Each is a letter, or three components of any length."
 
-    def read(self, owner: Any, door: Door, value: object, path: str) -> tuple[Axis, Axis]:
+    def read(self, owner: Any, door: Arguments, value: object, path: str) -> tuple[Axis, Axis]:
         """Return two directions."""
         why = "the first is fixed in start, the second in end"
-        items = list_of(door, value, path, 2, "directions", why, 'write axes = ["z", "z"]')
-        first, second = (axis_from(door, item, f"{path}[{k}]") for k, item in enumerate(items or ("z", "z")))
+        items = read_list(door, value, path, 2, "directions", why, 'write axes = ["z", "z"]')
+        first, second = (read_axis(door, item, f"{path}[{k}]") for k, item in enumerate(items or ("z", "z")))
         return (first, second)
 
-    def formula_sites(self, owner: object, value: tuple[Axis, Axis], path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: tuple[Axis, Axis], path: str) -> Iterator[FormulaSite]:
         """Return where the components stand."""
         for k, axis in enumerate(value):
             if not isinstance(axis, str):
-                yield from triple_uses(f"{path}[{k}]", axis, Scope.CONSTANT)
+                yield from component_sites(f"{path}[{k}]", axis, Scope.CONSTANT)
 
     def directions(self, value: tuple[Axis, Axis], path: str) -> dict[str, Axis]:
         """Return both directions after their places."""
         return {f"{path}[{k}]": axis for k, axis in enumerate(value)}
 
-    def check_numbers(self, check: Checker, owner: Any, value: tuple[Axis, Axis], where: str) -> None:
+    def check_numbers(self, check: NumericChecks, owner: Any, value: tuple[Axis, Axis], where: str) -> None:
         """Refuse directions of length zero."""
         for k, axis in enumerate(value):
             if not isinstance(axis, str):
@@ -83,19 +83,19 @@ class VanishingFormulas(Field[Value | Iterable[Value], tuple[Formula, ...]]):
 
     scope: Scope = Scope.MOTION
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> tuple[Formula, ...]:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> tuple[Formula, ...]:
         """Return the formulas."""
         if isinstance(value, str | Mapping) or not isinstance(value, Iterable):
             return (door.formula(value, path),)
         items = door.items(value, path)
         if not items:
             why = "a constraint says what vanishes"
-            door.refuse("model.empty", path, "there is no equation", why, 'write equations = ["x - y"]')
+            door.add("model.empty", path, "there is no equation", why, 'write equations = ["x - y"]')
         return tuple(door.formula(item, f"{path}[{k}]") for k, item in enumerate(items))
 
-    def formula_sites(self, owner: object, value: tuple[Formula, ...], path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: tuple[Formula, ...], path: str) -> Iterator[FormulaSite]:
         """Return where the equations stand."""
-        return (Use(f"{path}[{k}]", formula, self.scope) for k, formula in enumerate(value))
+        return (FormulaSite(f"{path}[{k}]", formula, self.scope) for k, formula in enumerate(value))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -108,21 +108,21 @@ class Coupled(Field[Iterable[str], tuple[str, ...]]):
 
     count: int = 2
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> tuple[str, ...]:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> tuple[str, ...]:
         """Return as many different names."""
         why = "each wheel, rack or shaft moves with one"
-        items = list_of(door, value, path, self.count, "coordinates", why, "name one for each")
+        items = read_list(door, value, path, self.count, "coordinates", why, "name one for each")
         names = tuple(door.symbol_name(item, f"{path}[{k}]") for k, item in enumerate(items or ()))
         for name in sorted({name for name in names if names.count(name) > 1 and name != "?"}):
             what = f"{name} stands {names.count(name)} times"
             why = "a coordinate coupled to itself stands still"
-            door.refuse("model.coupled_twice", path, what, why, "name different coordinates")
+            door.add("model.coupled_twice", path, what, why, "name different coordinates")
         return names if items else ("?",) * self.count
 
-    def formula_sites(self, owner: object, value: tuple[str, ...], path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: tuple[str, ...], path: str) -> Iterator[FormulaSite]:
         """Return where the names stand."""
         for k, name in enumerate(value):
-            yield Use(f"{path}[{k}]", Formula.of(name), Scope.COORDINATE)
+            yield FormulaSite(f"{path}[{k}]", Formula.from_value(name), Scope.COORDINATE)
 
 
 class Radii(Field[Iterable[Value], tuple[Formula, ...]]):
@@ -132,16 +132,16 @@ class Radii(Field[Iterable[Value], tuple[Formula, ...]]):
     takes: ClassVar[str] = "(2,) number or formula"
     annotation: ClassVar[str] = "Iterable[Value]"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> tuple[Formula, ...]:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> tuple[Formula, ...]:
         """Return two formulas."""
-        items = list_of(door, value, path, 2, "values", "there are two pulleys", "give one for each")
+        items = read_list(door, value, path, 2, "values", "there are two pulleys", "give one for each")
         return tuple(door.formula(item, f"{path}[{k}]") for k, item in enumerate(items or (1, 1)))
 
-    def formula_sites(self, owner: object, value: tuple[Formula, ...], path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: tuple[Formula, ...], path: str) -> Iterator[FormulaSite]:
         """Return where the radii stand."""
-        return (Use(f"{path}[{k}]", radius, Scope.CONSTANT) for k, radius in enumerate(value))
+        return (FormulaSite(f"{path}[{k}]", radius, Scope.CONSTANT) for k, radius in enumerate(value))
 
-    def check_numbers(self, check: Checker, owner: Any, value: tuple[Formula, ...], where: str) -> None:
+    def check_numbers(self, check: NumericChecks, owner: Any, value: tuple[Formula, ...], where: str) -> None:
         """Refuse radii that are not above zero."""
         fits = positive_length("the senses of rotation are those of the angles, and of crossed")
         for k, radius in enumerate(value):
@@ -153,10 +153,10 @@ class CurvePoint(VectorQuantity):
 
     role: ClassVar[str] = "vector"
 
-    def formula_sites(self, owner: Any, value: Triple, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: Any, value: Triple, path: str) -> Iterator[FormulaSite]:
         """Return where the formulas of the curve stand."""
         for k, formula in enumerate(value):
-            yield Use(f"{path}[{k}]", formula, Scope.PRESCRIBED, (owner.parameter,))
+            yield FormulaSite(f"{path}[{k}]", formula, Scope.PRESCRIBED, (owner.parameter,))
 
 
 # A type checker has to see all roles whose fields may be without default.
@@ -168,7 +168,7 @@ class CurvePoint(VectorQuantity):
 )  # fmt: skip
 def element(kind: type[E]) -> type[E]:
     """Return a class as one that declares its arguments by the roles of this file and of `fields`."""
-    return declared(kind)
+    return declare(kind)
 
 
 @element

@@ -7,28 +7,28 @@ from fractions import Fraction
 from typing import Final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.numbers import value_of
-from symbody.model.turn import LETTERS, Turn
+from symbody.model.numbers import formula_value
+from symbody.model.turn import LETTERS, SimpleRotation
 from symbody.model.uses import Triple
 
 # A matrix typed with 10 digits of cos 30 deg means 30 deg.
 _SNAP: Final = 2e-11
 
 
-def euler_turns(matrix: tuple[Triple, Triple, Triple]) -> tuple[Turn, ...]:
+def euler_turns(matrix: tuple[Triple, Triple, Triple]) -> tuple[SimpleRotation, ...]:
     """Return body-fixed turns about z, y, x that lead to the axes whose rotation matrix is given.
 
     Numbers give the angles as numbers, multiples of pi/12 exactly; formulas give them by atan2, which
     presumes that the y turn is no right angle.
     """
-    values = [[value_of(entry) for entry in row] for row in matrix]
+    values = [[formula_value(entry) for entry in row] for row in matrix]
     numbers = [[float(value) for value in row if value is not None] for row in values]
     if sum(map(len, numbers)) < 9:
         angles: tuple[Formula, ...] = _formulas(matrix)
     else:
         angles = tuple(_angle(angle) for angle in _numbers(numbers))
     pairs = zip("zyx", angles, strict=True)
-    return tuple(Turn(LETTERS[letter], angle) for letter, angle in pairs if angle.text != "0")
+    return tuple(SimpleRotation(LETTERS[letter], angle) for letter, angle in pairs if angle.text != "0")
 
 
 def _numbers(r: list[list[float]]) -> tuple[float, float, float]:
@@ -43,15 +43,15 @@ def _numbers(r: list[list[float]]) -> tuple[float, float, float]:
 def _angle(angle: float) -> Formula:
     steps = round(angle * 12 / math.pi)
     if abs(angle - steps * math.pi / 12) > _SNAP:
-        return Formula.of(angle)
+        return Formula.from_value(angle)
     part = Fraction(steps, 12)
-    return Formula.of(f"{part.numerator}*pi/{part.denominator}" if steps else 0)
+    return Formula.from_value(f"{part.numerator}*pi/{part.denominator}" if steps else 0)
 
 
 def _formulas(matrix: tuple[Triple, Triple, Triple]) -> tuple[Formula, Formula, Formula]:
     r = [[entry.text for entry in row] for row in matrix]
     return (
-        Formula.of(f"atan2({r[1][0]}, {r[0][0]})"),
-        Formula.of(f"atan2(-({r[2][0]}), sqrt(({r[0][0]})**2 + ({r[1][0]})**2))"),
-        Formula.of(f"atan2({r[2][1]}, {r[2][2]})"),
+        Formula.from_value(f"atan2({r[1][0]}, {r[0][0]})"),
+        Formula.from_value(f"atan2(-({r[2][0]}), sqrt(({r[0][0]})**2 + ({r[1][0]})**2))"),
+        Formula.from_value(f"atan2({r[2][1]}, {r[2][2]})"),
     )

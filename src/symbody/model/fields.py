@@ -8,16 +8,16 @@ from dataclasses import KW_ONLY, dataclass, field
 from typing import Any, ClassVar, Generic, TypeVar, dataclass_transform
 
 from symbody.expr.language.formula import Formula
-from symbody.model.checker import Checker, check_axis
-from symbody.model.declaration import Declared, Field, declared
-from symbody.model.door import Door, Value
-from symbody.model.turn import Axis, axis_from
-from symbody.model.uses import Scope, Triple, Use, triple_uses
+from symbody.model.checker import NumericChecks, check_axis
+from symbody.model.declaration import Declared, Field, declare
+from symbody.model.door import Arguments, Value
+from symbody.model.turn import Axis, read_axis
+from symbody.model.uses import FormulaSite, Scope, Triple, component_sites
 
 L = TypeVar("L", bound=str)
 D = TypeVar("D", bound=Declared)
 AxisLike = str | Iterable[Value]
-NumberCheck = Callable[[Checker, Formula, str], None]
+NumberCheck = Callable[[NumericChecks, Formula, str], None]
 
 
 class ElementName(Field[str, str]):
@@ -27,7 +27,7 @@ class ElementName(Field[str, str]):
     takes: ClassVar[str] = "str"
     annotation: ClassVar[str] = "str"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> str:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> str:
         """Return the name in composed letters."""
         return door.element_name(value, path)
 
@@ -39,7 +39,7 @@ class SymbolName(Field[str, str]):
     takes: ClassVar[str] = "str"
     annotation: ClassVar[str] = "str"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> str:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> str:
         """Return the name as formulas contain it."""
         return door.symbol_name(value, path)
 
@@ -51,7 +51,7 @@ class Text(Field[str, str]):
     takes: ClassVar[str] = "str"
     annotation: ClassVar[str] = "str"
 
-    def read(self, owner: object, door: Door, value: Any, path: str) -> str:
+    def read(self, owner: object, door: Arguments, value: Any, path: str) -> str:
         """Return the text as it is."""
         return str(value)
 
@@ -76,15 +76,15 @@ class Quantity(Field[Value, Formula]):
     scope: Scope = Scope.CONSTANT
     fits: NumberCheck | None = None
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> Formula:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> Formula:
         """Return the formula."""
         return door.formula(value, path)
 
-    def formula_sites(self, owner: object, value: Formula, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Formula, path: str) -> Iterator[FormulaSite]:
         """Return where the formula stands."""
-        yield Use(path, value, self.scope)
+        yield FormulaSite(path, value, self.scope)
 
-    def check_numbers(self, check: Checker, owner: object, value: Formula, where: str) -> None:
+    def check_numbers(self, check: NumericChecks, owner: object, value: Formula, where: str) -> None:
         """Note a value that does not fit."""
         if self.fits is not None:
             self.fits(check, value, where)
@@ -95,7 +95,7 @@ class AngleQuantity(Quantity):
 
     role: ClassVar[str] = "angle"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> Formula:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> Formula:
         """Return the formula [rad]."""
         return door.angle(value, path)
 
@@ -112,14 +112,14 @@ class OptionalQuantity(Field[Value | None, Formula | None]):
     default: Any = None
     scope: Scope = Scope.CONSTANT
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> Formula | None:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> Formula | None:
         """Return the formula, or None for None."""
-        return door.optional(value, path)
+        return door.optional_formula(value, path)
 
-    def formula_sites(self, owner: object, value: Formula | None, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Formula | None, path: str) -> Iterator[FormulaSite]:
         """Return where the formula stands."""
         if value is not None:
-            yield Use(path, value, self.scope)
+            yield FormulaSite(path, value, self.scope)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -133,13 +133,13 @@ class VectorQuantity(Field[Iterable[Value], Triple]):
     _: KW_ONLY
     scope: Scope = Scope.CONSTANT
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> Triple:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> Triple:
         """Return three formulas."""
         return door.triple(value, path)
 
-    def formula_sites(self, owner: object, value: Triple, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Triple, path: str) -> Iterator[FormulaSite]:
         """Return where the components stand."""
-        return triple_uses(path, value, self.scope)
+        return component_sites(path, value, self.scope)
 
 
 class Direction(Field[AxisLike, Axis]):
@@ -150,21 +150,23 @@ class Direction(Field[AxisLike, Axis]):
     annotation: ClassVar[str] = "str | Iterable[Value]"
     explanation: ClassVar[str] = '"x", "y", "z", or components of any length.'
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> Axis:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> Axis:
         """Return a letter or three formulas."""
-        return axis_from(door, value, path)
+        return read_axis(door, value, path)
 
-    def formula_sites(self, owner: object, value: Axis | None, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Axis | None, path: str) -> Iterator[FormulaSite]:
         """Return where the components stand."""
         return (
-            iter(()) if value is None or isinstance(value, str) else triple_uses(path, value, Scope.CONSTANT)
+            iter(())
+            if value is None or isinstance(value, str)
+            else component_sites(path, value, Scope.CONSTANT)
         )
 
     def directions(self, value: Axis, path: str) -> dict[str, Axis]:
         """Return the direction after its place."""
         return {path: value}
 
-    def check_numbers(self, check: Checker, owner: object, value: Axis, where: str) -> None:
+    def check_numbers(self, check: NumericChecks, owner: object, value: Axis, where: str) -> None:
         """Refuse a direction of length zero."""
         if not isinstance(value, str):
             check_axis(check, value, where)
@@ -178,21 +180,23 @@ class OptionalDirection(Field[AxisLike | None, Axis | None]):
     annotation: ClassVar[str] = "str | Iterable[Value] | None"
     explanation: ClassVar[str] = Direction.explanation
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> Axis | None:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> Axis | None:
         """Return a letter or three formulas, or None for None."""
-        return None if value is None else axis_from(door, value, path)
+        return None if value is None else read_axis(door, value, path)
 
-    def formula_sites(self, owner: object, value: Axis | None, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Axis | None, path: str) -> Iterator[FormulaSite]:
         """Return where the components stand."""
         return (
-            iter(()) if value is None or isinstance(value, str) else triple_uses(path, value, Scope.CONSTANT)
+            iter(())
+            if value is None or isinstance(value, str)
+            else component_sites(path, value, Scope.CONSTANT)
         )
 
     def directions(self, value: Axis | None, path: str) -> dict[str, Axis]:
         """Return the direction, if there is one, after its place."""
         return {} if value is None else {path: value}
 
-    def check_numbers(self, check: Checker, owner: object, value: Axis | None, where: str) -> None:
+    def check_numbers(self, check: NumericChecks, owner: object, value: Axis | None, where: str) -> None:
         """Refuse a direction of length zero."""
         if not (value is None or isinstance(value, str)):
             check_axis(check, value, where)
@@ -205,13 +209,11 @@ class Flag(Field[bool, bool]):
     takes: ClassVar[str] = "bool"
     annotation: ClassVar[str] = "bool"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> bool:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> bool:
         """Return a truth value."""
         if isinstance(value, bool) or type(value).__name__ == "bool_":  # NumPy's
             return bool(value)
-        door.refuse(
-            "model.not_a_flag", path, f"{value!r} is neither true nor false", "", "write true or false"
-        )
+        door.add("model.not_a_flag", path, f"{value!r} is neither true nor false", "", "write true or false")
         return False
 
 
@@ -232,13 +234,13 @@ class WordChoice(Field[L, L], Generic[L]):
     _: KW_ONLY
     words: tuple[L, ...] = field(default=())
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> L:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> L:
         """Return the word."""
         for word in self.words:
             if isinstance(value, str) and value == word:
                 return word
         choices = " or ".join(repr(word) for word in self.words)
-        door.refuse("model.curve_kind", path, f"{path} = {value!r} means nothing", "", f"write {choices}")
+        door.add("model.curve_kind", path, f"{path} = {value!r} means nothing", "", f"write {choices}")
         return self.words[0]
 
 
@@ -249,13 +251,13 @@ class Numbers(Field[Iterable[Value], tuple[Formula, ...]]):
     takes: ClassVar[str] = "(N,) numbers"
     annotation: ClassVar[str] = "Iterable[Value]"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> tuple[Formula, ...]:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> tuple[Formula, ...]:
         """Return the numbers as formulas."""
         items = door.items(value, path)
         formulas = tuple(door.formula(item, f"{path}[{k}]") for k, item in enumerate(items))
         for k, formula in enumerate(formulas):
             if formula.names:
-                door.refuse(
+                door.add(
                     "model.curve_number",
                     f"{path}[{k}]",
                     f"{formula} is no number",
@@ -272,19 +274,19 @@ class FilePath(Field[str | os.PathLike[str], str]):
     takes: ClassVar[str] = "str or path"
     annotation: ClassVar[str] = "str | os.PathLike[str]"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> str:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> str:
         """Return the path as text."""
         text = os.fsdecode(value) if isinstance(value, str | os.PathLike) else ""
         if not text.strip() or not text.isprintable():
-            door.refuse(
+            door.add(
                 "model.mesh_path", path, f"{value!r} is not the path of a file", "",
                 'write the path of a file, such as "meshes/link.stl"',
             )  # fmt: skip
         return text
 
 
-def list_of(
-    door: Door, value: object, path: str, count: int, nouns: str, why: str, fix: str
+def read_list(
+    door: Arguments, value: object, path: str, count: int, nouns: str, why: str, fix: str
 ) -> list[object] | None:
     """Return a list of `count` entries; None if it is another, or none, with a fault noted."""
     if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
@@ -294,7 +296,7 @@ def list_of(
     if len(items) == count:
         return items
     noun = nouns if len(items) != 1 else nouns.removesuffix("s")
-    door.refuse("model.wrong_number", path, f"{len(items)} {noun} instead of {count}", why, fix)
+    door.add("model.wrong_number", path, f"{len(items)} {noun} instead of {count}", why, fix)
     return None
 
 
@@ -315,4 +317,4 @@ def list_of(
 )
 def part(kind: type[D]) -> type[D]:
     """Return a class as one that declares its arguments by the roles above."""
-    return declared(kind)
+    return declare(kind)

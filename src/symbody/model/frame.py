@@ -7,11 +7,11 @@ from typing import ClassVar
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declaration import ElementPart, Field
-from symbody.model.door import ZERO, Door, Value
+from symbody.model.door import ZERO, Arguments, Value
 from symbody.model.euler_angles import euler_turns
 from symbody.model.fields import AxisLike, VectorQuantity, part
-from symbody.model.turn import Axis, Turn, axis_from, unit_axis
-from symbody.model.uses import Scope, Triple, Use, triple_uses
+from symbody.model.turn import Axis, SimpleRotation, read_axis, unit_axis
+from symbody.model.uses import FormulaSite, Scope, Triple, component_sites
 
 Matrix = tuple[Triple, Triple, Triple]
 Rotation = tuple[tuple[Axis, Formula], ...]
@@ -24,16 +24,16 @@ class Turns(Field[Iterable[tuple[AxisLike, Value]], Rotation]):
     takes: ClassVar[str] = "iterable of (axis, angle)"
     annotation: ClassVar[str] = "Iterable[tuple[str | Iterable[Value], Value]]"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> Rotation:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> Rotation:
         """Return pairs of an axis and an angle [rad]."""
         return tuple(_turn(door, turn, f"{path}[{k}]") for k, turn in enumerate(door.items(value, path)))
 
-    def formula_sites(self, owner: object, value: Rotation, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Rotation, path: str) -> Iterator[FormulaSite]:
         """Return where the formulas stand."""
         for k, (axis, angle) in enumerate(value):
             if not isinstance(axis, str):
-                yield from triple_uses(f"{path}[{k}][0]", axis, Scope.CONSTANT)
-            yield Use(f"{path}[{k}][1]", angle, Scope.CONSTANT)
+                yield from component_sites(f"{path}[{k}][0]", axis, Scope.CONSTANT)
+            yield FormulaSite(f"{path}[{k}][1]", angle, Scope.CONSTANT)
 
 
 class RotationMatrix(Field[Sequence[Iterable[Value]] | None, Matrix | None]):
@@ -43,14 +43,14 @@ class RotationMatrix(Field[Sequence[Iterable[Value]] | None, Matrix | None]):
     takes: ClassVar[str] = "(3, 3) number or formula"
     annotation: ClassVar[str] = "Sequence[Iterable[Value]] | None"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> Matrix | None:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> Matrix | None:
         """Return three rows of formulas."""
         return None if value is None else _matrix(door, value)
 
-    def formula_sites(self, owner: object, value: Matrix | None, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Matrix | None, path: str) -> Iterator[FormulaSite]:
         """Return where the entries stand."""
         for k, row in enumerate(value or ()):
-            yield from triple_uses(f"{path}[{k}]", row, Scope.CONSTANT)
+            yield from component_sites(f"{path}[{k}]", row, Scope.CONSTANT)
 
 
 @part
@@ -71,21 +71,21 @@ class Frame(ElementPart):
         "Rotation matrix instead of turns; takes components in the frame to the body.", default=None
     )
 
-    def check(self, door: Door) -> None:
+    def check(self, door: Arguments) -> None:
         """Note turns beside a matrix."""
         check_rotation(door, self.rotate, self.matrix)
 
-    def turns(self) -> tuple[Turn, ...]:
+    def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the simple rotations from the body's axes to this frame's."""
         if self.matrix is not None:
             return euler_turns(self.matrix)
-        return tuple(Turn(unit_axis(axis), angle) for axis, angle in self.rotate)
+        return tuple(SimpleRotation(unit_axis(axis), angle) for axis, angle in self.rotate)
 
 
-def check_rotation(door: Door, rotate: Rotation, matrix: Matrix | None) -> None:
+def check_rotation(door: Arguments, rotate: Rotation, matrix: Matrix | None) -> None:
     """Note turns beside a matrix."""
     if matrix is not None and rotate:
-        door.refuse(
+        door.add(
             "model.two_rotations",
             "",
             "the frame has both turns and a matrix",
@@ -94,10 +94,10 @@ def check_rotation(door: Door, rotate: Rotation, matrix: Matrix | None) -> None:
         )
 
 
-def _turn(door: Door, turn: object, path: str) -> tuple[Axis, Formula]:
+def _turn(door: Arguments, turn: object, path: str) -> tuple[Axis, Formula]:
     pair = door.items(turn, path)
     if len(pair) != 2:
-        door.refuse(
+        door.add(
             "model.not_a_turn",
             path,
             "a turn is an axis and an angle",
@@ -105,13 +105,13 @@ def _turn(door: Door, turn: object, path: str) -> tuple[Axis, Formula]:
             'write for instance ["z", "pi/2"]; several turns form a list of such pairs',
         )
         return "x", ZERO
-    return axis_from(door, pair[0], f"{path}[0]"), door.angle(pair[1], f"{path}[1]")
+    return read_axis(door, pair[0], f"{path}[0]"), door.angle(pair[1], f"{path}[1]")
 
 
-def _matrix(door: Door, rows: object) -> Matrix | None:
+def _matrix(door: Arguments, rows: object) -> Matrix | None:
     items = door.items(rows, "matrix")
     if len(items) != 3:
-        door.refuse(
+        door.add(
             "model.not_three",
             "matrix",
             f"{len(items)} rows instead of three",

@@ -8,18 +8,18 @@ from typing import ClassVar, Final, Literal
 
 from symbody.errors import nearest
 from symbody.expr.language.formula import Formula
-from symbody.model.checker import Checker
-from symbody.model.door import ZERO, Door
+from symbody.model.checker import NumericChecks
+from symbody.model.door import ZERO, Arguments
 from symbody.model.element_fields import Connection, element
 from symbody.model.fields import Quantity
 from symbody.model.loads.forces import Drive
 from symbody.model.loads.friction import Friction
-from symbody.model.naming import symbol_from
-from symbody.model.table import Table
-from symbody.model.turn import Turn
+from symbody.model.naming import make_symbol
+from symbody.model.table import FrozenMapping
+from symbody.model.turn import SimpleRotation
 from symbody.model.uses import Triple
 
-__all__ = ["ORIGIN", "RATES", "InTrees", "Joint", "QuasiSpeeds", "Turn"]
+__all__ = ["ORIGIN", "RATES", "InTrees", "Joint", "QuasiSpeeds", "SimpleRotation"]
 
 ORIGIN: Final[Triple] = (ZERO, ZERO, ZERO)
 RATES: Final = "rates"
@@ -80,7 +80,7 @@ class Joint(Connection):
         count = len(self.letters)
         return ("",) if count == 1 else tuple(f"_{k}" for k in range(1, count + 1))
 
-    def turns(self) -> tuple[Turn, ...]:
+    def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the successive simple rotations from the start frame to the end frame."""
         return ()
 
@@ -117,19 +117,19 @@ class Joint(Connection):
         return "start"
 
     @property
-    def force(self) -> Table[Drive]:
+    def force(self) -> FrozenMapping[Drive]:
         """What acts along each driven displacement."""
-        return Table()
+        return FrozenMapping()
 
     @property
-    def torque(self) -> Table[Drive]:
+    def torque(self) -> FrozenMapping[Drive]:
         """What acts along each driven angle."""
-        return Table()
+        return FrozenMapping()
 
     @property
-    def motion(self) -> Table[Formula]:
+    def motion(self) -> FrozenMapping[Formula]:
         """Each prescribed coordinate as a formula in parameters and t."""
-        return Table()
+        return FrozenMapping()
 
     @property
     def as_constraint(self) -> bool:
@@ -179,11 +179,11 @@ class Joint(Connection):
     @property
     def default_coordinates(self) -> tuple[str, ...]:
         """The names of coordinates that the user gives none."""
-        own = symbol_from(self.name)
+        own = make_symbol(self.name)
         return tuple(f"{own}{suffix}" for suffix in self.suffixes)
 
     @property
-    def names_given(self) -> tuple[str | None, ...]:
+    def given_names(self) -> tuple[str | None, ...]:
         """The user's name for each coordinate, or None where there is none."""
         if len(self.suffixes) == 1:
             return (self.coordinate,)
@@ -193,7 +193,7 @@ class Joint(Connection):
     @property
     def has_named_coordinates(self) -> bool:
         """Whether the user named every coordinate."""
-        return None not in self.names_given
+        return None not in self.given_names
 
     @property
     def quasi_speed_names(self) -> tuple[str, ...]:
@@ -254,23 +254,23 @@ class Joint(Connection):
         """Number of directions the joint prevents."""
         return self.locked_rotations + self.locked_translations
 
-    def path_of(self, word: str, coordinate: str) -> str:
+    def coordinate_path(self, word: str, coordinate: str) -> str:
         """Return where `word` stands for a coordinate: ``"torque"``, or ``"torque.theta"`` of several."""
         return word if len(self.coordinates) == 1 else f"{word}.{coordinate}"
 
-    def placed_drives(self) -> Iterator[tuple[str, str, Drive]]:
+    def drives_with_paths(self) -> Iterator[tuple[str, str, Drive]]:
         """Return each drive after its place and its coordinate."""
         for word, drives in (("force", self.force), ("torque", self.torque)):
             for coordinate, drive in drives.items():
-                yield self.path_of(word, coordinate), coordinate, drive
+                yield self.coordinate_path(word, coordinate), coordinate, drive
 
-    def check_numbers(self, check: Checker, label: str) -> None:
+    def check_numbers(self, check: NumericChecks, label: str) -> None:
         """Note numbers that cannot be, and a choice without effect."""
         Connection.check_numbers(self, check, label)
         if self.as_constraint and not self.motion:
-            check.remark(f"{label}: as_constraint says nothing, because no motion is prescribed")
+            check.note(f"{label}: as_constraint says nothing, because no motion is prescribed")
 
-    def check(self, door: Door) -> None:
+    def check(self, door: Arguments) -> None:
         """Note drives and motions of coordinates that cannot have them."""
         if not (self.force or self.torque or self.motion):
             return
@@ -287,10 +287,10 @@ class Joint(Connection):
             _check_motions(self, door)
 
 
-def _refuse_key(joint: Joint, door: Door, word: str, key: str, fitting: Iterable[str]) -> None:
-    path = joint.path_of(word, key)
+def _refuse_key(joint: Joint, door: Arguments, word: str, key: str, fitting: Iterable[str]) -> None:
+    path = joint.coordinate_path(word, key)
     if key in (joint.quaternion or ()):
-        door.refuse(
+        door.add(
             "model.quaternion_component",
             path,
             f"{key} is a component of a quaternion, which nothing can drive by itself",
@@ -299,7 +299,7 @@ def _refuse_key(joint: Joint, door: Door, word: str, key: str, fitting: Iterable
         )
     elif key in joint.coordinates:
         other = "torque" if word == "force" else "force"
-        door.refuse(
+        door.add(
             "model.wrong_drive",
             path,
             f"{key} is {'an angle' if word == 'force' else 'a displacement'}",
@@ -307,7 +307,7 @@ def _refuse_key(joint: Joint, door: Door, word: str, key: str, fitting: Iterable
             f"write {other} instead of {word}",
         )
     else:
-        door.refuse(
+        door.add(
             "model.unknown_coordinate",
             path,
             f"the joint has no coordinate {key!r}",
@@ -316,7 +316,7 @@ def _refuse_key(joint: Joint, door: Door, word: str, key: str, fitting: Iterable
         )
 
 
-def _check_motions(joint: Joint, door: Door) -> None:
+def _check_motions(joint: Joint, door: Arguments) -> None:
     """Note prescribed coordinates whose rates are no speeds, so that they cannot leave the unknowns."""
     for names, speeds in (
         (joint.rotation_coordinates, joint.rotation_speeds),
@@ -324,9 +324,9 @@ def _check_motions(joint: Joint, door: Door) -> None:
     ):
         for name in joint.motion:
             if name in names and speeds is not None and name not in (joint.quaternion or ()):
-                door.refuse(
+                door.add(
                     "model.motion_without_rate",
-                    joint.path_of("motion", name),
+                    joint.coordinate_path("motion", name),
                     f"the rate of {name} is not among the speeds of the joint",
                     f"its speeds are {', '.join(speeds.names)}",
                     'write speeds = "rates", or as_constraint = true',

@@ -7,18 +7,18 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Any, ClassVar, Final, TypeVar
 
 from symbody.expr.language.formula import Formula
-from symbody.model.checker import Checker
+from symbody.model.checker import NumericChecks
 from symbody.model.declaration import Field, Given
-from symbody.model.door import Door, Value
+from symbody.model.door import Arguments, Value
 from symbody.model.element_fields import Directions
 from symbody.model.fields import Flag
 from symbody.model.joint import InTrees, Joint
-from symbody.model.loads.forces import Drive, drive_from
-from symbody.model.loads.friction import Friction, check_friction, friction_from
-from symbody.model.numbers import as_float, value_of
-from symbody.model.table import Table
-from symbody.model.turn import LETTERS, Axis, axis_from, not_perpendicular
-from symbody.model.uses import Scope, Use
+from symbody.model.loads.forces import Drive, read_drive
+from symbody.model.loads.friction import Friction, check_friction, read_friction
+from symbody.model.numbers import as_float, formula_value
+from symbody.model.table import FrozenMapping
+from symbody.model.turn import LETTERS, Axis, not_perpendicular, read_axis
+from symbody.model.uses import FormulaSite, Scope
 
 T = TypeVar("T")
 TreeChoice = InTrees | bool | Mapping[str, bool] | None
@@ -35,7 +35,7 @@ class TreeMembership(Field[TreeChoice, InTrees]):
     _: KW_ONLY
     default: Any = None
 
-    def read(self, owner: Joint, door: Door, value: object, path: str) -> InTrees:
+    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> InTrees:
         """Return the choice from None, a bool, or a mapping rotation/translation to bool."""
         if isinstance(value, InTrees):
             return value
@@ -46,7 +46,7 @@ class TreeMembership(Field[TreeChoice, InTrees]):
         if isinstance(value, Mapping) and set(value) <= {"rotation", "translation"}:
             if all(isinstance(flag, bool) for flag in value.values()):
                 return InTrees(value.get("rotation"), value.get("translation"))
-        door.refuse(
+        door.add(
             "model.bad_tree",
             path,
             f"{value!r} is no choice of trees",
@@ -67,7 +67,7 @@ class Coordinate(Field[str | None, str | None]):
     _: KW_ONLY
     default: Any = None
 
-    def read(self, owner: Joint, door: Door, value: object, path: str) -> str | None:
+    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> str | None:
         """Return the name, or None for that of the joint."""
         return None if value is None else _symbol(door, value, path, owner.default_coordinates[0])
 
@@ -84,31 +84,35 @@ class Coordinates(Field[Iterable[str] | None, tuple[str, ...]]):
     _: KW_ONLY
     default: Any = None
 
-    def read(self, owner: Joint, door: Door, value: object, path: str) -> tuple[str, ...]:
+    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> tuple[str, ...]:
         """Return the names."""
-        return names_from(door, value, path, owner.default_coordinates)
+        return read_names(door, value, path, owner.default_coordinates)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class _Drives(Field[Given, Table[Drive]]):
+class _Drives(Field[Given, FrozenMapping[Drive]]):
     """What both roles of drives do."""
 
     _: KW_ONLY
     default: Any = None
 
-    def read(self, owner: Joint, door: Door, value: object, path: str) -> Table[Drive]:
+    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> FrozenMapping[Drive]:
         """Return the drives by coordinate."""
-        return _by_coordinate(owner, door, value, path, lambda item, place: drive_from(door, item, place))
+        return _read_by_coordinate(
+            owner, door, value, path, lambda item, place: read_drive(door, item, place)
+        )
 
-    def formula_sites(self, owner: Joint, value: Table[Drive], path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: Joint, value: FrozenMapping[Drive], path: str) -> Iterator[FormulaSite]:
         """Return where the formulas of the drives stand."""
         for coordinate, drive in value.items():
-            yield from drive.uses(owner.path_of(path, coordinate))
+            yield from drive.formula_sites(owner.coordinate_path(path, coordinate))
 
-    def check_numbers(self, check: Checker, owner: Joint, value: Table[Drive], where: str) -> None:
+    def check_numbers(
+        self, check: NumericChecks, owner: Joint, value: FrozenMapping[Drive], where: str
+    ) -> None:
         """Note coefficients that look odd."""
         for coordinate, drive in value.items():
-            drive.check_numbers(check, owner.path_of(where, coordinate))
+            drive.check_numbers(check, owner.coordinate_path(where, coordinate))
 
 
 class CoordinateDrive(_Drives[Drive | None]):
@@ -128,25 +132,27 @@ class CoordinateDrives(_Drives[Mapping[str, Drive] | None]):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class _Motions(Field[Given, Table[Formula]]):
+class _Motions(Field[Given, FrozenMapping[Formula]]):
     """What both roles of prescribed motions do."""
 
     _: KW_ONLY
     default: Any = None
 
-    def read(self, owner: Joint, door: Door, value: object, path: str) -> Table[Formula]:
+    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> FrozenMapping[Formula]:
         """Return the motions by coordinate."""
-        return _by_coordinate(owner, door, value, path, door.angle)
+        return _read_by_coordinate(owner, door, value, path, door.angle)
 
-    def formula_sites(self, owner: Joint, value: Table[Formula], path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: Joint, value: FrozenMapping[Formula], path: str) -> Iterator[FormulaSite]:
         """Return where the motions stand."""
         for coordinate, motion in value.items():
-            yield Use(owner.path_of(path, coordinate), motion, Scope.PRESCRIBED)
+            yield FormulaSite(owner.coordinate_path(path, coordinate), motion, Scope.PRESCRIBED)
 
-    def check_numbers(self, check: Checker, owner: Joint, value: Table[Formula], where: str) -> None:
+    def check_numbers(
+        self, check: NumericChecks, owner: Joint, value: FrozenMapping[Formula], where: str
+    ) -> None:
         """Refuse motions whose value is not finite."""
         for coordinate, motion in value.items():
-            check.value(motion, owner.path_of(where, coordinate))
+            check.value(motion, owner.coordinate_path(where, coordinate))
 
 
 class PrescribedAngle(_Motions[Value | None]):
@@ -169,27 +175,29 @@ class PrescribedMotions(_Motions[Mapping[str, Value] | None]):
     annotation: ClassVar[str] = "Mapping[str, Value] | None"
 
 
-class Armature(Field[Value, Table[Formula]]):
+class Armature(Field[Value, FrozenMapping[Formula]]):
     """The rotor inertia along the only coordinate."""
 
     role: ClassVar[str] = "quantity"
     takes: ClassVar[str] = "number or formula"
     annotation: ClassVar[str] = "Value"
 
-    def read(self, owner: Joint, door: Door, value: object, path: str) -> Table[Formula]:
+    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> FrozenMapping[Formula]:
         """Return the inertia by coordinate; none if it is 0."""
-        inertias = _by_coordinate(owner, door, value, path, door.formula)
-        return Table({name: inertia for name, inertia in inertias.items() if inertia.constant() != 0})
+        inertias = _read_by_coordinate(owner, door, value, path, door.formula)
+        return FrozenMapping({name: inertia for name, inertia in inertias.items() if inertia.constant() != 0})
 
-    def formula_sites(self, owner: Joint, value: Table[Formula], path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: Joint, value: FrozenMapping[Formula], path: str) -> Iterator[FormulaSite]:
         """Return where the inertia stands."""
         for coordinate, inertia in value.items():
-            yield Use(owner.path_of(path, coordinate), inertia, Scope.CONSTANT)
+            yield FormulaSite(owner.coordinate_path(path, coordinate), inertia, Scope.CONSTANT)
 
-    def check_numbers(self, check: Checker, owner: Joint, value: Table[Formula], where: str) -> None:
+    def check_numbers(
+        self, check: NumericChecks, owner: Joint, value: FrozenMapping[Formula], where: str
+    ) -> None:
         """Refuse a negative inertia."""
         for coordinate, formula in value.items():
-            place = owner.path_of(where, coordinate)
+            place = owner.coordinate_path(where, coordinate)
             inertia = check.value(formula, place)
             if inertia is not None and inertia < 0:
                 check.refuse(
@@ -212,12 +220,12 @@ class DryFriction(Field[Friction | None, Friction | None]):
     _: KW_ONLY
     default: Any = None
 
-    def read(self, owner: Joint, door: Door, value: object, path: str) -> Friction | None:
+    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> Friction | None:
         """Return the friction; it is refused where there are several free directions."""
-        friction = friction_from(door, value, path)
+        friction = read_friction(door, value, path)
         if friction is None or len(owner.coordinates) == 1:
             return friction
-        door.refuse(
+        door.add(
             "model.friction_directions",
             path,
             f"the joint has {len(owner.coordinates)} free directions",
@@ -226,11 +234,11 @@ class DryFriction(Field[Friction | None, Friction | None]):
         )
         return None
 
-    def formula_sites(self, owner: Joint, value: Friction | None, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: Joint, value: Friction | None, path: str) -> Iterator[FormulaSite]:
         """Return where its formulas stand."""
-        return iter(()) if value is None else value.uses(path)
+        return iter(()) if value is None else value.formula_sites(path)
 
-    def check_numbers(self, check: Checker, owner: Joint, value: Friction | None, where: str) -> None:
+    def check_numbers(self, check: NumericChecks, owner: Joint, value: Friction | None, where: str) -> None:
         """Refuse impossible coefficients."""
         if value is not None:
             check_friction(check, value, where, bool(owner.rotation_coordinates))
@@ -244,11 +252,11 @@ class Letter(Field[str, str]):
     annotation: ClassVar[str] = "str"
     explanation: ClassVar[str] = '"x", "y" or "z".'
 
-    def read(self, owner: Joint, door: Door, value: object, path: str) -> str:
+    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> str:
         """Return the letter."""
         if isinstance(value, str) and value in LETTERS:
             return value
-        door.refuse(
+        door.add(
             "model.axis_letter",
             path,
             f"{value!r} is not an axis of the start frame",
@@ -261,11 +269,11 @@ class Letter(Field[str, str]):
 class PerpendicularAxes(Directions):
     """Two perpendicular directions."""
 
-    def read(self, owner: Joint, door: Door, value: object, path: str) -> tuple[Axis, Axis]:
+    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> tuple[Axis, Axis]:
         """Return two axes; those that are numbers are refused unless they are perpendicular."""
         items = door.items(value, path)
         if len(items) != 2:
-            door.refuse(
+            door.add(
                 "model.wrong_number",
                 path,
                 f"{len(items)} axes instead of two",
@@ -273,15 +281,15 @@ class PerpendicularAxes(Directions):
                 'write two perpendicular axes, such as ["x", "y"]',
             )
             return ("x", "y")
-        first, second = (axis_from(door, item, f"{path}[{k}]") for k, item in enumerate(items))
+        first, second = (read_axis(door, item, f"{path}[{k}]") for k, item in enumerate(items))
         values = _numbers(first), _numbers(second)
         if values[0] is not None and values[1] is not None:
             skew = not_perpendicular(values[0], values[1])
             if skew:
-                door.refuse("model.skew_axes", path, *skew)
+                door.add("model.skew_axes", path, *skew)
         return first, second
 
-    def check_numbers(self, check: Checker, owner: Any, value: tuple[Axis, Axis], where: str) -> None:
+    def check_numbers(self, check: NumericChecks, owner: Any, value: tuple[Axis, Axis], where: str) -> None:
         """Refuse directions of length zero, and those that are not perpendicular."""
         super().check_numbers(check, owner, value, where)
         vectors = [check.values(LETTERS[axis] if isinstance(axis, str) else axis, where) for axis in value]
@@ -300,13 +308,13 @@ AS_CONSTRAINT: Final = Flag("Whether prescribed motions become constraints.", de
 FRICTION: Final = DryFriction("What holds the joint back.")
 
 
-def names_from(door: Door, value: object, path: str, default: tuple[str, ...]) -> tuple[str, ...]:
+def read_names(door: Arguments, value: object, path: str, default: tuple[str, ...]) -> tuple[str, ...]:
     """Return names of symbols, as many as `default` has, which stands where none or a bad one is given."""
     if value is None:
         return default
     items = door.items(value, path)
     if len(items) != len(default):
-        door.refuse(
+        door.add(
             "model.wrong_number",
             path,
             f"{len(items)} names instead of {len(default)}",
@@ -321,36 +329,36 @@ def names_from(door: Door, value: object, path: str, default: tuple[str, ...]) -
 def _numbers(axis: Axis) -> list[float] | None:
     """Return the components of an axis, or None where one has no value without parameters."""
     components = LETTERS[axis] if isinstance(axis, str) else axis
-    values = [value_of(component) for component in components]
+    values = [formula_value(component) for component in components]
     known = [as_float(value) for value in values if value is not None]
     return known if len(known) == 3 else None
 
 
-def _by_coordinate(
-    joint: Joint, door: Door, value: object, path: str, read: Callable[[object, str], T | None]
-) -> Table[T]:
+def _read_by_coordinate(
+    joint: Joint, door: Arguments, value: object, path: str, read: Callable[[object, str], T | None]
+) -> FrozenMapping[T]:
     """Return what `read` makes of the value for each coordinate; a joint with one takes it without name."""
     names = joint.coordinates
     if len(names) == 1:
-        if isinstance(value, Table):  # of a joint that is copied, perhaps with another coordinate
+        if isinstance(value, FrozenMapping):  # of a joint that is copied, perhaps with another coordinate
             value = next(iter(value.values()), None)
         value = {} if value is None else {names[0]: value}
     if value is None:
-        return Table()
+        return FrozenMapping()
     if not isinstance(value, Mapping):
-        door.refuse(
+        door.add(
             "model.not_by_coordinate",
             path,
             f"{value!r} does not say which coordinate it belongs to",
             f"the joint has {len(names)} coordinates: {', '.join(names)}",
             f"write {{ {names[-1]} = .. }}, in Python {{{names[-1]!r}: ..}}",
         )
-        return Table()
-    found = {str(key): read(item, joint.path_of(path, str(key))) for key, item in value.items()}
-    return Table({key: item for key, item in found.items() if item is not None})
+        return FrozenMapping()
+    found = {str(key): read(item, joint.coordinate_path(path, str(key))) for key, item in value.items()}
+    return FrozenMapping({key: item for key, item in found.items() if item is not None})
 
 
-def _symbol(door: Door, value: object, path: str, default: str) -> str:
+def _symbol(door: Arguments, value: object, path: str, default: str) -> str:
     count = len(door.problems)
     name = door.symbol_name(value, path)
     return name if len(door.problems) == count else default

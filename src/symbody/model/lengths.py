@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.constraint import Condition
+from symbody.model.constraint import ConstraintElement
 from symbody.model.element import Element
 from symbody.model.joint import Joint
 from symbody.model.loads.curve import Curve, Law
@@ -29,8 +29,8 @@ def model_lengths(model: Model) -> Iterator[Formula]:
 
 def _own_lengths(element: Element) -> Iterator[Formula]:
     """Yield the formulas of an element that are lengths."""
-    if isinstance(element, Condition) and element.multiplier_unit == "N":
-        yield from (use.formula for use in element.uses() if use.path.partition("[")[0] in _LENGTHS)
+    if isinstance(element, ConstraintElement) and element.multiplier_unit == "N":
+        yield from (use.formula for use in element.formula_sites() if use.path.partition("[")[0] in _LENGTHS)
     elif isinstance(element, Joint):
         yield from element.constants.values()
         for drive in element.force.values():

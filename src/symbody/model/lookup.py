@@ -9,19 +9,19 @@ from typing import Any
 
 from symbody.errors import Problem, nearest
 from symbody.model.body import Body
-from symbody.model.element import Address, Element
+from symbody.model.element import Element, FrameRef
 from symbody.model.frame import Frame
 from symbody.model.naming import CENTRE, GROUND
 
 
-def addresses(element: Element) -> dict[str, Address]:
+def frame_refs(element: Element) -> dict[str, FrameRef]:
     """Return the addresses an element holds, by field name."""
     values = ((name, getattr(element, name)) for name in element.fields)
-    return {name: value for name, value in values if isinstance(value, Address)}
+    return {name: value for name, value in values if isinstance(value, FrameRef)}
 
 
 @dataclass(frozen=True, slots=True)
-class Places:
+class FrameIndex:
     """All frames of a model.
 
     Attributes
@@ -32,25 +32,25 @@ class Places:
 
     frames: Mapping[str, frozenset[str]]
 
-    def find(self, address: Address) -> Address | tuple[str, str]:
+    def find(self, address: FrameRef) -> FrameRef | tuple[str, str]:
         """Return the address with its body, or what is wrong with it and the cure."""
         if address.body in self.frames:
             known = self.frames[address.body]
-            if not address.point or address.point in known:
-                return Address(address.body, address.point)
+            if not address.frame or address.frame in known:
+                return FrameRef(address.body, address.frame)
             is_ground = address.body == GROUND
-            cure = nearest(address.point, known if is_ground else [*known, CENTRE])
+            cure = nearest(address.frame, known if is_ground else [*known, CENTRE])
             if is_ground:
-                cure += f" Or define it: [ground.frames] {address.point} = {{ at = [..] }}"
-            return f"{address.body} has no frame {address.point!r}", cure
-        if address.point:
+                cure += f" Or define it: [ground.frames] {address.frame} = {{ at = [..] }}"
+            return f"{address.body} has no frame {address.frame!r}", cure
+        if address.frame:
             return f"there is no body {address.body!r}", nearest(address.body, self.frames)
-        return self._bare(address.body)
+        return self._find_alone(address.body)
 
-    def _bare(self, word: str) -> Address | tuple[str, str]:
+    def _find_alone(self, word: str) -> FrameRef | tuple[str, str]:
         homes = [body for body, names in self.frames.items() if word in names]
         if len(homes) == 1:
-            return Address(homes[0], word)
+            return FrameRef(homes[0], word)
         if homes:
             choices = " or ".join(f"{body}.{word}" for body in homes[:5])
             return f"several bodies have a frame {word!r}", f"write {choices}"
@@ -58,15 +58,15 @@ class Places:
         return f"there is no body or frame {word!r}", nearest(word, [*self.frames, *points])
 
 
-def places_of(bodies: Iterable[Body], ground: Mapping[str, Frame]) -> Places:
+def frame_index(bodies: Iterable[Body], ground: Mapping[str, Frame]) -> FrameIndex:
     """Return the frames of a model."""
     found = {GROUND: frozenset(ground)}
     for body in bodies:  # of two with one name, which is told elsewhere, both are searched
         found[body.name] = found.get(body.name, frozenset()) | frozenset(body.frames)
-    return Places(found)
+    return FrameIndex(found)
 
 
-def with_carried(elements: Iterable[Element]) -> list[Element]:
+def include_bodies(elements: Iterable[Element]) -> list[Element]:
     """Return the elements, each preceded by the bodies it carries, bodies met again left out."""
     listed = list(elements)
     known: dict[str, list[Element]] = {}
@@ -75,8 +75,8 @@ def with_carried(elements: Iterable[Element]) -> list[Element]:
             known.setdefault(element.name, []).append(element)
     result: list[Element] = []
     for element in listed:
-        for address in addresses(element).values():
-            body = address.carried
+        for address in frame_refs(element).values():
+            body = address.body_object
             if body is not None and body not in known.setdefault(body.name, []):
                 known[body.name].append(body)
                 result.append(body)
@@ -84,17 +84,17 @@ def with_carried(elements: Iterable[Element]) -> list[Element]:
     return result
 
 
-def with_places(
-    elements: Iterable[Element], places: Places, labels: Mapping[int, str]
+def resolve_frames(
+    elements: Iterable[Element], places: FrameIndex, labels: Mapping[int, str]
 ) -> tuple[list[Element], list[Problem]]:
     """Return the elements with every address looked up, and the addresses that mean nothing."""
     result: list[Element] = []
     problems: list[Problem] = []
     for k, element in enumerate(elements):
-        found: dict[str, Address] = {}
-        for name, address in addresses(element).items():
+        found: dict[str, FrameRef] = {}
+        for name, address in frame_refs(element).items():
             place = places.find(address)
-            if isinstance(place, Address):
+            if isinstance(place, FrameRef):
                 found[name] = place
             else:
                 what, fix = place

@@ -7,22 +7,22 @@ from dataclasses import dataclass, field
 from typing import Final, TypeVar, final
 
 from symbody.arguments import checked_arguments
-from symbody.errors import ModelError, Problem, counted, nearest
+from symbody.errors import ModelError, Problem, nearest, number_in_words
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body, frame_table
 from symbody.model.checks import physics
 from symbody.model.checks.structure import free_joints
-from symbody.model.checks.validation import Draft, checked
-from symbody.model.constraint import Condition
-from symbody.model.door import Door, Value, plain
+from symbody.model.checks.validation import Draft, check_draft
+from symbody.model.constraint import ConstraintElement
+from symbody.model.door import Arguments, Value, plain_value
 from symbody.model.element import Element
 from symbody.model.frame import Frame
 from symbody.model.joint import Joint
-from symbody.model.lookup import element_labels, with_carried
-from symbody.model.parameters import dependence_order, known_values, resolve
-from symbody.model.shapes.shape import BodyShape, shapes_from
-from symbody.model.table import Table
+from symbody.model.lookup import element_labels, include_bodies
+from symbody.model.parameters import dependence_order, parameter_values, resolve
+from symbody.model.shapes.shape import BodyShape, read_shapes
+from symbody.model.table import FrozenMapping
 from symbody.model.uses import Triple
 from symbody.notebook import Displayed
 
@@ -84,14 +84,14 @@ class Model(Displayed):
     name: str
     elements: tuple[Element, ...]
     gravity: Triple
-    parameters: Table[Formula | None]
+    parameters: FrozenMapping[Formula | None]
     inputs: tuple[str, ...]
-    initial: Table[Formula]
-    ground: Table[Frame]
+    initial: FrozenMapping[Formula]
+    ground: FrozenMapping[Frame]
     ground_shapes: tuple[BodyShape, ...]
     bodies: tuple[Body, ...] = field(init=False, compare=False)
     joints: tuple[Joint, ...] = field(init=False, compare=False)
-    constraints: tuple[Condition, ...] = field(init=False, compare=False)
+    constraints: tuple[ConstraintElement, ...] = field(init=False, compare=False)
     notes: tuple[str, ...] = field(init=False, compare=False)
 
     @checked_arguments
@@ -107,9 +107,9 @@ class Model(Displayed):
         notes: Iterable[str] = (),
         ground_shapes: Iterable[BodyShape] = (),
     ) -> None:
-        door = Door("model")
+        door = Arguments("model")
         draft = Draft(
-            elements=_sorted(with_carried(_elements(door, elements))),
+            elements=_sort_by_kind(include_bodies(_elements(door, elements))),
             gravity=door.triple(gravity, "gravity"),
             parameters=door.table(
                 parameters or {},
@@ -121,14 +121,14 @@ class Model(Displayed):
             ),
             initial=door.table(initial or {}, "initial", door.angle),
             ground=frame_table(door, ground or {}, "ground.frames"),
-            ground_shapes=shapes_from(door, ground_shapes, "ground.shape"),
+            ground_shapes=read_shapes(door, ground_shapes, "ground.shape"),
         )
         title = name if isinstance(name, str) else "?"
         if title != name:
-            door.refuse("names.not_text", "name", f"{name!r} is not a name", "", "give a text")
+            door.add("names.not_text", "name", f"{name!r} is not a name", "", "give a text")
         for parameter in draft.parameters:
             door.symbol_name(parameter, f"parameters.{parameter}")
-        placed, remarks = checked(draft, door.problems)
+        placed, remarks = check_draft(draft, door.problems)
         object.__setattr__(self, "name", title)
         object.__setattr__(self, "elements", placed)
         object.__setattr__(self, "gravity", draft.gravity)
@@ -139,11 +139,11 @@ class Model(Displayed):
         object.__setattr__(self, "ground_shapes", draft.ground_shapes)
         object.__setattr__(self, "bodies", tuple(e for e in placed if isinstance(e, Body)))
         object.__setattr__(self, "joints", tuple(e for e in placed if isinstance(e, Joint)))
-        object.__setattr__(self, "constraints", tuple(e for e in placed if isinstance(e, Condition)))
+        object.__setattr__(self, "constraints", tuple(e for e in placed if isinstance(e, ConstraintElement)))
         object.__setattr__(self, "notes", (*notes, *remarks))
 
     def __repr__(self) -> str:
-        sizes = f"{counted(len(self.bodies), 'body')}, {counted(len(self.joints), 'joint')}"
+        sizes = f"{number_in_words(len(self.bodies), 'body')}, {number_in_words(len(self.joints), 'joint')}"
         return f"Model({self.name!r}: {sizes})"
 
     @property
@@ -166,7 +166,7 @@ class Model(Displayed):
         ModelError
             If there is none.
         """
-        return _named(self.bodies, "body", name)
+        return _find_named(self.bodies, "body", name)
 
     @checked_arguments
     def joint(self, name: str) -> Joint:
@@ -177,7 +177,7 @@ class Model(Displayed):
         ModelError
             If there is none.
         """
-        return _named(self.joints, "joint", name)
+        return _find_named(self.joints, "joint", name)
 
     def parameter_order(self, overrides: Mapping[str, Formula] | None = None) -> tuple[str, ...]:
         """Return the parameters so that each stands after those its formula, or the one instead, contains."""
@@ -207,7 +207,9 @@ def value_problems(model: Model, given: Mapping[str, Value], free: Iterable[str]
     """
     changed: dict[str, Formula | None] = dict(model.parameters)
     changed |= {
-        name: Formula.of(plain(value), where=name) for name, value in given.items() if name in changed
+        name: Formula.from_value(plain_value(value), where=name)
+        for name, value in given.items()
+        if name in changed
     }
     changed |= dict.fromkeys(free)
     own = set(given)
@@ -217,15 +219,15 @@ def value_problems(model: Model, given: Mapping[str, Value], free: Iterable[str]
             own.add(name)
     labels = element_labels(model.elements)
     return physics.value_problems(
-        {labels[k]: element for k, element in enumerate(model.elements)}, known_values(changed)[0], own
+        {labels[k]: element for k, element in enumerate(model.elements)}, parameter_values(changed)[0], own
     )
 
 
-def _elements(door: Door, elements: object) -> list[Element]:
+def _elements(door: Arguments, elements: object) -> list[Element]:
     items = door.items(elements, "elements")
     for k, item in enumerate(items):
         if not isinstance(item, Element):
-            door.refuse(
+            door.add(
                 "model.not_an_element",
                 f"elements[{k}]",
                 f"{item!r} is not a part of a mechanism",
@@ -235,11 +237,11 @@ def _elements(door: Door, elements: object) -> list[Element]:
     return [item for item in items if isinstance(item, Element)]
 
 
-def _sorted(elements: Iterable[Element]) -> tuple[Element, ...]:
+def _sort_by_kind(elements: Iterable[Element]) -> tuple[Element, ...]:
     return tuple(sorted(elements, key=lambda element: KINDS.index(element.kind)))
 
 
-def _named(elements: Iterable[E], kind: str, name: str) -> E:
+def _find_named(elements: Iterable[E], kind: str, name: str) -> E:
     known = {element.name: element for element in elements}
     if name in known:
         return known[name]

@@ -79,7 +79,7 @@ def element_problem(name: object, where: str) -> Problem | None:
 
 
 @lru_cache(maxsize=4096)  # of large models, whose joints name their coordinates again and again
-def symbol_from(name: str) -> str:
+def make_symbol(name: str) -> str:
     """Return the name of an element made fit for formulas: every other character becomes ``_``.
 
     >>> symbol_from("upper arm")

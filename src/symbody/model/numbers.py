@@ -16,7 +16,7 @@ class _Unknown(Exception):
     """A name without value."""
 
 
-def value_of(formula: Formula, values: Mapping[str, Constant] | None = None) -> Constant | None:
+def formula_value(formula: Formula, values: Mapping[str, Constant] | None = None) -> Constant | None:
     """Return the value of a formula, or None if it contains a name that has none.
 
     Parameters
@@ -47,7 +47,7 @@ def value_of(formula: Formula, values: Mapping[str, Constant] | None = None) -> 
     except _Unknown:
         return None
     exact = graph.number(root)
-    return _rounded(graph, root) if exact is None else exact
+    return _float_value(graph, root) if exact is None else exact
 
 
 def square_root(square: Constant) -> Constant | None:
@@ -59,7 +59,7 @@ def square_root(square: Constant) -> Constant | None:
     return Fraction(top, bottom) if Fraction(top * top, bottom * bottom) == exact else None
 
 
-def _rounded(graph: Graph, root: int) -> float:
+def _float_value(graph: Graph, root: int) -> float:
     sequence = build_sequence(graph, [Roots("value", (), (root,))], {})
     return float(evaluate_sequence(sequence, {})[0][0])
 

@@ -9,8 +9,8 @@ from typing import Final
 from symbody.errors import ExpressionError, ModelError, Problem, nearest
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
-from symbody.model.door import Door, Value
-from symbody.model.numbers import value_of
+from symbody.model.door import Arguments, Value
+from symbody.model.numbers import formula_value
 
 Parameters = Mapping[str, Formula | None]
 
@@ -36,7 +36,7 @@ def cycle_problems(parameters: Parameters) -> list[Problem]:
     return [_cycle_problem(cycle) for cycle in _walk(parameters)[1]]
 
 
-def known_values(parameters: Parameters) -> tuple[dict[str, Constant], list[Problem]]:
+def parameter_values(parameters: Parameters) -> tuple[dict[str, Constant], list[Problem]]:
     """Return the values of all parameters that have one, and what is wrong with the others' formulas.
 
     Exact where the formula is folded exactly, a float otherwise (pi, sin and the like). The
@@ -49,9 +49,9 @@ def known_values(parameters: Parameters) -> tuple[dict[str, Constant], list[Prob
         if formula is None:
             continue
         try:
-            value = value_of(formula, values)
+            value = formula_value(formula, values)
         except ExpressionError as error:
-            problems.extend(_of_parameter(name, problem) for problem in error.problems)
+            problems.extend(_parameter_problem(name, problem) for problem in error.problems)
             continue
         if value is None:
             continue
@@ -78,13 +78,13 @@ def resolve(parameters: Parameters, overrides: Mapping[str, Value]) -> dict[str,
     ModelError
         Listing all unknown names, all faulty formulas, or all parameters without value.
     """
-    door = Door("parameters")
+    door = Arguments("parameters")
     changed: dict[str, Formula | None] = dict(parameters)
     for name, value in overrides.items():
         if name in parameters:
             changed[name] = door.angle(value, name)
         else:
-            door.refuse(
+            door.add(
                 "parameters.unknown",
                 name,
                 f"the model has no parameter {name!r}",
@@ -94,16 +94,16 @@ def resolve(parameters: Parameters, overrides: Mapping[str, Value]) -> dict[str,
     for name, formula in changed.items():
         for word in () if formula is None else formula.names:
             if word != "pi" and word not in changed:
-                door.refuse(
+                door.add(
                     "names.unknown",
                     name,
                     f"{formula} contains {word!r}, which is no parameter",
                     "",
                     nearest(word, changed),
                 )
-    door.close()
+    door.raise_all()
     order = dependence_order(changed)
-    values, problems = known_values(changed)
+    values, problems = parameter_values(changed)
     if problems:
         raise ModelError(*problems)
     missing = [name for name in order if changed[name] is None]
@@ -126,7 +126,7 @@ def _walk(parameters: Parameters) -> tuple[list[str], list[list[str]]]:
     cycles: list[list[str]] = []
     done: set[str] = set()
     for root in parameters:
-        path: dict[str, list[str]] = {} if root in done else {root: _needed(parameters, root)}
+        path: dict[str, list[str]] = {} if root in done else {root: _dependencies(parameters, root)}
         while path:
             name, needed = next(reversed(path.items()))
             if not needed:
@@ -140,11 +140,11 @@ def _walk(parameters: Parameters) -> tuple[list[str], list[list[str]]]:
                     names = list(path)
                     cycles.append([*names[names.index(word) :], word])
             elif word not in done:
-                path[word] = _needed(parameters, word)
+                path[word] = _dependencies(parameters, word)
     return order, cycles
 
 
-def _needed(parameters: Parameters, name: str) -> list[str]:
+def _dependencies(parameters: Parameters, name: str) -> list[str]:
     formula = parameters[name]
     return [] if formula is None else [word for word in formula.names if word in parameters]
 
@@ -159,7 +159,7 @@ def _cycle_problem(cycle: list[str]) -> Problem:
     )
 
 
-def _of_parameter(name: str, problem: Problem) -> Problem:
+def _parameter_problem(name: str, problem: Problem) -> Problem:
     where = f"model, parameters.{name}"
     return Problem(
         problem.code,

@@ -8,7 +8,7 @@ from typing import TypeVar
 V = TypeVar("V")
 
 
-class Table(Mapping[str, V]):
+class FrozenMapping(Mapping[str, V]):
     """Names to values, in the order given; the mapping it is made from is copied.
 
     Tables with the same names and values are equal, whatever their order.

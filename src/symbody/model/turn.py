@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from typing import Final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.door import ZERO, Door
-from symbody.model.numbers import square_root, value_of
+from symbody.model.door import ZERO, Arguments
+from symbody.model.numbers import formula_value, square_root
 from symbody.model.uses import Triple
 
 # "x", "y", "z", or components along x, y and z, of any length.
 Axis = str | Triple
 
-ONE: Final = Formula.of(1)
+ONE: Final = Formula.from_value(1)
 LETTERS: Final[dict[str, Triple]] = {
     "x": (ONE, ZERO, ZERO),
     "y": (ZERO, ONE, ZERO),
@@ -27,7 +27,7 @@ _PERPENDICULAR: Final = 1e-8
 
 
 @dataclass(frozen=True, slots=True)
-class Turn:
+class SimpleRotation:
     """One simple rotation from a frame to the next.
 
     Attributes
@@ -42,12 +42,12 @@ class Turn:
     angle: Formula
 
 
-def axis_from(door: Door, value: object, path: str) -> Axis:
+def read_axis(door: Arguments, value: object, path: str) -> Axis:
     """Return an axis from a letter or three components."""
     if isinstance(value, str):
         if value in LETTERS:
             return value
-        door.refuse(
+        door.add(
             "model.axis_letter",
             path,
             f"{value!r} is not an axis",
@@ -66,21 +66,21 @@ def unit_axis(axis: Axis) -> Triple:
     """
     if isinstance(axis, str):
         return LETTERS[axis]
-    values = [value_of(component) for component in axis]
+    values = [formula_value(component) for component in axis]
     numbers = [value for value in values if value is not None]
     if len(numbers) < 3:
-        return _divided(axis, [c for c, value in zip(axis, values, strict=True) if value != 0])
+        return _divide(axis, [c for c, value in zip(axis, values, strict=True) if value != 0])
     square = sum(value * value for value in numbers)
     length = square_root(square)
     if not square or length == 1:
         return axis
     if length is not None:
-        x, y, z = (Formula.of(value / length) for value in numbers)
+        x, y, z = (Formula.from_value(value / length) for value in numbers)
         return (x, y, z)
-    return _divided(axis, [Formula.of(square)], squared=True)
+    return _divide(axis, [Formula.from_value(square)], squared=True)
 
 
-def _divided(axis: Triple, terms: list[Formula], *, squared: bool = False) -> Triple:
+def _divide(axis: Triple, terms: list[Formula], *, squared: bool = False) -> Triple:
     """Return the axis divided by the root of the sum of `terms`, or of their squares."""
     exponent = "" if squared else "**2"
     length = " + ".join(f"({term.text}){exponent}" for term in terms)
@@ -89,7 +89,7 @@ def _divided(axis: Triple, terms: list[Formula], *, squared: bool = False) -> Tr
 
 
 def _quotient(component: Formula, length: str) -> Formula:
-    return ZERO if component.constant() == 0 else Formula.of(f"({component.text})/sqrt({length})")
+    return ZERO if component.constant() == 0 else Formula.from_value(f"({component.text})/sqrt({length})")
 
 
 def shift_along(axis: Axis, displacement: str) -> Triple:
@@ -121,5 +121,5 @@ def not_perpendicular(first: Sequence[float], second: Sequence[float]) -> tuple[
 
 def _product(component: Formula, displacement: str) -> Formula:
     if component.text in ("0", "1"):
-        return Formula.of(displacement) if component.text == "1" else ZERO
-    return Formula.of(f"({component.text})*{displacement}")
+        return Formula.from_value(displacement) if component.text == "1" else ZERO
+    return Formula.from_value(f"({component.text})*{displacement}")

@@ -22,7 +22,7 @@ class Scope(StrEnum):
     COORDINATE = "the name of a joint's coordinate"
 
 
-class Use(NamedTuple):
+class FormulaSite(NamedTuple):
     """One formula of an element.
 
     Attributes
@@ -36,9 +36,9 @@ class Use(NamedTuple):
     path: str
     formula: Formula
     scope: Scope
-    own: tuple[str, ...] = ()
+    local_names: tuple[str, ...] = ()
 
 
-def triple_uses(path: str, formulas: Iterable[Formula], scope: Scope) -> Iterator[Use]:
+def component_sites(path: str, formulas: Iterable[Formula], scope: Scope) -> Iterator[FormulaSite]:
     """Return the uses of the formulas of a list."""
-    return (Use(f"{path}[{k}]", formula, scope) for k, formula in enumerate(formulas))
+    return (FormulaSite(f"{path}[{k}]", formula, scope) for k, formula in enumerate(formulas))

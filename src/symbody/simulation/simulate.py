@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symbody.analysis.assembly import assemble
-from symbody.analysis.named_values import checked_mappings
-from symbody.analysis.redundancy import undetermined_at
+from symbody.analysis.named_values import check_mappings
+from symbody.analysis.redundancy import undetermined_outputs
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.undetermined import identically_undetermined, share_notes
+from symbody.equations.solving.undetermined import find_identically_undetermined, share_notes
 from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.hybrid.rate_jumps import run_with_jumps
@@ -116,7 +116,7 @@ def _pose(
     first: State,
 ) -> SimulationProblem:
     """Return the equations to integrate, with all that they depend on besides the state."""
-    sizes = mechanism_scales(eqs, dict(parameters), scales, first.q).over(*span)
+    sizes = mechanism_scales(eqs, dict(parameters), scales, first.q).fit_span(*span)
     stabilized = constraints.stabilize(eqs) if isinstance(constraints, Baumgarte) else eqs
     return SimulationProblem(stabilized, dict(parameters), laws, sizes)
 
@@ -133,11 +133,11 @@ def _undetermined_notes(eqs: EquationSet, first: State, run: Trajectory) -> tupl
     """Return notes on reactions that do not follow from a motion with these values of parameters."""
     if not (first.has_dependent_constraints or eqs.formed.friction):
         return ()
-    always = identically_undetermined(eqs.formed)
+    always = find_identically_undetermined(eqs.formed)
     if not first.has_dependent_constraints:
         return share_notes(eqs.formed, always)[1:]
     places = sorted({0, len(run.t) // 2, len(run.t) - 1})
-    names = undetermined_at(eqs, first.parameters, [(float(run.t[k]), run.q[:, k]) for k in places])
+    names = undetermined_outputs(eqs, first.parameters, [(float(run.t[k]), run.q[:, k]) for k in places])
     return share_notes(eqs.formed, [name for name in names if name not in always], " in this motion")
 
 
@@ -171,4 +171,4 @@ def _check_arguments(
             problems.append(Problem("simulation.not_a_method", name, what, "", f"write one of {known}"))
     if problems:
         raise UsageError(*problems)
-    checked_mappings(**by_name)
+    check_mappings(**by_name)

@@ -1,8 +1,8 @@
 from .dyadic import Dyadic as Dyadic
 from .dyadic import symmetric_split as symmetric_split
 from .euler_angles import angle_rates as angle_rates
-from .euler_angles import euler_turns as euler_turns
-from .euler_angles import measured_angles as measured_angles
+from .euler_angles import angles_of_matrix as angles_of_matrix
+from .euler_angles import euler_rotations as euler_rotations
 from .euler_angles import sequence_axes as sequence_axes
 from .euler_parameters import EulerParameters as EulerParameters
 from .euler_parameters import euler_parameter_omega as euler_parameter_omega

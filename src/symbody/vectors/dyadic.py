@@ -12,7 +12,7 @@ from symbody.expr.expression import Expr, number
 from symbody.vectors.frame import FrameTree
 from symbody.vectors.matrix import Matrix, SymmetricTensor, Triple, Vector3, identity, symmetric_tensor
 from symbody.vectors.rotation import AxisRotation
-from symbody.vectors.vector import NULL, Vector, components, cross, dot, vector
+from symbody.vectors.vector import ZERO, Vector, components, cross, dot, vector
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class Dyadic:
         For an isotropic tensor it is the root. One with an axis is passed up across turns about this axis.
         """
         if self.unresolved is not None:
-            return tree.home(self.frame)
+            return tree.orientation_frame(self.frame)
         if self.axial is None:
             return tree.path(self.frame)[-1]
         frame, axis = self.frame, self.axial[1]
@@ -79,7 +79,7 @@ def symmetric_split(frame: str, tensor: Matrix) -> Dyadic:
     return Dyadic(frame, number(graph, 0), unresolved=whole)
 
 
-def apply(tree: FrameTree, dyadic: Dyadic, a: Vector) -> Vector:
+def times_vector(tree: FrameTree, dyadic: Dyadic, a: Vector) -> Vector:
     """Return ``D a``; terms stay in their frames as far as the symmetry allows."""
     here = dyadic.in_simplest_frame(tree)
     result = a * here.isotropic
@@ -111,7 +111,7 @@ def quadratic(tree: FrameTree, a: Vector, dyadic: Dyadic, b: Vector) -> Expr:
 def gyroscopic(tree: FrameTree, w: Vector, dyadic: Dyadic) -> Vector:
     """Return ``w x D w``; the isotropic part, whose product is zero, is never formed."""
     here = dyadic.in_simplest_frame(tree)
-    result = NULL
+    result = ZERO
     if here.axial is not None:
         factor, axis = here.axial
         n = vector(here.frame, axis)

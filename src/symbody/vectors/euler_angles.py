@@ -43,7 +43,7 @@ def sequence_axes(sequence: str) -> tuple[tuple[str, str, str], bool]:
     return (first, second, third), is_space
 
 
-def euler_turns(
+def euler_rotations(
     graph: Graph, sequence: str, angles: Triple
 ) -> tuple[AxisRotation, AxisRotation, AxisRotation]:
     """Return the turns from start to end, about body axes; `angles` in the order of the written axes."""
@@ -84,9 +84,9 @@ def angle_rates(
     axes = [Vector3(turn.axis) for turn in (first, second, third)]
     if resolved_in == "start":
         a1, a2, a3 = axes[0], axes[1], middle @ axes[2]
-        seen = axis_rotation_matrix(graph, first).transposed @ w
+        seen = axis_rotation_matrix(graph, first).T @ w
     else:
-        a1, a2, a3 = middle.transposed @ axes[0], axes[1], axes[2]
+        a1, a2, a3 = middle.T @ axes[0], axes[1], axes[2]
         seen = axis_rotation_matrix(graph, third) @ w
     if not (a1.dot(a2).is_zero and a2.dot(a3).is_zero):
         determinant = a1.cross(a2).dot(a3)
@@ -104,7 +104,7 @@ def angle_rates(
     return (rate1, a2.dot(seen), axes[2].dot(w) - a1.dot(a3) * rate1), determinant
 
 
-def measured_angles(matrix: Matrix, sequence: str) -> Triple:
+def angles_of_matrix(matrix: Matrix, sequence: str) -> Triple:
     """Return the angles [rad] of a rotation matrix, in the order of the written axes.
 
     The middle angle lies in [0, pi] if the outer axes are the same, else in [-pi/2, pi/2]. Where the
@@ -112,7 +112,7 @@ def measured_angles(matrix: Matrix, sequence: str) -> Triple:
     """
     axes, is_space = sequence_axes(sequence)
     if is_space:
-        first, second, third = measured_angles(matrix, "".join(reversed(axes)))
+        first, second, third = angles_of_matrix(matrix, "".join(reversed(axes)))
         return (third, second, first)
     i, j = "xyz".index(axes[0]), "xyz".index(axes[1])
     k = 3 - i - j

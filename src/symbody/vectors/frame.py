@@ -19,7 +19,7 @@ ROOT = "ground"
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class FramePlace:
     """Where a frame stands.
 
     Attributes
@@ -36,7 +36,7 @@ class Place:
 
     parent: str
     depth: int
-    home: str
+    orientation_frame: str
     word: Word
 
 
@@ -54,7 +54,7 @@ class FrameTree:
     parents: dict[str, tuple[str, Rotation]]
     # Results kept for the next call. Each follows from the entries of `parents` on its way to the
     # root, and those stay, so none can go stale.
-    _places: dict[str, Place] = field(default_factory=dict, init=False, compare=False, repr=False)
+    _places: dict[str, FramePlace] = field(default_factory=dict, init=False, compare=False, repr=False)
     _matrices: dict[tuple[str, str], Matrix3[Expr]] = field(
         default_factory=dict, init=False, compare=False, repr=False
     )
@@ -62,9 +62,9 @@ class FrameTree:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_products", StepProducts(self.graph))
-        self._places[ROOT] = Place(ROOT, 0, ROOT, ())
+        self._places[ROOT] = FramePlace(ROOT, 0, ROOT, ())
 
-    def place(self, frame: str) -> Place:
+    def place(self, frame: str) -> FramePlace:
         """Return where a frame stands.
 
         Raises
@@ -92,7 +92,7 @@ class FrameTree:
         if matrix is None:
             matrix = self._products.matrix(self._word(a, b))
             self._matrices[(a, b)] = matrix
-            self._matrices[(b, a)] = matrix.transposed
+            self._matrices[(b, a)] = matrix.T
         return matrix
 
     def is_parallel(self, a: str, b: str) -> bool:
@@ -107,9 +107,9 @@ class FrameTree:
             a, b = (place.parent, b) if deeper == a else (a, place.parent)
         return turning > 1
 
-    def home(self, frame: str) -> str:
+    def orientation_frame(self, frame: str) -> str:
         """Return the frame nearest the root that has the same orientation by construction."""
-        return self.place(frame).home
+        return self.place(frame).orientation_frame
 
     def depth(self, frame: str) -> int:
         """Return how many frames lie between `frame` and the root."""
@@ -133,9 +133,9 @@ class FrameTree:
                 place_b = self._places[b]
         for word in reversed(down):
             up.extend(word)
-        return self._products.reduced(up)
+        return self._products.merge_codes(up)
 
-    def _enter(self, frame: str) -> Place:
+    def _enter(self, frame: str) -> FramePlace:
         """Enter the places of a frame and of all it stands in."""
         missing = [frame]
         while missing[-1] in self.parents and missing[-1] not in self._places:
@@ -148,8 +148,8 @@ class FrameTree:
         place = self._places[ancestor]
         for name in reversed(missing):
             parent, rotation = self.parents[name]
-            word = self._products.reduced(self._products.word(rotation))
-            place = Place(parent, place.depth + 1, name if word else place.home, word)
+            word = self._products.merge_codes(self._products.word(rotation))
+            place = FramePlace(parent, place.depth + 1, name if word else place.orientation_frame, word)
             self._places[name] = place
         return place
 

@@ -94,7 +94,7 @@ class ArticulatedInertia(NamedTuple, Generic[S]):
     def __matmul__(self, acceleration: Twist[S]) -> Wrench[Vector3[S]]:
         """Return the wrench about the origin for accelerations from rest."""
         a, alpha = acceleration
-        force = self.coupling.transposed @ alpha + self.linear @ a
+        force = self.coupling.T @ alpha + self.linear @ a
         return Wrench(force, self.rotational @ alpha + self.coupling @ a)
 
     def to_parent(self, X: Transform[S]) -> ArticulatedInertia[S]:
@@ -104,11 +104,11 @@ class ArticulatedInertia(NamedTuple, Generic[S]):
         coupling = X.matrix_to_parent(self.coupling)
         before = coupling @ r
         coupling = coupling + r @ linear.matrix
-        lever = symmetric_tensor(r @ coupling.transposed)
+        lever = symmetric_tensor(r @ coupling.T)
         rotational = X.tensor_to_parent(self.rotational) + lever - symmetric_tensor(before)
         return ArticulatedInertia(rotational, coupling, linear)
 
-    def without(self, unit: Wrench[Vector3[S]], inverse: S, direction: int = -1) -> ArticulatedInertia[S]:
+    def project_out(self, unit: Wrench[Vector3[S]], inverse: S, direction: int = -1) -> ArticulatedInertia[S]:
         """Return ``I - U D^-1 U^T``, the inertia that is felt through a free motion.
 
         Parameters
@@ -136,7 +136,7 @@ class ArticulatedInertia(NamedTuple, Generic[S]):
         return ArticulatedInertia(rotational, Matrix3((a, b, c)), linear)
 
 
-def articulated(body: RigidInertia[S]) -> ArticulatedInertia[S]:
+def single_body(body: RigidInertia[S]) -> ArticulatedInertia[S]:
     """Return the inertia of a rigid body alone."""
     m = body.mass
     zero: S = m * 0

@@ -86,12 +86,12 @@ class Matrix3(tuple[Vector3[S], Vector3[S], Vector3[S]]):
 
     def __matmul__(self, other: Matrix3[S] | tuple[S, S, S]) -> Matrix3[S] | Vector3[S]:
         if isinstance(other, Matrix3):
-            columns = other.transposed
+            columns = other.T
             return Matrix3((columns @ self[0], columns @ self[1], columns @ self[2]))
         return Vector3((self[0].dot(other), self[1].dot(other), self[2].dot(other)))
 
     @property
-    def transposed(self) -> Matrix3[S]:
+    def T(self) -> Matrix3[S]:
         """Rows and columns exchanged."""
         a, b, c = self
         return Matrix3(
@@ -175,7 +175,7 @@ def square(a: tuple[S, S, S]) -> SymmetricTensor[S]:
 
 def transpose(a: Matrix) -> Matrix3[Expr]:
     """Return the transposed matrix."""
-    return matrix3(*a).transposed
+    return matrix3(*a).T
 
 
 def vanishes(a: Triple) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from symbody.expr.calculus import time_derivative
 from symbody.expr.expression import Expr, common_graph
-from symbody.expr.graph import Graph, Kind
+from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.rewrite import dependence
 from symbody.vectors.matrix import Triple, Vector3, matrix3, zero_vector
 from symbody.vectors.placed import (
@@ -27,12 +27,12 @@ def rate(x: Triple) -> Vector3[Expr]:
 
 def velocity(point: PlacedPoint) -> PlacedVector:
     """Return the velocity of a point relative to ground, in the point's frame [m/s]."""
-    return PlacedVector(GROUND_FRAME, rate(point.position)).projected(point.frame)
+    return PlacedVector(GROUND_FRAME, rate(point.position)).express_in(point.frame)
 
 
 def acceleration(point: PlacedPoint) -> PlacedVector:
     """Return the acceleration of a point relative to ground, in the point's frame [m/s^2]."""
-    return PlacedVector(GROUND_FRAME, rate(rate(point.position))).projected(point.frame)
+    return PlacedVector(GROUND_FRAME, rate(rate(point.position))).express_in(point.frame)
 
 
 def angular_velocity(graph: Graph, frame: PlacedFrame, other: PlacedFrame = GROUND_FRAME) -> PlacedVector:
@@ -43,11 +43,11 @@ def angular_velocity(graph: Graph, frame: PlacedFrame, other: PlacedFrame = GROU
     return absolute + -PlacedVector(other, _angular_velocity(graph, other))
 
 
-def turned_by(graph: Graph, axis: Triple, angle: Expr) -> PlacedStep:
+def axis_rotation_step(graph: Graph, axis: Triple, angle: Expr) -> PlacedStep:
     """Return the turn about a unit vector; as a matrix where the axis itself moves."""
     turn = AxisRotation(axis, angle)
     kinds = dependence(graph, [x.index for x in axis])
-    if all(kinds[x.index] <= {Kind.PARAMETER} for x in axis):
+    if all(kinds[x.index] <= {SymbolKind.PARAMETER} for x in axis):
         return turn
     return DirectionCosines(axis_rotation_matrix(graph, turn))
 
@@ -71,5 +71,5 @@ def _angular_velocity(graph: Graph, frame: PlacedFrame) -> Vector3[Expr]:
     for step in frame.steps:
         spin = spin_of_step(step)
         if spin is not None and not isinstance(step, Shift):
-            total = step.matrix(graph).transposed @ total + spin
+            total = step.matrix(graph).T @ total + spin
     return total

@@ -45,7 +45,7 @@ class PlacedFrame:
         """The frame that leads back: ``F F^-1`` is ground."""
         return PlacedFrame(tuple(step.inverse for step in reversed(self.steps)))
 
-    def seen_from(self, other: PlacedFrame) -> PlacedFrame:
+    def relative_to(self, other: PlacedFrame) -> PlacedFrame:
         """Return ``other^-1 self``; the steps that both begin with cancel."""
         common = 0
         for mine, its in zip(self.steps, other.steps, strict=False):
@@ -67,7 +67,7 @@ class PlacedFrame:
 
     def rotation(self, graph: Graph) -> Matrix3[Expr]:
         """Return R: components in this frame to components in ground."""
-        return rotation_matrix(graph, compose_steps(_turns(self.steps)))
+        return rotation_matrix(graph, compose_steps(_rotations(self.steps)))
 
     def origin(self, graph: Graph) -> Vector3[Expr]:
         """Return the position of the origin, in ground axes [m]."""
@@ -82,11 +82,11 @@ class PlacedFrame:
                 x = x + step.by
             elif k == 0 or isinstance(self.steps[k - 1], Shift):
                 # A run of turns is one matrix, so that parallel ones add up first.
-                run = compose_steps(_turns(_run_of_turns(self.steps, k)))
+                run = compose_steps(_rotations(_rotations_to_next_shift(self.steps, k)))
                 x = rotation_matrix(graph, run) @ x
         return x
 
-    def turn(self, x: Triple) -> Vector3[Expr]:
+    def rotate(self, x: Triple) -> Vector3[Expr]:
         """Return the ground components of the vector with components `x` in this frame."""
         return Vector3(x) if not self.steps else self.rotation(x[0].graph) @ x
 
@@ -101,9 +101,9 @@ class PlacedPoint:
     frame: PlacedFrame
     coordinates: Triple
 
-    def projected(self, frame: PlacedFrame) -> PlacedPoint:
+    def express_in(self, frame: PlacedFrame) -> PlacedPoint:
         """Return the same point by its coordinates in another frame."""
-        return PlacedPoint(frame, self.frame.seen_from(frame).place(self.coordinates))
+        return PlacedPoint(frame, self.frame.relative_to(frame).place(self.coordinates))
 
     @property
     def position(self) -> Vector3[Expr]:
@@ -118,12 +118,12 @@ class PlacedVector:
     frame: PlacedFrame
     components: Triple
 
-    def projected(self, frame: PlacedFrame) -> PlacedVector:
+    def express_in(self, frame: PlacedFrame) -> PlacedVector:
         """Return the same vector by its components in another frame."""
-        return PlacedVector(frame, self.frame.seen_from(frame).turn(self.components))
+        return PlacedVector(frame, self.frame.relative_to(frame).rotate(self.components))
 
     def __add__(self, other: PlacedVector) -> PlacedVector:
-        return PlacedVector(self.frame, self._own + other.projected(self.frame).components)
+        return PlacedVector(self.frame, self._own + other.express_in(self.frame).components)
 
     def __neg__(self) -> PlacedVector:
         return PlacedVector(self.frame, -self._own)
@@ -133,11 +133,11 @@ class PlacedVector:
 
     def dot(self, other: PlacedVector) -> Expr:
         """Return the scalar product."""
-        return self._own.dot(other.projected(self.frame).components)
+        return self._own.dot(other.express_in(self.frame).components)
 
     def cross(self, other: PlacedVector) -> PlacedVector:
         """Return the vector product, in the frame of the first factor."""
-        return PlacedVector(self.frame, self._own.cross(other.projected(self.frame).components))
+        return PlacedVector(self.frame, self._own.cross(other.express_in(self.frame).components))
 
     @property
     def _own(self) -> Vector3[Expr]:
@@ -146,12 +146,12 @@ class PlacedVector:
     @property
     def in_ground(self) -> Vector3[Expr]:
         """The components in ground."""
-        return self.frame.turn(self.components)
+        return self.frame.rotate(self.components)
 
 
-def joined(start: PlacedPoint, end: PlacedPoint) -> PlacedVector:
+def vector_between(start: PlacedPoint, end: PlacedPoint) -> PlacedVector:
     """Return the vector from one point to another, in the frame of the first."""
-    there = Vector3(end.projected(start.frame).coordinates)
+    there = Vector3(end.express_in(start.frame).coordinates)
     return PlacedVector(start.frame, there - start.coordinates)
 
 
@@ -163,11 +163,11 @@ def homogeneous(frame: PlacedFrame, graph: Graph) -> tuple[tuple[Expr, ...], ...
     return (*placed, (zero, zero, zero, one))
 
 
-def _turns(steps: Iterable[PlacedStep]) -> list[AxisRotation | DirectionCosines]:
+def _rotations(steps: Iterable[PlacedStep]) -> list[AxisRotation | DirectionCosines]:
     return [step for step in steps if not isinstance(step, Shift)]
 
 
-def _run_of_turns(steps: Sequence[PlacedStep], start: int) -> Sequence[PlacedStep]:
+def _rotations_to_next_shift(steps: Sequence[PlacedStep], start: int) -> Sequence[PlacedStep]:
     """Return the turns from `start` up to the next shift."""
     end = start
     while end < len(steps) and not isinstance(steps[end], Shift):

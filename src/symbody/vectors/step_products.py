@@ -47,11 +47,11 @@ class StepProducts:
         """Return the codes of the steps of a rotation, identities left out."""
         return tuple(self._code(step) for step in rotation.turns if not step.is_identity)
 
-    def reduced(self, codes: Iterable[int]) -> Word:
+    def merge_codes(self, codes: Iterable[int]) -> Word:
         """Return the codes with neighbours merged."""
         word: list[int] = []
         for code in codes:
-            together = self._together(word[-1], code) if word else None
+            together = self._merge_pair(word[-1], code) if word else None
             if together is None:
                 word.append(code)
             else:
@@ -96,9 +96,9 @@ class StepProducts:
 
     def _keep(self, word: Word, matrix: Matrix3[Expr]) -> None:
         self._matrices[word] = matrix
-        self._matrices[backwards(word)] = matrix.transposed
+        self._matrices[backwards(word)] = matrix.T
 
-    def _together(self, first: int, second: int) -> Word | None:
+    def _merge_pair(self, first: int, second: int) -> Word | None:
         """Return the code of two merged steps, no code if they cancel, None if they stay two."""
         if first == -second:
             return ()

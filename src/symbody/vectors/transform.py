@@ -67,7 +67,7 @@ class CoordinateRotation(NamedTuple, Generic[S]):
         rows = [list(row) for row in matrix]
         ii, jj, ij, ji = rows[i][i], rows[j][j], rows[i][j], rows[j][i]
         g = (ii - jj) * s + (ij + ji) * c
-        row, column = self.rotate(matrix[k]), self.rotate(matrix.transposed[k])
+        row, column = self.rotate(matrix[k]), self.rotate(matrix.T[k])
         rows[i][i], rows[j][j], rows[i][j], rows[j][i] = ii - g * s, jj + g * s, g * c - ji, g * c - ij
         for p in (i, j):
             rows[k][p], rows[p][k] = row[p], column[p]
@@ -106,10 +106,7 @@ class Transform(NamedTuple, Generic[S]):
     def inverse(self) -> Transform[S]:
         """The parent in the child."""
         back = Transform(
-            tuple(
-                step.transposed if isinstance(step, Matrix3) else step.inverse
-                for step in reversed(self.steps)
-            ),
+            tuple(step.T if isinstance(step, Matrix3) else step.inverse for step in reversed(self.steps)),
             self.position,
         )
         return back._replace(position=-back.to_parent(self.position))
@@ -127,7 +124,7 @@ class Transform(NamedTuple, Generic[S]):
     def to_child(self, v: Vector3[S]) -> Vector3[S]:
         """Return ``R^T v``: a vector's components in the child."""
         for step in self.steps:
-            v = step.transposed @ v if isinstance(step, Matrix3) else step.inverse.rotate(v)
+            v = step.T @ v if isinstance(step, Matrix3) else step.inverse.rotate(v)
         return v
 
     def point_to_parent(self, x: Vector3[S]) -> Vector3[S]:
@@ -154,7 +151,7 @@ class Transform(NamedTuple, Generic[S]):
         """Return ``R A R^T``."""
         for step in reversed(self.steps):
             if isinstance(step, Matrix3):
-                matrix = step @ matrix @ step.transposed
+                matrix = step @ matrix @ step.T
             else:
                 matrix = step.rotate_matrix(matrix)
         return matrix

@@ -54,7 +54,7 @@ class Vector:
         return not self.terms
 
 
-NULL: Final = Vector({})
+ZERO: Final = Vector({})
 
 
 def vector(frame: str, components: Triple) -> Vector:
@@ -64,7 +64,7 @@ def vector(frame: str, components: Triple) -> Vector:
 
 def express(tree: FrameTree, a: Vector, frame: str) -> Vector:
     """Return the vector with all its components in one frame."""
-    result = NULL
+    result = ZERO
     for home, parts in a.terms.items():
         result = result + vector(frame, _in_frame(tree, parts, home, frame))
     return result
@@ -76,7 +76,7 @@ def components(tree: FrameTree, a: Vector, frame: str) -> Vector3[Expr]:
     return express(tree, a, frame).terms.get(frame, Vector3((zero, zero, zero)))
 
 
-def drawn_near(tree: FrameTree, a: Vector, frame: str) -> Vector:
+def express_near(tree: FrameTree, a: Vector, frame: str) -> Vector:
     """Return the vector in `frame`, unless it is one term in a frame turned by several parallel turns.
 
     Products of sums cost as many rotations as there are pairs of terms, and products with a frame far
@@ -89,21 +89,21 @@ def drawn_near(tree: FrameTree, a: Vector, frame: str) -> Vector:
     return express(tree, a, frame)
 
 
-def lifted(tree: FrameTree, a: Vector, kept: Collection[str] = ()) -> Vector:
+def in_simplest_frame(tree: FrameTree, a: Vector, kept: Collection[str] = ()) -> Vector:
     """Return the vector with each term in a frame turned about its own direction expressed before that turn.
 
     Products with it then never hold the angle, which makes no difference to them. Nothing leaves the frames
     in `kept`.
     """
-    result = NULL
+    result = ZERO
     for home, parts in a.terms.items():
-        frame = tree.home(home)
+        frame = tree.orientation_frame(home)
         while frame in tree.parents and frame not in kept:
             parent, rotation = tree.parents[frame]
             (step,) = rotation.turns if len(rotation.turns) == 1 else (None,)
             if not isinstance(step, AxisRotation) or not vanishes(Vector3(step.axis).cross(parts)):
                 break
-            frame = tree.home(parent)
+            frame = tree.orientation_frame(parent)
         result = result + Vector({frame: parts})
     return result
 
@@ -127,7 +127,7 @@ def dot(tree: FrameTree, a: Vector, b: Vector) -> Expr:
 
 def cross(tree: FrameTree, a: Vector, b: Vector) -> Vector:
     """Return the vector product; each product of two terms stands in the frame farther from the root."""
-    result = NULL
+    result = ZERO
     for home, x in a.terms.items():
         for other, y in b.terms.items():
             frame = home if tree.depth(home) >= tree.depth(other) else other

@@ -139,7 +139,9 @@ def slider_mechanism(eqs: EquationSet, sliders: Sequence[Slider]) -> SliderMecha
     ranges = tuple(_slider_range(eqs, first, size, slider) for slider in sliders)
     trees = eqs.formed.topology
     chain = chain_of(
-        eqs.model, [body.name for body in eqs.model.bodies], inside=trees.turning & trees.sliding
+        eqs.model,
+        [body.name for body in eqs.model.bodies],
+        inside=trees.rotation_branches & trees.translation_branches,
     )
     free = [slider.name for slider in ranges if slider.name in eqs.parameter_names]
     return SliderMechanism(eqs, ranges, first, chain, compile(eqs, chain.outputs, free=free, quick=True))

@@ -11,7 +11,7 @@ import pytest
 import symbody as sb
 from symbody.codegen.compile import form_sequence
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Input, Kernel, Operation, Output, Sequence
+from symbody.expr.sequence import Input, KernelNode, Operation, Output, Sequence
 from symbody.formats.native import from_data
 from tests.codegen.sequences import EXACT, LIBRARY, TRIGONOMETRIC, random_sequence, same_bits
 from tests.codegen.texts.running import ALL, CASADI_, FORTRAN, JULIA_, MATLAB, Point, run
@@ -168,7 +168,7 @@ def test_a_system_without_solution_is_nan(language: str, tmp_path: Path) -> None
     operations = (*(Operation(op.SYMBOL, (), k) for k in range(2)), Operation(op.SADDLE, (0, 1), 0),
                   Operation(op.PICK, (2,), 0), Operation(op.PICK, (2,), 1))  # fmt: skip
     inputs = (Input("m", "q", 0), Input("f", "q", 1))
-    sequence = Sequence(inputs, (), (Kernel(1, 0),), (), operations, (Output("x", (2,), (3, 4)),))
+    sequence = Sequence(inputs, (), (KernelNode(1, 0),), (), operations, (Output("x", (2,), (3, 4)),))
     points: list[Point] = [{"q": [2.0, 3.0]}, {"q": [0.0, 3.0]}, {"q": [-1.0, 3.0]}]
     solved, *others = run(language, sequence, points, tmp_path)
     assert solved == [1.5, 0.0]

@@ -18,7 +18,7 @@ from symbody.codegen.texts.c import generate
 from symbody.errors import CompileError
 from symbody.expr import opcodes as op
 from symbody.expr.evaluate import FLOATS, evaluate_sequence
-from symbody.expr.sequence import Input, Kernel, Operation, Output, Sequence
+from symbody.expr.sequence import Input, KernelNode, Operation, Output, Sequence
 from tests.codegen.native import call, call_address
 from tests.codegen.sequences import (
     EXACT,
@@ -194,7 +194,7 @@ def test_a_kernel_that_fails_is_told(tmp_path: Path) -> None:
         operations.append(Operation(op.PICK, (len(operations) - 1,), 0))
     inputs = (Input("m1", "q", 0), Input("m2", "q", 1))
     output = Output("udot", (2,), (3, 5))
-    sequence = Sequence(inputs, (), (Kernel(1, 0),) * 2, (), tuple(operations), (output,))
+    sequence = Sequence(inputs, (), (KernelNode(1, 0),) * 2, (), tuple(operations), (output,))
     for size in (1, 2000):
         folder = tmp_path / str(size)
         folder.mkdir()

@@ -21,7 +21,7 @@ from symbody.codegen.texts.python import generate
 from symbody.errors import CompileError
 from symbody.expr import opcodes as op
 from symbody.expr.evaluate import FLOATS, evaluate_sequence
-from symbody.expr.sequence import Input, Kernel, Operation, Output, Sequence
+from symbody.expr.sequence import Input, KernelNode, Operation, Output, Sequence
 from tests.codegen.sequences import (
     EXACT,
     LIBRARY,
@@ -142,7 +142,7 @@ def test_a_singular_system_gives_nan(tmp_path: Path) -> None:
     operations = (Operation(op.SYMBOL, (), 0), Operation(op.RATIONAL, (), 0), Operation(op.SADDLE, (0, 1), 0),
                   Operation(op.PICK, (2,), 0))  # fmt: skip
     sequence = Sequence(
-        (Input("m", "q", 0),), (3,), (Kernel(1, 0),), (), operations, (Output("y", (), (3,)),)
+        (Input("m", "q", 0),), (3,), (KernelNode(1, 0),), (), operations, (Output("y", (), (3,)),)
     )
     solved, singular, batch = run_text(
         generate(sequence),

@@ -77,7 +77,7 @@ def test_columns_point_into_the_text() -> None:
 )
 def test_numbers_become_their_decimal_text(value: float, text: str, number: object) -> None:
     """Row 33. Up to 15 digits a float is the decimal it was written as, beyond that it stays a float."""
-    formula = Formula.of(value)
+    formula = Formula.from_value(value)
     assert formula.text == text
     assert formula.is_number
     assert formula.constant() == number
@@ -87,8 +87,8 @@ def test_numbers_become_their_decimal_text(value: float, text: str, number: obje
 
 def test_formulas_and_text_at_the_door() -> None:
     formula = parse("a + b")
-    assert Formula.of(formula) is formula
-    assert Formula.of("a + b") == formula
+    assert Formula.from_value(formula) is formula
+    assert Formula.from_value("a + b") == formula
     assert str(formula) == "a + b"
 
 
@@ -115,7 +115,7 @@ def test_formulas_and_text_at_the_door() -> None:
 def test_what_is_no_expression(value: float, code: str, cause: str) -> None:
     """Rows 27, 33 and 109."""
     with pytest.raises(ExpressionError) as caught:
-        Formula.of(value, where="parameter k")
+        Formula.from_value(value, where="parameter k")
     (problem,) = caught.value.problems
     assert problem.code == f"expression.{code}"
     assert problem.where.startswith("parameter k")
@@ -127,7 +127,7 @@ def test_what_is_no_expression(value: float, code: str, cause: str) -> None:
 def test_text_with_a_wrong_number_is_refused(text: str) -> None:
     """Row 29: text is never guessed to be some number."""
     with pytest.raises(ExpressionError, match="fix: "):
-        Formula.of(text, where="parameter k")
+        Formula.from_value(text, where="parameter k")
 
 
 @pytest.mark.parametrize(
@@ -158,15 +158,15 @@ def test_constant(text: str, value: object) -> None:
     ],
 )
 def test_renamed(text: str, mapping: dict[str, str], result: str) -> None:
-    renamed = parse(text).renamed(mapping)
+    renamed = parse(text).rename(mapping)
     assert renamed.text == result
     assert renamed == parse(result)
 
 
 def test_renaming_nothing_changes_nothing() -> None:
     formula = parse("a + 1")
-    assert formula.renamed({"b": "c"}) is formula
-    assert formula.renamed({}) is formula
+    assert formula.rename({"b": "c"}) is formula
+    assert formula.rename({}) is formula
 
 
 @pytest.mark.parametrize(
@@ -174,7 +174,7 @@ def test_renaming_nothing_changes_nothing() -> None:
 )
 def test_new_names_must_be_names(name: str) -> None:
     with pytest.raises(ExpressionError) as caught:
-        parse("a + 1").renamed({"a": name})
+        parse("a + 1").rename({"a": name})
     (problem,) = caught.value.problems
     assert problem.code == "expression.name"
     assert "letters, digits and _" in problem.why

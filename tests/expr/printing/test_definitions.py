@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from symbody.expr.canonical import add, apply, mul, neg, select
-from symbody.expr.graph import Graph, Kernel, Kind, Symbol
+from symbody.expr.graph import Graph, KernelNode, Symbol, SymbolKind
 from symbody.expr.opcodes import LT, PICK, SADDLE, SIN
 from symbody.expr.printing.definitions import definitions
 from symbody.expr.rewrite import operation_count, substitute, symbols_of, tree_size
@@ -11,7 +11,7 @@ from symbody.expr.rewrite import operation_count, substitute, symbols_of, tree_s
 
 def doubling(graph: Graph, depth: int) -> int:
     """Return a formula of `depth` levels in which every level uses the one below twice."""
-    node = graph.symbol(Symbol("x", Kind.COORDINATE))
+    node = graph.symbol(Symbol("x", SymbolKind.COORDINATE))
     for k in range(depth):
         node = add(graph, mul(graph, apply(graph, SIN, node), node), graph.symbol(Symbol(f"a{k}")))
     return node
@@ -49,7 +49,7 @@ def test_each_definition_uses_earlier_names_only() -> None:
 
 def test_names_of_symbols_are_left_to_them() -> None:
     graph = Graph()
-    speed = graph.symbol(Symbol("z3", Kind.COORDINATE, 1))
+    speed = graph.symbol(Symbol("z3", SymbolKind.COORDINATE, 1))
     taken = add(graph, graph.symbol(Symbol("z1")), speed)
     named = definitions(graph, [mul(graph, doubling(graph, 6), taken)], 0)
     labels = {graph.symbols[graph.left[k]].label for k in symbols_of(graph, [taken])}
@@ -71,7 +71,7 @@ def test_operands_of_a_kernel_are_named_since_each_entry_shows_them() -> None:
     graph = Graph()
     force = doubling(graph, 1)
     mass = graph.symbol(Symbol("m"))
-    solved = graph.many(SADDLE, (mass, force), graph.kernel(Kernel(1, 0)))
+    solved = graph.many(SADDLE, (mass, force), graph.kernel(KernelNode(1, 0)))
     entries = [graph.node(PICK, solved, k) for k in (0, 1)]
     assert list(definitions(graph, entries, 0)) == [force]
     assert definitions(graph, entries[:1], 0) == {}

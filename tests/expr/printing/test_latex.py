@@ -16,7 +16,7 @@ from symbody.errors import ExpressionError
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import add, apply, make, mul, neg, power, select
 from symbody.expr.expression import Expr, atan2, cos, maximum, sin, sqrt, symbol
-from symbody.expr.graph import TIME, Graph, Kernel, Kind, Symbol
+from symbody.expr.graph import TIME, Graph, KernelNode, Symbol, SymbolKind
 from symbody.expr.printing.latex import (
     latex_name,
     to_display,
@@ -41,9 +41,9 @@ class Names:
     def __getattr__(self, name: str) -> Expr:
         base, _, dots = name.rpartition("_d")
         if base in self.COORDINATES and dots.endswith("ot"):
-            return symbol(self.graph, Symbol(base, Kind.COORDINATE, len(dots) - 1))
-        kinds = {"F": Kind.INPUT, "omega": Kind.SPEED, "lambda_1": Kind.MULTIPLIER}
-        kind = Kind.COORDINATE if name in self.COORDINATES else kinds.get(name, Kind.PARAMETER)
+            return symbol(self.graph, Symbol(base, SymbolKind.COORDINATE, len(dots) - 1))
+        kinds = {"F": SymbolKind.INPUT, "omega": SymbolKind.SPEED, "lambda_1": SymbolKind.MULTIPLIER}
+        kind = SymbolKind.COORDINATE if name in self.COORDINATES else kinds.get(name, SymbolKind.PARAMETER)
         return symbol(self.graph, Symbol(name, kind))
 
     @property
@@ -190,7 +190,7 @@ def words(text: str) -> list[str]:
 
 def test_derivatives_of_any_order() -> None:
     graph = Graph()
-    nodes = [graph.symbol(Symbol("x_1", Kind.COORDINATE, order)) for order in range(6)]
+    nodes = [graph.symbol(Symbol("x_1", SymbolKind.COORDINATE, order)) for order in range(6)]
     assert [to_display(graph, node) for node in nodes] == ["x_1" + "'" * order for order in range(6)]
     dots = ["x_{1}", r"\dot{x_{1}}", r"\ddot{x_{1}}", r"\dddot{x_{1}}", r"\ddddot{x_{1}}", "{x_{1}^{(5)}}"]
     assert [to_latex(graph, node) for node in nodes] == dots
@@ -198,7 +198,11 @@ def test_derivatives_of_any_order() -> None:
 
 def test_names_given_are_used_and_dotted() -> None:
     n = Names()
-    names = {Symbol("x", Kind.COORDINATE): r"\xi", Symbol("x", Kind.COORDINATE, 2): "a", Symbol("k"): "k_s"}
+    names = {
+        Symbol("x", SymbolKind.COORDINATE): r"\xi",
+        Symbol("x", SymbolKind.COORDINATE, 2): "a",
+        Symbol("k"): "k_s",
+    }
     node = (n.m * n.x_ddot + n.d * n.x_dot + n.k * n.x).index
     assert to_latex(n.graph, node, names) == r"m \, a + d \, \dot{\xi} + k_s \, \xi"
 
@@ -268,7 +272,7 @@ class Torque:
 
 def test_a_long_sum_takes_linear_time() -> None:
     graph = Graph()
-    total = graph.symbol(Symbol("x", Kind.COORDINATE))
+    total = graph.symbol(Symbol("x", SymbolKind.COORDINATE))
     for k in range(19_000):
         total = add(graph, total, graph.symbol(Symbol(f"a{k}")))
     text = to_display(graph, total)
@@ -277,7 +281,7 @@ def test_a_long_sum_takes_linear_time() -> None:
 
 def test_a_deep_formula_is_written_without_recursion() -> None:
     graph = Graph()
-    node = graph.symbol(Symbol("x", Kind.COORDINATE))
+    node = graph.symbol(Symbol("x", SymbolKind.COORDINATE))
     for _ in range(5000):
         node = apply(graph, op.TANH, node)
     assert to_display(graph, node) == "tanh(" * 5000 + "x" + ")" * 5000
@@ -302,7 +306,9 @@ def test_definitions_are_named_and_used() -> None:
 def test_what_has_no_formula_is_an_error() -> None:
     n = Names()
     graph = n.graph
-    entry = graph.node(op.PICK, graph.many(op.SADDLE, (n.m.index, n.F.index), graph.kernel(Kernel(1, 0))), 0)
+    entry = graph.node(
+        op.PICK, graph.many(op.SADDLE, (n.m.index, n.F.index), graph.kernel(KernelNode(1, 0))), 0
+    )
     node = n.x
     for _ in range(15):
         node = sin(node) * node + n.a

@@ -15,7 +15,7 @@ from symbody.errors import ExpressionError
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import make
 from symbody.expr.expression import Expr, cos, sin, sqrt
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.printing.latex import to_latex
 from symbody.expr.printing.mathml import mathml_name, to_mathml, to_mathml_with_definitions
 from symbody.expr.printing.mathml_tables import break_rows, math_element, mathml_equations, mathml_matrix
@@ -92,7 +92,7 @@ def test_no_name_becomes_an_element(name: str) -> None:
 
 def test_names_of_the_caller() -> None:
     names = Names()
-    given_names = {Symbol("x", Kind.COORDINATE): "<mi>X</mi>"}
+    given_names = {Symbol("x", SymbolKind.COORDINATE): "<mi>X</mi>"}
     formula = to_mathml(names.graph, names.x_dot.index, given_names)
     assert formula == "<mover><mi>X</mi><mo>\u02d9</mo></mover>"
 
@@ -108,7 +108,7 @@ def test_shared_parts_are_defined() -> None:
 
 def test_formulas_that_are_too_long_are_refused() -> None:
     graph = Graph()
-    x = graph.symbol(Symbol("x", Kind.COORDINATE))
+    x = graph.symbol(Symbol("x", SymbolKind.COORDINATE))
     deep = x
     for _ in range(20):
         deep = make(graph, op.MUL, (make(graph, op.ADD, (deep, x)), deep))

@@ -12,7 +12,7 @@ from symbody.errors import ExpressionError
 from symbody.expr import opcodes as op
 from symbody.expr.canonical import add, apply, make, mul, neg, power, select
 from symbody.expr.expression import Expr, cos, maximum, sin, sqrt, symbol
-from symbody.expr.graph import TIME, Constant, Graph, Kernel, Kind, Symbol
+from symbody.expr.graph import TIME, Constant, Graph, KernelNode, Symbol, SymbolKind
 from symbody.expr.language.formula import build
 from symbody.expr.language.literals import read_number
 from symbody.expr.parser import parse
@@ -116,7 +116,7 @@ def test_grouping_is_kept_without_brackets_to_the_left(graph: Graph) -> None:
 
 
 def test_symbols_are_written_by_their_labels(graph: Graph) -> None:
-    x = Symbol("x", Kind.COORDINATE)
+    x = Symbol("x", SymbolKind.COORDINATE)
     node = mul(graph, graph.symbol(x.derivative), graph.symbol(x.derivative.derivative))
     assert sorted(to_text(graph, node).split("*")) == ["x_ddot", "x_dot"]
     assert to_text(graph, graph.symbol(TIME)) == "t"
@@ -218,7 +218,7 @@ def test_short_formulas_need_no_definitions(graph: Graph) -> None:
 
 def test_an_entry_of_a_kernel_has_no_text(graph: Graph) -> None:
     m, f = (value.index for value in parameters(graph, "m f"))
-    entry = graph.node(op.PICK, graph.many(op.SADDLE, (m, f), graph.kernel(Kernel(1, 0))), 0)
+    entry = graph.node(op.PICK, graph.many(op.SADDLE, (m, f), graph.kernel(KernelNode(1, 0))), 0)
     with pytest.raises(ExpressionError, match="no_formula"):
         to_text(graph, power(graph, entry, graph.constant(2)))
 

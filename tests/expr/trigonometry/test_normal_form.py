@@ -16,7 +16,7 @@ from symbody.expr.calculus import gradient, time_derivative
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, cos, number, sin, sqrt, symbol
 from symbody.expr.fingerprint import fingerprints
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.rewrite import symbols_of, tree_size
 from symbody.expr.sequence import Input, Roots, build_sequence
 from symbody.expr.trigonometry.normal_form import trigonometric_form
@@ -45,7 +45,7 @@ class Pen:
         return [symbol(self.graph, Symbol(name)) for name in names.split()]
 
     def angles(self, names: str) -> list[Expr]:
-        return [symbol(self.graph, Symbol(name, Kind.COORDINATE)) for name in names.split()]
+        return [symbol(self.graph, Symbol(name, SymbolKind.COORDINATE)) for name in names.split()]
 
     def about_z(self, a: Expr) -> Matrix:
         zero, one = self.zero, self.one
@@ -163,7 +163,7 @@ def test_mass_matrix_of_the_spinning_top() -> None:
     change = [[Expr(p.graph, rates[3 * i + j]) for j in range(3)] for i in range(3)]
     spin = times([list(row) for row in zip(*R, strict=True)], change)  # R^T R', in body axes
     omega = [spin[2][1], spin[0][2], spin[1][0]]
-    speeds = [symbol(p.graph, Symbol(name, Kind.COORDINATE, 1)) for name in ("zeta", "eta", "xi")]
+    speeds = [symbol(p.graph, Symbol(name, SymbolKind.COORDINATE, 1)) for name in ("zeta", "eta", "xi")]
     J = p.slopes(omega, speeds)
     M = [
         [A * J[0][i] * J[0][j] + A * J[1][i] * J[1][j] + C * J[2][i] * J[2][j] for j in range(3)]
@@ -295,8 +295,8 @@ def test_is_written_shorter(name: str) -> None:
 
 KEPT: dict[str, Callable[[Pen], Expr]] = {
     "a linear equation of motion": lambda p: (
-        m(p) * symbol(p.graph, Symbol("x", Kind.COORDINATE, 2))
-        + symbol(p.graph, Symbol("d")) * symbol(p.graph, Symbol("x", Kind.COORDINATE, 1))
+        m(p) * symbol(p.graph, Symbol("x", SymbolKind.COORDINATE, 2))
+        + symbol(p.graph, Symbol("d")) * symbol(p.graph, Symbol("x", SymbolKind.COORDINATE, 1))
         + k(p) * x(p)
     ),
     "squares of sine and cosine": lambda p: m(p) * sin(a(p)) ** 2 + k(p) * cos(a(p)) ** 2,

@@ -7,7 +7,7 @@ import math
 import pytest
 import sympy as sp
 
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sympy_reader import nodes_from_sympy
 from symbody.expr.trigonometry.whole_turns import turning_symbols
@@ -30,7 +30,7 @@ CASES = {
 @pytest.mark.parametrize("formula", CASES, ids=str)
 def test_symbols_that_turn(formula: sp.Expr) -> None:
     graph = Graph()
-    roots = nodes_from_sympy([formula], graph, lambda name, of_time: Symbol(name, Kind.PARAMETER))
+    roots = nodes_from_sympy([formula], graph, lambda name, of_time: Symbol(name, SymbolKind.PARAMETER))
     nodes = {graph.symbols[graph.left[node]].name: node for node in symbols_of(graph, roots)}
     found = turning_symbols(graph, roots, list(nodes.values()))
     assert {name for name, node in nodes.items() if node in found} == CASES[formula]

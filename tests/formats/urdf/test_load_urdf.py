@@ -11,7 +11,7 @@ import pytest
 
 import symbody as sb
 from symbody.formats import model_from_toml, model_from_urdf, model_to_toml
-from symbody.model.numbers import value_of
+from symbody.model.numbers import formula_value
 from tests.formats.urdf.robots import arm, joint, link, robot
 from tests.oracles.comparison import Floats, computed
 
@@ -19,7 +19,7 @@ TEXT = 1e-15  # of numbers that are rounded when they are written as decimals
 
 
 def numbers(formulas: tuple[object, ...]) -> list[float]:
-    return [float(value_of(formula)) for formula in formulas]  # type: ignore[arg-type]
+    return [float(formula_value(formula)) for formula in formulas]  # type: ignore[arg-type]
 
 
 def turned(axis: str, angle: float) -> Floats:
@@ -49,7 +49,7 @@ def tensor(body: sb.Body) -> Floats:
 def test_every_type_of_joint(kind: str, coordinates: tuple[str, ...], inputs: tuple[str, ...]) -> None:
     model = model_from_urdf(arm(kind))
     assert model.coordinates == coordinates and model.inputs == inputs
-    assert [float(value_of(x)) for x in model.gravity] == [0, 0, -9.81]  # type: ignore[arg-type]
+    assert [float(formula_value(x)) for x in model.gravity] == [0, 0, -9.81]  # type: ignore[arg-type]
 
 
 def test_floating_base_has_the_names_of_the_contract() -> None:
@@ -85,7 +85,7 @@ def test_rpy_turns_about_fixed_axes() -> None:
     R = np.eye(3)
     for axis, angle in frame.rotate:
         assert isinstance(axis, str)
-        R = R @ turned(axis, float(value_of(angle)))  # type: ignore[arg-type]
+        R = R @ turned(axis, float(formula_value(angle)))  # type: ignore[arg-type]
     assert np.abs(R - turned("z", 0.3) @ turned("y", 0.2) @ turned("x", 0.1)).max() < 4e-16
     assert numbers(frame.at) == [0.1, 0.2, 0.3]
 
@@ -98,7 +98,7 @@ def test_angles_near_twelfths_of_pi_are_exact(k: int) -> None:
     texts = [formula.text for _, formula in turns]
     assert texts == ([] if k == 0 else [texts[0]]) and all("pi" in text for text in texts)
     if k:
-        assert float(value_of(turns[0][1])) == pytest.approx(k * math.pi / 12, rel=1e-15)  # type: ignore[arg-type]
+        assert float(formula_value(turns[0][1])) == pytest.approx(k * math.pi / 12, rel=1e-15)  # type: ignore[arg-type]
 
 
 def test_snapping_further_is_asked_for_and_told() -> None:
@@ -139,7 +139,7 @@ def test_fixed_chains_are_one_body_by_the_parallel_axis_theorem() -> None:
     for (R, _), c in zip(places.values(), centres, strict=True):
         d = c - centre
         total += R @ own @ R.T + 2 * (d @ d * np.eye(3) - np.outer(d, d))
-    assert float(value_of(body.mass)) == 6  # type: ignore[arg-type]
+    assert float(formula_value(body.mass)) == 6  # type: ignore[arg-type]
     assert np.abs(tensor(body) - total).max() < 1e-14 * np.abs(total).max()
     tip = places["C"][1] + R2 @ [0, 0, 1] - centre
     assert np.abs(np.array(numbers(body.frames["tip"].at)) - tip).max() < 1e-14
@@ -153,7 +153,7 @@ def test_right_angles_leave_lumps_exact() -> None:
     )
     (body,) = model_from_urdf(text, floating_base=True).bodies
     # B's z axis is A's x axis, its x axis A's y axis: the centres are at (0, 0, -1/4) and (1/4, 0, 0).
-    assert [value_of(x) for x in body.frames["A"].at] == [Fraction(-1, 8), 0, Fraction(1, 8)]
+    assert [formula_value(x) for x in body.frames["A"].at] == [Fraction(-1, 8), 0, Fraction(1, 8)]
 
 
 def test_symbolic_links_keep_their_parameters() -> None:

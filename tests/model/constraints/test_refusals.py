@@ -8,8 +8,8 @@ import pytest
 
 import symbody as sb
 from symbody.errors import ModelError
-from symbody.model.constraint import Condition
-from symbody.model.numbers import value_of
+from symbody.model.constraint import ConstraintElement
+from symbody.model.numbers import formula_value
 from tests.faults.refusals import refused, refused_model
 
 A = sb.Body("A", mass=1, inertia=(1, 1, 1), frames={"P": sb.Frame(at=(1, 0, 0))})
@@ -22,7 +22,7 @@ ENDS = ("A.P", "B")
 SLIDE = sb.Prismatic("j3", "ground", "C", coordinate="s", axis="x")
 NEITHER = "model.not_a_flag"
 
-CONSTRUCTORS: list[tuple[Callable[[], Condition], str, str]] = [
+CONSTRUCTORS: list[tuple[Callable[[], ConstraintElement], str, str]] = [
     (lambda: sb.Distance(3, *ENDS, 1), "names.not_text", "name"),
     (lambda: sb.Distance("c", 3, "B", 1), "model.not_a_place", "between[0]"),
     (lambda: sb.Distance("c", *ENDS, "1+"), "expression.missing_operand", "value"),
@@ -59,7 +59,7 @@ CONSTRUCTORS: list[tuple[Callable[[], Condition], str, str]] = [
     ("make", "code", "place"), CONSTRUCTORS, ids=[f"{k}-{case[1]}" for k, case in enumerate(CONSTRUCTORS)]
 )
 def test_constructors_refuse_with_place_and_cure(
-    make: Callable[[], Condition], code: str, place: str
+    make: Callable[[], ConstraintElement], code: str, place: str
 ) -> None:
     with pytest.raises(ModelError) as caught:
         make()
@@ -73,7 +73,7 @@ def test_all_faults_of_a_constructor_are_told_at_once() -> None:
     assert [where.split(", ")[1] for _, where in found] == ["between[0]", "radius", "normal", "axis"]
 
 
-IN_MODELS: list[tuple[Condition, str, str, str]] = [
+IN_MODELS: list[tuple[ConstraintElement, str, str, str]] = [
     (sb.Distance("c", "A.Q", "B", 1), "model.unknown_place", "between[0]", "'Q'"),
     (sb.Distance("c", "A.P", "A", 1), "model.self_constraint", "between", "both frames are on A"),
     (sb.Distance("c", "ground", "ground", 1), "model.self_constraint", "between", "ground"),
@@ -115,7 +115,9 @@ IN_MODELS: list[tuple[Condition, str, str, str]] = [
     IN_MODELS,
     ids=[f"{k}-{case[1]}" for k, case in enumerate(IN_MODELS)],
 )
-def test_models_refuse_with_place_and_cure(condition: Condition, code: str, place: str, words: str) -> None:
+def test_models_refuse_with_place_and_cure(
+    condition: ConstraintElement, code: str, place: str, words: str
+) -> None:
     found = refused_model(
         A, B, sb.Body("C", mass=1), *JOINTS, SLIDE, condition,
         parameters={"L": 2}, inputs=["F"], words=words,
@@ -136,7 +138,7 @@ def test_what_is_unusual_is_remarked() -> None:
 
 def test_formulas_and_numbers_become_the_same_everywhere() -> None:
     gear = sb.Gear("c", ["a1", "a2"], 2, offset="30 deg")
-    assert str(gear.offset) == "30 deg" and value_of(gear.offset, {}) == pytest.approx(
+    assert str(gear.offset) == "30 deg" and formula_value(gear.offset, {}) == pytest.approx(
         0.5235987755982988
     )  # pi/6
     other = sb.Gear("c", ("a1", "a2"), "2", offset="30 deg")

@@ -13,14 +13,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import Closure
+from symbody.analysis.closure import ConstraintEvaluator
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.canonical import ZERO
 from symbody.expr.expression import Expr
-from symbody.expr.graph import TIME, Kind, Symbol
+from symbody.expr.graph import TIME, Symbol, SymbolKind
 from symbody.expr.rewrite import substitute, symbols_of
 from symbody.expr.sequence import Roots
 from symbody.tolerances import BALANCED, BEARING, TINY
@@ -35,7 +35,7 @@ _ROUNDING: Final = 1e-13  # of the largest term of all equations
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rest:
+class StaticResidual:
     """Forces and constraints that do not vanish at a configuration.
 
     Attributes
@@ -57,7 +57,7 @@ class Rest:
     q: Floats
     inputs: Floats
     multipliers: Floats
-    left: Floats
+    unbalanced: Floats
     values: Floats
     slopes: Floats
     terms: Floats
@@ -65,9 +65,9 @@ class Rest:
     bearing: int | None
 
     @property
-    def open(self) -> float:
+    def largest_gap(self) -> float:
         """By how much the constraints are open, in sizes."""
-        return float(np.abs(self.values[self.left.size :]).max(initial=0.0))
+        return float(np.abs(self.values[self.unbalanced.size :]).max(initial=0.0))
 
     @property
     def merit(self) -> float:
@@ -78,11 +78,11 @@ class Rest:
     def is_balanced(self) -> bool:
         """Whether the forces are in balance up to rounding."""
         rounding = _ROUNDING if self.bearing is None else _CROSSING
-        return bool((np.abs(self.left) <= BALANCED * self.terms + rounding).all())
+        return bool((np.abs(self.unbalanced) <= BALANCED * self.terms + rounding).all())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Balance:
+class StaticBalance:
     """Forces at rest.
 
     Attributes
@@ -101,21 +101,23 @@ class Balance:
         Whether the forces depend on time.
     """
 
-    evaluator: Closure
+    evaluator: ConstraintEvaluator
     function: CompiledFunction
     unknowns: int
     sizes: Floats
     scales: Floats
     timed: bool
 
-    def largest(self, q: Floats) -> float:
+    def largest_term(self, q: Floats) -> float:
         """Return the largest of the terms that are to balance, as work [J]; 1 if there are none."""
         terms = self._evaluate(q, np.zeros(self.unknowns), np.zeros(len(self.evaluator.eqs.multiplier_names)))
         slopes = np.abs(terms[1]) * self.evaluator.sizes * self.sizes[:, np.newaxis]
         forces = np.abs(terms[0]) * self.sizes
         return max(float(slopes.max(initial=0.0)), float(forces.max(initial=0.0))) or 1.0
 
-    def rest(self, q: Floats, inputs: Floats, largest: float, bearing: int | None = None) -> Rest:
+    def residual(
+        self, q: Floats, inputs: Floats, largest: float, bearing: int | None = None
+    ) -> StaticResidual:
         """Return the residual at a configuration, with the best multipliers and unknown inputs.
 
         Parameters
@@ -145,7 +147,7 @@ class Balance:
         values = np.concatenate([left, open_values])
         with np.errstate(invalid="ignore"):  # where forces or constraints are not finite
             terms = np.abs(shares) @ np.abs(fit) + np.abs(slopes) @ self.evaluator.sizes
-        return Rest(q, inputs, multipliers, left, values, rows, terms, loads.shares, bearing)
+        return StaticResidual(q, inputs, multipliers, left, values, rows, terms, loads.shares, bearing)
 
     def _evaluate(self, q: Floats, inputs: Floats, multipliers: Floats) -> Any:
         """Return forces, their derivatives by q and by unknown inputs, and J."""
@@ -153,7 +155,7 @@ class Balance:
         return self.function(self.evaluator.t, q, still, np.concatenate([inputs, multipliers]))
 
 
-def balance(evaluator: Closure, unknowns: Sequence[str]) -> Balance:
+def static_balance(evaluator: ConstraintEvaluator, unknowns: Sequence[str]) -> StaticBalance:
     """Return the forces at rest of the equations of an evaluator; `unknowns` are inputs."""
     eqs = evaluator.eqs
     given: dict[str, Value] = {
@@ -171,7 +173,7 @@ def balance(evaluator: Closure, unknowns: Sequence[str]) -> Balance:
     function = CompiledFunction(*form_sequence(wider, words, evaluator.parameters, (), given))
     graph = eqs.formed.graph
     timed = graph.symbol(TIME) in symbols_of(graph, [*forces, *eqs.roots("constraints").nodes])
-    return Balance(
+    return StaticBalance(
         evaluator, function, len(symbols), evaluator.speed_sizes, evaluator.mechanism.constraints(eqs), timed
     )
 
@@ -179,7 +181,9 @@ def balance(evaluator: Closure, unknowns: Sequence[str]) -> Balance:
 def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], dict[str, Symbol]]:
     """Return ``F + J^T lambda`` without friction, which is 0 at rest, and the symbols of the multipliers."""
     formed, graph = eqs.formed, eqs.formed.graph
-    pulls = {f"rest lambda {k}": Symbol(f"rest lambda {k}", Kind.INPUT) for k in range(len(formed.rows))}
+    pulls = {
+        f"rest lambda {k}": Symbol(f"rest lambda {k}", SymbolKind.INPUT) for k in range(len(formed.rows))
+    }
     rows, multipliers = formed.jacobian, formed.expressions(tuple(pulls.values()))
     totals = []
     for i, force in enumerate(formed.dynamics.forcing):

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state
 from symbody.analysis.assembly import assemble
-from symbody.analysis.closure import STARTS, Closure, closure
-from symbody.analysis.equilibrium.search import continued
+from symbody.analysis.closure import STARTS, ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.equilibrium.search import examine_neighbourhood
 from symbody.analysis.equilibrium.taut_search import Candidate, TautSearch
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.linearize import linearize
-from symbody.analysis.one_sided import settled
+from symbody.analysis.one_sided import settle
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
@@ -114,7 +114,7 @@ def find_equilibrium(
     unknowns = (unknowns,) if isinstance(unknowns, str) else unknowns
     _check(eqs, unknowns, fixed or {})
     mechanism = mechanism_scales(eqs, dict(parameters or {}), scales, first.q)
-    evaluator = closure(eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism)
+    evaluator = constraint_evaluator(eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism)
     searches = TautSearch(
         evaluator, tuple(unknowns), np.array(list(first.q.values())), frozenset(fixed or ())
     )
@@ -144,7 +144,7 @@ def _check(eqs: EquationSet, unknowns: Sequence[str], fixed: Mapping[str, Value]
         raise AssemblyError(*problems)
 
 
-def _distinct_equilibria(evaluator: Closure, searches: TautSearch) -> list[Candidate]:
+def _distinct_equilibria(evaluator: ConstraintEvaluator, searches: TautSearch) -> list[Candidate]:
     """Return different equilibria, the nearest first.
 
     Raises
@@ -153,33 +153,33 @@ def _distinct_equilibria(evaluator: Closure, searches: TautSearch) -> list[Candi
         If there is none.
     """
     candidates, others = searches.candidates()
-    regular = [one for one in candidates if one.search.is_regular(one.rest)]
-    good = sorted(regular, key=lambda one: one.search.distance(one.rest))
+    regular = [one for one in candidates if one.search.is_regular(one.residual)]
+    good = sorted(regular, key=lambda one: one.search.distance(one.residual))
     if candidates and not good:
-        raise AssemblyError(_singular(evaluator, candidates[0].rest.q))
+        raise AssemblyError(_singular(evaluator, candidates[0].residual.q))
     if not good:
         raise AssemblyError(_unbalanced_problem(others))
     different = [good[0]]
     for one in good[1:]:
-        isolated = one.search.flat_directions(one.rest).shape[1] == 0
-        if isolated and all(evaluator.differs(one.rest.q, other.rest.q) for other in different):
+        isolated = one.search.flat_directions(one.residual).shape[1] == 0
+        if isolated and all(evaluator.differs(one.residual.q, other.residual.q) for other in different):
             different.append(one)
     return different
 
 
 def _unbalanced_problem(attempts: Sequence[Candidate]) -> Problem:
     """Return the refusal, with the unbalanced force at the best configuration."""
-    finite = [one for one in attempts if np.isfinite(one.rest.merit)]
+    finite = [one for one in attempts if np.isfinite(one.residual.merit)]
     eqs = attempts[0].search.evaluator.eqs
     if not finite:
         what = "the forces are not finite"
     else:
-        best = min(finite, key=lambda one: one.rest.merit)
-        rest, search = best.rest, best.search
-        k = int(np.argmax(np.abs(rest.left))) if rest.left.size else 0
+        best = min(finite, key=lambda one: one.residual.merit)
+        rest, search = best.residual, best.search
+        k = int(np.argmax(np.abs(rest.unbalanced))) if rest.unbalanced.size else 0
         name = eqs.speed_names[k]
         unit = "N" if eqs.units.get(name) == "m/s" else "N m"
-        force = rest.left[k] * search.balance.largest(search.start) / search.balance.sizes[k]
+        force = rest.unbalanced[k] * search.balance.largest_term(search.start) / search.balance.sizes[k]
         place = ", ".join(f"{q} = {x:.4g}" for q, x in zip(eqs.coordinate_names, rest.q, strict=True))
         left = best.fault or f"along {name} {force:.4g} {unit} are not balanced"
         what = f"{left}, where least is left ({place})"
@@ -190,7 +190,7 @@ def _unbalanced_problem(attempts: Sequence[Candidate]) -> Problem:
     )  # fmt: skip
 
 
-def _singular(evaluator: Closure, q: Floats) -> Problem:
+def _singular(evaluator: ConstraintEvaluator, q: Floats) -> Problem:
     place = ", ".join(f"{name} = {x:.4g}" for name, x in zip(evaluator.eqs.coordinate_names, q, strict=True))
     return Problem(
         "equilibrium.singular", evaluator.eqs.model.name, "forces balance only where no acceleration exists",
@@ -200,22 +200,22 @@ def _singular(evaluator: Closure, q: Floats) -> Problem:
 
 
 def _state(candidate: Candidate, unknowns: Sequence[str]) -> Equilibrium:
-    search, rest = candidate.search, candidate.rest
+    search, rest = candidate.search, candidate.residual
     evaluator, eqs = search.evaluator, search.evaluator.eqs
     order = [name for name in eqs.input_names if name in unknowns]
     held = dict(zip(order, rest.inputs.tolist(), strict=True))
     if held:
-        evaluator = closure(
+        evaluator = constraint_evaluator(
             eqs, evaluator.parameters, {**evaluator.inputs, **held}, evaluator.t, evaluator.mechanism
         )
     state = complete_state(evaluator, rest.q, np.zeros(len(eqs.speed_names)), search.start, {})
-    further = continued(search, rest)
+    further = examine_neighbourhood(search, rest)
     notes = [*evaluator.mechanism.notes(eqs), *further.notes, *candidate.notes]
     if search.balance.timed:
         notes.append(f"forces or motions depend on time: they are frozen at t = {evaluator.t:g} s")
     if eqs.formed.friction:
         notes.append("friction is 0 at rest: sticking holds more configurations than this")
-    edges = (*candidate.edges, *(settled(eqs, state).edges if switching_joints(eqs.formed) else ()))
+    edges = (*candidate.edges, *(settle(eqs, state).edges if switching_joints(eqs.formed) else ()))
     return _equilibrium(state, notes, "undecided" if edges else further.doubt)
 
 
@@ -227,11 +227,11 @@ def _friction_equilibrium(searches: TautSearch) -> Equilibrium | None:
         return None
     still = np.zeros(len(eqs.speed_names))
     try:
-        sides = settled(eqs, complete_state(evaluator, search.start, still, search.start, {}))
+        sides = settle(eqs, complete_state(evaluator, search.start, still, search.start, {}))
     except (AssemblyError, SimulationError):
         return None
     left = np.asarray(sides.state["mass_matrix"]) @ list(sides.state.udot.values()) * evaluator.speed_sizes
-    if not float(np.abs(left).max(initial=0.0)) <= BALANCED * search.balance.largest(search.start):
+    if not float(np.abs(left).max(initial=0.0)) <= BALANCED * search.balance.largest_term(search.start):
         return None
     note = "friction holds the guess, though forces balance nowhere without it: places about it are held, too"
     return _equilibrium(sides.state, [note, *sides.notes], "undecided" if sides.edges else "")

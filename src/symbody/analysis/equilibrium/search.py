@@ -16,8 +16,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import Closure
-from symbody.analysis.equilibrium.balance import Balance, Rest
+from symbody.analysis.closure import ConstraintEvaluator
+from symbody.analysis.equilibrium.balance import StaticBalance, StaticResidual
 from symbody.errors import AssemblyError, Problem, SimulationError
 from symbody.manifold import descend, explore_branch, least_step, null_space
 from symbody.tolerances import ASSEMBLED, AT_REST, BEARING, EXACT, RANK, SHARP_RANK
@@ -35,7 +35,7 @@ _LISTED: Final = 1e-6  # of the largest component
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Search:
+class EquilibriumSearch:
     """A search for equilibria from a guess.
 
     Attributes
@@ -48,7 +48,7 @@ class Search:
         Coordinates that keep their values.
     """
 
-    balance: Balance
+    balance: StaticBalance
     start: Floats
     fixed: frozenset[str]
     # Crossings that starts ended at, and the count of independent loads.
@@ -56,14 +56,14 @@ class Search:
     _generic: list[int | None] = field(default_factory=list, repr=False)
 
     @property
-    def evaluator(self) -> Closure:
+    def evaluator(self) -> ConstraintEvaluator:
         """The constraints."""
         return self.balance.evaluator
 
     @property
     def free(self) -> NDArray[np.bool_]:
         """Mask of the coordinates that may move."""
-        return self.evaluator.free(dict.fromkeys(self.fixed, 0.0))
+        return self.evaluator.free_coordinates(dict.fromkeys(self.fixed, 0.0))
 
     def check_at_rest(self) -> None:
         """Refuse constraints that demand motion.
@@ -90,45 +90,45 @@ class Search:
         """Return the guess and starts about it, the same at every call."""
         return self.evaluator.starts(self.start, dict.fromkeys(self.fixed, 0.0), _GROWTH)
 
-    def newton(self, q: Floats, bearing: int | None = None) -> Rest:
+    def descend(self, q: Floats, bearing: int | None = None) -> StaticResidual:
         """Return the end of steps of least length; `bearing` as of `Balance.rest`."""
         free, sizes, balance = self.free, self.evaluator.sizes, self.balance
-        largest = balance.largest(self.start)
-        rest = balance.rest(q, np.zeros(balance.unknowns), largest, bearing)
+        largest = balance.largest_term(self.start)
+        rest = balance.residual(q, np.zeros(balance.unknowns), largest, bearing)
 
-        def move(rest: Rest, step: Floats) -> Rest:
+        def move(rest: StaticResidual, step: Floats) -> StaticResidual:
             q = rest.q.copy()
             q[free] += step * sizes[free]
-            return balance.rest(self.evaluator.normalized(q), rest.inputs, largest, bearing)
+            return balance.residual(self.evaluator.normalize(q), rest.inputs, largest, bearing)
 
         return descend(rest, move, lambda values, slopes: least_step(values, slopes[:, free]))
 
-    def attempts(self, q: Floats) -> list[Rest]:
+    def attempts(self, q: Floats) -> list[StaticResidual]:
         """Return the ends of a start: equilibria, or places with the least unbalanced forces.
 
         A start that ends at a crossing of branches without balance goes on from places beside it.
         """
-        end = self.newton(q, self._count_generic_loads())
+        end = self.descend(q, self._count_generic_loads())
         rest = self._confirm(end)
         if rest is end or self.is_good(rest) or self._is_repeated(end):
             return [rest]
         ends = [rest]
         for place in self._regular_neighbours(end.q)[:_MOST_BESIDE]:
             place[~self.free] = self.start[~self.free]
-            ends.append(self._confirm(self.newton(place, self._count_loads(place))))
+            ends.append(self._confirm(self.descend(place, self._count_loads(place))))
         return ends
 
-    def _confirm(self, rest: Rest) -> Rest:
+    def _confirm(self, rest: StaticResidual) -> StaticResidual:
         """Return an end of Newton's method with the loads that stay bounded about it."""
         if not self._is_closed(rest):
             return rest
-        cut = _BESIDE * float(np.sqrt(max(rest.open, EXACT)))
+        cut = _BESIDE * float(np.sqrt(max(rest.largest_gap, EXACT)))
         bearing = rest.shares[rest.shares > BEARING] if rest.bearing is None else rest.shares[: rest.bearing]
         if (bearing >= cut).all():
             return rest
-        return self.newton(rest.q, int((bearing >= cut).sum()))
+        return self.descend(rest.q, int((bearing >= cut).sum()))
 
-    def _is_repeated(self, rest: Rest) -> bool:
+    def _is_repeated(self, rest: StaticResidual) -> bool:
         """Return whether starts beside this crossing were tried already."""
         if any(not self.evaluator.differs(rest.q, other, _SAME_CROSSING) for other in self._crossings):
             return True
@@ -143,7 +143,7 @@ class Search:
 
     def _count_loads(self, q: Floats) -> int:
         """Return the number of independent loads at a regular configuration."""
-        rest = self.balance.rest(q, np.zeros(self.balance.unknowns), 1.0)
+        rest = self.balance.residual(q, np.zeros(self.balance.unknowns), 1.0)
         return int((rest.shares > RANK).sum())
 
     def _count_generic_loads(self) -> int | None:
@@ -153,36 +153,36 @@ class Search:
             self._generic.append(max(map(self._count_loads, places), default=None))
         return self._generic[0]
 
-    def is_good(self, rest: Rest) -> bool:
+    def is_good(self, rest: StaticResidual) -> bool:
         """Return whether forces balance at a configuration of the mechanism."""
         return rest.is_balanced and self._is_closed(rest)
 
-    def is_crossing(self, rest: Rest) -> bool:
+    def is_crossing(self, rest: StaticResidual) -> bool:
         """Return whether other directions are open at an equilibrium than on the branches through it."""
         if self.evaluator.is_tree:
             return False
         branch = explore_branch(self.evaluator.manifold(), rest.q)
         return branch.instantaneous != branch.dimension or len(branch.dimensions) > 1
 
-    def is_regular(self, rest: Rest) -> bool:
+    def is_regular(self, rest: StaticResidual) -> bool:
         """Return whether accelerations exist: where angles are singular, forces along them vanish anyway."""
         still = np.zeros(len(self.evaluator.eqs.speed_names))
         try:
-            return bool(np.isfinite(self.evaluator.function("udot")(self.evaluator.t, rest.q, still)).all())
+            return bool(np.isfinite(self.evaluator.compile("udot")(self.evaluator.t, rest.q, still)).all())
         except SimulationError:
             return False
 
-    def unwound(self, rest: Rest) -> Rest:
+    def unwind(self, rest: StaticResidual) -> StaticResidual:
         """Return an equilibrium without full turns from the guess, unless springs distinguish these."""
         angles = [name in self.evaluator.angles for name in self.evaluator.eqs.coordinate_names]
         turns = np.where(angles, np.round((rest.q - self.start) / (2 * np.pi)), 0.0)
         if not turns.any():
             return rest
-        largest = self.balance.largest(self.start)
-        moved = self.balance.rest(rest.q - 2 * np.pi * turns, rest.inputs, largest, rest.bearing)
+        largest = self.balance.largest_term(self.start)
+        moved = self.balance.residual(rest.q - 2 * np.pi * turns, rest.inputs, largest, rest.bearing)
         return moved if self.is_good(moved) else rest
 
-    def distance(self, rest: Rest) -> float:
+    def distance(self, rest: StaticResidual) -> float:
         """Return the distance of an equilibrium from the guess, the same for both signs of a quaternion."""
         apart = (rest.q - self.start) / self.evaluator.sizes
         for places in self.evaluator.quaternions():
@@ -190,14 +190,14 @@ class Search:
                 apart[places] = rest.q[places] + self.start[places]
         return float(np.linalg.norm(apart))
 
-    def flat_directions(self, rest: Rest) -> Floats:
+    def flat_directions(self, rest: StaticResidual) -> Floats:
         """Return the directions of free coordinates, in sizes, in which no force changes, as columns."""
         return null_space(rest.slopes[:, self.free], SHARP_RANK)
 
-    def _is_closed(self, rest: Rest) -> bool:
-        return rest.open <= ASSEMBLED and self.evaluator.is_aligned(rest.q)
+    def _is_closed(self, rest: StaticResidual) -> bool:
+        return rest.largest_gap <= ASSEMBLED and self.evaluator.is_aligned(rest.q)
 
-    def undetermined(self, rest: Rest) -> Floats:
+    def undetermined_multipliers(self, rest: StaticResidual) -> Floats:
         """Return the changes of multipliers that change no force, as columns (n_c, k)."""
         rows = self.evaluator.velocity_rows(rest.q, {})[0] * self.balance.sizes
         scales = self.balance.scales[:, np.newaxis]
@@ -205,7 +205,7 @@ class Search:
 
 
 @dataclass(frozen=True, slots=True)
-class Continuation:
+class Neighbourhood:
     """The surroundings of an equilibrium.
 
     Attributes
@@ -221,17 +221,17 @@ class Continuation:
     notes: tuple[str, ...]
 
 
-def continued(search: Search, equilibrium: Rest) -> Continuation:
+def examine_neighbourhood(search: EquilibriumSearch, equilibrium: StaticResidual) -> Neighbourhood:
     """Return whether other equilibria lie about one."""
     if search.is_crossing(equilibrium):
         note = (
             "branches of the motion cross at this configuration: forces do no work along any of them, and "
             "linear equations do not show whether it is stable"
         )
-        return Continuation("undecided", (note,))
+        return Neighbourhood("undecided", (note,))
     flat = search.flat_directions(equilibrium)
     if not flat.shape[1]:
-        return Continuation("", ())
+        return Neighbourhood("", ())
     going, left = _split_directions(search, equilibrium, flat)
     notes = []
     if going.shape[1]:
@@ -244,10 +244,12 @@ def continued(search: Search, equilibrium: Rest) -> Continuation:
             f"the equilibrium is critical: its stiffness vanishes along {_names(search, left)}, but no "
             "equilibria lie beside it, and terms of higher order decide whether it is stable"
         )
-    return Continuation("critical" if left.shape[1] else "", tuple(notes))
+    return Neighbourhood("critical" if left.shape[1] else "", tuple(notes))
 
 
-def _split_directions(search: Search, equilibrium: Rest, flat: Floats) -> tuple[Floats, Floats]:
+def _split_directions(
+    search: EquilibriumSearch, equilibrium: StaticResidual, flat: Floats
+) -> tuple[Floats, Floats]:
     """Return the flat directions in which equilibria go on, and the others.
 
     From a step along each, Newton steps of least length lead to an equilibrium; across equilibria that go on
@@ -258,7 +260,7 @@ def _split_directions(search: Search, equilibrium: Rest, flat: Floats) -> tuple[
     for direction in flat.T:
         q = equilibrium.q.copy()
         q[free] += _STEP * direction * sizes[free]
-        end = search.newton(search.evaluator.normalized(q), equilibrium.bearing)
+        end = search.descend(search.evaluator.normalize(q), equilibrium.bearing)
         move = (end.q - equilibrium.q)[free] / sizes[free] / _STEP
         moves.append(flat.T @ move if search.is_good(end) else np.zeros(flat.shape[1]))
     left, singular, _ = np.linalg.svd(np.array(moves).T)
@@ -266,7 +268,7 @@ def _split_directions(search: Search, equilibrium: Rest, flat: Floats) -> tuple[
     return flat @ left[:, :count], flat @ left[:, count:]
 
 
-def _names(search: Search, directions: Floats) -> str:
+def _names(search: EquilibriumSearch, directions: Floats) -> str:
     free = [name for name in search.evaluator.eqs.coordinate_names if name not in search.fixed]
     shares = np.abs(directions).max(axis=1)
     return ", ".join(n for n, share in zip(free, shares, strict=True) if share > _LISTED * shares.max())

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-from symbody.analysis.closure import Closure, closure
-from symbody.analysis.equilibrium.balance import Balance, Rest, balance
-from symbody.analysis.equilibrium.search import Search
+from symbody.analysis.closure import ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.equilibrium.balance import StaticBalance, StaticResidual, static_balance
+from symbody.analysis.equilibrium.search import EquilibriumSearch
 from symbody.analysis.ropes import AT_LENGTH, slackness, with_taut
 from symbody.equations.solving.ropes import rope_rows, ropes
 from symbody.tolerances import BALANCED, BEARING
@@ -44,8 +44,8 @@ class Candidate:
         Why it is not an equilibrium although the forces balance; else empty.
     """
 
-    search: Search
-    rest: Rest
+    search: EquilibriumSearch
+    residual: StaticResidual
     notes: tuple[str, ...] = ()
     edges: tuple[str, ...] = ()
     fault: str = ""
@@ -55,35 +55,35 @@ class Candidate:
 class TautSearch:
     """Searches for equilibria with any of the ropes taut; fields as of `Search`."""
 
-    evaluator: Closure
+    evaluator: ConstraintEvaluator
     unknowns: tuple[str, ...]
     start: Floats
     fixed: frozenset[str]
-    _searches: dict[frozenset[str], Search] = field(default_factory=dict)
+    _searches: dict[frozenset[str], EquilibriumSearch] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the ropes."""
         return ropes(self.evaluator.eqs.formed)
 
-    def of(self, taut: frozenset[str]) -> Search:
+    def search_with(self, taut: frozenset[str]) -> EquilibriumSearch:
         """Return the search with some of the ropes taut."""
         if taut not in self._searches:
             evaluator, eqs = self.evaluator, with_taut(self.evaluator.eqs, taut)
             if eqs is not evaluator.eqs:
-                evaluator = closure(
+                evaluator = constraint_evaluator(
                     eqs, evaluator.parameters, evaluator.inputs, evaluator.t, evaluator.mechanism
                 )
-            self._searches[taut] = Search(self._balance(evaluator), self.start, self.fixed)
+            self._searches[taut] = EquilibriumSearch(self._balance(evaluator), self.start, self.fixed)
         return self._searches[taut]
 
-    def nearest_set(self) -> Search:
+    def nearest_set(self) -> EquilibriumSearch:
         """Return the search with the ropes taut that are at their length at the guess."""
-        return self.of(self._taut_ropes(self.start, AT_LENGTH))
+        return self.search_with(self._taut_ropes(self.start, AT_LENGTH))
 
     def candidates(self) -> tuple[list[Candidate], list[Candidate]]:
         """Return the equilibria that starts lead to, and where other starts end."""
-        starts = self.of(frozenset()).starts()
+        starts = self.search_with(frozenset()).starts()
         good: list[Candidate] = []
         others: list[Candidate] = []
         for start in starts:
@@ -101,10 +101,10 @@ class TautSearch:
 
     def _sort(self, ends: list[Candidate], good: list[Candidate], others: list[Candidate]) -> None:
         for one in ends:
-            (good if one.search.is_good(one.rest) and not one.fault else others).append(one)
+            (good if one.search.is_good(one.residual) and not one.fault else others).append(one)
 
-    def _balance(self, evaluator: Closure) -> Balance:
-        return balance(evaluator, self.unknowns)
+    def _balance(self, evaluator: ConstraintEvaluator) -> StaticBalance:
+        return static_balance(evaluator, self.unknowns)
 
     def _sets(self) -> Iterator[frozenset[str]]:
         """Return all sets of ropes, those of many first."""
@@ -122,21 +122,21 @@ class TautSearch:
         seen: set[frozenset[str]] = set()
         while True:
             seen.add(taut)
-            search = self.of(taut)
+            search = self.search_with(taut)
             ends = [self._candidate(search, rest, taut) for rest in search.attempts(start)]
-            if not self.names or not any(search.is_good(one.rest) for one in ends):
+            if not self.names or not any(search.is_good(one.residual) for one in ends):
                 return ends
-            best = next(one for one in ends if search.is_good(one.rest))
+            best = next(one for one in ends if search.is_good(one.residual))
             change = self._change(best, taut) if best.fault else None
             if change is None or change in seen:
                 return ends
             taut = change
 
-    def _candidate(self, search: Search, end: Rest, taut: frozenset[str]) -> Candidate:
+    def _candidate(self, search: EquilibriumSearch, end: StaticResidual, taut: frozenset[str]) -> Candidate:
         """Return a configuration with what its ropes do."""
         if not search.is_good(end):
             return Candidate(search, end)
-        end = search.unwound(end)
+        end = search.unwind(end)
         if not self.names:
             return Candidate(search, end)
         pulls, slack = self._pulls(search, end, taut), slackness(self.evaluator, end.q)
@@ -163,7 +163,7 @@ class TautSearch:
 
     def _change(self, candidate: Candidate, taut: frozenset[str]) -> frozenset[str] | None:
         """Return the ropes to be taut next: with those longer, or without the one that pushes most."""
-        search, rest = candidate.search, candidate.rest
+        search, rest = candidate.search, candidate.residual
         pulls = self._pulls(search, rest, taut)
         longer = self._taut_ropes(rest.q, -AT_LENGTH) - taut
         if longer:
@@ -171,13 +171,15 @@ class TautSearch:
         worst = min(pulls, key=lambda name: pulls[name], default="")
         return taut - {worst} if worst and pulls[worst] < 0.0 else None
 
-    def _pulls(self, search: Search, rest: Rest, taut: frozenset[str]) -> dict[str, float]:
+    def _pulls(
+        self, search: EquilibriumSearch, rest: StaticResidual, taut: frozenset[str]
+    ) -> dict[str, float]:
         """Return the tensions; of those that the forces leave undetermined, the shares that push least."""
         order = [name for name in self.names if name in taut]
         places = rope_rows(search.evaluator.eqs.formed, order)
         tensions = -rest.multipliers[places]
         if (tensions < 0.0).any():
-            tensions = _least_pushing(tensions, -search.undetermined(rest)[places])
+            tensions = _least_pushing(tensions, -search.undetermined_multipliers(rest)[places])
         return dict(zip(order, tensions.tolist(), strict=True))
 
 

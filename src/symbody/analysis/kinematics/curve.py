@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.kinematics.follower import Follower
+from symbody.analysis.kinematics.follower import Continuation
 from symbody.manifold import count_significant
 from symbody.tolerances import SINGULAR, TINY
 
@@ -25,7 +25,7 @@ _SHORTEST: Final = 1e-7
 _MOST: Final = 20_000
 
 
-class Point(NamedTuple):
+class PathPoint(NamedTuple):
     """A position, and the direction in which the curve goes on, in scaled coordinates."""
 
     q: Floats
@@ -33,24 +33,24 @@ class Point(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Curve:
+class PositionCurve:
     """The positions of a mechanism whose other freedoms are held."""
 
-    mechanism: Follower
+    mechanism: Continuation
 
-    def start(self, q: Floats) -> Point | None:
+    def start(self, q: Floats) -> PathPoint | None:
         """Return a point of the curve; None where the curve has no single tangent."""
         directions = self._directions(q)
         if directions.shape[1] != 1:
             return None
-        return Point(q, directions[:, 0])
+        return PathPoint(q, directions[:, 0])
 
-    def traced(self, first: Point, inside: Callable[[Floats], bool]) -> tuple[list[Point], bool]:
+    def trace(self, first: PathPoint, inside: Callable[[Floats], bool]) -> tuple[list[PathPoint], bool]:
         """Return points from the first on, until one lies outside; and whether the curve is closed."""
         points, step = [first], _STEP
         while len(points) < _MOST:
             last = points[-1]
-            point = self.beyond(last, step)
+            point = self.advance(last, step)
             if point is None or point.tangent @ last.tangent < _TURN:
                 step /= 2.0
                 if step < _SHORTEST:
@@ -64,17 +64,17 @@ class Curve:
             step = min(1.5 * step, _STEP)
         return points, False
 
-    def beyond(self, point: Point, length: float) -> Point | None:
+    def advance(self, point: PathPoint, length: float) -> PathPoint | None:
         """Return the point whose projection on the tangent lies at a length from another point."""
         sizes = self.mechanism.sizes
         place = float(point.tangent @ (point.q / sizes)) + length
-        q = self.mechanism.closed(0.0, point.q + length * point.tangent * sizes, (point.tangent, place))
+        q = self.mechanism.correct(0.0, point.q + length * point.tangent * sizes, (point.tangent, place))
         if q is None:
             return None
         directions = self._directions(q)
         along = directions @ (directions.T @ point.tangent)
         norm = float(np.linalg.norm(along))
-        return None if norm < _TURN else Point(q, along / norm)
+        return None if norm < _TURN else PathPoint(q, along / norm)
 
     def _directions(self, q: Floats) -> Floats:
         """Return orthonormal directions in scaled coordinates in which the mechanism may move."""
@@ -89,7 +89,7 @@ class Curve:
         orthonormal: Floats = np.linalg.qr(np.array(moves).T)[0]
         return orthonormal
 
-    def _has_returned(self, first: Point, last: Point, found: Point) -> bool:
+    def _has_returned(self, first: PathPoint, last: PathPoint, found: PathPoint) -> bool:
         """Return whether the first point lies between two neighbours."""
         way = (found.q - last.q) / self.mechanism.sizes
         back = self.difference(first.q, last.q)
@@ -103,12 +103,12 @@ class Curve:
         apart: Floats = (a - b) / self.mechanism.sizes
         return np.where(self.mechanism.angles, np.arctan2(np.sin(apart), np.cos(apart)), apart)
 
-    def holds(self, points: list[Point], q: Floats) -> bool:
+    def contains(self, points: list[PathPoint], q: Floats) -> bool:
         """Return whether a position lies on the curve through points."""
         apart = self.difference(q, np.array([point.q for point in points]))
         near = points[int(np.abs(apart).max(axis=1).argmin())]
         ahead = float(near.tangent @ self.difference(q, near.q))
         if abs(ahead) > 2.0 * _STEP:
             return False
-        end = self.beyond(near, ahead)
+        end = self.advance(near, ahead)
         return end is not None and bool(np.abs(self.difference(q, end.q)).max() < 1e-6)

@@ -14,14 +14,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.kinematics.held import HELD, held_equations, joint_of
+from symbody.analysis.kinematics.held import DRIVEN, drive_coordinates, joint_of
 from symbody.analysis.scales import Scales, mechanism_scales
 from symbody.codegen.compile import Value, form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.language.formula import Formula
 from symbody.manifold import ConstraintManifold, least_solution, null_space
-from symbody.model.door import plain
+from symbody.model.door import plain_value
 from symbody.tolerances import SHARP_RANK, TRACED
 
 Floats = NDArray[np.float64]
@@ -35,7 +35,7 @@ _SHORTEST: Final = 1e-11  # share of a path below which a step leads nowhere
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Follower:
+class Continuation:
     """A mechanism with driven coordinates.
 
     Attributes
@@ -75,7 +75,7 @@ class Follower:
     rates: CompiledFunction
     formulas: CompiledFunction
 
-    def scaled(self, mechanism: Scales) -> Follower:
+    def rescale(self, mechanism: Scales) -> Continuation:
         """Return the same with other scales, as those of a configuration where the model has no length."""
         eqs = self.eqs
         return replace(
@@ -94,14 +94,14 @@ class Follower:
     @property
     def own_rows(self) -> NDArray[np.bool_]:
         """Mask of the rows of J that belong to the mechanism itself."""
-        return np.array([not row.name.startswith(HELD) for row in self.eqs.formed.rows], dtype=np.bool_)
+        return np.array([not row.name.startswith(DRIVEN) for row in self.eqs.formed.rows], dtype=np.bool_)
 
     def targets(self, s: float) -> Floats:
         """Return value, rate and acceleration of each driven coordinate by its law, (3, n)."""
         values = [self.laws[name](s) if name in self.laws else (0.0, 0.0, 0.0) for name in self.driven]
         return np.array(values, dtype=np.float64).reshape(-1, 3).T
 
-    def asked(self, s: float) -> dict[str, float]:
+    def driven_values(self, s: float) -> dict[str, float]:
         """Return the values of the driven coordinates."""
         q, u, t = np.zeros(self.sizes.size), np.zeros(self.speed_sizes.size), self.clock(s)
         by_laws = dict(zip(self.driven, self.targets(s)[0].tolist(), strict=True))
@@ -125,7 +125,7 @@ class Follower:
         quaternions = [[names.index(name) for name in four] for four in self.eqs.quaternions]
         return ConstraintManifold(evaluate, self.sizes, self.scales[: self.n_h], quaternions, closed=TRACED)
 
-    def closed(self, s: float, q: Floats, plane: tuple[Floats, float] | None = None) -> Floats | None:
+    def correct(self, s: float, q: Floats, plane: tuple[Floats, float] | None = None) -> Floats | None:
         """Return positions near a guess that fulfil all conditions, or None; `plane` adds one of them."""
         return self.manifold(s).correct(q, plane)
 
@@ -165,7 +165,7 @@ class Follower:
         rates: Floats = self.rates(self.clock(s), q, u)
         return rates
 
-    def reached(self, start: float, q: Floats, stop: float) -> tuple[float, Floats]:
+    def follow(self, start: float, q: Floats, stop: float) -> tuple[float, Floats]:
         """Follow the path from positions at its parameter `start`; return how far it leads, and where to."""
         s, step = start, stop - start
         shortest = _SHORTEST * max(abs(step), abs(start) * 1e-3)
@@ -180,7 +180,7 @@ class Follower:
             q, s, step = trial_q, trial, 2.0 * step
         return s, q
 
-    def stuck(self, s: float, q: Floats) -> str:
+    def blocking_joint(self, s: float, q: Floats) -> str:
         """Return the joint that moves fastest where a path ends."""
         jacobian = self.rows(s, q, np.zeros(self.speed_sizes.size))[0]
         direction = np.linalg.svd(self.scaled_rows(jacobian))[2][-1]
@@ -196,20 +196,20 @@ class Follower:
         length = float(np.abs(move / self.sizes).max(initial=0.0))
         if not length <= _LARGEST_MOVE:
             return None
-        end = self.closed(to, q + move)
+        end = self.correct(to, q + move)
         if end is None:
             return None
         change = float(np.abs((end - q - move) / self.sizes).max(initial=0.0))
         return end if change <= max(_CORRECTION * length, _SMALL) else None
 
 
-def follower(
+def continuation(
     eqs: EquationSet,
     formulas: Mapping[str, Value],
     laws: Mapping[str, Law],
     parameters: Mapping[str, Value],
     clock: Callable[[float], float] = float,
-) -> Follower:
+) -> Continuation:
     """Return a mechanism with driven coordinates.
 
     Parameters
@@ -225,7 +225,7 @@ def follower(
     UsageError
         If a driven coordinate is not free, or its law not a function of time.
     """
-    driven = held_equations(eqs, {**formulas, **dict.fromkeys(laws)})
+    driven = drive_coordinates(eqs, {**formulas, **dict.fromkeys(laws)})
     mechanism, units = mechanism_scales(eqs, parameters), eqs.units
     first = len(driven.formed.holonomic) - len(formulas) - len(laws)
 
@@ -234,7 +234,7 @@ def follower(
         silent = dict.fromkeys(eqs.input_names, 0)
         return CompiledFunction(*form_sequence(driven, outputs, parameters, (), silent))
 
-    return Follower(
+    return Continuation(
         driven,
         (*formulas, *laws),
         laws,
@@ -249,7 +249,9 @@ def follower(
         compile_outputs("jacobian", "velocity_constraints", "gamma"),
         compile_outputs("qdot"),
         # Two outputs at least, so that the values are a tuple.
-        compile_outputs(*(f"({Formula.of(plain(law)).text})" for law in formulas.values()), "(0)", "(0)"),
+        compile_outputs(
+            *(f"({Formula.from_value(plain_value(law)).text})" for law in formulas.values()), "(0)", "(0)"
+        ),
     )
 
 
@@ -257,6 +259,6 @@ def _scales(driven: EquationSet, mechanism: Scales) -> Floats:
     """Return the sizes of constraints, those of driven coordinates too."""
     scales = mechanism.constraints(driven)
     for k, row in enumerate(driven.formed.rows):
-        if row.name.startswith(HELD):
-            scales[k] = mechanism.length if driven.units.get(row.name.removeprefix(HELD)) == "m" else 1.0
+        if row.name.startswith(DRIVEN):
+            scales[k] = mechanism.length if driven.units.get(row.name.removeprefix(DRIVEN)) == "m" else 1.0
     return scales

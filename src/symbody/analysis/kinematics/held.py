@@ -11,19 +11,19 @@ from typing import Final
 
 from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.errors import ExpressionError, Problem, SymbodyError, UsageError, nearest
 from symbody.expr.expression import Expr, number
-from symbody.expr.graph import Kind
+from symbody.expr.graph import SymbolKind
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import dependence
-from symbody.model.door import plain
+from symbody.model.door import plain_value
 
 # No element of a model can have this name, which distinguishes rows from the mechanism's own.
-HELD: Final = "held "
+DRIVEN: Final = "held "
 
 
-def held_equations(eqs: EquationSet, laws: Mapping[str, Value | None]) -> EquationSet:
+def drive_coordinates(eqs: EquationSet, laws: Mapping[str, Value | None]) -> EquationSet:
     """Return equations with one more row a coordinate, after those on positions, in the order of `laws`.
 
     Parameters
@@ -62,7 +62,7 @@ def free_coordinates(eqs: EquationSet) -> tuple[str, ...]:
     formed = eqs.formed
     measured = (name for use in formed.uses for name in use.joint.coordinates)
     names = dict.fromkeys((*eqs.coordinate_names, *measured))
-    driven = {name for use in formed.uses for name in use.prescribed}
+    driven = {name for use in formed.uses for name in use.prescribed_coordinates}
     return tuple(
         name for name in names if name not in driven and formed.readable_names.node(name) is not None
     )
@@ -89,7 +89,7 @@ def _not_free(eqs: EquationSet, name: str) -> Problem | None:
     free = free_coordinates(eqs)
     if name in free:
         return None
-    if any(name in use.prescribed for use in eqs.formed.uses):
+    if any(name in use.prescribed_coordinates for use in eqs.formed.uses):
         return Problem(
             "kinematics.prescribed", f"motion {name}", f"{name} is prescribed by the model already",
             f"{element_of(eqs, name)} has a motion of its own",
@@ -107,7 +107,7 @@ def _not_free(eqs: EquationSet, name: str) -> Problem | None:
     )  # fmt: skip
 
 
-def _row(eqs: EquationSet, name: str, law: Value | None) -> Row:
+def _row(eqs: EquationSet, name: str, law: Value | None) -> ConstraintEquation:
     """Return the row that drives a coordinate.
 
     Raises
@@ -122,21 +122,21 @@ def _row(eqs: EquationSet, name: str, law: Value | None) -> Row:
     value = names.value(name)
     rate = kinematics.rate(value) if measured is None else measured
     rate = rate - kinematics.rate(target)
-    return Row(
-        HELD + name,
-        HELD + name,
+    return ConstraintEquation(
+        DRIVEN + name,
+        DRIVEN + name,
         value - target,
-        kinematics.slopes(rate),
-        kinematics.without_speeds(rate),
+        kinematics.speed_partials(rate),
+        kinematics.at_zero_speeds(rate),
         -kinematics.bias(rate),
     )
 
 
 def _target(eqs: EquationSet, name: str, law: Value) -> Expr:
     where = f"motion {name}"
-    target = eqs.formed.names.expression(Formula.of(plain(law), where=where), where)
+    target = eqs.formed.names.expression(Formula.from_value(plain_value(law), where=where), where)
     kinds = dependence(eqs.formed.graph, [target.index])[target.index]
-    if not kinds <= {Kind.TIME, Kind.PARAMETER}:
+    if not kinds <= {SymbolKind.TIME, SymbolKind.PARAMETER}:
         raise ExpressionError(
             Problem("kinematics.motion_law", where, f"{law} depends on more than time and parameters",
                     "the motion is given before the mechanism moves", "write it in t and parameters")

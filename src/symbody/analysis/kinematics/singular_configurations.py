@@ -19,8 +19,8 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, minimize_scalar
 
 from symbody.analysis.assembly import assemble, assemble_taut
-from symbody.analysis.kinematics.curve import Curve, Point
-from symbody.analysis.kinematics.follower import Follower, Law, follower
+from symbody.analysis.kinematics.curve import PathPoint, PositionCurve
+from symbody.analysis.kinematics.follower import Continuation, Law, continuation
 from symbody.analysis.kinematics.held import joint_of
 from symbody.analysis.kinematics.velocity_ratios import VelocityRatios, velocity_ratios
 from symbody.analysis.scales import mechanism_scales
@@ -127,8 +127,8 @@ class _Search:
     """Curves of positions over a range, and the determinant on them."""
 
     ratios: VelocityRatios
-    mechanism: Follower
-    curve: Curve
+    mechanism: Continuation
+    curve: PositionCurve
     along: str
     ends: tuple[float, float]
     held: Mapping[str, float]
@@ -138,22 +138,22 @@ class _Search:
         guess: Mapping[str, Value] | None,
         parameters: Mapping[str, Value] | None,
         scales: Mapping[str, float] | None,
-    ) -> Iterator[list[Point]]:
+    ) -> Iterator[list[PathPoint]]:
         """Return all curves that are met from several starts in the range."""
-        traced: list[list[Point]] = []
+        traced: list[list[PathPoint]] = []
         for state in self._starts(guess, parameters, scales):
             q = np.array(list(state.q.values()))
             first = self.curve.start(q)
-            if first is None or any(self.curve.holds(points, q) for points in traced):
+            if first is None or any(self.curve.contains(points, q) for points in traced):
                 continue
-            points, is_closed = self.curve.traced(first, self._is_inside)
+            points, is_closed = self.curve.trace(first, self._is_inside)
             if not is_closed:
-                back, _ = self.curve.traced(Point(q, -first.tangent), self._is_inside)
-                points = [Point(p.q, -p.tangent) for p in back[:0:-1]] + points
+                back, _ = self.curve.trace(PathPoint(q, -first.tangent), self._is_inside)
+                points = [PathPoint(p.q, -p.tangent) for p in back[:0:-1]] + points
             traced.append(points)
             yield points
 
-    def find_on_curve(self, points: list[Point]) -> Iterator[SingularConfiguration]:
+    def find_on_curve(self, points: list[PathPoint]) -> Iterator[SingularConfiguration]:
         """Return the singular configurations on a curve."""
         values = [self.determinant(point.q) for point in points]
         largest = max(map(abs, values))
@@ -212,29 +212,29 @@ class _Search:
         kept = rows[[names.index(name) for name in self.ratios.rows]]
         return kept, kept[:, [eqs.speed_names.index(name) for name in self.ratios.dependent]]
 
-    def _find_crossing(self, a: Point, b: Point) -> Point | None:
+    def _find_crossing(self, a: PathPoint, b: PathPoint) -> PathPoint | None:
         length = float(a.tangent @ ((b.q - a.q) / self.mechanism.sizes))
 
         def value(s: float) -> float:
-            point = self.curve.beyond(a, s)
+            point = self.curve.advance(a, s)
             return 0.0 if point is None else self.determinant(point.q)
 
         ends = self.determinant(a.q), value(length)
         if ends[0] == 0.0 or ends[0] * ends[1] > 0.0:
             return a if ends[0] == 0.0 else b
         s = float(brentq(value, 0.0, length, xtol=1e-13))
-        point = self.curve.beyond(a, s)
+        point = self.curve.advance(a, s)
         return self._interpolate_zero(a, s) if point is None or self._is_crossing(point) else point
 
-    def _is_crossing(self, point: Point) -> bool:
+    def _is_crossing(self, point: PathPoint) -> bool:
         """Return whether positions are badly determined, since branches cross."""
         sizes = np.linalg.svd(self._blocks(point.q)[0], compute_uv=False)
         return bool(sizes.size and sizes[-1] < _NEAR * sizes[0])
 
-    def _interpolate_zero(self, a: Point, s: float) -> Point | None:
+    def _interpolate_zero(self, a: PathPoint, s: float) -> PathPoint | None:
         """Return a zero from points beside it, by a cubic: at a crossing itself Newton's method fails."""
         places = s + _BESIDE * np.array([-0.6, -0.2, 0.2, 0.6])
-        points = [self.curve.beyond(a, float(place)) for place in places]
+        points = [self.curve.advance(a, float(place)) for place in places]
         if None in points:
             return None
         q = np.array([point.q for point in points if point is not None])
@@ -243,20 +243,22 @@ class _Search:
             return None
         smooth = CubicSpline(places, np.column_stack([values, q]))
         root = float(brentq(lambda x: float(smooth(x)[0]), places[1], places[2], xtol=1e-14))
-        return Point(np.asarray(smooth(root)[1:]), a.tangent)
+        return PathPoint(np.asarray(smooth(root)[1:]), a.tangent)
 
-    def _find_touch(self, at: Point, before: Point, after: Point, enough: float) -> Point | None:
+    def _find_touch(
+        self, at: PathPoint, before: PathPoint, after: PathPoint, enough: float
+    ) -> PathPoint | None:
         sizes = self.mechanism.sizes
         bounds = [float(at.tangent @ ((p.q - at.q) / sizes)) for p in (before, after)]
 
         def value(s: float) -> float:
-            point = self.curve.beyond(at, s)
+            point = self.curve.advance(at, s)
             return np.inf if point is None else abs(self.determinant(point.q))
 
         best = minimize_scalar(value, bounds=bounds, method="bounded", options={"xatol": 1e-10})
-        return self.curve.beyond(at, float(best.x)) if best.fun <= enough else None
+        return self.curve.advance(at, float(best.x)) if best.fun <= enough else None
 
-    def _classify(self, point: Point | None) -> Iterator[SingularConfiguration]:
+    def _classify(self, point: PathPoint | None) -> Iterator[SingularConfiguration]:
         """Yield a place with its kind, if it lies within the range."""
         eqs = self.ratios.eqs
         if point is None:
@@ -294,10 +296,10 @@ class _Search:
         name = self.ratios.rows[int(np.abs(left).argmax())]
         return next(row.element for row in self.ratios.eqs.formed.rows if row.name == name)
 
-    def _limits(self, point: Point) -> dict[str, str]:
+    def _limits(self, point: PathPoint) -> dict[str, str]:
         """Return the behaviour of independent coordinates along the curve."""
         names = self.ratios.eqs.coordinate_names
-        sides = [self.curve.beyond(point, s) for s in (-_BESIDE, _BESIDE)]
+        sides = [self.curve.advance(point, s) for s in (-_BESIDE, _BESIDE)]
         limits = {}
         for speed in self.ratios.independent:
             name = speed.removesuffix("_dot")
@@ -371,7 +373,7 @@ def _search(
         If more than one freedom is left.
     """
     along, ends, held = _range(over)
-    mechanism = follower(
+    mechanism = continuation(
         ratios.eqs, {}, {name: _still(x) for name, x in held.items()}, parameters, lambda _: 0.0
     )
     left = len(ratios.independent) - len(held)
@@ -383,8 +385,8 @@ def _search(
                     "hold all freedoms but one by numbers")
         )  # fmt: skip
     farthest = {along: max(map(abs, ends)), **held}
-    mechanism = mechanism.scaled(mechanism_scales(ratios.eqs, parameters, scales, {**first.q, **farthest}))
-    return _Search(ratios, mechanism, Curve(mechanism), along, ends, held)
+    mechanism = mechanism.rescale(mechanism_scales(ratios.eqs, parameters, scales, {**first.q, **farthest}))
+    return _Search(ratios, mechanism, PositionCurve(mechanism), along, ends, held)
 
 
 def _still(value: float) -> Law:

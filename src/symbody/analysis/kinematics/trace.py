@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.analysis.assembly import assemble
-from symbody.analysis.closure import Closure, closure
-from symbody.analysis.kinematics.follower import Follower, Law, follower
+from symbody.analysis.closure import ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.kinematics.follower import Continuation, Law, continuation
 from symbody.analysis.kinematics.held import element_of
-from symbody.analysis.ropes import LOOSE, equations_at, slackness
+from symbody.analysis.ropes import LOOSE, equations_with_ropes, slackness
 from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
@@ -136,24 +136,24 @@ def trace_positions(
     """
     values = _values(over)
     values_given = dict(parameters or {})
-    driven = follower(eqs, {}, _laws(values), values_given, lambda _: t)
+    driven = continuation(eqs, {}, _laws(values), values_given, lambda _: t)
     start = {name: float(x[0]) for name, x in values.items()}
     state = assemble(eqs, start, guess, parameters, None, t, scales=scales)
     q = np.array(list(state.q.values()))
-    held, notes = equations_at(eqs, q, values_given, t)
+    held, notes = equations_with_ropes(eqs, q, values_given, t)
     if held is not eqs:
-        driven = follower(held, {}, _laws(values), values_given, lambda _: t)
+        driven = continuation(held, {}, _laws(values), values_given, lambda _: t)
     farthest = {name: float(np.abs(x).max()) for name, x in values.items()}
     mechanism = mechanism_scales(eqs, values_given, scales, {**state.q, **farthest})
-    closer = (driven := driven.scaled(mechanism)).closed(0.0, q)
+    closer = (driven := driven.rescale(mechanism)).correct(0.0, q)
     q = q if closer is None else closer
     check_driven(driven, 0.0, q, notes)
-    loose = _SlackRopes(driven, closure(held, values_given, {}, t, mechanism) if notes else None)
+    loose = _SlackRopes(driven, constraint_evaluator(held, values_given, {}, t, mechanism) if notes else None)
     count = len(next(iter(values.values())))
     columns, reached = [q], 0.0
     for k in range(1, count):
         before = q
-        reached, q = driven.reached(float(k - 1), q, float(k))
+        reached, q = driven.follow(float(k - 1), q, float(k))
         rope, place, at = loose.first_taut(float(k - 1), before, reached, q)
         if rope or reached != k:
             return _stop_at_limit(driven, values, np.array(columns).T, place, at, rope, notes)
@@ -165,8 +165,8 @@ def trace_positions(
 class _SlackRopes:
     """The ropes that are slack on a path; `evaluator` measures them, and is None where there are none."""
 
-    driven: Follower
-    evaluator: Closure | None
+    driven: Continuation
+    evaluator: ConstraintEvaluator | None
 
     def first_taut(self, start: float, before: Floats, stop: float, q: Floats) -> tuple[str, float, Floats]:
         """Return the rope that is at its length first, and where on the path; else no name, and its end."""
@@ -175,12 +175,12 @@ class _SlackRopes:
         low, high = start, stop
         while high - low > _EXACT * max(1.0, abs(high)):
             middle = (low + high) / 2.0
-            place, at = self.driven.reached(start, before, middle)
+            place, at = self.driven.follow(start, before, middle)
             if place == middle and self._least_slack(at)[1] >= 0.0:
                 low = middle
             else:
                 high = middle
-        return self._least_slack(q)[0], low, self.driven.reached(start, before, low)[1]
+        return self._least_slack(q)[0], low, self.driven.follow(start, before, low)[1]
 
     def _least_slack(self, q: Floats) -> tuple[str, float]:
         """Return the rope with the least slack, and this over its length."""
@@ -188,7 +188,7 @@ class _SlackRopes:
         return min(slackness(self.evaluator, q).items(), key=lambda pair: pair[1])
 
 
-def check_driven(driven: Follower, s: float, q: Floats, notes: tuple[str, ...] = ()) -> None:
+def check_driven(driven: Continuation, s: float, q: Floats, notes: tuple[str, ...] = ()) -> None:
     """Refuse driven coordinates that leave freedoms, with notes on the ropes that are slack.
 
     Raises
@@ -209,7 +209,7 @@ def check_driven(driven: Follower, s: float, q: Floats, notes: tuple[str, ...] =
 
 
 def _stop_at_limit(
-    driven: Follower,
+    driven: Continuation,
     values: Mapping[str, Floats],
     q: Floats,
     s: float,
@@ -218,8 +218,8 @@ def _stop_at_limit(
     notes: tuple[str, ...],
 ) -> Positions:
     """Return the positions up to a dead end, which is the last column."""
-    limits = driven.asked(s)
-    joint = "" if rope else driven.stuck(s, last)
+    limits = driven.driven_values(s)
+    joint = "" if rope else driven.blocking_joint(s, last)
     reached = ", ".join(f"{name} = {value:.9g}" for name, value in limits.items())
     element = f"rope {rope}" if rope else element_of(driven.eqs, joint)
     why = "it would have to be longer" if rope else "it is a limit of what is driven"

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assemble, assemble_taut
-from symbody.analysis.closure import Closure, closure
-from symbody.analysis.kinematics.follower import Follower, follower
+from symbody.analysis.closure import ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.kinematics.follower import Continuation, continuation
 from symbody.analysis.kinematics.held import element_of
 from symbody.analysis.redundancy import redundancy
-from symbody.analysis.ropes import equations_at, ropes_out_of_place
+from symbody.analysis.ropes import equations_with_ropes, ropes_out_of_place
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
@@ -38,7 +38,7 @@ _DRIVEN: Final = 1e-3  # a speed with an input counts for so much less among can
 _BRIEF: Final = 400  # operations up to which formulas are simplified
 
 
-class Samples(Protocol):
+class MotionSamples(Protocol):
     """A motion: times (N,), coordinates (n_q, N), speeds (n_u, N)."""
 
     @property
@@ -73,10 +73,10 @@ class VelocityRatios:
     dependent: tuple[str, ...]
     rows: tuple[str, ...]
     notes: tuple[str, ...]
-    _mechanism: Follower = field(repr=False)
+    _mechanism: Continuation = field(repr=False)
     _parameters: Mapping[str, Value] = field(repr=False)
     # Measures ropes; None where there are none.
-    _ropes: Closure | None = field(default=None, repr=False)
+    _ropes: ConstraintEvaluator | None = field(default=None, repr=False)
 
     @property
     def dependent_jacobian(self) -> SympyMatrix:
@@ -157,7 +157,7 @@ class VelocityRatios:
         return self._tau(complete.t, np.array(list(complete.q.values())))
 
     @checked_arguments
-    def along(self, run: Samples) -> Floats:
+    def along(self, run: MotionSamples) -> Floats:
         """Return tau along a motion, (n_D, n_I, N)."""
         ratios = [self._tau(float(t), q) for t, q in zip(run.t, run.q.T, strict=True)]
         return np.moveaxis(np.array(ratios), 0, -1)
@@ -329,8 +329,8 @@ def velocity_ratios(
     state = at or assemble(eqs, None, None, parameters, scales=scales)
     mechanism_sizes = mechanism_scales(eqs, values, scales, state.q)
     q = np.array(list(state.q.values()))
-    eqs, notes = equations_at(eqs, q, values, state.t)
-    mechanism = follower(eqs, {}, {}, values).scaled(mechanism_sizes)
+    eqs, notes = equations_with_ropes(eqs, q, values, state.t)
+    mechanism = continuation(eqs, {}, {}, values).rescale(mechanism_sizes)
     freedoms = redundancy(eqs, values, dict(state.q), scales=scales) if eqs.multiplier_names else None
     rows = () if freedoms is None else freedoms.kept
     count = len(eqs.speed_names) - len(rows)
@@ -342,11 +342,11 @@ def velocity_ratios(
             eqs, (independent,) if isinstance(independent, str) else tuple(independent), count
         )
     others = tuple(name for name in eqs.speed_names if name not in chosen)
-    measured = closure(eqs, values, {}, state.t, mechanism_sizes) if ropes(eqs.formed) else None
+    measured = constraint_evaluator(eqs, values, {}, state.t, mechanism_sizes) if ropes(eqs.formed) else None
     return VelocityRatios(eqs, chosen, others, rows, notes, mechanism, values, measured)
 
 
-def _best(mechanism: Follower, eqs: EquationSet, t: float, q: Floats, count: int) -> tuple[str, ...]:
+def _best(mechanism: Continuation, eqs: EquationSet, t: float, q: Floats, count: int) -> tuple[str, ...]:
     """Return the speeds that are left when the others depend on them as well-conditioned as can be."""
     jacobian = mechanism.rows(t, q, np.zeros(mechanism.speed_sizes.size))[0]
     if not jacobian.size:

@@ -17,15 +17,15 @@ from numpy.typing import NDArray
 
 from symbody.analysis.linear.independence import Selection
 from symbody.analysis.linear.matrices import Matrices
-from symbody.analysis.linear.orbits import PLACES, Orbit, Place, natural_rate, not_cyclic, symbol_node
+from symbody.analysis.linear.orbits import PLACES, Orbit, OrbitPlace, natural_rate, not_cyclic, symbol_node
 from symbody.analysis.linear.slopes import SlopeFunction
 from symbody.errors import AssemblyError
 from symbody.expr.calculus import forward
 from symbody.expr.canonical import ONE, ZERO
-from symbody.expr.fingerprint import vanishing
+from symbody.expr.fingerprint import find_zeros
 from symbody.expr.graph import Graph
 from symbody.expr.opcodes import EQ, FLOOR, LE, LT, PICK, SADDLE, SIGN
-from symbody.expr.program import unrolled
+from symbody.expr.program import unroll
 from symbody.expr.rewrite import symbols_of
 from symbody.tolerances import ASSEMBLED
 
@@ -48,7 +48,7 @@ def check_cyclic(
     if not shown:
         return ()
     orbit = Orbit(function, selection, tuple(cyclic), tuple(shown))
-    closed = orbit.closed(q, u)
+    closed = orbit.correct(q, u)
     start = orbit.place(q, u) if closed is None else orbit.place(*closed)
     for name in shown:
         _refuse([name], _changes_with(orbit, start, [name]))
@@ -77,9 +77,9 @@ def _is_absent(function: SlopeFunction, name: str, cyclic: Sequence[str]) -> boo
     return is_absent(eqs.formed.graph, read, symbol_node(function, name))
 
 
-def _changes_with(orbit: Orbit, place: Place, names: Sequence[str]) -> list[str]:
+def _changes_with(orbit: Orbit, place: OrbitPlace, names: Sequence[str]) -> list[str]:
     """Return the names of all that changes with cyclic coordinates at a place, to first order."""
-    bounds, kept = _bounds(orbit, place, place), orbit.kept
+    bounds, kept = _bounds(orbit, place, place), orbit.kept_states
     columns = [k for k, name in enumerate(orbit.selection.names) if name in names and name in orbit.shown]
     rates = np.abs(place.matrices.A) > bounds.A
     shown = np.abs(place.matrices.C) > bounds.C
@@ -89,9 +89,9 @@ def _changes_with(orbit: Orbit, place: Place, names: Sequence[str]) -> list[str]
     ]
 
 
-def _changes_between(orbit: Orbit, start: Place, here: Place) -> list[str]:
+def _changes_between(orbit: Orbit, start: OrbitPlace, here: OrbitPlace) -> list[str]:
     """Return the names of all that differs between two places."""
-    bounds, kept = _bounds(orbit, start, here), orbit.kept
+    bounds, kept = _bounds(orbit, start, here), orbit.kept_states
 
     def differs(one: Floats, other: Floats, bound: Floats) -> NDArray[np.bool_]:
         return np.asarray(~(np.abs(one - other) <= bound))  # what is not a number is not the same either
@@ -128,7 +128,7 @@ def _names_where(names: Sequence[str], chosen: NDArray[np.bool_]) -> Iterator[st
     return (name for name, yes in zip(names, chosen, strict=True) if yes)
 
 
-def _bounds(orbit: Orbit, start: Place, here: Place) -> Matrices:
+def _bounds(orbit: Orbit, start: OrbitPlace, here: OrbitPlace) -> Matrices:
     """Return bounds of the differences that rounding and the closing of loops may make."""
     a, b = start.terms, here.terms
     n, w = len(orbit.selection.speeds.independent), natural_rate(start, orbit.selection)
@@ -160,13 +160,13 @@ def is_absent(graph: Graph, roots: Sequence[int], symbol: int) -> bool:
     """
     if symbol not in symbols_of(graph, roots):
         return True
-    roots = unrolled(graph, roots)
+    roots = unroll(graph, roots)
     derivatives = {symbol: ONE}
     for operands, results in _stages(graph, roots):
-        if not all(vanishing(graph, forward(graph, operands, derivatives))):
+        if not all(find_zeros(graph, forward(graph, operands, derivatives))):
             return False
         derivatives.update(dict.fromkeys(results, ZERO))
-    return all(vanishing(graph, forward(graph, roots, derivatives)))
+    return all(find_zeros(graph, forward(graph, roots, derivatives)))
 
 
 def _stages(graph: Graph, roots: Sequence[int]) -> Iterator[tuple[tuple[int, ...], list[int]]]:

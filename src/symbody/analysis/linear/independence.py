@@ -13,9 +13,9 @@ from symbody.analysis.linear.variations import (
     Choice,
     Rotations,
     choose,
-    followed,
+    dependence_matrix,
     rotations,
-    solved,
+    solve_dependent,
 )
 from symbody.analysis.scales import Scales
 from symbody.analysis.state import State
@@ -112,11 +112,11 @@ def basis(eqs: EquationSet, q_values: Floats, slopes: Slopes, selection: Selecti
     turned = _local_rotations(eqs, q_values, slopes)
     q, u, q_sizes, u_sizes = selection.coordinates, selection.speeds, selection.q_sizes, selection.u_sizes
     positions, rows = slopes.position_jacobian @ turned.out * q_sizes, slopes.jacobian * u_sizes
-    R_q, R_u = followed(positions, q, q_sizes), followed(rows, u, u_sizes)
+    R_q, R_u = dependence_matrix(positions, q, q_sizes), dependence_matrix(rows, u, u_sizes)
     bent = slopes.of_velocity_rows[:, len(u_sizes) :] @ turned.out @ R_q
     W = np.zeros((len(u_sizes), R_q.shape[1]))
     if u.dependent:
-        W[list(u.dependent)] = -solved(rows, u, bent) * u_sizes[list(u.dependent), np.newaxis]
+        W[list(u.dependent)] = -solve_dependent(rows, u, bent) * u_sizes[list(u.dependent), np.newaxis]
     n_u, n_q = R_u.shape[1], R_q.shape[1]
     recovery = np.block([[R_u, W], [np.zeros((len(R_q), n_u)), R_q]])
     back = np.block(

@@ -21,9 +21,9 @@ from symbody.analysis.assembly import assemble
 from symbody.analysis.linear.cyclic import check_cyclic
 from symbody.analysis.linear.independence import Basis, Selection, basis, select
 from symbody.analysis.linear.linearization import Linearization
-from symbody.analysis.linear.matrices import matrices, rounding
+from symbody.analysis.linear.matrices import matrices, relative_error
 from symbody.analysis.linear.slopes import SlopeFunction, Slopes, slope_function
-from symbody.analysis.one_sided import settled
+from symbody.analysis.one_sided import settle
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
@@ -83,12 +83,12 @@ def linearize(
     """
     state = _state(eqs, at, parameters, inputs, t, scales)
     listed = (outputs,) if isinstance(outputs, str) else tuple(outputs)
-    sides = settled(eqs, state)
+    sides = settle(eqs, state)
     eqs, state = sides.eqs, sides.state
     mechanism = mechanism_scales(eqs, state.parameters, scales, state.q)
     function = slope_function(eqs, state, listed, mechanism)
     q, u = np.array(list(state.q.values())), np.array(list(state.u.values()))
-    slopes = function.checked_at(q, u)
+    slopes = function.evaluate_finite(q, u)
     selection = select(eqs, state, slopes, independent, cyclic, mechanism)
     notes = (*sides.notes, *check_cyclic(function, q, u, selection, cyclic))
     point = _Point(state, function, slopes, selection, basis(eqs, q, slopes, selection), mechanism.time)
@@ -138,7 +138,7 @@ class _Point:
         return Linearization(
             A, B, C, D, names, function.inputs, function.outputs, affine, not moving, self.state,
             self._notes(moving, names, affine) + notes, space.all_names, space.recovery[:, kept],
-            len(self.selection.speeds.independent), rounding(self.slopes, space, self.selection),
+            len(self.selection.speeds.independent), relative_error(self.slopes, space, self.selection),
         )  # fmt: skip
 
     def _moving_states(self, A: Floats, affine: Floats, kept: list[int]) -> list[int]:
@@ -154,7 +154,7 @@ class _Point:
         return [k for k in range(len(affine)) if abs(affine[k]) > bounds[k] + least[k]]
 
     def _notes(self, moving: list[int], names: tuple[str, ...], affine: Floats) -> tuple[str, ...]:
-        notes = [*self.selection.notes, *self.function.kinks(self.slopes)]
+        notes = [*self.selection.notes, *self.function.nonsmooth_notes(self.slopes)]
         eqs = self.function.eqs
         if moving:
             worst = max(moving, key=lambda k: abs(affine[k]))

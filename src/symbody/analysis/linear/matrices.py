@@ -40,7 +40,7 @@ def term_sizes(slopes: Slopes, space: Basis) -> Matrices:
     return Matrices(A, B, np.abs(slopes.of_outputs) @ out, D, back @ np.abs(slopes.rates))
 
 
-def scaled(given: Matrices, selection: Selection) -> Matrices:
+def scale_matrices(given: Matrices, selection: Selection) -> Matrices:
     """Return matrices for states in units of their sizes."""
     s = selection.sizes
     return Matrices(
@@ -48,7 +48,7 @@ def scaled(given: Matrices, selection: Selection) -> Matrices:
     )  # fmt: skip
 
 
-def rounding(slopes: Slopes, space: Basis, selection: Selection) -> float:
+def relative_error(slopes: Slopes, space: Basis, selection: Selection) -> float:
     """Return the relative error of A in eps: the condition of M on the admissible speeds, scaled."""
     mass = space.out[: len(slopes.mass_matrix), : len(selection.speeds.independent)]
     projected = mass.T @ slopes.mass_matrix @ mass

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.linear.independence import Selection, basis
-from symbody.analysis.linear.matrices import Matrices, matrices, rounding, scaled, term_sizes
+from symbody.analysis.linear.matrices import Matrices, matrices, relative_error, scale_matrices, term_sizes
 from symbody.analysis.linear.slopes import SlopeFunction, Slopes
-from symbody.analysis.linear.variations import moved, rotations, solved
+from symbody.analysis.linear.variations import displace, rotations, solve_dependent
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.rewrite import symbols_of
 from symbody.manifold import LinearConstraints, correct
@@ -34,7 +34,7 @@ def symbol_node(function: SlopeFunction, name: str) -> int:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Place:
+class OrbitPlace:
     """A state with its linear equations, in units of the sizes of states, and the terms they are sums of.
 
     Attributes
@@ -70,23 +70,23 @@ class Orbit:
     shown: tuple[str, ...]
 
     @property
-    def kept(self) -> list[int]:
+    def kept_states(self) -> list[int]:
         """Places of the states that are not cyclic."""
         return [k for k, name in enumerate(self.selection.names) if name not in self.cyclic]
 
-    def place(self, q: Floats, u: Floats) -> Place:
+    def place(self, q: Floats, u: Floats) -> OrbitPlace:
         """Return the linear equations at a state."""
-        slopes = self.function.at(q, u)
+        slopes = self.function.evaluate(q, u)
         space = basis(self.function.eqs, q, slopes, self.selection)
         independent = len(self.selection.speeds.independent)
-        return Place(
+        return OrbitPlace(
             q, u, slopes, space.recovery[len(u) :, independent:],
-            scaled(matrices(slopes, space), self.selection),
-            scaled(term_sizes(slopes, space), self.selection),
-            ROUNDING * rounding(slopes, space, self.selection),
+            scale_matrices(matrices(slopes, space), self.selection),
+            scale_matrices(term_sizes(slopes, space), self.selection),
+            ROUNDING * relative_error(slopes, space, self.selection),
         )  # fmt: skip
 
-    def directions(self, start: Place) -> Iterator[tuple[list[str], Floats]]:
+    def directions(self, start: OrbitPlace) -> Iterator[tuple[list[str], Floats]]:
         """Return steps of the independent coordinates to move along, with the cyclic ones that change.
 
         First the motion itself; then each coordinate that no constraint couples to others. A rotation vector
@@ -114,7 +114,7 @@ class Orbit:
         constrained = len(eqs.speed_names) + len(eqs.coordinate_names) + len(function.outputs)
         return symbol_node(function, name) not in symbols_of(graph, function.nodes[constrained:])
 
-    def places(self, start: Place, names: Sequence[str], step: Floats) -> Iterator[Place]:
+    def places(self, start: OrbitPlace, names: Sequence[str], step: Floats) -> Iterator[OrbitPlace]:
         """Return places along a direction.
 
         Raises
@@ -125,19 +125,19 @@ class Orbit:
         here = start
         for _ in range(PLACES):
             by = here.follow @ (_PACE * step)
-            closed = self.closed(moved(self.function.eqs, here.q, by), here.u)
+            closed = self.correct(displace(self.function.eqs, here.q, by), here.u)
             if closed is None:
                 raise AssemblyError(not_cyclic(names, ["what the constraints admit"]))
             here = self.place(*closed)
             yield here
 
-    def closed(self, q: Floats, u: Floats) -> tuple[Floats, Floats] | None:
+    def correct(self, q: Floats, u: Floats) -> tuple[Floats, Floats] | None:
         """Return the nearby state on the constraints with the same independent coordinates and speeds."""
         eqs, chosen = self.function.eqs, self.selection
         dependent = list(chosen.coordinates.dependent)
 
         def evaluate(q: Floats) -> LinearConstraints:
-            slopes = self.function.at(q, u)
+            slopes = self.function.evaluate(q, u)
             turned = rotations(eqs, q, slopes.rates[len(u) :])
             rows = slopes.position_jacobian @ turned.out * chosen.q_sizes
             lengths = np.linalg.norm(rows, axis=1)
@@ -148,24 +148,25 @@ class Orbit:
         def move(point: LinearConstraints, step: Floats) -> LinearConstraints:
             by = np.zeros(len(chosen.q_sizes))
             by[dependent] = step * chosen.q_sizes[dependent]
-            return evaluate(moved(eqs, point.q, by))
+            return evaluate(displace(eqs, point.q, by))
 
         end = correct(evaluate(q), move, ASSEMBLED)
         if end is None:
             return None
         q = end.q
-        rows = self.function.at(q, u).jacobian * chosen.u_sizes
+        rows = self.function.evaluate(q, u).jacobian * chosen.u_sizes
         u = u.copy()
         dependent_speeds = list(chosen.speeds.dependent)
         for _ in range(2 if dependent_speeds else 0):
-            missing = self.function.at(q, u).velocity_constraints
+            missing = self.function.evaluate(q, u).velocity_constraints
             u[dependent_speeds] -= (
-                solved(rows, chosen.speeds, missing[:, np.newaxis])[:, 0] * chosen.u_sizes[dependent_speeds]
+                solve_dependent(rows, chosen.speeds, missing[:, np.newaxis])[:, 0]
+                * chosen.u_sizes[dependent_speeds]
             )
         return q, u
 
 
-def natural_rate(place: Place, selection: Selection) -> float:
+def natural_rate(place: OrbitPlace, selection: Selection) -> float:
     """Return the fastest rate that terms have alone [1/s]; those of all columns, as some may vanish."""
     n, A = len(selection.speeds.independent), place.terms.A
     quickest = np.abs(place.u / selection.u_sizes).max(initial=0.0)

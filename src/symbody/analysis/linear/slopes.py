@@ -18,7 +18,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.canonical import sub
 from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.graph import TIME, Kind
+from symbody.expr.graph import TIME, SymbolKind
 from symbody.expr.language.formula import Formula
 from symbody.expr.opcodes import ABS, EQ, LE, LT, MAX, MIN, NAMES, SIGN
 from symbody.expr.printing.text import to_text
@@ -111,12 +111,12 @@ class SlopeFunction:
     beside: Floats
     function: CompiledFunction
 
-    def at(self, q: Floats, u: Floats) -> Slopes:
+    def evaluate(self, q: Floats, u: Floats) -> Slopes:
         """Return the derivatives at a state."""
         rates, states, loads, *others = self.function(self.t, q, u)
         return Slopes(rates, states, loads, len(self.outputs), *others)
 
-    def checked_at(self, q: Floats, u: Floats) -> Slopes:
+    def evaluate_finite(self, q: Floats, u: Floats) -> Slopes:
         """Return the derivatives at a state.
 
         Raises
@@ -124,13 +124,13 @@ class SlopeFunction:
         AssemblyError
             If one of them is infinite or does not exist.
         """
-        slopes = self.at(q, u)
+        slopes = self.evaluate(q, u)
         _check_finite(self.eqs, slopes.rates, slopes.by_state, slopes.by_input, self.inputs)
         return slopes
 
-    def kinks(self, slopes: Slopes) -> tuple[str, ...]:
+    def nonsmooth_notes(self, slopes: Slopes) -> tuple[str, ...]:
         """Return notes on whatever is not differentiable at a state."""
-        return kink_notes(self.eqs, self.switches, slopes.switches, self.beside)
+        return nonsmooth_notes(self.eqs, self.switches, slopes.switches, self.beside)
 
 
 def slope_function(
@@ -197,8 +197,8 @@ def _laws(eqs: EquationSet, inputs: Mapping[str, Value]) -> dict[str, Value]:
     names, graph = eqs.formed.names, eqs.formed.graph
     laws = {}
     for name, value in inputs.items():
-        node = names.expression(Formula.of(value, where=f"input {name}"), f"input {name}").index
-        if any(graph.symbols[graph.left[s]].kind != Kind.PARAMETER for s in symbols_of(graph, [node])):
+        node = names.expression(Formula.from_value(value, where=f"input {name}"), f"input {name}").index
+        if any(graph.symbols[graph.left[s]].kind != SymbolKind.PARAMETER for s in symbols_of(graph, [node])):
             laws[name] = value
     return laws
 
@@ -235,7 +235,7 @@ def _switches(eqs: EquationSet, nodes: Sequence[int]) -> Iterator[Switch]:
             yield NAMES[op], sub(graph, a, b)
 
 
-def kink_notes(
+def nonsmooth_notes(
     eqs: EquationSet,
     listed: Sequence[Switch],
     values: NDArray[np.float64],

@@ -97,7 +97,7 @@ def rotations(eqs: EquationSet, q: Floats, q_dot: Floats) -> Rotations:
     )
 
 
-def moved(eqs: EquationSet, q: Floats, by: Floats) -> Floats:
+def displace(eqs: EquationSet, q: Floats, by: Floats) -> Floats:
     """Return coordinates after finite steps of these, rotation vectors in place of quaternions."""
     places = {name: k for k, name in enumerate(eqs.coordinate_names)}
     inside = {name: four for four in eqs.quaternions for name in four}
@@ -193,17 +193,17 @@ def _project(rows: Floats, columns: Floats) -> Floats:
     return np.asarray(columns @ np.linalg.lstsq(columns, rows, rcond=SHARP_RANK)[0])
 
 
-def followed(rows: Floats, choice: Choice, sizes: Floats) -> Floats:
+def dependence_matrix(rows: Floats, choice: Choice, sizes: Floats) -> Floats:
     """Return R of ``x = R x_i`` for rows in units of sizes, (n, independent)."""
     result = np.zeros((rows.shape[1], len(choice.independent)))
     result[list(choice.independent)] = np.eye(len(choice.independent))
     if choice.dependent:
-        result[list(choice.dependent)] = -solved(rows, choice, rows[:, list(choice.independent)])
+        result[list(choice.dependent)] = -solve_dependent(rows, choice, rows[:, list(choice.independent)])
         result *= sizes[:, np.newaxis] / sizes[list(choice.independent)]
     return result
 
 
-def solved(rows: Floats, choice: Choice, right: Floats) -> Floats:
+def solve_dependent(rows: Floats, choice: Choice, right: Floats) -> Floats:
     """Return the dependent unknowns of ``rows_d x_d = right``, in units of their sizes."""
     lengths = np.linalg.norm(rows, axis=1, keepdims=True)
     lengths = np.where(lengths > 0.0, lengths, 1.0)

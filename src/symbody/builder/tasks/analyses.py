@@ -52,15 +52,15 @@ def equilibrium(payload: Mapping[str, Any], report: Report) -> Answer:
     )
     others = [each for each in state.branches if isinstance(each, type(state))]
     return {
-        **_rest(state),
+        **_describe_state(state),
         "notes": list(state.notes),
         "inputs": {name: _number(state.inputs[name]) for name in options.unknowns},
         "picture": _still(state),
-        "branches": [{**_rest(each), "picture": _still(each)} for each in others[:8]],
+        "branches": [{**_describe_state(each), "picture": _still(each)} for each in others[:8]],
     }
 
 
-def _rest(state: Any) -> Answer:
+def _describe_state(state: Any) -> Answer:
     try:
         verdict = str(state.verdict)
     except SymbodyError:
@@ -100,7 +100,7 @@ def modes(payload: Mapping[str, Any], report: Report) -> Answer:
 
 
 def _mode(mode: Mode, linear: Linearization, state: State, scene: Scene) -> Answer:
-    motion = _swing(mode, linear, state, scene)
+    motion = _mode_motion(mode, linear, state, scene)
     return {
         "real": finite(mode.eigenvalue.real),
         "imag": finite(mode.eigenvalue.imag),
@@ -113,7 +113,7 @@ def _mode(mode: Mode, linear: Linearization, state: State, scene: Scene) -> Answ
     }
 
 
-def _swing(mode: Mode, linear: Linearization, state: State, scene: Scene) -> SceneMotion | None:
+def _mode_motion(mode: Mode, linear: Linearization, state: State, scene: Scene) -> SceneMotion | None:
     """Return one period of a mode, large enough to be seen; loops follow. None where nothing moves."""
     eqs = state.eqs
     shape = {name: mode.shape[name] for name in linear.state_names if name in state.q and name in mode.shape}

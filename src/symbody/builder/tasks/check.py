@@ -67,7 +67,7 @@ def known_solver(model: Model, key: str) -> PositionSolver:
 
 def _check(data: Data, folder: str) -> Answer:
     read = read_model(data, folder)
-    checked = _understood(read, data, folder)
+    checked = _check_model(read, data, folder)
     picture, problems = _picture(read.model, checked, data)
     return {
         "problems": [*read.problems, *checked.problems, *problems],
@@ -78,7 +78,7 @@ def _check(data: Data, folder: str) -> Answer:
     }
 
 
-def _understood(read: ReadModel, data: Data, folder: str) -> Checked:
+def _check_model(read: ReadModel, data: Data, folder: str) -> Checked:
     """Return what follows from a model; an incomplete one is described by its trees only."""
     model = read.model
     if model is None:
@@ -145,7 +145,7 @@ def _picture(model: Model | None, checked: Checked, data: Data) -> tuple[Answer 
     try:
         scene = scene_at(model, positions or {})
         if eqs is None or positions is None:
-            motion = _as_given(model, names)
+            motion = _draw_unassembled(model, names)
         else:
             motion = placed_motion(eqs, positions, names)
     except SymbodyError as error:
@@ -154,5 +154,5 @@ def _picture(model: Model | None, checked: Checked, data: Data) -> tuple[Answer 
     return {"scene": scene_to_json(scene), "motion": motion_to_json(motion)}, notes
 
 
-def _as_given(model: Model, names: tuple[str, ...]) -> SceneMotion:
+def _draw_unassembled(model: Model, names: tuple[str, ...]) -> SceneMotion:
     return one_sample(scene_basis(model, model_numbers(model, {})).bodies, names)

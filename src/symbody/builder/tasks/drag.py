@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import Closure, closure
+from symbody.analysis.closure import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.positions import PositionSolver
 from symbody.analysis.ropes import with_taut
 from symbody.builder.page_problems import page_problem, page_problems
@@ -49,13 +49,13 @@ class Grip:
     """
 
     solver: PositionSolver
-    task: Closure
+    task: ConstraintEvaluator
     body: str
 
     def place(self, q: Floats, point: Floats) -> Floats:
         """Return where a point (3,) of the body is in ground's axes [m]."""
         outputs = (f'frame r "{self.body}" ground ground', f'frame R "{self.body}" ground')
-        at, axes = self.task.function(outputs)(self.task.t, q, np.zeros(len(self.task.eqs.speed_names)))
+        at, axes = self.task.compile(outputs)(self.task.t, q, np.zeros(len(self.task.eqs.speed_names)))
         return np.asarray(np.ravel(at) + np.reshape(axes, (3, 3)) @ point)
 
     def slopes(self, q: Floats, point: Floats) -> Floats:
@@ -198,7 +198,9 @@ def _grip(data: Data, folder: str, body: str) -> Grip:
     if body not in scene_bodies(model):
         raise TaskFailure([page_problem(_unknown(body), data)])
     solver = known_solver(model, model_key(data, folder))
-    return Grip(solver, solver.evaluator or closure(with_taut(solver.eqs, ()), {}, {}, 0.0), body)
+    return Grip(
+        solver, solver.evaluator or constraint_evaluator(with_taut(solver.eqs, ()), {}, {}, 0.0), body
+    )
 
 
 def _start(solver: PositionSolver, guess: Mapping[str, float]) -> Floats:
@@ -209,12 +211,12 @@ def _start(solver: PositionSolver, guess: Mapping[str, float]) -> Floats:
     return solver.nearest(np.array([guess[name] for name in names]))
 
 
-def _cut_coordinates(task: Closure, q: Floats) -> dict[str, float]:
+def _cut_coordinates(task: ConstraintEvaluator, q: Floats) -> dict[str, float]:
     """Return the coordinates of cut joints that the model has initial values of."""
     known = dict.fromkeys(task.eqs.model.initial, 0.0)
     return {
-        name: task.measured(name, q)
-        for name in task.parted(known)[0]
+        name: task.measure(name, q)
+        for name in task.split_values(known)[0]
         if name not in task.eqs.coordinate_names
     }
 

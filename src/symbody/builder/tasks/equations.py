@@ -148,7 +148,7 @@ def _motion_block(eqs: EquationSet, spans: tuple[Mapping[int, str], ...]) -> For
 
 
 def _plain_sides(eqs: EquationSet) -> list[tuple[int, int]]:
-    return list(zip(eqs.textbook.inertial.nodes, eqs.textbook.driving.nodes, strict=True))
+    return list(zip(eqs.textbook.inertial_side.nodes, eqs.textbook.forcing_side.nodes, strict=True))
 
 
 def _is_short(eqs: EquationSet) -> bool:

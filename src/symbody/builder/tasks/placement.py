@@ -77,7 +77,7 @@ def _from_joints(
     joints = [
         joint
         for joint in topology.joints
-        if joint.name in topology.turning and joint.name in topology.sliding
+        if joint.name in topology.rotation_branches and joint.name in topology.translation_branches
     ]
     steps = {
         joint.name: joint_transform(joint, numbers, joint_coordinates(joint, numbers, values))

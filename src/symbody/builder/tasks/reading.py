@@ -103,7 +103,7 @@ def read_model(data: Data, folder: str) -> ReadModel:
             placed["repair"] = fault["repair"] if placed["pointer"] == fault["pointer"] else None
             if not (_follows(fault, gone) or any(_is_same(placed, other) for other in problems)):
                 problems.append(placed)
-        smaller = _without(usable, faults, places)
+        smaller = _leave_out(usable, faults, places)
         if smaller is None:
             return ReadModel(None, problems)
         gone |= _words([entry for kind in places for entry in usable[kind] if entry not in smaller[kind]])
@@ -142,7 +142,7 @@ def _original(pointer: str, places: Mapping[str, list[int]]) -> str:
     return pointer
 
 
-def _without(data: Data, faults: list[PageProblem], places: dict[str, list[int]]) -> Data | None:
+def _leave_out(data: Data, faults: list[PageProblem], places: dict[str, list[int]]) -> Data | None:
     """Return data without what is at fault, None if nothing of it can be left out."""
     unknown = {_symbol(fault) for fault in faults} - {""}
     parameters = data.get("parameters")

@@ -20,7 +20,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.errors import SymbodyError
 from symbody.expr.language.formula import Formula
-from symbody.model.door import Door
+from symbody.model.door import Arguments
 from symbody.model.model import Model
 from symbody.visual.scene.json_form import motion_to_json, scene_to_json
 
@@ -88,7 +88,7 @@ def changed_parameters(model: Model, given: Mapping[str, Any]) -> dict[str, Form
     given : mapping of name to number or text
         Of all parameters, as the model file holds them.
     """
-    door = Door("parameters")
+    door = Arguments("parameters")
     values = {name: door.angle(value, name) for name, value in given.items() if value not in ("", None)}
     usable = {*given, "pi"}
     if door.problems or values.keys() != model.parameters.keys():

@@ -20,12 +20,12 @@ def tree_summary(topology: Topology) -> Summary:
     """Return the trees of a model, before its equations are formed."""
     return {
         "bodies": len(topology.model.bodies),
-        "rotation_tree": _members(topology, topology.turning),
-        "translation_tree": _members(topology, topology.sliding),
+        "rotation_tree": _members(topology, topology.rotation_branches),
+        "translation_tree": _members(topology, topology.translation_branches),
         "tree_choice": {
             joint.name: {
-                "rotation": joint.name in topology.turning,
-                "translation": joint.name in topology.sliding,
+                "rotation": joint.name in topology.rotation_branches,
+                "translation": joint.name in topology.translation_branches,
             }
             for joint in topology.model.joints
         },

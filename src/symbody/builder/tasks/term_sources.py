@@ -16,7 +16,7 @@ from symbody.equations.form import form_equations
 from symbody.equations.showing.display import equation_sides, signed_terms
 from symbody.errors import SymbodyError
 from symbody.expr.canonical import ZERO, sub
-from symbody.expr.graph import Kind
+from symbody.expr.graph import SymbolKind
 from symbody.expr.monomials import Monomials, monomials
 from symbody.expr.rewrite import symbols_of
 from symbody.formats.native import from_data
@@ -61,7 +61,7 @@ def _constraints_in(eqs: EquationSet, node: int) -> list[str]:
     """Return the joints and constraints whose multipliers are in a term."""
     graph = eqs.formed.graph
     symbols = [graph.symbols[graph.left[leaf]] for leaf in symbols_of(graph, [node])]
-    held = {symbol.name for symbol in symbols if symbol.kind is Kind.MULTIPLIER}
+    held = {symbol.name for symbol in symbols if symbol.kind is SymbolKind.MULTIPLIER}
     return list(dict.fromkeys(row.element for row in eqs.formed.rows if row.name in held))
 
 

@@ -24,7 +24,7 @@ def with_spans(graph: Graph, spans: Mapping[int, str], formula: str) -> str:
     marks = {_strip_sign(to_mathml(graph, node)): span for node, span in spans.items()}
     parts = []
     for elements in terms_of(list(ElementTree.fromstring(f"<mrow>{formula}</mrow>"))):
-        signs, unsigned = _without_sign(elements)
+        signs, unsigned = _split_sign(elements)
         span = marks.get("".join(map(_text, unsigned)))
         inner = "".join(map(_text, unsigned))
         parts.append("".join(map(_text, signs)))
@@ -33,11 +33,11 @@ def with_spans(graph: Graph, spans: Mapping[int, str], formula: str) -> str:
 
 
 def _strip_sign(formula: str) -> str:
-    _, unsigned = _without_sign(list(ElementTree.fromstring(f"<mrow>{formula}</mrow>")))
+    _, unsigned = _split_sign(list(ElementTree.fromstring(f"<mrow>{formula}</mrow>")))
     return "".join(map(_text, unsigned))
 
 
-def _without_sign(elements: list[Element]) -> tuple[list[Element], list[Element]]:
+def _split_sign(elements: list[Element]) -> tuple[list[Element], list[Element]]:
     is_sign = bool(elements) and elements[0].tag == "mo" and elements[0].text in ("+", "\u2212")
     return (elements[:1], elements[1:]) if is_sign else ([], elements)
 

@@ -41,7 +41,7 @@ def entry_function(name: str, pieces: Sequence[str], *, whole_lines: bool) -> st
     whole_lines : bool
         Whether the work array is read and written in registers of several numbers; see `ALIGNMENT`.
     """
-    lines = list(_aligned("%work", "%lines")) if whole_lines else []
+    lines = list(_align_pointer("%work", "%lines")) if whole_lines else []
     arguments = _ARGUMENTS.replace("%work", "%lines") if whole_lines else _ARGUMENTS
     status = "0"
     for k, piece in enumerate(pieces):
@@ -73,7 +73,7 @@ def lane_batch_function(name: str, function: str, sizes: Mapping[str, int], widt
     sizes : mapping of str to int
         Numbers in each group and in "out"; so many, times `width`, come first in `work`.
     """
-    lines = [*_pointers(width), *_aligned("%work", "%lines"), "%first = icmp eq i64 %k, 0"]
+    lines = [*_pointers(width), *_align_pointer("%work", "%lines"), "%first = icmp eq i64 %k, 0"]
     arguments = []
     place = 0
     for array in _ARRAYS:
@@ -94,7 +94,7 @@ def lane_batch_function(name: str, function: str, sizes: Mapping[str, int], widt
     return _loop(name, lines)
 
 
-def _aligned(given: str, name: str) -> Iterator[str]:
+def _align_pointer(given: str, name: str) -> Iterator[str]:
     """Yield the lines that move a pointer up to where a line of the cache begins."""
     yield f"{name}.at = ptrtoint ptr {given} to i64"
     yield f"{name}.end = add i64 {name}.at, {8 * ALIGNMENT - 1}"

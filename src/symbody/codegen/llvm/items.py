@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from symbody.codegen.llvm.numbers import Words
-from symbody.codegen.llvm.order import ordered
-from symbody.codegen.lowering import constant_values, power_products, whole_exponent
+from symbody.codegen.llvm.order import order_operations
+from symbody.codegen.lowering import constant_values, integer_exponent, power_products
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Operation, Sequence
 
@@ -158,7 +158,7 @@ class _Planner:
         operation = self._sequence.operations[k]
         program, count = self._sequence.programs[operation.datum], self._sequence.item_count(operation)
         if operation.datum not in self._programs:
-            self._programs[operation.datum] = ordered(program)
+            self._programs[operation.datum] = order_operations(program)
         start = program.group_size("p")
         operands = operation.operands
         stores: list[tuple[int, int]] = []
@@ -171,7 +171,7 @@ class _Planner:
         zeros = [gap for first in own_places for gap in self._unwritten(first, self._in_registers(count))]
         self._align()
         # The last register of a part of the last row may reach over its end.
-        results = self._taken(program.output_size * room + _ROOM)
+        results = self._reserve(program.output_size * room + _ROOM)
         for first in range(results, results + program.output_size * room, room):
             self._written.update(range(first, first + self._in_registers(count)))
         self.maps[k] = Items(
@@ -195,7 +195,7 @@ class _Planner:
         if values not in self._rows:
             if room > 1:
                 self._align()
-            self._rows[values] = start = self._taken(room)
+            self._rows[values] = start = self._reserve(room)
             self._written.update(range(start, start + len(values)))
             for place, value in enumerate(values, start):
                 if self._sequence.operations[value].op in _GIVEN:
@@ -221,7 +221,7 @@ class _Planner:
     def _align(self) -> None:
         self.end = -(-self.end // _ROOM) * _ROOM
 
-    def _taken(self, size: int) -> int:
+    def _reserve(self, size: int) -> int:
         start = self.end
         self.end += size
         return start
@@ -279,7 +279,7 @@ class _Body:
                 if done % BLOCK == 0:
                     yield from self._begin_block(done)
             for row in left.get(k, ()):
-                yield from self._named(k)
+                yield from self._load_value(k)
                 yield from self._leave(row, self._names[k])
 
     def _is_cheap(self, k: int) -> bool:
@@ -294,7 +294,7 @@ class _Body:
         yield f"br i1 %go, label %{self.block}, label %bail\n{self.block}:"
         self._names = {k: name for k, name in self._names.items() if not self._is_cheap(k)}
 
-    def _named(self, k: int) -> Iterator[str]:
+    def _load_value(self, k: int) -> Iterator[str]:
         """Yield the lines that make a value known in this block, if it is not."""
         if k in self._names:
             return
@@ -303,7 +303,7 @@ class _Body:
         if k in self._constants:
             name = self._words.constant(self._constants[k])
         elif code == op.NEG:
-            yield from self._named(operands[0])
+            yield from self._load_value(operands[0])
             yield f"{name} = {self._words.instructions[code].format(self._names[operands[0]])}"
         else:
             yield from self._load(name, "p", self._items.program.inputs[datum].position)
@@ -313,12 +313,12 @@ class _Body:
         program, words = self._items.program, self._words
         code, operands, datum = operation
         for j in operands:
-            yield from self._named(j)
+            yield from self._load_value(j)
         name = self._names[k] = f"%{self._name}.{k}"
         given = [self._names[j] for j in operands]
         if code == op.SYMBOL:
             yield from self._load(name, "q", program.inputs[datum].position)
-        elif code == op.POW and (exponent := whole_exponent(program, operands[1])) is not None:
+        elif code == op.POW and (exponent := integer_exponent(program, operands[1])) is not None:
             powers = given[:1]
             for first, second in power_products(exponent):
                 powers.append(f"{name}.{len(powers)}")

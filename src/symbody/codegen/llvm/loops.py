@@ -29,7 +29,7 @@ def number(kind: ir.Type, value: float) -> ir.Constant:
     return ir.Constant(kind, [value] * kind.count if isinstance(kind, ir.VectorType) else value)
 
 
-def spread(builder: ir.IRBuilder, kind: ir.Type, value: ir.Value) -> ir.Value:
+def broadcast(builder: ir.IRBuilder, kind: ir.Type, value: ir.Value) -> ir.Value:
     """Return a double in every lane where `kind` is a vector, as it is elsewhere."""
     if not isinstance(kind, ir.VectorType):
         return value
@@ -60,7 +60,7 @@ class Array:
         """Set the element at `index`."""
         self.builder.store(value, self._address(index), align=8)
 
-    def after(self, count: ir.Value, element: ir.Type | None = None) -> Array:
+    def offset_by(self, count: ir.Value, element: ir.Type | None = None) -> Array:
         """Return the array that begins `count` elements further on, of the same elements or others."""
         return Array(self.builder, self._address(count), self.element if element is None else element)
 
@@ -77,7 +77,7 @@ class Matrix:
 
     def row(self, i: ir.Value) -> Array:
         """Return row `i`."""
-        return self.entries.after(self.entries.builder.mul(i, self.columns))
+        return self.entries.offset_by(self.entries.builder.mul(i, self.columns))
 
     def load(self, i: ir.Value, j: ir.Value) -> ir.Value:
         """Return entry (i, j)."""
@@ -88,7 +88,7 @@ class Matrix:
         self.row(i).store(j, value)
 
 
-class Loop:
+class LoopBuilder:
     """One counted loop while it is being written, its outcome afterwards.
 
     Attributes
@@ -119,7 +119,7 @@ class Loop:
         self._builder.cbranch(condition, self._exit, stay)
         self._builder.position_at_end(stay)
 
-    def carried(self) -> ir.Value:
+    def carried_value(self) -> ir.Value:
         """Return the value that the step just written passes to the next."""
         return self._next
 
@@ -127,7 +127,7 @@ class Loop:
 @contextmanager
 def loop(
     builder: ir.IRBuilder, start: ir.Value, stop: ir.Value, initial: ir.Value | None = None
-) -> Iterator[Loop]:
+) -> Iterator[LoopBuilder]:
     """Write the body of ``for index in range(start, stop)``, carrying a value that begins as `initial`."""
     entry = builder.block
     head = builder.append_basic_block("head")
@@ -143,11 +143,11 @@ def loop(
         value.add_incoming(initial, entry)
     builder.cbranch(builder.icmp_signed("<", index, stop), body, exit_)
     builder.position_at_end(body)
-    step = Loop(builder, index, value, exit_)
+    step = LoopBuilder(builder, index, value, exit_)
     yield step
     index.add_incoming(builder.add(index, integer(1)), builder.block)
     if initial is not None:
-        value.add_incoming(step.carried(), builder.block)
+        value.add_incoming(step.carried_value(), builder.block)
     builder.branch(head)
     builder.position_at_end(exit_)
 

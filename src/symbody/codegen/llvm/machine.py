@@ -64,7 +64,7 @@ def object_codes(texts: Items[str], level: int) -> list[bytes]:
         return [_object_code(text, level) for text in texts]
     initialize()
     with _EMITTING, ThreadPoolExecutor(min(len(texts), os.cpu_count() or 1)) as pool:
-        waiting = [pool.submit(_object_code_unlocked, text, level) for text in texts]
+        waiting = [pool.submit(_compile_without_lock, text, level) for text in texts]
         try:
             return [_in_time(piece) for piece in waiting]
         finally:  # leaving the pool waits for those that have begun
@@ -128,7 +128,7 @@ def _object_code(text: str, level: int) -> bytes:
     return bytes(target_machine(level).emit_object(module))
 
 
-def _object_code_unlocked(text: str, level: int) -> bytes:
+def _compile_without_lock(text: str, level: int) -> bytes:
     """Compile `text` while other threads compile others.
 
     llvmlite guards every call by one lock, so threads gain nothing through it. LLVM itself asks only

@@ -22,7 +22,7 @@ from symbody.codegen.llvm.entries import (
 from symbody.codegen.llvm.items import ItemPlan, plan_items
 from symbody.codegen.llvm.machine import QUICK, SMALL, THOROUGH, lanes, object_codes, target_machine
 from symbody.codegen.llvm.numbers import words
-from symbody.codegen.llvm.order import ordered
+from symbody.codegen.llvm.order import order_operations
 from symbody.codegen.llvm.runtime import runtime
 from symbody.codegen.llvm.stored_module import Module, key_of, read_module, store_module
 from symbody.codegen.llvm.writing import GROUPS, piece_function
@@ -109,7 +109,7 @@ def compile_sequence(
     key = key_of(sequence, piece_size, level, width, lanes())
     module, text = None if keep_ir else read_module(key), ""
     if module is None:
-        module, text = _made(sequence, piece_size, level, width)
+        module, text = _compile_text(sequence, piece_size, level, width)
         store_module(key, module)
     library = _load(module)
     return NativeFunction(
@@ -123,10 +123,10 @@ def compile_sequence(
     )
 
 
-def _made(sequence: Sequence, piece_size: int, level: int, width: int) -> tuple[Module, str]:
+def _compile_text(sequence: Sequence, piece_size: int, level: int, width: int) -> tuple[Module, str]:
     """Return the code of a sequence, and the text it was compiled from."""
     begin("order of operations")
-    inner = ordered(sequence)
+    inner = order_operations(sequence)
     check()
     plan = plan_pieces(inner, piece_size)
     items = plan_items(inner, plan.needed, plan.outputs, plan.work_size, lanes() if width == 1 else 1)

@@ -105,7 +105,7 @@ def words(width: int) -> Words:
         "minus": _constant(width, "-1.0"),
     }
 
-    def filled(template: str) -> str:
+    def fill_template(template: str) -> str:
         for name, text in put.items():
             template = template.replace("{" + name + "}", text)
         return template
@@ -114,8 +114,8 @@ def words(width: int) -> Words:
         width,
         real,
         truth,
-        {code: filled(text) for code, text in INSTRUCTIONS.items()},
-        {code: tuple(map(filled, texts)) for code, texts in COMPOSED.items()},
+        {code: fill_template(text) for code, text in INSTRUCTIONS.items()},
+        {code: tuple(map(fill_template, texts)) for code, texts in COMPOSED.items()},
     )
 
 

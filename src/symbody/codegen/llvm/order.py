@@ -21,7 +21,7 @@ from symbody.expr.sequence import Operation, Output, Sequence
 _LATE = op.UNARY_FUNCTIONS | {op.SADDLE, op.MAP, op.PICK, op.ATAN2, op.CALL}
 
 
-def ordered(sequence: Sequence) -> Sequence:
+def order_operations(sequence: Sequence) -> Sequence:
     """Return the operations that outputs need: circles, kernels and programs in their order, the outputs."""
     circles = _early_circles(sequence)
     arguments = [sequence.operations[k].operands[0] for k in circles]

@@ -101,9 +101,9 @@ def _define_gather(module: ir.Module) -> None:
     """``void gather(const double *rows, long stride, long size, double *lanes)``: `size` entries of rows."""
     b, (rows, stride, size, place) = _begin(module, GATHER, [POINTER, INTEGER, INTEGER, POINTER])
     width = lanes()
-    sources = [Array(b, rows).after(b.mul(stride, integer(lane))) for lane in range(width)]
+    sources = [Array(b, rows).offset_by(b.mul(stride, integer(lane))) for lane in range(width)]
     with count(b, integer(0), size) as k:
-        target = Array(b, place).after(b.mul(k, integer(width)))
+        target = Array(b, place).offset_by(b.mul(k, integer(width)))
         for lane, source in enumerate(sources):
             target.store(integer(lane), source.load(k))
     b.ret_void()
@@ -113,9 +113,9 @@ def _define_scatter(module: ir.Module) -> None:
     """``void scatter(double *rows, long stride, long size, const double *lanes)``: the way back."""
     b, (rows, stride, size, place) = _begin(module, SCATTER, [POINTER, INTEGER, INTEGER, POINTER])
     width = lanes()
-    targets = [Array(b, rows).after(b.mul(stride, integer(lane))) for lane in range(width)]
+    targets = [Array(b, rows).offset_by(b.mul(stride, integer(lane))) for lane in range(width)]
     with count(b, integer(0), size) as k:
-        source = Array(b, place).after(b.mul(k, integer(width)))
+        source = Array(b, place).offset_by(b.mul(k, integer(width)))
         for lane, target in enumerate(targets):
             target.store(k, source.load(integer(lane)))
     b.ret_void()
@@ -136,15 +136,15 @@ def _define_lane_saddle(module: ir.Module) -> None:
     sizes = [b.mul(n, n), b.mul(m, n), n, m]
     places = [work]
     for size in sizes:
-        places.append(places[-1].after(size))
+        places.append(places[-1].offset_by(size))
     solution = places.pop()
     solved = b.add(b.add(n, m), integer(1))
-    scratch = solution.after(solved)
+    scratch = solution.offset_by(solved)
     total = b.add(b.add(sizes[0], sizes[1]), b.add(n, m))
     width, failed, mixed = integer(lanes()), b.alloca(INTEGER), b.alloca(ir.IntType(8))
     together = [given]
     for size in sizes[:-1]:
-        together.append(together[-1].after(b.mul(size, width)))
+        together.append(together[-1].offset_by(b.mul(size, width)))
     pointers = [array.pointer for array in (*together, results, work)]
     b.store(ir.Constant(ir.IntType(8), 0), mixed)
     status = b.call(_kernel(module, kernel_name(SADDLE, lanes()), 7), [n, m, *pointers, mixed])

@@ -19,7 +19,7 @@ from symbody.codegen.llvm.machine import environment
 from symbody.expr.opcodes import NAMES
 from symbody.expr.sequence import Sequence
 from symbody.single_flight import once
-from symbody.storage import store, stored
+from symbody.storage import load_stored, store
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ def key_of(sequence: Sequence, *asked: int) -> bytes:
 
 def read_module(key: bytes) -> Module | None:
     """Return the module stored under `key`, or None."""
-    content = stored(key) if key else None
+    content = load_stored(key) if key else None
     if content is None:
         return None
     head, _, body = content.partition(b"\n")

@@ -74,7 +74,7 @@ def define_sincos(module: ir.Module) -> ir.Function:
         return known
     function = ir.Function(module, ir.FunctionType(pair, (ir.DoubleType(),)), SINCOS_NAME)
     x = function.args[0]
-    builder, outside = _guarded(function)
+    builder, outside = _branch_on_range(function)
     _return_pair(builder, *sine_cosine(builder, x))
     _return_pair(
         outside, *(outside.call(_function(module, name, x.type, 1), (x,)) for name in ("sin", "cos"))
@@ -88,7 +88,7 @@ def define_lane_sincos(module: ir.Module, name: str, width: int) -> ir.Function:
     vector = ir.VectorType(ir.DoubleType(), width)
     function = ir.Function(module, ir.FunctionType(ir.LiteralStructType((vector, vector)), (vector,)), name)
     x = function.args[0]
-    builder, outside = _guarded(function)
+    builder, outside = _branch_on_range(function)
     _return_pair(builder, *sine_cosine(builder, x))
     sines = cosines = ir.Constant(vector, ir.Undefined)
     for lane in range(width):
@@ -133,7 +133,7 @@ def integers_like(kind: ir.Type, bits: int = 64) -> ir.Type:
     return ir.IntType(bits)
 
 
-def _guarded(function: ir.Function) -> tuple[ir.IRBuilder, ir.IRBuilder]:
+def _branch_on_range(function: ir.Function) -> tuple[ir.IRBuilder, ir.IRBuilder]:
     """Branch on |x| <= RANGE in every lane, false for nan; return builders of the inner and outer block."""
     entry = ir.IRBuilder(function.append_basic_block("entry"))
     inside, outside = function.append_basic_block("inside"), function.append_basic_block("outside")

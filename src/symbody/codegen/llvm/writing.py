@@ -13,7 +13,7 @@ from symbody.codegen.llvm.items import ItemPlan, program_lines
 from symbody.codegen.llvm.numbers import Words
 from symbody.codegen.llvm.runtime import LANE_SADDLE, SADDLE_NAME, lane_counts, lane_sincos
 from symbody.codegen.llvm.trig import SINCOS_NAME
-from symbody.codegen.lowering import power_products, whole_exponent
+from symbody.codegen.lowering import integer_exponent, power_products
 from symbody.codegen.pieces import Piece, Plan, argument_places
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Operation, Sequence
@@ -35,12 +35,12 @@ def piece_function(
     sequence: Sequence, plan: Plan, items: ItemPlan, piece: Piece, name: str, words: Words, beside: Words
 ) -> str:
     """Return the function that computes one piece; `beside` are the words of items side by side."""
-    writer = _PieceWriter(sequence, plan, items, piece, words, beside)
+    writer = _LlvmPieceWriter(sequence, plan, items, piece, words, beside)
     body = "\n".join(writer.lines())
     return f"define i32 @{name}({PARAMETERS}) nounwind {{\n{body}\n}}\n"
 
 
-class _PieceWriter:
+class _LlvmPieceWriter:
     """Writes one piece; in lanes, entry k of an array begins at k times the number of lanes."""
 
     def __init__(
@@ -113,7 +113,7 @@ class _PieceWriter:
             return
         if code == op.SADDLE:
             self._saddle(k, operands, datum)
-        elif code == op.POW and (exponent := whole_exponent(self._sequence, operands[1])) is not None:
+        elif code == op.POW and (exponent := integer_exponent(self._sequence, operands[1])) is not None:
             self._power(k, self._operand(operands[0]), exponent)
         elif code in (op.SIN, op.COS):
             if operands[0] not in self._circles:
@@ -131,10 +131,10 @@ class _PieceWriter:
         """Return how value k is written, reading it first if this piece has not yet."""
         name = self._names.get(k)
         if name is None:
-            name = self._names[k] = self._read(k)
+            name = self._names[k] = self._read_value(k)
         return name
 
-    def _read(self, k: int) -> str:
+    def _read_value(self, k: int) -> str:
         code, operands, datum = self._sequence.operations[k]
         name = f"%z{k}"
         if code in (op.RATIONAL, op.FLOAT, op.PI):

@@ -10,10 +10,10 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Final
 
-from symbody.codegen.identifiers import assign_identifiers, quoted
+from symbody.codegen.identifiers import assign_identifiers, quote_name
 from symbody.codegen.kernels.c_kernels import PREAMBLE, C
 from symbody.codegen.kernels.dialect import saddle_text
-from symbody.codegen.lowering import power_products, whole_exponent
+from symbody.codegen.lowering import integer_exponent, power_products
 from symbody.codegen.pieces import PIECE_SIZE, Piece, Plan, argument_places, plan_pieces
 from symbody.errors import CompileError, Problem
 from symbody.expr import opcodes as op
@@ -106,7 +106,7 @@ def generate(
     """
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,40}", name) or _is_reserved(name):
         raise CompileError(
-            Problem("compile.name", "", f"{quoted(name)} cannot be the name of a C function",
+            Problem("compile.name", "", f"{quote_name(name)} cannot be the name of a C function",
                     "not an identifier, longer than 41 letters, or taken", "choose another, such as 'f'")
         )  # fmt: skip
     plan = plan_pieces(sequence, piece_size)
@@ -133,12 +133,12 @@ def _header(
     yield " *"
     yield " * Inputs: place, identifier, name"
     for entry, word in zip(sequence.inputs, words, strict=True):
-        yield f" *   {entry.group}[{entry.position}]  {word}  {quoted(shown[entry.name])}"
+        yield f" *   {entry.group}[{entry.position}]  {word}  {quote_name(shown[entry.name])}"
     yield " * Outputs: first place, shape, name; row-major"
     place = 0
     for output in sequence.outputs:
         shape = " x ".join(str(size) for size in output.shape) or "scalar"
-        yield f" *   out[{place}...]  {shape}  {quoted(shown[output.name])}"
+        yield f" *   out[{place}...]  {shape}  {quote_name(shown[output.name])}"
         place += len(output.values)
     yield " *"
     yield f" * work: {plan.work_size} doubles of the caller; out and work overlap nothing. Groups that are"
@@ -178,7 +178,7 @@ def _functions(sequence: Sequence, plan: Plan, name: str, words: list[str]) -> I
 def _piece_function(
     sequence: Sequence, plan: Plan, piece: Piece, words: list[str], head: str
 ) -> Iterator[str]:
-    writer = _PieceWriter(sequence, plan, piece, words)
+    writer = _CPieceWriter(sequence, plan, piece, words)
     body = writer.lines()
     yield ""
     yield f"{head}({_PARAMETERS})"
@@ -193,7 +193,7 @@ def _piece_function(
     yield "}"
 
 
-class _PieceWriter:
+class _CPieceWriter:
     """Writes the statements of one piece."""
 
     def __init__(self, sequence: Sequence, plan: Plan, piece: Piece, words: list[str]) -> None:
@@ -223,7 +223,7 @@ class _PieceWriter:
         if code == op.SADDLE:
             self._saddle(k, operands, datum)
             return
-        if code == op.POW and (exponent := whole_exponent(self._sequence, operands[1])) is not None:
+        if code == op.POW and (exponent := integer_exponent(self._sequence, operands[1])) is not None:
             self._power(k, self._operand(operands[0]), exponent)
             return
         expression = _EXPRESSIONS[code].format(*[self._operand(j) for j in operands])
@@ -236,10 +236,10 @@ class _PieceWriter:
     def _operand(self, k: int) -> str:
         """Return how value k is written, reading it first if this piece has not yet."""
         if k not in self._names:
-            self._read(k)
+            self._read_value(k)
         return self._names[k]
 
-    def _read(self, k: int) -> None:
+    def _read_value(self, k: int) -> None:
         code, operands, datum = self._sequence.operations[k]
         if code in (op.RATIONAL, op.FLOAT, op.PI):
             text = repr(self._plan.constants[k])  # the shortest that reads back as the same double

@@ -10,8 +10,8 @@ import keyword
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.texts.layout import Arguments, Language, Layout
-from symbody.codegen.texts.lists import filled
+from symbody.codegen.texts.layout import Arguments, Language, TextLayout
+from symbody.codegen.texts.lists import fill_lines
 from symbody.codegen.texts.python_words import entry, kernel, number
 from symbody.codegen.texts.saddle_casadi import SADDLE_CASADI
 from symbody.codegen.texts.statements import Dialect, Statements
@@ -94,14 +94,14 @@ def generate(sequence: Sequence, name: str = "f", arguments: Arguments | None = 
         If `name` cannot name a function, the sequence calls functions the user supplied, or a constant is
         beyond the doubles.
     """
-    layout = Layout.of(sequence, name, _LANGUAGE, arguments)
+    layout = TextLayout.for_sequence(sequence, name, _LANGUAGE, arguments)
     lines = [*_head(layout)]
     lines += [_ANGLE.rstrip("\n"), ""] if any(each.op == op.ATAN2 for each in sequence.operations) else []
     lines += [SADDLE_CASADI.rstrip("\n"), ""] if layout.plan.results else []
     return "\n".join([*lines, "", *_function(layout), "", "", f"{name} = _made()"]) + "\n"
 
 
-def _head(layout: Layout) -> Iterator[str]:
+def _head(layout: TextLayout) -> Iterator[str]:
     first, *rest = layout.heading(entry, f"{layout.name}({', '.join(layout.sizes)})")
     yield f'r"""{first}'
     yield ""
@@ -114,7 +114,7 @@ def _head(layout: Layout) -> Iterator[str]:
     yield ""
 
 
-def _function(layout: Layout) -> Iterator[str]:
+def _function(layout: TextLayout) -> Iterator[str]:
     yield "def _made():"
     for group, size in layout.sizes.items():
         yield f'    {group} = ca.SX.sym("{group}"' + ("" if group == "t" else f", {size}") + ")"
@@ -124,7 +124,7 @@ def _function(layout: Layout) -> Iterator[str]:
         yield from statements.lines()
         for output in layout.sequence.outputs:
             yield "    symbody_results.append(ca.vertcat(ca.SX(0, 1),"
-            yield from filled([statements.operand(k) for k in output.values], "        ")
+            yield from fill_lines([statements.operand(k) for k in output.values], "        ")
             yield "    ))"
             if len(output.shape) == 2:
                 rows, columns = output.shape

@@ -12,7 +12,7 @@ from typing import Final
 from symbody.codegen.kernels.dialect import saddle_text
 from symbody.codegen.kernels.fortran_kernels import FORTRAN, SADDLE_CALL
 from symbody.codegen.pieces import PIECE_SIZE
-from symbody.codegen.texts.layout import Arguments, Language, Layout
+from symbody.codegen.texts.layout import Arguments, Language, TextLayout
 from symbody.codegen.texts.statements import Dialect, Statements
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Sequence
@@ -125,15 +125,15 @@ def generate(
         If `name` cannot name a subroutine, the sequence calls functions the user supplied, or a constant is
         beyond the doubles.
     """
-    layout = Layout.of(sequence, name, _LANGUAGE, arguments, piece_size)
+    layout = TextLayout.for_sequence(sequence, name, _LANGUAGE, arguments, piece_size)
     parts = [*_head(layout), *_functions(layout)]
     if layout.plan.results:
         parts += ["", *saddle_text(FORTRAN, SADDLE_CALL).rstrip("\n").split("\n")]
     parts.append(f"end module symbody_{name}")
-    return "\n".join(line for part in parts for line in continued(part)) + "\n"
+    return "\n".join(line for part in parts for line in break_line(part)) + "\n"
 
 
-def continued(line: str) -> list[str]:
+def break_line(line: str) -> list[str]:
     """Return `line` broken at blanks, so that no part is longer than the standard allows.
 
     >>> [len(part) for part in continued("    x = " + " + ".join(["y" * 60] * 3))]
@@ -150,7 +150,7 @@ def continued(line: str) -> list[str]:
     return [*parts, line]
 
 
-def _head(layout: Layout) -> Iterator[str]:
+def _head(layout: TextLayout) -> Iterator[str]:
     call = f"call {layout.name}({', '.join(_dummies(layout))})"
     yield from (f"! {line}".rstrip() for line in layout.heading(_entry, call))
     yield f"! In C: void {layout.name.lower()}(double *t, ...), everything by address, matrices by columns."
@@ -164,11 +164,11 @@ def _head(layout: Layout) -> Iterator[str]:
     yield "contains"
 
 
-def _dummies(layout: Layout) -> list[str]:
+def _dummies(layout: TextLayout) -> list[str]:
     return [*layout.sizes, *layout.results]
 
 
-def _functions(layout: Layout) -> Iterator[str]:
+def _functions(layout: TextLayout) -> Iterator[str]:
     """Yield the subroutine, and before it its pieces if there are several.
 
     Recursive: compilers keep large arrays of other subroutines in one place for all threads.
@@ -200,7 +200,7 @@ def _functions(layout: Layout) -> Iterator[str]:
         yield f"end subroutine symbody_piece_{k}"
 
 
-def _arguments(layout: Layout, way: str = "out") -> Iterator[str]:
+def _arguments(layout: TextLayout, way: str = "out") -> Iterator[str]:
     for group, size in layout.sizes.items():
         yield f"    real(dp), intent(in) :: {group}" + ("" if group == "t" else f"({size})")
     for output, word in zip(layout.sequence.outputs, layout.results, strict=True):
@@ -209,11 +209,11 @@ def _arguments(layout: Layout, way: str = "out") -> Iterator[str]:
 
 
 def _variables(piece: Statements) -> Iterator[str]:
-    yield from _declared("real(dp)", piece.reals)
-    yield from _declared("logical", piece.conditions)
+    yield from _declare("real(dp)", piece.reals)
+    yield from _declare("logical", piece.conditions)
 
 
-def _declared(kind: str, names: Iterable[str]) -> Iterator[str]:
+def _declare(kind: str, names: Iterable[str]) -> Iterator[str]:
     line = ""
     for name in names:
         if line and len(line) + len(name) + 2 > WIDTH:

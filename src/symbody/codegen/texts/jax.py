@@ -10,8 +10,8 @@ import keyword
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.texts.layout import Arguments, Language, Layout
-from symbody.codegen.texts.lists import filled
+from symbody.codegen.texts.layout import Arguments, Language, TextLayout
+from symbody.codegen.texts.lists import fill_lines
 from symbody.codegen.texts.python_words import entry, kernel, number
 from symbody.codegen.texts.saddle_jax import SADDLE_JAX
 from symbody.codegen.texts.statements import Dialect, Statements
@@ -89,19 +89,19 @@ def generate(sequence: Sequence, name: str = "f", arguments: Arguments | None = 
         If `name` cannot name a function, the sequence calls functions the user supplied, or a constant is
         beyond the doubles.
     """
-    layout = Layout.of(sequence, name, _LANGUAGE, arguments)
+    layout = TextLayout.for_sequence(sequence, name, _LANGUAGE, arguments)
     lines = [*_head(layout)]
     lines += [_ANGLE.rstrip("\n"), ""] if any(each.op == op.ATAN2 for each in sequence.operations) else []
     lines += [SADDLE_JAX.rstrip("\n"), ""] if layout.plan.results else []
     return "\n".join([*lines, "", *_function(layout)]) + "\n"
 
 
-def _call(layout: Layout) -> str:
+def _call(layout: TextLayout) -> str:
     optional = (group if group in "tqu" else f"{group}=()" for group in layout.sizes)
     return f"{layout.name}({', '.join(optional)})"
 
 
-def _head(layout: Layout) -> Iterator[str]:
+def _head(layout: TextLayout) -> Iterator[str]:
     first, *rest = layout.heading(entry, _call(layout))
     yield f'r"""{first}'
     yield ""
@@ -120,7 +120,7 @@ def _head(layout: Layout) -> Iterator[str]:
     yield ""
 
 
-def _function(layout: Layout) -> Iterator[str]:
+def _function(layout: TextLayout) -> Iterator[str]:
     yield f"def {_call(layout)}:"
     yield f'    """Return {", ".join(layout.results) or "nothing"}; see the module."""'
     yield "    t = jnp.asarray(t, dtype=jnp.float64)"
@@ -135,7 +135,7 @@ def _function(layout: Layout) -> Iterator[str]:
             parts.append((f"symbody_{word}", output.shape, values))
     for word, shape, values in parts:
         yield f"    {word} = jnp.stack(["
-        yield from filled([f"jnp.float64({value})" for value in values], "        ")
+        yield from fill_lines([f"jnp.float64({value})" for value in values], "        ")
         yield f"    ]).reshape({shape!r})"
     words = ", ".join(word for word, _, _ in parts)
     yield f"    return {words}" if len(parts) == 1 else f"    return Outputs({words})"

@@ -12,7 +12,7 @@ from typing import Final
 from symbody.codegen.kernels.dialect import saddle_text
 from symbody.codegen.kernels.julia_kernels import JULIA, SADDLE_CALL
 from symbody.codegen.pieces import PIECE_SIZE
-from symbody.codegen.texts.layout import Arguments, Language, Layout
+from symbody.codegen.texts.layout import Arguments, Language, TextLayout
 from symbody.codegen.texts.statements import Dialect, Statements
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Sequence
@@ -122,18 +122,18 @@ def generate(
         If `name` cannot name a function, the sequence calls functions the user supplied, or a constant is
         beyond the doubles.
     """
-    layout = Layout.of(sequence, name, _LANGUAGE, arguments, piece_size)
+    layout = TextLayout.for_sequence(sequence, name, _LANGUAGE, arguments, piece_size)
     lines = [*_head(layout), *_functions(layout), *_FUNCTIONS.rstrip("\n").split("\n")]
     lines += saddle_text(JULIA, SADDLE_CALL).rstrip("\n").split("\n") if layout.plan.results else []
     return "\n".join([*lines, "", "end"]) + "\n"
 
 
-def _call(layout: Layout) -> str:
+def _call(layout: TextLayout) -> str:
     optional = (group if group in "tqu" else f"{group} = ()" for group in layout.sizes)
     return f"{layout.name}({', '.join(optional)})"
 
 
-def _head(layout: Layout) -> Iterator[str]:
+def _head(layout: TextLayout) -> Iterator[str]:
     yield from (f"# {line}".rstrip() for line in layout.heading(_entry, _call(layout)))
     yield "# Arguments are numbers and vectors or tuples of any real type, dual numbers too. The result is"
     yield "# the array or number itself, or a named tuple if several outputs were asked for."
@@ -142,7 +142,7 @@ def _head(layout: Layout) -> Iterator[str]:
     yield f"export {layout.name}"
 
 
-def _functions(layout: Layout) -> Iterator[str]:
+def _functions(layout: TextLayout) -> Iterator[str]:
     """Yield the function, and behind it its pieces."""
     yield ""
     yield f"function {_call(layout)}"

@@ -8,7 +8,7 @@ from collections.abc import Sequence as Items
 from dataclasses import dataclass
 from typing import Final
 
-from symbody.codegen.identifiers import assign_identifiers, quoted
+from symbody.codegen.identifiers import assign_identifiers, quote_name
 from symbody.codegen.pieces import Plan, plan_pieces
 from symbody.errors import CompileError, Problem
 from symbody.expr.sequence import Output, Sequence
@@ -49,7 +49,7 @@ class Language:
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class TextLayout:
     """A sequence and its names in one text.
 
     Attributes
@@ -73,14 +73,14 @@ class Layout:
     results: tuple[str, ...]
 
     @classmethod
-    def of(
+    def for_sequence(
         cls,
         sequence: Sequence,
         name: str,
         language: Language,
         arguments: Arguments | None = None,
         piece_size: int = WHOLE,
-    ) -> Layout:
+    ) -> TextLayout:
         """Return the layout of a text.
 
         Parameters
@@ -129,10 +129,10 @@ class Layout:
         for group, names in self.labels.items():
             for k, label in enumerate(names):
                 word = read.get((group, k), "-")
-                yield f"  {entry(group, k)}  {word if group != 't' else 't'}  {quoted(label)}"
+                yield f"  {entry(group, k)}  {word if group != 't' else 't'}  {quote_name(label)}"
         yield "Results: identifier, shape, name"
         for output, word in zip(sequence.outputs, self.results, strict=True):
-            yield f"  {word}  {shape_text(output)}  {quoted(output.name)}"
+            yield f"  {word}  {shape_text(output)}  {quote_name(output.name)}"
 
     def targets(self, entry: Callable[[str, tuple[int, ...]], str]) -> dict[int, str]:
         """Return where each number of the output goes, as `entry` writes an identifier and indices from 0."""
@@ -171,6 +171,7 @@ def _labels(sequence: Sequence, arguments: Arguments) -> dict[str, list[str]]:
 def _check_name(name: str, language: Language) -> None:
     if not _FUNCTION_NAME.fullmatch(name) or language.is_reserved(name):
         raise CompileError(
-            Problem("compile.name", "", f"{quoted(name)} cannot be the name of a {language.title} function",
+            Problem("compile.name", "",
+                    f"{quote_name(name)} cannot be the name of a {language.title} function",
                     "not an identifier, longer than 41 letters, or taken", "choose another, such as 'f'")
         )  # fmt: skip

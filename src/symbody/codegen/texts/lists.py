@@ -9,7 +9,7 @@ from typing import Final
 _WIDTH: Final = 100
 
 
-def filled(words: Items[str], indent: str, end: str = "") -> list[str]:
+def fill_lines(words: Items[str], indent: str, end: str = "") -> list[str]:
     """Return lines of `words` separated by commas, each line with `indent` before and `end` behind it.
 
     >>> filled(["a", "b"], "    ", " ...")

@@ -12,8 +12,8 @@ from typing import Final
 
 from symbody.codegen.kernels.dialect import saddle_text
 from symbody.codegen.kernels.matlab_kernels import MATLAB, SADDLE_CALL
-from symbody.codegen.texts.layout import Arguments, Language, Layout
-from symbody.codegen.texts.lists import filled
+from symbody.codegen.texts.layout import Arguments, Language, TextLayout
+from symbody.codegen.texts.lists import fill_lines
 from symbody.codegen.texts.statements import Dialect, Statements
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Output, Sequence
@@ -116,7 +116,7 @@ def _target(word: str, indices: tuple[int, ...]) -> str:
 
 
 def _kernel(name: str, n: int, m: int, operands: Items[str]) -> list[str]:
-    return [f"{name} = symbody_saddle({n}, {m}, [ ...", *filled(operands, "    ", " ..."), "]);"]
+    return [f"{name} = symbody_saddle({n}, {m}, [ ...", *fill_lines(operands, "    ", " ..."), "]);"]
 
 
 _DIALECT: Final = Dialect(_EXPRESSIONS, "{name} = {value};", _number, _entry, kernel=_kernel)
@@ -138,7 +138,7 @@ def generate(sequence: Sequence, name: str = "f", arguments: Arguments | None = 
         If `name` cannot name a function, the sequence calls functions the user supplied, or a constant is
         beyond the doubles.
     """
-    layout = Layout.of(sequence, name, _LANGUAGE, arguments)
+    layout = TextLayout.for_sequence(sequence, name, _LANGUAGE, arguments)
     lines = [*_function(layout)]
     body = "\n".join(lines)
     lines += [text.rstrip("\n") for called, text in _FUNCTIONS.items() if f" {called}(" in body]
@@ -146,7 +146,7 @@ def generate(sequence: Sequence, name: str = "f", arguments: Arguments | None = 
     return "\n".join(lines) + "\n"
 
 
-def _function(layout: Layout) -> Iterator[str]:
+def _function(layout: TextLayout) -> Iterator[str]:
     call = f"[{', '.join(layout.results)}] = {layout.name}({', '.join(layout.sizes)})"
     yield f"function {call}"
     yield from (f"% {line}".rstrip() for line in layout.heading(_entry, call))

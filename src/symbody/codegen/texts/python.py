@@ -12,10 +12,10 @@ import textwrap
 from collections.abc import Iterator, Mapping
 from typing import Final
 
-from symbody.codegen.identifiers import assign_identifiers, quoted
+from symbody.codegen.identifiers import assign_identifiers, quote_name
 from symbody.codegen.kernels.dialect import saddle_text
 from symbody.codegen.kernels.python_kernels import PYTHON, SADDLE_CALL
-from symbody.codegen.lowering import power_products, whole_exponent
+from symbody.codegen.lowering import integer_exponent, power_products
 from symbody.codegen.pieces import Plan, plan_pieces
 from symbody.errors import CompileError, Problem
 from symbody.expr import opcodes as op
@@ -96,7 +96,7 @@ def generate(sequence: Sequence, name: str = "f", names: Mapping[str, str] | Non
     """
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,40}", name) or _is_reserved(name):
         raise CompileError(
-            Problem("compile.name", "", f"{quoted(name)} cannot be the name of a Python function",
+            Problem("compile.name", "", f"{quote_name(name)} cannot be the name of a Python function",
                     "not an identifier, longer than 41 letters, or taken", "choose another, such as 'f'")
         )  # fmt: skip
     plan = plan_pieces(sequence)
@@ -146,10 +146,10 @@ class _Module:
             rows, key=lambda row: ("tqurpc".index(row[0].group), row[0].position)
         ):
             place = "t" if entry.group == "t" else f"{entry.group}[{entry.position}]"
-            yield f"  {place}  {word}  {quoted(label)}"
+            yield f"  {place}  {word}  {quote_name(label)}"
         yield "Results: identifier, shape, name"
         for output, field, label in zip(self._sequence.outputs, self._fields, self._results, strict=True):
-            yield f"  {field}  {output.shape}  {quoted(label)}"
+            yield f"  {field}  {output.shape}  {quote_name(label)}"
         yield '"""'
         yield ""
         yield from ["import math"] if self._plan.results else []
@@ -234,7 +234,7 @@ class _Statements:
             self._names[k] = f"{self._names[operands[0]]}[{datum}]"
         elif code == op.SADDLE:
             self._saddle(k, operands, datum)
-        elif code == op.POW and (exponent := whole_exponent(self._sequence, operands[1])) is not None:
+        elif code == op.POW and (exponent := integer_exponent(self._sequence, operands[1])) is not None:
             self._power(k, self._operands(operands[:1])[0], exponent)
         else:
             self._define(k, _EXPRESSIONS[code].format(*self._operands(operands)))

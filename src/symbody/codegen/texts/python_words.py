@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence as Items
 
-from symbody.codegen.texts.lists import filled
+from symbody.codegen.texts.lists import fill_lines
 
 
 def number(value: float) -> str:
@@ -20,4 +20,4 @@ def entry(array: str, k: int) -> str:
 
 def kernel(name: str, n: int, m: int, operands: Items[str]) -> list[str]:
     """Return the lines that call the kernel for n accelerations and m rows."""
-    return [f"    {name} = _solve_saddle({n}, {m}, [", *filled(operands, "        "), "    ])"]
+    return [f"    {name} = _solve_saddle({n}, {m}, [", *fill_lines(operands, "        "), "    ])"]

@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping
 from collections.abc import Sequence as Items
 from dataclasses import dataclass
 
-from symbody.codegen.lowering import power_products, whole_exponent
+from symbody.codegen.lowering import integer_exponent, power_products
 from symbody.codegen.pieces import Piece, argument_places
-from symbody.codegen.texts.layout import Layout
+from symbody.codegen.texts.layout import TextLayout
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Operation
 
@@ -69,7 +69,9 @@ class Statements:
         Names of the variables that the statements define.
     """
 
-    def __init__(self, layout: Layout, piece: Piece, dialect: Dialect, targets: Mapping[int, str]) -> None:
+    def __init__(
+        self, layout: TextLayout, piece: Piece, dialect: Dialect, targets: Mapping[int, str]
+    ) -> None:
         self.reals: list[str] = []
         self.conditions: list[str] = []
         self._sequence = layout.sequence
@@ -101,14 +103,14 @@ class Statements:
     def operand(self, k: int) -> str:
         """Return how value k is written, reading it first if this piece has not yet."""
         if k not in self._names:
-            self._read(k)
+            self._read_value(k)
         return self._names[k]
 
     def _operation(self, k: int, operation: Operation) -> None:
         code, operands, datum = operation
         if code == op.SADDLE:
             self._kernel(k, operands, datum)
-        elif code == op.POW and (exponent := whole_exponent(self._sequence, operands[1])) is not None:
+        elif code == op.POW and (exponent := integer_exponent(self._sequence, operands[1])) is not None:
             self._power(k, self.operand(operands[0]), exponent)
         else:
             expression = self._dialect.expressions[code].format(*self._operands(k, operands))
@@ -124,7 +126,7 @@ class Statements:
                 texts[0] = f"z{k}_0"
         return texts
 
-    def _read(self, k: int) -> None:
+    def _read_value(self, k: int) -> None:
         code, operands, datum = self._sequence.operations[k]
         entry = self._dialect.entry
         if code in (op.RATIONAL, op.FLOAT, op.PI):

@@ -12,11 +12,11 @@ from symbody.equations.by_hand.mechanism import (
     PlacedTorque,
 )
 from symbody.expr.expression import Expr, common_graph, number
-from symbody.expr.fingerprint import vanishing
+from symbody.expr.fingerprint import find_zeros
 from symbody.expr.graph import Graph
 from symbody.vectors.matrix import Vector3, matrix3
 from symbody.vectors.moving import acceleration, angular_velocity, rate
-from symbody.vectors.placed import GROUND_FRAME, PlacedPoint, PlacedVector, joined
+from symbody.vectors.placed import GROUND_FRAME, PlacedPoint, PlacedVector, vector_between
 
 
 def newton(graph: Graph, objects: Sequence[PlacedObject], gravity: PlacedVector | None) -> PlacedVector:
@@ -30,7 +30,7 @@ def newton(graph: Graph, objects: Sequence[PlacedObject], gravity: PlacedVector 
         total = total + acceleration(body.centre) * body.mass
         if gravity is not None:
             total = total + -(gravity * body.mass)
-    for load, sign in _acting(objects, bodies):
+    for load, sign in _signed_loads(objects, bodies):
         if isinstance(load, PlacedForce):
             total = total + load.vector * number(graph, -sign)
     return total
@@ -50,11 +50,11 @@ def euler(
         needed = acceleration(body.centre) * body.mass
         if gravity is not None:
             needed = needed + -(gravity * body.mass)
-        total = total + joined(pole, body.centre).cross(needed) + _swirl(graph, body)
-    for load, sign in _acting(objects, bodies):
+        total = total + vector_between(pole, body.centre).cross(needed) + _swirl(graph, body)
+    for load, sign in _signed_loads(objects, bodies):
         less = number(graph, -sign)
         if isinstance(load, PlacedForce):
-            total = total + joined(pole, load.point).cross(load.vector) * less
+            total = total + vector_between(pole, load.point).cross(load.vector) * less
         else:
             total = total + load.vector * less
     return total
@@ -65,7 +65,7 @@ def is_weight(force: PlacedForce, gravity: PlacedVector) -> bool:
     weight = gravity * force.on.mass
     apart = (weight + -force.vector).components
     graph, nodes = common_graph((*apart, *weight.components))
-    gone = vanishing(graph, nodes)
+    gone = find_zeros(graph, nodes)
     return all(gone[:3]) and not all(gone[3:])
 
 
@@ -79,7 +79,7 @@ def _bodies(objects: Iterable[PlacedObject]) -> list[PlacedBody]:
     return [item for item in objects if isinstance(item, PlacedBody)]
 
 
-def _acting(
+def _signed_loads(
     objects: Iterable[PlacedObject], bodies: Sequence[PlacedBody]
 ) -> Iterator[tuple[PlacedLoad, int]]:
     """Return each load with 1 where it acts on a body of the set, -1 where it reacts on one."""

@@ -12,8 +12,8 @@ from dataclasses import replace
 from symbody.equations.by_hand.energies import kinetic_energy
 from symbody.equations.by_hand.frames import Chain, frame_names, frame_steps
 from symbody.equations.by_hand.loads import loads_by_hand
-from symbody.equations.by_hand.mechanism import HandPlaced
-from symbody.equations.by_hand.restated import Restated
+from symbody.equations.by_hand.mechanism import MechanismByHand
+from symbody.equations.by_hand.restated import Restatement
 from symbody.equations.by_hand.rows import rows_by_hand
 from symbody.equations.dynamics.inertia import Inertia
 from symbody.equations.equations_of_motion import EquationsOfMotion
@@ -21,10 +21,10 @@ from symbody.equations.formulations.formulation import Dynamics, Formulation
 from symbody.equations.formulations.lagrange import project_energies
 from symbody.equations.kinematics.motion import Kinematics, form_kinematics
 from symbody.equations.kinematics.naming import model_names
-from symbody.equations.kinematics.placements import differentiated
+from symbody.equations.kinematics.placements import differentiate_placements
 from symbody.equations.kinematics.variables import Variables
 from symbody.equations.system import MultibodySystem
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.trigonometry.whole_turns import turning_symbols
 from symbody.graph.spanning_tree import SpanningTree
 from symbody.graph.topology import Topology
@@ -35,7 +35,7 @@ from symbody.vectors.placed import homogeneous
 
 def derive_by_hand(
     model: Model,
-    mechanism: HandPlaced,
+    mechanism: MechanismByHand,
     coordinates: Sequence[str],
     formulation: Formulation,
     *,
@@ -60,7 +60,7 @@ def derive_by_hand(
         If a constraint is not of first degree in the rates, or can never hold.
     """
     graph = Graph()
-    placed = Restated(graph, {}).mechanism(mechanism)
+    placed = Restatement(graph, {}).mechanism(mechanism)
     variables = _variables(graph, coordinates)
     kinematics, frames = _kinematics(graph, placed, variables, formulation)
     rows, notes = rows_by_hand(placed, kinematics)
@@ -87,36 +87,38 @@ def derive_by_hand(
 
 
 def _kinematics(
-    graph: Graph, mechanism: HandPlaced, variables: Variables, formulation: Formulation
+    graph: Graph, mechanism: MechanismByHand, variables: Variables, formulation: Formulation
 ) -> tuple[Kinematics, dict[Chain, str]]:
     """Return the kinematics of all frames, and the names of the frames."""
     names = frame_names(mechanism)
     speeds = tuple(variables.rates.values())
     rotations, translations = frame_steps(graph, names, mechanism.bodies)
     kinematics = form_kinematics(graph, rotations, translations, variables.rates, speeds)
-    return (differentiated(kinematics) if formulation.differentiates_placements else kinematics), names
+    return (
+        differentiate_placements(kinematics) if formulation.differentiates_placements else kinematics
+    ), names
 
 
-def _natural_dynamics(system: MultibodySystem, mechanism: HandPlaced) -> Dynamics:
+def _natural_dynamics(system: MultibodySystem, mechanism: MechanismByHand) -> Dynamics:
     """Return Lagrange's equations with the kinetic energy that has a constant mass matrix."""
     kinetic = kinetic_energy(system.graph, mechanism.bodies, natural=True)
     return replace(project_energies(system, kinetic), kinetic_energy=kinetic)
 
 
-def _angles(mechanism: HandPlaced, coordinates: Sequence[str]) -> frozenset[str]:
+def _angles(mechanism: MechanismByHand, coordinates: Sequence[str]) -> frozenset[str]:
     """Return the coordinates by whose whole turns no body moves and no constraint changes."""
     graph = Graph()
-    placed = Restated(graph, {}).mechanism(mechanism)
+    placed = Restatement(graph, {}).mechanism(mechanism)
     points = [body.centre for body in placed.bodies]
     values = [entry for point in points for row in homogeneous(point.frame, graph) for entry in row]
     values += [x for point in points for x in point.coordinates]
     values += [x for constraint in placed.constraints for x in constraint.values]
-    symbols = {graph.symbol(Symbol(name, Kind.COORDINATE)): name for name in coordinates}
+    symbols = {graph.symbol(Symbol(name, SymbolKind.COORDINATE)): name for name in coordinates}
     whole_turns = turning_symbols(graph, [value.index for value in values], list(symbols))
     return frozenset(symbols[node] for node in whole_turns)
 
 
 def _variables(graph: Graph, coordinates: Sequence[str]) -> Variables:
-    q = tuple(Symbol(name, Kind.COORDINATE) for name in coordinates)
+    q = tuple(Symbol(name, SymbolKind.COORDINATE) for name in coordinates)
     rates = {graph.symbol(symbol): graph.symbol(symbol.derivative) for symbol in q}
     return Variables(q, tuple(symbol.derivative for symbol in q), rates, (), {})

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from symbody.equations.by_hand.mechanism import (
-    HandPlaced,
+    MechanismByHand,
     PlacedBody,
     PlacedForce,
     PlacedLoad,
 )
 from symbody.expr.calculus import gradient, time_derivative
 from symbody.expr.expression import Expr, number
-from symbody.expr.graph import Graph, Kind, Symbol, copy_nodes
+from symbody.expr.graph import Graph, Symbol, SymbolKind, copy_nodes
 from symbody.expr.rewrite import symbols_of
 from symbody.vectors.matrix import Triple, Vector3, matrix3
 from symbody.vectors.moving import angular_velocity, rate
@@ -34,7 +34,7 @@ def kinetic_energy(graph: Graph, bodies: Iterable[PlacedBody], natural: bool = F
         v = rate(body.centre.position)
         total = total + body.mass * v.dot(v)
         if natural:
-            total = total + _stretching(graph, body)
+            total = total + _stretching_energy(graph, body)
         else:
             w = Vector3(angular_velocity(graph, body.centre.frame).components)
             total = total + w.dot(matrix3(*body.tensor) @ w)
@@ -52,16 +52,16 @@ def gravitational_energy(graph: Graph, bodies: Iterable[PlacedBody], gravity: Pl
     return total
 
 
-def lagrange(mechanism: HandPlaced, coordinates: Sequence[str], natural: bool = False) -> list[Expr]:
+def lagrange(mechanism: MechanismByHand, coordinates: Sequence[str], natural: bool = False) -> list[Expr]:
     """Return ``d/dt dT/dq' - dT/dq + dV/dq - Phi_q^T lambda - Q``, one a coordinate, then the constraints.
 
     A constraint on velocities enters by its derivatives by q'.
     """
     graph = mechanism.graph
-    q = [graph.symbol(Symbol(name, Kind.COORDINATE)) for name in coordinates]
-    rates = [graph.symbol(Symbol(name, Kind.COORDINATE, 1)) for name in coordinates]
-    kinetic = _within(graph, kinetic_energy(graph, mechanism.bodies, natural))
-    potential = _within(graph, gravitational_energy(graph, mechanism.bodies, mechanism.gravity))
+    q = [graph.symbol(Symbol(name, SymbolKind.COORDINATE)) for name in coordinates]
+    rates = [graph.symbol(Symbol(name, SymbolKind.COORDINATE, 1)) for name in coordinates]
+    kinetic = _node_in(graph, kinetic_energy(graph, mechanism.bodies, natural))
+    potential = _node_in(graph, gravitational_energy(graph, mechanism.bodies, mechanism.gravity))
     momenta = time_derivative(graph, gradient(graph, kinetic, rates))
     slopes, pulls = gradient(graph, kinetic, q), gradient(graph, potential, q)
     equations = [
@@ -73,8 +73,8 @@ def lagrange(mechanism: HandPlaced, coordinates: Sequence[str], natural: bool = 
     closing = []
     for constraint in mechanism.constraints:
         for value, name in zip(constraint.values, constraint.multipliers, strict=True):
-            node = _within(graph, value)
-            multiplier = Expr(graph, graph.symbol(Symbol(name, Kind.COORDINATE)))
+            node = _node_in(graph, value)
+            multiplier = Expr(graph, graph.symbol(Symbol(name, SymbolKind.COORDINATE)))
             slopes = gradient(graph, node, rates if is_on_velocities(graph, node) else q)
             equations = [
                 left - Expr(graph, slope) * multiplier for left, slope in zip(equations, slopes, strict=True)
@@ -95,7 +95,7 @@ def generalized_forces(
             if body is None:
                 continue
             speed = _material(graph, load, body)
-            nodes = [_within(graph, x) for x in speed]
+            nodes = [_node_in(graph, x) for x in speed]
             acting = load.vector.in_ground
             columns = [gradient(graph, node, rates) for node in nodes]
             yield [
@@ -107,23 +107,23 @@ def generalized_forces(
 def is_on_velocities(graph: Graph, node: int) -> bool:
     """Return whether an expression contains rates of coordinates."""
     reached = (graph.symbols[graph.left[k]] for k in symbols_of(graph, [node]))
-    return any(symbol.kind is Kind.COORDINATE and symbol.order for symbol in reached)
+    return any(symbol.kind is SymbolKind.COORDINATE and symbol.order for symbol in reached)
 
 
 def _material(graph: Graph, load: PlacedLoad, body: PlacedBody) -> Triple:
     """Return what a load does work on, in ground: the velocity of a body at a point, or how it turns."""
     frame = body.centre.frame
-    w = frame.turn(angular_velocity(graph, frame).components)
+    w = frame.rotate(angular_velocity(graph, frame).components)
     if not isinstance(load, PlacedForce):
         return w
     arm = load.point.position - body.centre.position
     return rate(body.centre.position) + w.cross(arm)
 
 
-def _stretching(graph: Graph, body: PlacedBody) -> Expr:
+def _stretching_energy(graph: Graph, body: PlacedBody) -> Expr:
     """Return ``tr(R' E R'^T)``, twice the energy of turning and stretching."""
     R = body.centre.frame.rotation(graph)
-    columns = matrix3(*map(rate, R)).transposed
+    columns = matrix3(*map(rate, R)).T
     half = (body.tensor[0][0] + body.tensor[1][1] + body.tensor[2][2]) / 2
     total = number(graph, 0)
     for i in range(3):
@@ -133,7 +133,7 @@ def _stretching(graph: Graph, body: PlacedBody) -> Expr:
     return total
 
 
-def _within(graph: Graph, value: Expr) -> int:
+def _node_in(graph: Graph, value: Expr) -> int:
     """Return the node of an expression in a graph, copied there if it stands in another."""
     if value.graph is graph:
         return value.index

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from symbody.equations.by_hand.derivation_by_hand import derive_by_hand
-from symbody.equations.by_hand.mechanism import HandPlaced, PlacedBody, check_coordinates
-from symbody.equations.by_hand.restated import Restated
+from symbody.equations.by_hand.mechanism import MechanismByHand, PlacedBody, check_coordinates
+from symbody.equations.by_hand.restated import Restatement
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.formulations.lagrange import Lagrange
 from symbody.equations.formulations.virtual_work import VirtualWork
 from symbody.errors import FormulationError, ModelError, Problem, nearest
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Kind, Symbol
+from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import dependence
 from symbody.model.body import Body
@@ -22,7 +22,7 @@ from symbody.model.model import Model
 
 
 def equations_by_hand(
-    mechanism: HandPlaced,
+    mechanism: MechanismByHand,
     coordinates: Sequence[str],
     formulation: Formulation | None = None,
     *,
@@ -56,8 +56,8 @@ def equations_by_hand(
     """
     check_coordinates(mechanism, coordinates)
     check_formulation(formulation, natural)
-    restated, inputs = _by_kind(mechanism, coordinates, reactions)
-    model = _outline(name, restated, inputs, parameters or {})
+    restated, inputs = _split_functions(mechanism, coordinates, reactions)
+    model = _outline_model(name, restated, inputs, parameters or {})
     how = formulation or (Lagrange() if natural else VirtualWork())
     formed = derive_by_hand(model, restated, coordinates, how, natural=natural)
     return EquationSet(model, formed, (*_notes(mechanism, inputs, reactions), *formed.notes))
@@ -74,11 +74,11 @@ def check_formulation(formulation: Formulation | None, natural: bool) -> None:
         )  # fmt: skip
 
 
-def _by_kind(
-    mechanism: HandPlaced, coordinates: Sequence[str], reactions: Sequence[str]
-) -> tuple[HandPlaced, tuple[str, ...]]:
+def _split_functions(
+    mechanism: MechanismByHand, coordinates: Sequence[str], reactions: Sequence[str]
+) -> tuple[MechanismByHand, tuple[str, ...]]:
     """Return the mechanism with functions of time as inputs, reactions gone; and the names of the inputs."""
-    functions = [s.name for s in mechanism.symbols if s.kind is Kind.COORDINATE and not s.order]
+    functions = [s.name for s in mechanism.symbols if s.kind is SymbolKind.COORDINATE and not s.order]
     apart = {*coordinates, *mechanism.multipliers, *reactions}
     inputs = tuple(sorted(name for name in dict.fromkeys(functions) if name not in apart))
     problems = [
@@ -95,17 +95,17 @@ def _by_kind(
     if problems:
         raise ModelError(*problems)
     replaced: dict[Symbol, Symbol | int] = {
-        Symbol(name, Kind.COORDINATE): Symbol(name, Kind.INPUT) for name in inputs
+        Symbol(name, SymbolKind.COORDINATE): Symbol(name, SymbolKind.INPUT) for name in inputs
     }
-    replaced |= dict.fromkeys((Symbol(name, Kind.COORDINATE) for name in reactions), 0)
-    return Restated(mechanism.graph, replaced).mechanism(mechanism), inputs
+    replaced |= dict.fromkeys((Symbol(name, SymbolKind.COORDINATE) for name in reactions), 0)
+    return Restatement(mechanism.graph, replaced).mechanism(mechanism), inputs
 
 
-def _outline(
-    name: str, mechanism: HandPlaced, inputs: Sequence[str], parameters: Mapping[str, Value]
+def _outline_model(
+    name: str, mechanism: MechanismByHand, inputs: Sequence[str], parameters: Mapping[str, Value]
 ) -> Model:
     """Return a model with the bodies, parameters and inputs of the mechanism, without their positions."""
-    own = dict.fromkeys(s.name for s in mechanism.symbols if s.kind is Kind.PARAMETER)
+    own = dict.fromkeys(s.name for s in mechanism.symbols if s.kind is SymbolKind.PARAMETER)
     problems = [
         Problem("by_hand.unknown_parameter", name, f"the mechanism has no parameter {name!r}", "",
                 nearest(name, own))
@@ -128,11 +128,11 @@ def _body(body: PlacedBody) -> Body:
 
 def _text(x: Expr) -> str:
     """Return a constant as text; 0 for a variable, which a model cannot contain."""
-    constant = dependence(x.graph, [x.index])[x.index] <= {Kind.PARAMETER}
+    constant = dependence(x.graph, [x.index])[x.index] <= {SymbolKind.PARAMETER}
     return to_text(x.graph, x.index) if constant else "0"
 
 
-def _notes(mechanism: HandPlaced, inputs: Sequence[str], reactions: Sequence[str]) -> Iterator[str]:
+def _notes(mechanism: MechanismByHand, inputs: Sequence[str], reactions: Sequence[str]) -> Iterator[str]:
     if inputs:
         yield f"functions of time that are not coordinates are inputs: {', '.join(inputs)}"
     if reactions:

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from symbody.equations.by_hand.mechanism import HandPlaced, PlacedBody, PlacedForce
+from symbody.equations.by_hand.mechanism import MechanismByHand, PlacedBody, PlacedForce
 from symbody.equations.kinematics.frame_steps import RotationStep, TranslationStep
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.expr.graph import Graph
 from symbody.vectors.moving import spin_of_step
 from symbody.vectors.placed import PlacedFrame, PlacedPoint, PlacedStep, PlacedVector, Shift
 from symbody.vectors.rotation import AxisRotation
-from symbody.vectors.vector import NULL, Vector, vector
+from symbody.vectors.vector import ZERO, Vector, vector
 
 Chain = tuple[PlacedStep, ...]
 
 
-def frame_names(mechanism: HandPlaced) -> dict[Chain, str]:
+def frame_names(mechanism: MechanismByHand) -> dict[Chain, str]:
     """Return a name for each frame on the way to those of the mechanism; bodies on one way share it."""
     names: dict[Chain, str] = {(): "ground"}
     for frame in _frames(mechanism):
@@ -37,7 +37,7 @@ def frame_steps(
         if steps:
             near, step = names[steps[:-1]], steps[-1]
             rotations.append(_rotation(graph, name, near, step))
-            shift = vector(near, step.by) if isinstance(step, Shift) else NULL
+            shift = vector(near, step.by) if isinstance(step, Shift) else ZERO
             translations.append(TranslationStep(name, near, near, shift))
     for body in bodies:
         near = names[body.centre.frame.steps]
@@ -47,20 +47,20 @@ def frame_steps(
     return rotations, translations
 
 
-def arm_to(
+def position_of(
     kinematics: Kinematics, names: Mapping[Chain, str], body: PlacedBody, point: PlacedPoint
 ) -> Vector:
     """Return the vector from a body's centre of mass to a point."""
     near = names[point.frame.steps]
-    return kinematics.arm(body.name, near) + vector(near, point.coordinates)
+    return kinematics.position(body.name, near) + vector(near, point.coordinates)
 
 
-def vector_in(names: Mapping[Chain, str], placed: PlacedVector) -> Vector:
+def convert_vector(names: Mapping[Chain, str], placed: PlacedVector) -> Vector:
     """Return a vector placed by hand as one of the kinematics."""
     return vector(names[placed.frame.steps], placed.components)
 
 
-def _frames(mechanism: HandPlaced) -> Iterator[PlacedFrame]:
+def _frames(mechanism: MechanismByHand) -> Iterator[PlacedFrame]:
     for body in mechanism.bodies:
         yield body.centre.frame
     for load in mechanism.loads:

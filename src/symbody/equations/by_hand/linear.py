@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import gradient, linear_coefficients
 from symbody.expr.expression import Expr
-from symbody.expr.fingerprint import vanishing
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.fingerprint import find_zeros
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.rewrite import substitute, symbols_of
 
 
@@ -27,8 +27,8 @@ def first_order_system(
     replaced: dict[int, int] = {}
     added, closing = [], []
     for variable in variables:
-        steps = [Symbol(variable.name, Kind.COORDINATE, k) for k in range(orders[variable.name] + 1)]
-        own = [steps[0], *(Symbol(step.label, Kind.COORDINATE) for step in steps[1:-1])]
+        steps = [Symbol(variable.name, SymbolKind.COORDINATE, k) for k in range(orders[variable.name] + 1)]
+        own = [steps[0], *(Symbol(step.label, SymbolKind.COORDINATE) for step in steps[1:-1])]
         if len(steps) < 3:
             continue
         added += own[1:]
@@ -41,7 +41,7 @@ def first_order_system(
     return [*variables, *added], [*substitute(graph, equations, replaced), *closing]
 
 
-def linearized(graph: Graph, equations: Sequence[int], point: Mapping[int, int]) -> list[int]:
+def linearize_at(graph: Graph, equations: Sequence[int], point: Mapping[int, int]) -> list[int]:
     """Return ``f(x0) + sum of df/dx(x0) (x - x0)``.
 
     Parameters
@@ -60,7 +60,7 @@ def linearized(graph: Graph, equations: Sequence[int], point: Mapping[int, int])
     for equation, value in zip(equations, values, strict=True):
         slopes = substitute(graph, gradient(graph, equation, unknowns), at)
         total = Expr(graph, value)
-        for unknown, slope, gone in zip(unknowns, slopes, vanishing(graph, slopes), strict=True):
+        for unknown, slope, gone in zip(unknowns, slopes, find_zeros(graph, slopes), strict=True):
             if not gone:
                 total = total + Expr(graph, slope) * (Expr(graph, unknown) - Expr(graph, at[unknown]))
         found.append(total.index)
@@ -106,4 +106,4 @@ def state_matrices(
 
 def _functions(graph: Graph, nodes: Sequence[int]) -> list[Symbol]:
     symbols = (graph.symbols[graph.left[node]] for node in symbols_of(graph, nodes))
-    return [symbol for symbol in symbols if symbol.kind is Kind.COORDINATE]
+    return [symbol for symbol in symbols if symbol.kind is SymbolKind.COORDINATE]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from symbody.errors import ModelError, Problem, nearest
 from symbody.expr.expression import Expr, common_graph
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.rewrite import symbols_of
 from symbody.vectors.matrix import Matrix
 from symbody.vectors.placed import PlacedPoint, PlacedVector
@@ -77,7 +77,7 @@ PlacedObject = PlacedBody | PlacedForce | PlacedTorque | PlacedConstraint
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class HandPlaced:
+class MechanismByHand:
     """A mechanism by hand.
 
     Attributes
@@ -124,7 +124,7 @@ class HandPlaced:
         return [graph.symbols[graph.left[node]] for node in symbols_of(graph, nodes)]
 
 
-def hand_placed(objects: Iterable[PlacedObject], gravity: PlacedVector | None = None) -> HandPlaced:
+def build_mechanism(objects: Iterable[PlacedObject], gravity: PlacedVector | None = None) -> MechanismByHand:
     """Return the mechanism that some objects make, bodies and forces and constraints in the order given.
 
     Raises
@@ -134,19 +134,19 @@ def hand_placed(objects: Iterable[PlacedObject], gravity: PlacedVector | None = 
         constraints share a multiplier.
     """
     items = list(objects)
-    found = HandPlaced(
+    found = MechanismByHand(
         tuple(item for item in items if isinstance(item, PlacedBody)),
         tuple(item for item in items if isinstance(item, PlacedForce | PlacedTorque)),
         tuple(item for item in items if isinstance(item, PlacedConstraint)),
         gravity,
     )
-    problems = [*_no_body(found), *_twice(found), *_stray_loads(found), *_shared_multipliers(found)]
+    problems = [*_no_body(found), *_twice(found), *_stray_loads(found), *_repeated_multipliers(found)]
     if problems:
         raise ModelError(*problems)
     return found
 
 
-def check_coordinates(mechanism: HandPlaced, coordinates: Sequence[str]) -> None:
+def check_coordinates(mechanism: MechanismByHand, coordinates: Sequence[str]) -> None:
     """Refuse coordinates that are not in the mechanism, twice, or missing.
 
     Raises
@@ -154,7 +154,7 @@ def check_coordinates(mechanism: HandPlaced, coordinates: Sequence[str]) -> None
     ModelError
         With all of them at once.
     """
-    symbols = [symbol for symbol in mechanism.symbols if symbol.kind is Kind.COORDINATE]
+    symbols = [symbol for symbol in mechanism.symbols if symbol.kind is SymbolKind.COORDINATE]
     known = {symbol.name for symbol in symbols}
     problems = [
         Problem("by_hand.unknown_coordinate", name, f"the coordinate {name!r} occurs in no frame, force or "
@@ -173,7 +173,7 @@ def check_coordinates(mechanism: HandPlaced, coordinates: Sequence[str]) -> None
                 "give the constraint another multiplier")
         for name in both
     ]  # fmt: skip
-    moving = {symbol.name for symbol in symbols if symbol.order} | _placing(mechanism)
+    moving = {symbol.name for symbol in symbols if symbol.order} | _functions_in_frames(mechanism)
     problems += [
         Problem("by_hand.missing_coordinate", name, f"{name!r} moves the mechanism but is not listed as a "
                 "coordinate", "frames, constraints or rates depend on it",
@@ -184,17 +184,17 @@ def check_coordinates(mechanism: HandPlaced, coordinates: Sequence[str]) -> None
         raise ModelError(*problems)
 
 
-def _placing(mechanism: HandPlaced) -> set[str]:
+def _functions_in_frames(mechanism: MechanismByHand) -> set[str]:
     """Return the functions of time that frames and constraints depend on."""
     placed = [body.centre for body in mechanism.bodies]
     values = [x for point in placed for x in (*point.frame.expressions, *point.coordinates)]
     values += [x for constraint in mechanism.constraints for x in constraint.values]
     graph, nodes = common_graph(values)
     symbols = (graph.symbols[graph.left[node]] for node in symbols_of(graph, nodes))
-    return {symbol.name for symbol in symbols if symbol.kind is Kind.COORDINATE}
+    return {symbol.name for symbol in symbols if symbol.kind is SymbolKind.COORDINATE}
 
 
-def _no_body(mechanism: HandPlaced) -> Iterator[Problem]:
+def _no_body(mechanism: MechanismByHand) -> Iterator[Problem]:
     if not mechanism.bodies:
         yield Problem("by_hand.no_body", "objects", "there is no body among the objects",
                       "equations of motion are those of bodies",
@@ -202,12 +202,12 @@ def _no_body(mechanism: HandPlaced) -> Iterator[Problem]:
                       "sb.solve_positions(Phi, unknowns) solves constraints alone")  # fmt: skip
 
 
-def _twice(mechanism: HandPlaced) -> Iterator[Problem]:
+def _twice(mechanism: MechanismByHand) -> Iterator[Problem]:
     for body in dict.fromkeys(b for b in mechanism.bodies if mechanism.bodies.count(b) > 1):
-        yield Problem("by_hand.body_twice", _titled(body), "the body is given twice",
+        yield Problem("by_hand.body_twice", _body_title(body), "the body is given twice",
                       "its inertia would be counted twice", "list it once")  # fmt: skip
     for load in dict.fromkeys(x for x in mechanism.loads if mechanism.loads.count(x) > 1):
-        yield Problem("by_hand.load_twice", _titled(load.on), "a force or torque on it is given twice",
+        yield Problem("by_hand.load_twice", _body_title(load.on), "a force or torque on it is given twice",
                       "it would be counted twice", "list it once")  # fmt: skip
     names = [body.name for body in dict.fromkeys(mechanism.bodies) if body.name]
     for name in dict.fromkeys(name for name in names if names.count(name) > 1):
@@ -215,21 +215,21 @@ def _twice(mechanism: HandPlaced) -> Iterator[Problem]:
                       "name them apart")  # fmt: skip
 
 
-def _stray_loads(mechanism: HandPlaced) -> Iterator[Problem]:
+def _stray_loads(mechanism: MechanismByHand) -> Iterator[Problem]:
     for load in mechanism.loads:
         kind = "force" if isinstance(load, PlacedForce) else "torque"
         for body in (load.on, load.reaction_on):
             if body is not None and body not in mechanism.bodies:
-                yield Problem("by_hand.stray_load", _titled(body), f"a {kind} acts on the body, which is not "
-                              "among the objects", "its power would be counted, its inertia not",
+                yield Problem("by_hand.stray_load", _body_title(body),
+                              f"a {kind} acts on the body, which is not among the objects", "its power would be counted, its inertia not",
                               "add the body to the objects, or leave the force out")  # fmt: skip
 
 
-def _titled(body: PlacedBody) -> str:
+def _body_title(body: PlacedBody) -> str:
     return f"body {body.name}" if body.name else "a body without name"
 
 
-def _shared_multipliers(mechanism: HandPlaced) -> Iterator[Problem]:
+def _repeated_multipliers(mechanism: MechanismByHand) -> Iterator[Problem]:
     names = mechanism.multipliers
     for name in dict.fromkeys(name for name in names if names.count(name) > 1):
         yield Problem("by_hand.multiplier_twice", name, f"the multiplier {name!r} stands in two constraints",

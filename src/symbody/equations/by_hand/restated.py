@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from symbody.equations.by_hand.mechanism import (
-    HandPlaced,
+    MechanismByHand,
     PlacedBody,
     PlacedConstraint,
     PlacedForce,
@@ -22,7 +22,7 @@ from symbody.vectors.rotation import AxisRotation, DirectionCosines
 
 
 @dataclass(frozen=True, slots=True)
-class Restated:
+class Restatement:
     """Copies expressions, and all that is made of them, to a graph.
 
     Attributes
@@ -34,13 +34,13 @@ class Restated:
     graph: Graph
     replaced: Mapping[Symbol, Symbol | int]
 
-    def mechanism(self, given: HandPlaced) -> HandPlaced:
+    def mechanism(self, given: MechanismByHand) -> MechanismByHand:
         """Return the same mechanism, bodies without name called body1, body2."""
         bodies = {
             id(body): self._body(body, body.name or f"body{k}")
             for k, body in enumerate(given.bodies, start=1)
         }
-        return HandPlaced(
+        return MechanismByHand(
             tuple(bodies.values()),
             tuple(self._load(load, bodies) for load in given.loads),
             tuple(

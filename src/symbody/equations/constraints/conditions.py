@@ -7,20 +7,24 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final
 
-from symbody.equations.constraints.couplings import coupling_rows, equation_rows
-from symbody.equations.constraints.directions import angle_rows, parallel_rows, perpendicular_rows
-from symbody.equations.constraints.points import (
-    curve_rows,
-    distance_rows,
-    line_rows,
-    plane_rows,
-    surface_rows,
+from symbody.equations.constraints.couplings import coupling_equations, written_equations
+from symbody.equations.constraints.directions import (
+    angle_equations,
+    parallel_equations,
+    perpendicular_equations,
 )
-from symbody.equations.constraints.rolling import blade_rows, rolling_rows
+from symbody.equations.constraints.points import (
+    curve_equations,
+    distance_equations,
+    line_equations,
+    plane_equations,
+    surface_equations,
+)
+from symbody.equations.constraints.rolling import blade_equations, rolling_equations
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.row import Row
-from symbody.model.constraint import Condition
+from symbody.equations.kinematics.row import ConstraintEquation
+from symbody.model.constraint import ConstraintElement
 from symbody.model.constraints import (
     Angle,
     Belt,
@@ -40,30 +44,32 @@ from symbody.model.constraints import (
 )
 
 # Each maker takes the class it stands beside.
-_MAKERS: Final[Mapping[type[Condition], Callable[[Names, Kinematics, Any], Iterator[Row]]]] = (
-    MappingProxyType(
-        {
-            Distance: distance_rows,
-            PointOnLine: line_rows,
-            PointOnPlane: plane_rows,
-            PointOnCurve: curve_rows,
-            PointOnSurface: surface_rows,
-            Parallel: parallel_rows,
-            Perpendicular: perpendicular_rows,
-            Angle: angle_rows,
-            KnifeEdge: blade_rows,
-            Rolling: rolling_rows,
-            Gear: coupling_rows,
-            RackPinion: coupling_rows,
-            Belt: coupling_rows,
-            Differential: coupling_rows,
-            Constraint: equation_rows,
-        }
-    )
+_MAKERS: Final[
+    Mapping[type[ConstraintElement], Callable[[Names, Kinematics, Any], Iterator[ConstraintEquation]]]
+] = MappingProxyType(
+    {
+        Distance: distance_equations,
+        PointOnLine: line_equations,
+        PointOnPlane: plane_equations,
+        PointOnCurve: curve_equations,
+        PointOnSurface: surface_equations,
+        Parallel: parallel_equations,
+        Perpendicular: perpendicular_equations,
+        Angle: angle_equations,
+        KnifeEdge: blade_equations,
+        Rolling: rolling_equations,
+        Gear: coupling_equations,
+        RackPinion: coupling_equations,
+        Belt: coupling_equations,
+        Differential: coupling_equations,
+        Constraint: written_equations,
+    }
 )
 
 
-def condition_rows(names: Names, kinematics: Kinematics, condition: Condition) -> list[Row]:
+def constraint_equations(
+    names: Names, kinematics: Kinematics, condition: ConstraintElement
+) -> list[ConstraintEquation]:
     """Return the rows of a constraint, counted as they come.
 
     Raises

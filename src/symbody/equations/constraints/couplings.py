@@ -5,21 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from symbody.equations.constraints.pairs import by_time
+from symbody.equations.constraints.pairs import time_partial
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.row import Row, scalar_row
+from symbody.equations.kinematics.row import ConstraintEquation, scalar_equation
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr
-from symbody.expr.fingerprint import vanishing
-from symbody.expr.graph import Kind
+from symbody.expr.fingerprint import find_zeros
+from symbody.expr.graph import SymbolKind
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import substitute, symbols_of
-from symbody.model.constraints.couplings import Constraint, Coupling
+from symbody.model.constraints.couplings import Constraint, JointCoupling
 
 
-def coupling_rows(names: Names, kinematics: Kinematics, coupling: Coupling) -> Iterator[Row]:
+def coupling_equations(
+    names: Names, kinematics: Kinematics, coupling: JointCoupling
+) -> Iterator[ConstraintEquation]:
     """Return the sum of factors times coordinates less the offset."""
     where = f"constraint {coupling.name}"
     factors = [names.expression(factor, where) for factor in coupling.factors]
@@ -27,12 +29,14 @@ def coupling_rows(names: Names, kinematics: Kinematics, coupling: Coupling) -> I
     value = -offset
     for factor, name in zip(factors, coupling.coupled, strict=True):
         value = value + factor * names.value(name)
-    row = scalar_row(kinematics, "", coupling.name, value)
+    row = scalar_equation(kinematics, "", coupling.name, value)
     shares = dict(zip(coupling.coupled, factors, strict=True))
-    yield replace(row, shares=shares, driven=by_time(offset))
+    yield replace(row, shares=shares, driven=time_partial(offset))
 
 
-def equation_rows(names: Names, kinematics: Kinematics, constraint: Constraint) -> Iterator[Row]:
+def written_equations(
+    names: Names, kinematics: Kinematics, constraint: Constraint
+) -> Iterator[ConstraintEquation]:
     """Return the rows of equations in coordinates, or of first degree in speeds.
 
     Raises
@@ -45,16 +49,18 @@ def equation_rows(names: Names, kinematics: Kinematics, constraint: Constraint) 
         value = names.expression(formula, where)
         by_rate = _contains_speeds(kinematics, value)
         if by_rate:
-            row = velocity_row(kinematics, constraint.name, value, f"{where}, equations[{k}]")
+            row = velocity_equation(kinematics, constraint.name, value, f"{where}, equations[{k}]")
         else:
-            row = scalar_row(kinematics, "", constraint.name, value)
-        written = _Written(names, Names(names.graph, names.symbols, {}).expression(formula, where), by_rate)
-        yield replace(row, shares=written.shares(formula.names), driven=written.driven())
+            row = scalar_equation(kinematics, "", constraint.name, value)
+        written = _EquationAsWritten(
+            names, Names(names.graph, names.symbols, {}).expression(formula, where), by_rate
+        )
+        yield replace(row, shares=written.shares(formula.names), driven=written.time_partial())
 
 
-def velocity_row(kinematics: Kinematics, element: str, value: Expr, where: str) -> Row:
+def velocity_equation(kinematics: Kinematics, element: str, value: Expr, where: str) -> ConstraintEquation:
     """Return the row of an equation that is affine in the speeds."""
-    slopes = kinematics.slopes(value)
+    slopes = kinematics.speed_partials(value)
     for u, slope in slopes.items():
         if _contains_speeds(kinematics, slope):
             graph = kinematics.graph
@@ -64,13 +70,13 @@ def velocity_row(kinematics: Kinematics, element: str, value: Expr, where: str) 
                         f"its derivative by {speed} is {to_text(graph, slope.index)}, which contains speeds",
                         "write an equation of the form a*u + b = 0 with a and b in coordinates and time")
             )  # fmt: skip
-    drift = kinematics.without_speeds(value)
-    return Row(
+    drift = kinematics.at_zero_speeds(value)
+    return ConstraintEquation(
         name="",
         element=element,
         value=Expr(kinematics.graph, 0),
-        slopes=slopes,
-        rest=drift,
+        jacobian=slopes,
+        drift=drift,
         gamma=-kinematics.bias(value),
         is_holonomic=False,
     )
@@ -80,11 +86,11 @@ def _contains_speeds(kinematics: Kinematics, value: Expr) -> bool:
     """Return whether an expression depends on speeds, by fingerprint."""
     graph = kinematics.graph
     slopes = gradient(graph, value.index, [u for u in kinematics.speeds if u <= value.index])
-    return not all(vanishing(graph, slopes))
+    return not all(find_zeros(graph, slopes))
 
 
 @dataclass(frozen=True, slots=True)
-class _Written:
+class _EquationAsWritten:
     """An equation in the symbols it is written in, whatever these are in the equations of motion.
 
     Attributes
@@ -102,19 +108,19 @@ class _Written:
         names, suffix = self.names, "_dot" if self.by_rate else ""
         used = [name for name in read if name in names.symbols and name.endswith(suffix)]
         by = [names.graph.symbol(names.symbols[name]) for name in used]
-        partials = self._here(gradient(names.graph, self.plain.index, by))
+        partials = self._in_equations_of_motion(gradient(names.graph, self.plain.index, by))
         return {name.removesuffix(suffix): x for name, x in zip(used, partials, strict=True) if not x.is_zero}
 
-    def driven(self) -> Expr:
+    def time_partial(self) -> Expr:
         """Return less its derivative by time, or less what is left of it at rest."""
         graph = self.names.graph
         if not self.by_rate:
-            return -self._here([by_time(self.plain).index])[0]
+            return -self._in_equations_of_motion([time_partial(self.plain).index])[0]
         symbols = {node: graph.symbols[graph.left[node]] for node in symbols_of(graph, [self.plain.index])}
-        at_zero_speeds = {node: 0 for node, x in symbols.items() if x.order or x.kind is Kind.SPEED}
-        return -self._here(substitute(graph, [self.plain.index], at_zero_speeds))[0]
+        at_zero_speeds = {node: 0 for node, x in symbols.items() if x.order or x.kind is SymbolKind.SPEED}
+        return -self._in_equations_of_motion(substitute(graph, [self.plain.index], at_zero_speeds))[0]
 
-    def _here(self, nodes: Sequence[int]) -> list[Expr]:
+    def _in_equations_of_motion(self, nodes: Sequence[int]) -> list[Expr]:
         """Return expressions with the symbols replaced by what they are in the equations of motion."""
         names, graph = self.names, self.names.graph
         labels = {graph.symbol(symbol): name for name, symbol in names.symbols.items()}

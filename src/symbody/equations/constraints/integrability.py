@@ -11,30 +11,30 @@ from dataclasses import replace
 from itertools import combinations
 
 from symbody.equations.kinematics.motion import Kinematics
-from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr
-from symbody.expr.fingerprint import vanishing
-from symbody.expr.graph import TIME, Kind
+from symbody.expr.fingerprint import find_zeros
+from symbody.expr.graph import TIME, SymbolKind
 from symbody.expr.rewrite import symbols_of
 
 
-def is_integrable(kinematics: Kinematics, row: Row) -> bool:
+def is_integrable(kinematics: Kinematics, row: ConstraintEquation) -> bool:
     """Return whether a row alone holds the mechanism on a family of positions.
 
     Rows in quasi-speeds, and in more than a dozen variables, are not judged: False.
     """
     graph = kinematics.graph
     factors: dict[int, Expr] = {}
-    for u, slope in row.slopes.items():
+    for u, slope in row.jacobian.items():
         symbol = graph.symbols[graph.left[u]]
-        if symbol.kind is not Kind.COORDINATE:
+        if symbol.kind is not SymbolKind.COORDINATE:
             return False
         factors[graph.symbol(replace(symbol, order=0))] = slope
-    if not row.rest.is_zero:
-        factors[graph.symbol(TIME)] = row.rest
+    if not row.drift.is_zero:
+        factors[graph.symbol(TIME)] = row.drift
     inside = symbols_of(graph, [factor.index for factor in factors.values()])
-    kinds = (Kind.COORDINATE, Kind.TIME)
+    kinds = (SymbolKind.COORDINATE, SymbolKind.TIME)
     by = sorted({*factors, *(x for x in inside if graph.symbols[graph.left[x]].kind in kinds)})
     if len(by) > 12:
         return False
@@ -45,4 +45,4 @@ def is_integrable(kinematics: Kinematics, row: Row) -> bool:
         a[i] * (d[k][j] - d[j][k]) + a[j] * (d[i][k] - d[k][i]) + a[k] * (d[j][i] - d[i][j])
         for i, j, k in combinations(range(len(by)), 3)
     ]
-    return all(vanishing(graph, [curl.index for curl in curls]))
+    return all(find_zeros(graph, [curl.index for curl in curls]))

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from functools import partial
 
 from symbody.equations.kinematics.motion import Kinematics
-from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.equations.kinematics.velocity import Velocity
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr
 from symbody.expr.graph import TIME
-from symbody.model.constraint import Contact
-from symbody.vectors.vector import NULL, Vector, cross, dot
+from symbody.model.constraint import FrameConstraint
+from symbody.vectors.vector import ZERO, Vector, cross, dot
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class _Motion:
         """Return the work of a wrench on one part of the velocities: a partial, or the rest."""
         tree = self.kinematics.tree
         v, w = self.kinematics.velocities, self.kinematics.angular_velocities
-        lever = cross(tree, self.kinematics.arm(self.start, self.end), force)
+        lever = cross(tree, self.kinematics.position(self.start, self.end), force)
         return (
             dot(tree, force, part(v[self.end]) - part(v[self.start]))
             + dot(tree, moment, part(w[self.end]) - part(w[self.start]))
@@ -45,7 +45,7 @@ class _Motion:
         v, v_end = kinematics.velocities[self.start], kinematics.velocities[self.end]
         w, w_end = kinematics.angular_velocities[self.start], kinematics.angular_velocities[self.end]
         closing = v_end.value - v.value
-        seen = closing - cross(tree, w.value, kinematics.arm(self.start, self.end))
+        seen = closing - cross(tree, w.value, kinematics.position(self.start, self.end))
         force_rate = kinematics.derivative(force) if force_rate is None else force_rate
         return (
             self.power(force, moment, lambda velocity: velocity.bias)
@@ -55,16 +55,16 @@ class _Motion:
         )
 
 
-def pair_row(
+def pair_equation(
     kinematics: Kinematics,
-    contact: Contact,
+    contact: FrameConstraint,
     *,
     value: Expr | None,
-    force: Vector = NULL,
-    moment: Vector = NULL,
+    force: Vector = ZERO,
+    moment: Vector = ZERO,
     force_rate: Vector | None = None,
     target: Expr | None = None,
-) -> Row:
+) -> ConstraintEquation:
     """Return the row ``value - target = 0``, or its rate alone.
 
     Parameters
@@ -81,28 +81,28 @@ def pair_row(
     zero = Expr(kinematics.graph, 0)
     target = zero if target is None else target
     slide = kinematics.rate(target)
-    target_partials = kinematics.slopes(slide)
-    motion = _Motion(kinematics, contact.start.frame, contact.end.frame)
+    target_partials = kinematics.speed_partials(slide)
+    motion = _Motion(kinematics, contact.start.full_name, contact.end.full_name)
     slopes = {
         u: motion.power(force, moment, partial(_partial, u)) - target_partials.get(u, zero)
         for u in kinematics.speeds
     }
-    drift = motion.power(force, moment, lambda velocity: velocity.rest)
-    return Row(
+    drift = motion.power(force, moment, lambda velocity: velocity.drift)
+    return ConstraintEquation(
         name="",
         element=contact.name,
         value=zero if value is None else value - target,
-        slopes={u: slope for u, slope in slopes.items() if not slope.is_zero},
-        rest=drift - kinematics.without_speeds(slide),
+        jacobian={u: slope for u, slope in slopes.items() if not slope.is_zero},
+        drift=drift - kinematics.at_zero_speeds(slide),
         gamma=kinematics.bias(slide) - motion.change(force, moment, force_rate),
         force=force,
         moment=moment,
         is_holonomic=value is not None,
-        driven=by_time(target),
+        driven=time_partial(target),
     )
 
 
-def by_time(value: Expr) -> Expr:
+def time_partial(value: Expr) -> Expr:
     """Return the partial derivative of a formula by time, as it is written."""
     graph = value.graph
     return Expr(graph, gradient(graph, value.index, [graph.symbol(TIME)])[0])

@@ -9,39 +9,43 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from symbody.equations.constraints.pairs import pair_row
+from symbody.equations.constraints.pairs import pair_equation
 from symbody.equations.constraints.points import direction
 from symbody.equations.kinematics.frame_steps import RotationStep, TranslationStep
 from symbody.equations.kinematics.joint_axes import perpendiculars
 from symbody.equations.kinematics.motion import Kinematics, add_frames
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.expr.expression import sqrt
-from symbody.model.constraint import Contact
+from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints import KnifeEdge, Rolling
 from symbody.vectors.matrix import matrix3
 from symbody.vectors.rotation import DirectionCosines
 from symbody.vectors.vector import Vector, components, cross, dot, vector
 
 
-def blade_rows(names: Names, kinematics: Kinematics, blade: KnifeEdge) -> Iterator[Row]:
+def blade_equations(names: Names, kinematics: Kinematics, blade: KnifeEdge) -> Iterator[ConstraintEquation]:
     """Return the row of the velocity across the blade."""
-    normal = vector(kinematics.tree.home(blade.end.frame), direction(names, blade, blade.axis))
-    yield pair_row(kinematics, blade, value=None, force=normal)
+    normal = vector(
+        kinematics.tree.orientation_frame(blade.end.full_name), direction(names, blade, blade.axis)
+    )
+    yield pair_equation(kinematics, blade, value=None, force=normal)
 
 
-def rolling_rows(names: Names, kinematics: Kinematics, wheel: Rolling) -> Iterator[Row]:
+def rolling_equations(names: Names, kinematics: Kinematics, wheel: Rolling) -> Iterator[ConstraintEquation]:
     """Return the rows of height, of the velocity forward and of that to the left in the point of contact."""
     tree = kinematics.tree
-    arm = kinematics.arm(wheel.start.frame, wheel.end.frame)
+    arm = kinematics.position(wheel.start.full_name, wheel.end.full_name)
     normal, forward, spoke = contact_axes(names, kinematics, wheel)
     left = cross(tree, normal, forward)
     height = dot(tree, normal, arm) + dot(tree, normal, spoke)
     for value, force in ((height, normal), (None, forward), (None, left)):
-        yield pair_row(kinematics, wheel, value=value, force=force, moment=cross(tree, spoke, force))
+        yield pair_equation(kinematics, wheel, value=value, force=force, moment=cross(tree, spoke, force))
 
 
-def add_contact_frames(names: Names, kinematics: Kinematics, contacts: Iterable[Contact]) -> Kinematics:
+def add_contact_frames(
+    names: Names, kinematics: Kinematics, contacts: Iterable[FrameConstraint]
+) -> Kinematics:
     """Return the kinematics with a frame for each rolling contact; its velocities are computed when read.
 
     It is called like the constraint. Its origin is the point of contact, z the normal, x forward.
@@ -56,13 +60,13 @@ def add_contact_frames(names: Names, kinematics: Kinematics, contacts: Iterable[
 def _contact_steps(
     names: Names, kinematics: Kinematics, wheel: Rolling
 ) -> tuple[RotationStep, TranslationStep]:
-    tree, start = kinematics.tree, wheel.start.frame
+    tree, start = kinematics.tree, wheel.start.full_name
     normal, forward, spoke = contact_axes(names, kinematics, wheel)
     left = cross(tree, normal, forward)
     x, y, z = (components(tree, axis, start) for axis in (forward, left, normal))
     spin = dot(tree, left, kinematics.derivative(forward, start))
-    cosines = DirectionCosines(matrix3(x, y, z).transposed)
-    arm = kinematics.arm(start, wheel.end.frame)
+    cosines = DirectionCosines(matrix3(x, y, z).T)
+    arm = kinematics.position(start, wheel.end.full_name)
     return (
         RotationStep(wheel.name, start, (cosines,), normal * spin),
         TranslationStep(wheel.name, start, start, arm + spoke),
@@ -72,13 +76,13 @@ def _contact_steps(
 def contact_axes(names: Names, kinematics: Kinematics, wheel: Rolling) -> tuple[Vector, Vector, Vector]:
     """Return normal, forward direction, and the vector from the wheel's centre to the point of contact."""
     tree = kinematics.tree
-    home = tree.home(wheel.start.frame)
+    home = tree.orientation_frame(wheel.start.full_name)
     upright = direction(names, wheel, wheel.normal)
     normal = vector(home, upright)
     radius = names.expression(wheel.radius, f"constraint {wheel.name}")
     if wheel.axis is None:
         return normal, vector(home, perpendiculars(names.graph, upright)[0]), normal * -radius
-    axle = vector(tree.home(wheel.end.frame), direction(names, wheel, wheel.axis))
+    axle = vector(tree.orientation_frame(wheel.end.full_name), direction(names, wheel, wheel.axis))
     lean = dot(tree, normal, axle)
     across = sqrt(1 - lean * lean)
     forward = cross(tree, axle, normal) * (1 / across)

@@ -6,17 +6,17 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
 
-from symbody.equations.constraints.closings import closing_rows, motion_rows
-from symbody.equations.constraints.conditions import condition_rows
+from symbody.equations.constraints.closings import loop_closure_equations, motion_equations
+from symbody.equations.constraints.conditions import constraint_equations
 from symbody.equations.constraints.integrability import is_integrable
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.row import Row
-from symbody.equations.kinematics.variables import Use
+from symbody.equations.kinematics.row import ConstraintEquation
+from symbody.equations.kinematics.variables import JointRole
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr
-from symbody.expr.fingerprint import vanishing
-from symbody.expr.graph import Graph, Kind
+from symbody.expr.fingerprint import find_zeros
+from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import dependence, tree_size
 from symbody.graph.topology import Topology
@@ -26,7 +26,7 @@ _SHORT: Final = 40
 _ROUNDING: Final = 1e-14
 
 
-class FormedRows(NamedTuple):
+class MechanismConstraints(NamedTuple):
     """The constraints of a mechanism.
 
     Attributes
@@ -38,12 +38,14 @@ class FormedRows(NamedTuple):
     notes : tuple of str
     """
 
-    rows: list[Row]
-    redundant: list[Row]
+    rows: list[ConstraintEquation]
+    redundant: list[ConstraintEquation]
     notes: tuple[str, ...]
 
 
-def form_rows(topology: Topology, names: Names, kinematics: Kinematics, uses: Sequence[Use]) -> FormedRows:
+def form_constraints(
+    topology: Topology, names: Names, kinematics: Kinematics, uses: Sequence[JointRole]
+) -> MechanismConstraints:
     """Return the constraints of a mechanism.
 
     Raises
@@ -55,34 +57,39 @@ def form_rows(topology: Topology, names: Names, kinematics: Kinematics, uses: Se
     rows = [
         row
         for use in uses
-        for row in (*closing_rows(names, kinematics, use), *motion_rows(names, kinematics, use))
+        for row in (
+            *loop_closure_equations(names, kinematics, use),
+            *motion_equations(names, kinematics, use),
+        )
     ]
     for condition in topology.model.constraints:
-        rows += condition_rows(names, kinematics, condition)
+        rows += constraint_equations(names, kinematics, condition)
     rows.sort(key=lambda row: not row.is_holonomic)
     rounding = _ROUNDING * _size(topology)
     gone = [
         zero or _is_rounding(row, rounding)
-        for row, zero in zip(rows, _holding(kinematics.graph, rows), strict=True)
+        for row, zero in zip(rows, _find_identities(kinematics.graph, rows), strict=True)
     ]
     kept = [row for row, zero in zip(rows, gone, strict=True) if not zero]
-    problems = list(_impossible(topology, kinematics.graph, kept, uses))
+    problems = list(_impossible_problems(topology, kinematics.graph, kept, uses))
     if problems:
         raise FormulationError(*problems)
     lost = [row for row, zero in zip(rows, gone, strict=True) if zero]
     zero = Expr(kinematics.graph, 0)
-    redundant = [replace(row, slopes={}, rest=zero, gamma=zero) for row in lost]
-    return FormedRows(kept, redundant, (*_dropped(topology, lost), *_integrable(kinematics, kept)))
+    redundant = [replace(row, jacobian={}, drift=zero, gamma=zero) for row in lost]
+    return MechanismConstraints(
+        kept, redundant, (*_identity_notes(topology, lost), *_integrable_notes(kinematics, kept))
+    )
 
 
-def _holding(graph: Graph, rows: Sequence[Row]) -> list[bool]:
+def _find_identities(graph: Graph, rows: Sequence[ConstraintEquation]) -> list[bool]:
     """Return which rows hold identically: by their value, or by all that makes up their rate."""
-    parts = [[row.value] if row.is_holonomic else [row.rest, *row.slopes.values()] for row in rows]
-    zero = iter(vanishing(graph, [x.index for group in parts for x in group]))
+    parts = [[row.value] if row.is_holonomic else [row.drift, *row.jacobian.values()] for row in rows]
+    zero = iter(find_zeros(graph, [x.index for group in parts for x in group]))
     return [all([next(zero) for _ in group]) for group in parts]
 
 
-def _is_rounding(row: Row, rounding: float) -> bool:
+def _is_rounding(row: ConstraintEquation, rounding: float) -> bool:
     """Return whether a closing equation is a constant that is 0 but for the digits lengths are typed with."""
     number = row.value.number
     limit = _ROUNDING if row.force.is_zero else rounding
@@ -97,24 +104,26 @@ def _size(topology: Topology) -> float:
     return max((abs(float(x)) for x in offsets if x is not None), default=0.0)
 
 
-def _impossible(
-    topology: Topology, graph: Graph, rows: Sequence[Row], uses: Sequence[Use]
+def _impossible_problems(
+    topology: Topology, graph: Graph, rows: Sequence[ConstraintEquation], uses: Sequence[JointRole]
 ) -> Iterator[Problem]:
     """Return a problem for each row that no motion fulfils.
 
     A constraint on parameters alone is left to those who know their values; see `check_idle`.
     """
     kinds = dependence(graph, [row.value.index for row in rows])
-    driven = ", ".join(name for use in uses for name in use.prescribed)
-    for row, is_idle in zip(rows, _idle(graph, rows), strict=True):
+    driven = ", ".join(name for use in uses for name in use.prescribed_coordinates)
+    for row, is_idle in zip(rows, _find_speedless(graph, rows), strict=True):
         where = f"{_kind(topology, row)} {row.element}"
         inside = kinds[row.value.index]
         if is_own(topology, row):
-            if is_idle and not (row.is_holonomic and row.value.number is None and inside == {Kind.PARAMETER}):
-                yield _unfulfilled(graph, row, where, driven)
+            if is_idle and not (
+                row.is_holonomic and row.value.number is None and inside == {SymbolKind.PARAMETER}
+            ):
+                yield _contradiction_problem(graph, row, where, driven)
         elif row.value.number is not None:
-            yield _never_closed(row, where)
-        elif Kind.TIME in inside and Kind.COORDINATE not in inside:
+            yield _never_closed_problem(row, where)
+        elif SymbolKind.TIME in inside and SymbolKind.COORDINATE not in inside:
             yield Problem(
                 "equations.over_driven", where,
                 f"its closing equation {row.name} depends on time alone: every joint of its loop is driven",
@@ -123,13 +132,13 @@ def _impossible(
             )  # fmt: skip
 
 
-def _idle(graph: Graph, rows: Sequence[Row]) -> list[bool]:
+def _find_speedless(graph: Graph, rows: Sequence[ConstraintEquation]) -> list[bool]:
     """Return which rows no speed is in: those whose slopes vanish identically."""
-    zero = iter(vanishing(graph, [slope.index for row in rows for slope in row.slopes.values()]))
-    return [all([next(zero) for _ in row.slopes]) for row in rows]
+    zero = iter(find_zeros(graph, [slope.index for row in rows for slope in row.jacobian.values()]))
+    return [all([next(zero) for _ in row.jacobian]) for row in rows]
 
 
-def _never_closed(row: Row, where: str) -> Problem:
+def _never_closed_problem(row: ConstraintEquation, where: str) -> Problem:
     return Problem(
         "equations.never_closed", where,
         f"its closing equation {row.name} is the constant {row.value.number}, whatever the coordinates",
@@ -138,9 +147,9 @@ def _never_closed(row: Row, where: str) -> Problem:
     )  # fmt: skip
 
 
-def _unfulfilled(graph: Graph, row: Row, where: str, driven: str) -> Problem:
+def _contradiction_problem(graph: Graph, row: ConstraintEquation, where: str, driven: str) -> Problem:
     """Return the problem of a constraint without any coordinate or speed that is not 0 = 0."""
-    left = row.value if row.is_holonomic else row.rest
+    left = row.value if row.is_holonomic else row.drift
     number = left.number
     if number is None and tree_size(graph, left.index) > _SHORT:
         said = "without any coordinate or speed"
@@ -153,7 +162,7 @@ def _unfulfilled(graph: Graph, row: Row, where: str, driven: str) -> Problem:
     )  # fmt: skip
 
 
-def _dropped(topology: Topology, rows: Sequence[Row]) -> Iterator[str]:
+def _identity_notes(topology: Topology, rows: Sequence[ConstraintEquation]) -> Iterator[str]:
     lost: dict[str, list[str]] = {}
     for row in rows:
         lost.setdefault(f"{_kind(topology, row)} {row.element}", []).append(row.name)
@@ -165,7 +174,7 @@ def _dropped(topology: Topology, rows: Sequence[Row]) -> Iterator[str]:
         yield f"{where}: {count} identically and {are} dropped ({', '.join(names)})"
 
 
-def _integrable(kinematics: Kinematics, rows: Sequence[Row]) -> Iterator[str]:
+def _integrable_notes(kinematics: Kinematics, rows: Sequence[ConstraintEquation]) -> Iterator[str]:
     for row in rows:
         if not row.is_holonomic and is_integrable(kinematics, row):
             yield (
@@ -174,10 +183,10 @@ def _integrable(kinematics: Kinematics, rows: Sequence[Row]) -> Iterator[str]:
             )
 
 
-def _kind(topology: Topology, row: Row) -> str:
+def _kind(topology: Topology, row: ConstraintEquation) -> str:
     return "constraint" if is_own(topology, row) else "joint"
 
 
-def is_own(topology: Topology, row: Row) -> bool:
+def is_own(topology: Topology, row: ConstraintEquation) -> bool:
     """Return whether a row belongs to a constraint beside the joints."""
     return any(part.name == row.element for part in topology.model.constraints)

@@ -13,15 +13,15 @@ from symbody.equations.kinematics.motion import Kinematics
 from symbody.graph.spanning_tree import SpanningTree
 from symbody.graph.topology import Topology
 from symbody.vectors import twist
-from symbody.vectors.vector import NULL, Vector, cross, drawn_near
+from symbody.vectors.vector import ZERO, Vector, cross, express_near
 
 # A force in a point and a moment about it, as sums of terms in their own frames.
 Wrench = twist.Wrench[Vector]
 
-NOTHING = Wrench(NULL, NULL)
+NO_WRENCH = Wrench(ZERO, ZERO)
 
 
-def balanced(
+def balance_wrenches(
     topology: Topology,
     kinematics: Kinematics,
     needed: Mapping[str, Wrench],
@@ -40,14 +40,14 @@ def balanced(
     moments = {name: wrench.moment for name, wrench in cut.items()}
     pushing = {body: wrench.force for body, wrench in needed.items()}
     turning = {body: wrench.moment for body, wrench in needed.items()}
-    _carry(topology, kinematics, topology.translation, pushing, forces)
-    _count_levers(topology, kinematics, forces, turning)
-    _carry(topology, kinematics, topology.rotation, turning, moments)
+    _balance_branches(topology, kinematics, topology.translation, pushing, forces)
+    _subtract_levers(topology, kinematics, forces, turning)
+    _balance_branches(topology, kinematics, topology.rotation, turning, moments)
     names = {*forces, *moments}
-    return {name: Wrench(forces.get(name, NULL), moments.get(name, NULL)) for name in names}
+    return {name: Wrench(forces.get(name, ZERO), moments.get(name, ZERO)) for name in names}
 
 
-def _carry(
+def _balance_branches(
     topology: Topology,
     kinematics: Kinematics,
     tree: SpanningTree,
@@ -60,19 +60,19 @@ def _carry(
         joint = topology.link(name)
         if joint is None:
             continue
-        remaining[joint.end.body] = remaining.get(joint.end.body, NULL) - carried
-        remaining[joint.start.body] = remaining.get(joint.start.body, NULL) + carried
+        remaining[joint.end.body] = remaining.get(joint.end.body, ZERO) - carried
+        remaining[joint.start.body] = remaining.get(joint.start.body, ZERO) + carried
     for branch in reversed(tree.branches):
-        carried = remaining.get(branch.child, NULL)
+        carried = remaining.get(branch.child, ZERO)
         if carried.is_zero:
             continue
-        carried = drawn_near(kinematics.tree, carried, kinematics.tree.home(branch.parent))
-        remaining[branch.parent] = remaining.get(branch.parent, NULL) + carried
+        carried = express_near(kinematics.tree, carried, kinematics.tree.orientation_frame(branch.parent))
+        remaining[branch.parent] = remaining.get(branch.parent, ZERO) + carried
         name = branch.edge.name
-        total[name] = total.get(name, NULL) + (carried if branch.forward else -carried)
+        total[name] = total.get(name, ZERO) + (carried if branch.forward else -carried)
 
 
-def _count_levers(
+def _subtract_levers(
     topology: Topology, kinematics: Kinematics, forces: Mapping[str, Vector], needed: dict[str, Vector]
 ) -> None:
     """Subtract the moments of the joints' forces about the centres of mass from those that bodies need."""
@@ -80,9 +80,9 @@ def _count_levers(
         joint = topology.link(name)
         if joint is None:
             continue
-        end = joint.end.frame
+        end = joint.end.full_name
         for body, share in ((joint.end.body, force), (joint.start.body, -force)):
-            arm = kinematics.arm(body, end)
+            arm = kinematics.position(body, end)
             lever = cross(kinematics.tree, arm, share)
             if not lever.is_zero:
-                needed[body] = needed.get(body, NULL) - lever
+                needed[body] = needed.get(body, ZERO) - lever

@@ -15,7 +15,7 @@ from symbody.expr.expression import Expr
 Rows = list[dict[int, Expr]]
 
 
-class Solution(NamedTuple):
+class LinearSolution(NamedTuple):
     """Unknowns, and the pivots that were divided by, one an unknown; a pivot that is 0 divided nothing."""
 
     values: list[Expr]
@@ -81,7 +81,7 @@ def solve_factored(factors: TreeFactors, right: Sequence[Expr]) -> list[Expr]:
 
 def solve_positive_definite(
     matrix: Sequence[Sequence[Expr]], right: Sequence[Expr], order: Sequence[int]
-) -> Solution:
+) -> LinearSolution:
     """Return ``x`` with ``M x = b``; one entry of each symmetric pair is read.
 
     Parameters
@@ -96,4 +96,4 @@ def solve_positive_definite(
     x = solve_factored(factors, [right[unknown] for unknown in order])
     place = {unknown: k for k, unknown in enumerate(order)}
     n = len(order)
-    return Solution([x[place[i]] for i in range(n)], [factors.pivots[place[i]] for i in range(n)])
+    return LinearSolution([x[place[i]] for i in range(n)], [factors.pivots[place[i]] for i in range(n)])

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Kind
+from symbody.expr.graph import SymbolKind
 from symbody.expr.rewrite import dependence
-from symbody.vectors.vector import NULL, Vector, cross
+from symbody.vectors.vector import ZERO, Vector, cross
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class PointForce:
 
     frame: str
     force: Vector
-    arm: Vector = NULL
+    position: Vector = ZERO
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class Moment:
 
 
 @dataclass(frozen=True, slots=True)
-class Pull:
+class PointToPointForce:
     """Opposite forces on two points along the line between them.
 
     Attributes
@@ -53,12 +53,12 @@ class Pull:
 
     start: str
     end: str
-    arm: Vector
+    position: Vector
     factor: Expr
 
 
 @dataclass(frozen=True, slots=True)
-class Effort:
+class GeneralizedForce:
     """A force or torque along a scalar rate, that of a driven joint coordinate.
 
     Attributes
@@ -72,7 +72,7 @@ class Effort:
     coordinate: str
 
 
-Load = PointForce | Moment | Pull | Effort
+Load = PointForce | Moment | PointToPointForce | GeneralizedForce
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +98,7 @@ class Law:
     loads: tuple[Load, ...]
     potential: Expr
     power: Expr
-    rest: tuple[Load, ...] | None = None
+    without_potential: tuple[Load, ...] | None = None
     efforts: Mapping[str, Expr] = field(default_factory=dict)
     measures: Mapping[str, Expr] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -109,14 +109,14 @@ def wrenches(kinematics: Kinematics, load: Load) -> list[tuple[str, Vector, Vect
 
     An effort has none: it is inside its joint.
     """
-    if isinstance(load, Effort):
+    if isinstance(load, GeneralizedForce):
         return []
     if isinstance(load, Moment):
-        return [(load.frame, NULL, load.torque)]
-    if isinstance(load, Pull):
-        force = load.arm * load.factor
-        return [(load.end, force, NULL), (load.start, -force, NULL)]
-    return [(load.frame, load.force, cross(kinematics.tree, load.arm, load.force))]
+        return [(load.frame, ZERO, load.torque)]
+    if isinstance(load, PointToPointForce):
+        force = load.position * load.factor
+        return [(load.end, force, ZERO), (load.start, -force, ZERO)]
+    return [(load.frame, load.force, cross(kinematics.tree, load.position, load.force))]
 
 
 def couple(start: str, end: str, torque: Vector) -> tuple[Moment, Moment]:
@@ -126,4 +126,4 @@ def couple(start: str, end: str, torque: Vector) -> tuple[Moment, Moment]:
 
 def is_constant(x: Expr) -> bool:
     """Return whether an expression holds nothing but parameters."""
-    return dependence(x.graph, [x.index])[x.index] <= {Kind.PARAMETER}
+    return dependence(x.graph, [x.index])[x.index] <= {SymbolKind.PARAMETER}

@@ -9,18 +9,18 @@ from symbody.equations.dynamics.inertia import Inertia
 from symbody.equations.dynamics.load import Load, wrenches
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.graph.topology import Topology
-from symbody.vectors.dyadic import apply, gyroscopic
+from symbody.vectors.dyadic import gyroscopic, times_vector
 from symbody.vectors.vector import Vector, cross
 
 
-def inertial(kinematics: Kinematics, body: Inertia, a: Vector, alpha: Vector) -> Wrench:
+def inertial_wrench(kinematics: Kinematics, body: Inertia, a: Vector, alpha: Vector) -> Wrench:
     """Return ``m a`` and ``I alpha + w x I w`` of a body, about its centre of mass."""
     tree = kinematics.tree
     w = kinematics.angular_velocities[body.frame].value
-    return Wrench(a * body.mass, apply(tree, body.tensor, alpha) + gyroscopic(tree, w, body.tensor))
+    return Wrench(a * body.mass, times_vector(tree, body.tensor, alpha) + gyroscopic(tree, w, body.tensor))
 
 
-def without_loads(
+def subtract_loads(
     topology: Topology, kinematics: Kinematics, needed: Mapping[str, Wrench], loads: Iterable[Load]
 ) -> dict[str, Wrench]:
     """Return the wrench of the joints on each body: all that it needs, less the loads."""
@@ -30,7 +30,7 @@ def without_loads(
         for frame, force, torque in wrenches(kinematics, load):
             owner = owners[frame]
             if owner in result:
-                moment = torque + cross(kinematics.tree, kinematics.arm(owner, frame), force)
+                moment = torque + cross(kinematics.tree, kinematics.position(owner, frame), force)
                 result[owner] = Wrench(result[owner].force - force, result[owner].moment - moment)
     return result
 

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
 
-from symbody.equations.kinematics.placements import without_zeros
+from symbody.equations.kinematics.placements import fold_zeros
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr, number, saddle_entry
-from symbody.expr.fingerprint import vanishing
-from symbody.expr.graph import Graph, Kernel
+from symbody.expr.fingerprint import find_zeros
+from symbody.expr.graph import Graph, KernelNode
 
 Matrix = Sequence[Sequence[Expr]]
 
@@ -42,7 +42,7 @@ class Pivot:
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
+class DependentBlock:
     """A square matrix J_d, ready to be solved.
 
     Attributes
@@ -76,22 +76,22 @@ class Block:
         zero = number(graph, 0)
         values: dict[int, Expr] = {}
 
-        def left(k: int) -> Expr:
+        def residual(k: int) -> Expr:
             total = right[k]
             for column, value in values.items():
                 total = total - self.matrix[k][column] * value
             return total
 
         for step in self.steps:
-            values[step.columns[0]] = left(step.rows[0]) / step.determinant
+            values[step.columns[0]] = residual(step.rows[0]) / step.determinant
         if self.coupled is not None:
-            rest = [left(k) for k in self.coupled.rows]
+            rest = [residual(k) for k in self.coupled.rows]
             for column, row in zip(self.coupled.columns, self.inverse, strict=True):
                 values[column] = sum((x * r for x, r in zip(row, rest, strict=True)), zero)
         return [values[k] for k in range(len(right))]
 
 
-def solvable(graph: Graph, matrix: Matrix) -> Block | None:
+def find_solution_order(graph: Graph, matrix: Matrix) -> DependentBlock | None:
     """Return a square matrix prepared for solving; None if it is singular whatever the coordinates.
 
     Raises
@@ -100,11 +100,11 @@ def solvable(graph: Graph, matrix: Matrix) -> Block | None:
         If too many rows are coupled.
     """
     m = len(matrix)
-    flat = without_zeros(graph, [entry for row in matrix for entry in row])
+    flat = fold_zeros(graph, [entry for row in matrix for entry in row])
     clean = [flat[k * m : (k + 1) * m] for k in range(m)]
-    steps, rows, columns = _divided(clean)
+    steps, rows, columns = _divide_rows(clean)
     if not rows:
-        return Block(clean, steps, None, (), "division")
+        return DependentBlock(clean, steps, None, (), "division")
     if len(rows) > MOST_COUPLED:
         raise FormulationError(
             Problem("equations.coupled_rows", "dependent_speeds", f"{len(rows)} rows are coupled",
@@ -113,15 +113,17 @@ def solvable(graph: Graph, matrix: Matrix) -> Block | None:
         )  # fmt: skip
     inner = [[clean[i][j] for j in columns] for i in rows]
     determinant = _determinant(graph, inner)
-    if vanishing(graph, [determinant.index])[0]:
+    if find_zeros(graph, [determinant.index])[0]:
         return None
-    inverse = _transposed(graph, inner)
+    inverse = _transpose_orthogonal(graph, inner)
     method = "pivoting" if inverse is None else "transpose"
     coupled = Pivot(tuple(rows), tuple(columns), determinant)
-    return Block(clean, steps, coupled, _inverse(graph, inner) if inverse is None else inverse, method)
+    return DependentBlock(
+        clean, steps, coupled, _inverse(graph, inner) if inverse is None else inverse, method
+    )
 
 
-def _divided(matrix: Matrix) -> tuple[tuple[Pivot, ...], list[int], list[int]]:
+def _divide_rows(matrix: Matrix) -> tuple[tuple[Pivot, ...], list[int], list[int]]:
     """Return the rows that can be solved by division, and the rows and columns left."""
     rows, columns = list(range(len(matrix))), list(range(len(matrix)))
     steps: list[Pivot] = []
@@ -152,7 +154,7 @@ def _determinant(graph: Graph, matrix: Matrix) -> Expr:
     return minors[tuple(range(n))]
 
 
-def _transposed(graph: Graph, matrix: Matrix) -> Matrix | None:
+def _transpose_orthogonal(graph: Graph, matrix: Matrix) -> Matrix | None:
     """Return the inverse of a matrix whose rows are perpendicular unit vectors, or None if they are not."""
     n = len(matrix)
     products = []
@@ -162,13 +164,13 @@ def _transposed(graph: Graph, matrix: Matrix) -> Matrix | None:
             for a, b in zip(matrix[i], matrix[j], strict=True):
                 total = total + a * b
             products.append(total.index)
-    return list(zip(*matrix, strict=True)) if all(vanishing(graph, products)) else None
+    return list(zip(*matrix, strict=True)) if all(find_zeros(graph, products)) else None
 
 
 def _inverse(graph: Graph, matrix: Matrix) -> Matrix:
     """Return the inverse by one kernel a column."""
     n = len(matrix)
-    kernel = graph.kernel(Kernel(n, n))
+    kernel = graph.kernel(KernelNode(n, n))
     zero, one = number(graph, 0), number(graph, 1)
     units = [[one if i == j else zero for j in range(n)] for i in range(n)]
     columns = []

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from symbody.equations.elimination.dependent_block import Block, Pivot, solvable
-from symbody.equations.elimination.elimination import Elimination
+from symbody.equations.elimination.dependent_block import DependentBlock, Pivot, find_solution_order
+from symbody.equations.elimination.elimination import SpeedElimination
 from symbody.equations.formulations.formulation import Dynamics
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.placements import without_zeros
-from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.placements import fold_zeros
+from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr, maximum, number, sqrt
-from symbody.expr.fingerprint import fingerprints, vanishing
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.fingerprint import find_zeros, fingerprints
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import symbols_of, tree_size
 
@@ -23,13 +23,13 @@ _TINY: Final = 1e-200  # under a root that would be 0 where a speed has no mass 
 _SHOWN: Final = 40  # operations of a pivot that is written down in a note
 
 
-def eliminated(
+def eliminate_speeds(
     names: Names,
     speeds: Sequence[Symbol],
-    rows: Sequence[Row],
+    rows: Sequence[ConstraintEquation],
     dynamics: Dynamics,
     dependent: Sequence[str],
-) -> Elimination:
+) -> SpeedElimination:
     """Return the elimination of dependent speeds by the rows that are not holonomic.
 
     Parameters
@@ -49,25 +49,25 @@ def eliminated(
     """
     graph = names.graph
     tied = [row for row in rows if not row.is_holonomic]
-    problems = list(_misnamed(names, speeds, tied, dependent))
+    problems = list(_name_problems(names, speeds, tied, dependent))
     if problems:
         raise FormulationError(*problems)
     chosen = tuple(next(u for u in speeds if u.label == name) for name in dependent)
     zero = number(graph, 0)
     columns = [graph.symbol(u) for u in chosen]
-    block = solvable(graph, [[row.slopes.get(u, zero) for u in columns] for row in tied])
+    block = find_solution_order(graph, [[row.jacobian.get(u, zero) for u in columns] for row in tied])
     if block is None:
         raise FormulationError(_singular(graph, speeds, tied, dependent))
-    offsets = dict(zip(columns, block.solve([-row.rest for row in tied]), strict=True))
+    offsets = dict(zip(columns, block.solve([-row.drift for row in tied]), strict=True))
     units = [[number(graph, int(i == k)) for i in range(len(tied))] for k in range(len(tied))]
     inverse = list(zip(*(block.solve(unit) for unit in units), strict=True))
     # gamma contains speeds, the dependent ones too.
-    slow = Elimination(
+    slow = SpeedElimination(
         graph=graph,
         speeds=tuple(speeds),
         dependent=chosen,
         rows=tuple(tied),
-        given={row.name: (row.slopes, row.rest) for row in rows},
+        given={row.name: (row.jacobian, row.drift) for row in rows},
         slopes=_slopes(tied, block, columns, [graph.symbol(u) for u in speeds if u not in chosen]),
         rest=offsets,
         bias=dict.fromkeys(columns, zero),
@@ -80,15 +80,15 @@ def eliminated(
 
 
 def _slopes(
-    rows: Sequence[Row], block: Block, columns: Sequence[int], others: Sequence[int]
+    rows: Sequence[ConstraintEquation], block: DependentBlock, columns: Sequence[int], others: Sequence[int]
 ) -> dict[int, dict[int, Expr]]:
     """Return T: of each dependent speed by the others, zeros left out."""
     T: dict[int, dict[int, Expr]] = {column: {} for column in columns}
     for u in others:
-        if any(u in row.slopes for row in rows):
-            zero = rows[0].rest * 0
-            found = block.solve([-row.slopes.get(u, zero) for row in rows])
-            for column, slope in zip(columns, without_zeros(zero.graph, found), strict=True):
+        if any(u in row.jacobian for row in rows):
+            zero = rows[0].drift * 0
+            found = block.solve([-row.jacobian.get(u, zero) for row in rows])
+            for column, slope in zip(columns, fold_zeros(zero.graph, found), strict=True):
                 if not slope.is_zero:
                     T[column][u] = slope
     return T
@@ -104,7 +104,7 @@ def nothing_to_eliminate() -> Problem:
     )  # fmt: skip
 
 
-def elimination_notes(elimination: Elimination) -> tuple[str, ...]:
+def elimination_notes(elimination: SpeedElimination) -> tuple[str, ...]:
     """Return which speeds were eliminated, by which rows, and where they do not follow from the others."""
     graph, dependent = elimination.graph, elimination.dependent
     listed = ", ".join(row.name for row in elimination.rows)
@@ -134,17 +134,17 @@ def _varies(graph: Graph, pivot: Pivot) -> bool:
     first, second = fingerprints(graph, list(graph.reachable([node])))[node]
     if first == second:  # at two random points: a number, such as the square of a norm that is 1
         return False
-    kinds = (Kind.COORDINATE, Kind.TIME, Kind.INPUT)
+    kinds = (SymbolKind.COORDINATE, SymbolKind.TIME, SymbolKind.INPUT)
     by = [x for x in symbols_of(graph, [node]) if graph.symbols[graph.left[x]].kind in kinds]
-    return not all(vanishing(graph, gradient(graph, node, by)))
+    return not all(find_zeros(graph, gradient(graph, node, by)))
 
 
 def _pivots(
     graph: Graph,
     speeds: Sequence[Symbol],
-    rows: Sequence[Row],
+    rows: Sequence[ConstraintEquation],
     chosen: Sequence[Symbol],
-    block: Block,
+    block: DependentBlock,
     dynamics: Dynamics,
 ) -> dict[str, Expr]:
     """Return determinants that vary over what they could be at most, by the names of their speeds.
@@ -164,7 +164,7 @@ def _pivots(
             share = share * sizes.get(graph.symbol(chosen[k]), one)
         for k in pivot.rows:
             square = number(graph, 0)
-            for u, slope in rows[k].slopes.items():
+            for u, slope in rows[k].jacobian.items():
                 if u in sizes or u in {graph.symbol(own) for own in chosen}:
                     square = square + (slope * sizes.get(u, one)) ** 2
             share = share / sqrt(square)
@@ -172,15 +172,15 @@ def _pivots(
     return pivots
 
 
-def _misnamed(
-    names: Names, speeds: Sequence[Symbol], rows: Sequence[Row], dependent: Sequence[str]
+def _name_problems(
+    names: Names, speeds: Sequence[Symbol], rows: Sequence[ConstraintEquation], dependent: Sequence[str]
 ) -> Iterator[Problem]:
     """Return the problems of the names alone."""
     where, labels = "dependent_speeds", [u.label for u in speeds]
     if not rows:
         yield nothing_to_eliminate()
         return
-    counted_rows = f"{len(rows)} constraint{'s' if len(rows) > 1 else ''} on velocities ({_listed(rows)})"
+    counted_rows = f"{len(rows)} constraint{'s' if len(rows) > 1 else ''} on velocities ({_list_rows(rows)})"
     for name in dict.fromkeys(dependent):
         if name not in labels:
             yield Problem("equations.unknown_speed", where, f"{name!r} is no speed of these equations",
@@ -194,26 +194,26 @@ def _misnamed(
             "equations.dependent_number", where,
             f"{len(set(dependent))} different dependent speeds are named, for {counted_rows}",
             "each of these constraints gives one speed",
-            f"name {len(rows)} of {', '.join(_tied_speeds(names.graph, speeds, rows))}, or write \"auto\"",
+            f"name {len(rows)} of {', '.join(_speeds_in_rows(names.graph, speeds, rows))}, or write \"auto\"",
         )  # fmt: skip
 
 
 def _singular(
-    graph: Graph, speeds: Sequence[Symbol], rows: Sequence[Row], dependent: Sequence[str]
+    graph: Graph, speeds: Sequence[Symbol], rows: Sequence[ConstraintEquation], dependent: Sequence[str]
 ) -> Problem:
     return Problem(
         "equations.singular_choice", "dependent_speeds",
         f"{', '.join(dependent)} do not follow from the other speeds at any configuration",
-        f"in the constraints on velocities {_listed(rows)} their coefficients form a singular matrix",
-        f"name others of {', '.join(_tied_speeds(graph, speeds, rows))}, or write \"auto\"; leave "
+        f"in the constraints on velocities {_list_rows(rows)} their coefficients form a singular matrix",
+        f"name others of {', '.join(_speeds_in_rows(graph, speeds, rows))}, or write \"auto\"; leave "
         "dependent_speeds out if one of the constraints follows from the others",
     )  # fmt: skip
 
 
-def _listed(rows: Sequence[Row]) -> str:
+def _list_rows(rows: Sequence[ConstraintEquation]) -> str:
     return ", ".join(row.name for row in rows)
 
 
-def _tied_speeds(graph: Graph, speeds: Sequence[Symbol], rows: Sequence[Row]) -> list[str]:
+def _speeds_in_rows(graph: Graph, speeds: Sequence[Symbol], rows: Sequence[ConstraintEquation]) -> list[str]:
     """Return the speeds that occur in the rows."""
-    return [u.label for u in speeds if any(graph.symbol(u) in row.slopes for row in rows)]
+    return [u.label for u in speeds if any(graph.symbol(u) in row.jacobian for row in rows)]

@@ -12,23 +12,23 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from symbody.equations.elimination.dependent_block import Block
+from symbody.equations.elimination.dependent_block import DependentBlock
 from symbody.equations.formulations.formulation import Dynamics
 from symbody.equations.formulations.projection import projected_dynamics
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.placements import without_zeros
-from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.placements import fold_zeros
+from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.equations.kinematics.variables import Variables
 from symbody.equations.kinematics.velocity import Velocity
 from symbody.equations.system import MultibodySystem
 from symbody.expr.expression import Expr, number, symbol
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.rewrite import substitute
 
 
 @dataclass(frozen=True, slots=True)
-class Elimination:
+class SpeedElimination:
     """Dependent speeds as functions of the others.
 
     Attributes
@@ -56,19 +56,19 @@ class Elimination:
     graph: Graph
     speeds: tuple[Symbol, ...]
     dependent: tuple[Symbol, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[ConstraintEquation, ...]
     given: Mapping[str, tuple[Mapping[int, Expr], Expr]]
     slopes: Mapping[int, Mapping[int, Expr]]
     rest: Mapping[int, Expr]
     bias: Mapping[int, Expr]
     inverse: tuple[tuple[Expr, ...], ...]
-    block: Block
+    block: DependentBlock
     pivots: Mapping[str, Expr]
     full: Dynamics
 
-    def with_bias(self, gamma: Sequence[Expr]) -> Elimination:
+    def with_bias(self, gamma: Sequence[Expr]) -> SpeedElimination:
         """Return the elimination with s, from the right-hand sides of the rows eliminated."""
-        moved = self.substituted([x.index for x in gamma])
+        moved = self.substitute([x.index for x in gamma])
         found = self.block.solve([Expr(self.graph, node) for node in moved])
         return replace(self, bias=dict(zip(self.bias, found, strict=True)))
 
@@ -83,10 +83,10 @@ class Elimination:
         found = {}
         for u in self.dependent:
             for own, rest in ((u, self.rest), (u.derivative, self.bias)):
-                found[own.label] = self._of(u, rest, rates=own is not u)
+                found[own.label] = self._value_of_dependent(u, rest, rates=own is not u)
         return found
 
-    def substituted(self, nodes: Sequence[int]) -> list[int]:
+    def substitute(self, nodes: Sequence[int]) -> list[int]:
         """Return nodes with dependent speeds and their rates replaced."""
         values = self.values
         symbols = [own for u in self.dependent for own in (u, u.derivative)]
@@ -94,23 +94,23 @@ class Elimination:
             self.graph, nodes, {self.graph.symbol(own): values[own.label].index for own in symbols}
         )
 
-    def names(self, names: Names) -> Names:
+    def substitute_names(self, names: Names) -> Names:
         """Return the names with the values of the dependent speeds."""
-        found = self.substituted([value.index for value in names.values.values()])
+        found = self.substitute([value.index for value in names.values.values()])
         moved = {key: Expr(self.graph, node) for key, node in zip(names.values, found, strict=True)}
         return Names(names.graph, names.symbols, {**moved, **self.values})
 
-    def variables(self, variables: Variables) -> Variables:
+    def reduce_variables(self, variables: Variables) -> Variables:
         """Return the variables without dependent speeds."""
-        rates = dict(zip(variables.rates, self.substituted(list(variables.rates.values())), strict=True))
+        rates = dict(zip(variables.rates, self.substitute(list(variables.rates.values())), strict=True))
         return replace(variables, u=self.independent, rates=rates)
 
-    def kinematics(self, kinematics: Kinematics, rates: Mapping[int, int]) -> Kinematics:
+    def reduce_kinematics(self, kinematics: Kinematics, rates: Mapping[int, int]) -> Kinematics:
         """Return the same frames, moved by the independent speeds."""
         both = (kinematics.velocities, kinematics.angular_velocities)
         vectors = [a for group in both for v in group.values() for a in (v.value, v.bias)]
         nodes = list({x.index: None for a in vectors for triple in a.terms.values() for x in triple})
-        moved = dict(zip(nodes, self.substituted(nodes), strict=True))
+        moved = dict(zip(nodes, self.substitute(nodes), strict=True))
         velocities, angular = (
             {frame: self._velocity(velocity, moved) for frame, velocity in group.items()} for group in both
         )
@@ -122,20 +122,20 @@ class Elimination:
             angular_velocities=angular,
         )
 
-    def reduced_rows(self, rows: Iterable[Row]) -> list[Row]:
+    def reduce_rows(self, rows: Iterable[ConstraintEquation]) -> list[ConstraintEquation]:
         """Return rows in all speeds as rows in the independent ones; slopes that vanish are left out."""
         rows = list(rows)
         found = [self._row(row) for row in rows]
-        kept = iter(without_zeros(self.graph, [x for row in found for x in row.slopes.values()]))
-        moved = self.substituted([row.gamma.index for row in found])
+        kept = iter(fold_zeros(self.graph, [x for row in found for x in row.jacobian.values()]))
+        moved = self.substitute([row.gamma.index for row in found])
         result = []
         for row, node in zip(found, moved, strict=True):
-            pairs = {u: next(kept) for u in row.slopes}
+            pairs = {u: next(kept) for u in row.jacobian}
             slopes = {u: slope for u, slope in pairs.items() if not slope.is_zero}
-            result.append(replace(row, slopes=slopes, gamma=Expr(self.graph, node)))
+            result.append(replace(row, jacobian=slopes, gamma=Expr(self.graph, node)))
         return result
 
-    def dynamics(self, system: MultibodySystem) -> Dynamics:
+    def reduce_dynamics(self, system: MultibodySystem) -> Dynamics:
         """Return ``T^T M T`` and ``T^T (F - M s)`` for a system that moves with the independent speeds."""
         n = len(self.speeds)
         zero = number(self.graph, 0)
@@ -144,7 +144,7 @@ class Elimination:
         T = [self._combination(u) for u in nodes]
         s = [self.bias.get(u, zero) for u in nodes]
         mass = self.full.mass_matrix
-        moved = self.substituted([force.index for force in self.full.forcing])
+        moved = self.substitute([force.index for force in self.full.forcing])
         forcing = [
             Expr(self.graph, moved[i]) - _total((mass[i][j] * s[j] for j in range(n)), zero) for i in range(n)
         ]
@@ -153,14 +153,14 @@ class Elimination:
             for u in independent
         ]
 
-        def gathered(column: Sequence[Expr], u: int) -> Expr:
+        def project(column: Sequence[Expr], u: int) -> Expr:
             return _total((T[i].get(u, zero) * column[i] for i in range(n)), zero)
 
         matrix = [[zero] * len(independent) for _ in independent]
         for i, u in enumerate(independent):
             for j in range(i + 1):
-                matrix[i][j] = matrix[j][i] = gathered(columns[j], u)
-        return projected_dynamics(system, matrix, [gathered(forcing, u) for u in independent])
+                matrix[i][j] = matrix[j][i] = project(columns[j], u)
+        return projected_dynamics(system, matrix, [project(forcing, u) for u in independent])
 
     def multipliers(self, others: Sequence[str]) -> dict[str, Expr]:
         """Return the multipliers of the rows eliminated, in u', the other multipliers and friction efforts.
@@ -176,19 +176,19 @@ class Elimination:
         left = []
         for u in self.dependent:
             k, node = self.speeds.index(u), graph.symbol(u)
-            (force,) = self.substituted([self.full.forcing[k].index])
+            (force,) = self.substitute([self.full.forcing[k].index])
             mass = self.full.mass_matrix[k]
             total = _total((a * rate for a, rate in zip(mass, rates, strict=True)), zero) - Expr(graph, force)
             for name in others:
                 slope = self.given[name][0].get(node, zero)
-                total = total - slope * symbol(graph, Symbol(name, Kind.MULTIPLIER))
+                total = total - slope * symbol(graph, Symbol(name, SymbolKind.MULTIPLIER))
             left.append(total)
         return {
             row.name: _total((line[k] * x for line, x in zip(self.inverse, left, strict=True)), zero)
             for k, row in enumerate(self.rows)
         }
 
-    def _of(self, u: Symbol, rest: Mapping[int, Expr], *, rates: bool) -> Expr:
+    def _value_of_dependent(self, u: Symbol, rest: Mapping[int, Expr], *, rates: bool) -> Expr:
         """Return T times the independent speeds, or their rates, plus a rest."""
         node = self.graph.symbol(u)
         total = rest[node]
@@ -205,7 +205,7 @@ class Elimination:
     def _velocity(self, velocity: Velocity, moved: Mapping[int, int]) -> Velocity:
         partials = {u: a for u, a in velocity.partials.items() if u not in self.slopes}
         offset, value, bias = (
-            velocity.rest,
+            velocity.drift,
             *(a.map(lambda x: Expr(self.graph, moved[x.index])) for a in (velocity.value, velocity.bias)),
         )
         for u, partial in velocity.partials.items():
@@ -217,17 +217,17 @@ class Elimination:
             offset, bias = offset + partial * self.rest[u], bias + partial * self.bias[u]
         return Velocity({u: a for u, a in partials.items() if not a.is_zero}, offset, value, bias)
 
-    def _row(self, row: Row) -> Row:
+    def _row(self, row: ConstraintEquation) -> ConstraintEquation:
         zero = number(self.graph, 0)
-        slopes = {u: slope for u, slope in row.slopes.items() if u not in self.slopes}
-        rest, gamma = row.rest, row.gamma
-        for u, slope in row.slopes.items():
+        slopes = {u: slope for u, slope in row.jacobian.items() if u not in self.slopes}
+        rest, gamma = row.drift, row.gamma
+        for u, slope in row.jacobian.items():
             if u not in self.slopes:
                 continue
             for other, share in self.slopes[u].items():
                 slopes[other] = slopes.get(other, zero) + slope * share
             rest, gamma = rest + slope * self.rest[u], gamma - slope * self.bias[u]
-        return replace(row, slopes=slopes, rest=rest, gamma=gamma)
+        return replace(row, jacobian=slopes, drift=rest, gamma=gamma)
 
 
 def _total(values: Iterable[Expr], zero: Expr) -> Expr:

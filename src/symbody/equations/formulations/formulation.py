@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from symbody.equations.dynamics.balance import Wrench
-from symbody.equations.dynamics.linear_solve import Solution, solve_positive_definite
+from symbody.equations.dynamics.linear_solve import LinearSolution, solve_positive_definite
 from symbody.equations.dynamics.reactions import joint_wrenches
 from symbody.equations.system import MultibodySystem
 from symbody.expr.calculus import jacobian
@@ -85,7 +85,7 @@ class Dynamics(ABC):
     def potential_energy(self) -> Expr:
         """Potential energy of gravity and springs [J]."""
 
-    def solve(self, system: MultibodySystem, forces: Sequence[Expr]) -> Solution:
+    def solve(self, system: MultibodySystem, forces: Sequence[Expr]) -> LinearSolution:
         """Return u' with ``M u' = forces``, and the pivots, in the order of the speeds."""
         return solve_positive_definite(self.mass_matrix, forces, _outward(system))
 

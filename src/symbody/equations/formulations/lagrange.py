@@ -17,7 +17,13 @@ from symbody.equations.dynamics.load import Load
 from symbody.equations.formulations.formulation import Dynamics, Formulation, ProjectedDynamics
 from symbody.equations.formulations.projection import generalized_force, projected_dynamics
 from symbody.equations.kinematics.motion import Kinematics
-from symbody.equations.kinematics.placements import flow, moved, moved_matrix, placement, spin
+from symbody.equations.kinematics.placements import (
+    differentiate,
+    differentiate_matrix,
+    flow,
+    ground_placement,
+    spin,
+)
 from symbody.equations.system import MultibodySystem
 from symbody.expr.calculus import forward, gradient, jacobian
 from symbody.expr.expression import Expr, number
@@ -78,13 +84,13 @@ def _kinetic_energy(system: MultibodySystem) -> Expr:
     graph, tangents = kinematics.graph, _tangents(kinematics)
     total = number(graph, 0)
     for body in system.bodies:
-        place = placement(kinematics, body.frame)
-        x, y, z = moved(graph, place.r, tangents)
-        w = vector(body.frame, spin(place.R, moved_matrix(graph, place.R, tangents)))
+        place = ground_placement(kinematics, body.frame)
+        x, y, z = differentiate(graph, place.r, tangents)
+        w = vector(body.frame, spin(place.R, differentiate_matrix(graph, place.R, tangents)))
         total = total + body.mass * (x * x + y * y + z * z)
         total = total + quadratic(kinematics.tree, w, body.tensor, w)
     for coordinate, rotor in system.armatures.items():
-        (rate,) = moved(graph, [system.names.value(coordinate)], tangents)
+        (rate,) = differentiate(graph, [system.names.value(coordinate)], tangents)
         total = total + rotor.inertia * rate**2
     return total / 2
 

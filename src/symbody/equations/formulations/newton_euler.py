@@ -14,25 +14,32 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final, NamedTuple
 
-from symbody.equations.dynamics.balance import NOTHING, Wrench, balanced
+from symbody.equations.dynamics.balance import NO_WRENCH, Wrench, balance_wrenches
 from symbody.equations.dynamics.inertia import Rotor
-from symbody.equations.dynamics.load import Effort
-from symbody.equations.dynamics.needs import without_loads
-from symbody.equations.dynamics.reactions import row_wrenches, summed
+from symbody.equations.dynamics.load import GeneralizedForce
+from symbody.equations.dynamics.needs import subtract_loads
+from symbody.equations.dynamics.reactions import row_wrenches, sum_wrenches
 from symbody.equations.formulations.formulation import Dynamics, Formulation, ProjectedDynamics
 from symbody.equations.formulations.projection import project_bodies
-from symbody.equations.kinematics.placements import flow, moved, moved_matrix, spin, unit, without_zeros
+from symbody.equations.kinematics.placements import (
+    differentiate,
+    differentiate_matrix,
+    flow,
+    fold_zeros,
+    spin,
+    unit,
+)
 from symbody.equations.kinematics.placing import joint_shift
-from symbody.equations.kinematics.variables import Use
+from symbody.equations.kinematics.variables import JointRole
 from symbody.equations.kinematics.velocity import Velocity
 from symbody.equations.measured_wrenches import coupling_wrenches, unit_coupling_wrenches, unit_wrenches
 from symbody.equations.system import MultibodySystem
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr, number, saddle_entry
-from symbody.expr.graph import Kernel
-from symbody.vectors.dyadic import apply, gyroscopic
+from symbody.expr.graph import KernelNode
+from symbody.vectors.dyadic import gyroscopic, times_vector
 from symbody.vectors.matrix import Triple
-from symbody.vectors.vector import NULL, components, cross
+from symbody.vectors.vector import ZERO, components, cross
 
 _AXES: Final = range(3)
 # Coefficients of the unknown accelerations by column; zeros may be left out.
@@ -76,8 +83,8 @@ class NewtonEulerDynamics(ProjectedDynamics):
             return None
         solution = solve_free_bodies(system)
         more = _difference(system, solution.multipliers)
-        idle = dict.fromkeys((joint.name for joint in system.topology.joints), NOTHING)
-        return idle | summed([*cut, *solution.wrenches.items(), *more])
+        idle = dict.fromkeys((joint.name for joint in system.topology.joints), NO_WRENCH)
+        return idle | sum_wrenches([*cut, *solution.wrenches.items(), *more])
 
 
 def _difference(system: MultibodySystem, multipliers: Sequence[Expr]) -> Iterator[tuple[str, Wrench]]:
@@ -85,9 +92,9 @@ def _difference(system: MultibodySystem, multipliers: Sequence[Expr]) -> Iterato
     pairs = system.bearing_rows
     values = [*multipliers, *(number(system.graph, 0) for _ in system.redundant)]
     more = [(row, symbol - value) for (row, symbol), value in zip(pairs, values, strict=True)]
-    cut = summed([*row_wrenches(more), *coupling_wrenches(system, more)])
-    for name, wrench in balanced(system.topology, system.kinematics, {}, cut).items():
-        share = cut.get(name, NOTHING)
+    cut = sum_wrenches([*row_wrenches(more), *coupling_wrenches(system, more)])
+    for name, wrench in balance_wrenches(system.topology, system.kinematics, {}, cut).items():
+        share = cut.get(name, NO_WRENCH)
         yield name, Wrench(wrench.force - share.force, wrench.moment - share.moment)
 
 
@@ -142,12 +149,12 @@ class _FreeBodies:
         operands = [mass.get((i, j), self.zero) for i in range(n) for j in range(n)]
         operands += [row.get(j, self.zero) for row in matrix for j in range(n)]
         operands += [*(forcing.get(i, self.zero) for i in range(n)), *gamma]
-        nodes = tuple(x.index for x in without_zeros(graph, operands))
-        kernel = graph.kernel(Kernel(n, m))
+        nodes = tuple(x.index for x in fold_zeros(graph, operands))
+        kernel = graph.kernel(KernelNode(n, m))
         solution = [saddle_entry(graph, kernel, nodes, k) for k in range(n + m)]
         wrenches: dict[str, Wrench] = {}
         for (joint, share, _, _), value in zip(branches, solution[n:], strict=False):
-            total = wrenches.get(joint, NOTHING)
+            total = wrenches.get(joint, NO_WRENCH)
             wrenches[joint] = Wrench(total.force + share.force * value, total.moment + share.moment * value)
         return FreeBodySolution(solution[self.first : n], solution[n + len(branches) :], wrenches)
 
@@ -165,33 +172,35 @@ class _FreeBodies:
                 parts += [(self._unit_force(use, frame, k), slides[k]) for k in _AXES]
             if use.in_rotation:
                 turns = self._free_motion(use, *self._relative_angular_velocity(use))
-                parts += [(Wrench(NULL, unit(graph, "ground", k)), turns[k]) for k in _AXES]
+                parts += [(Wrench(ZERO, unit(graph, "ground", k)), turns[k]) for k in _AXES]
             for share, speeds in parts:
                 row = self._body_columns(name, share)
                 yield name, share, {**row, **speeds}, self._bias(row)
 
-    def _shift_rate(self, use: Use) -> tuple[str, Triple]:
+    def _shift_rate(self, use: JointRole) -> tuple[str, Triple]:
         """Return the frame and the components of the rate of a joint's shift."""
         kinematics, shift = self.system.kinematics, joint_shift(self.system.names, use.joint)
-        frame = next(iter(shift.terms), use.joint.start.frame)
-        x, y, z = moved(kinematics.graph, components(kinematics.tree, shift, frame), flow(kinematics))
+        frame = next(iter(shift.terms), use.joint.start.full_name)
+        x, y, z = differentiate(kinematics.graph, components(kinematics.tree, shift, frame), flow(kinematics))
         return frame, (x, y, z)
 
-    def _unit_force(self, use: Use, frame: str, k: int) -> Wrench:
+    def _unit_force(self, use: JointRole, frame: str, k: int) -> Wrench:
         """Return a unit force of a joint; if its shift turns with the end, through the start's origin."""
         tree, joint = self.system.kinematics.tree, use.joint
         force = unit(tree.graph, "ground", k)
-        if frame != joint.end.frame or frame == joint.start.frame:
-            return Wrench(force, NULL)
-        return Wrench(force, -cross(tree, self.system.kinematics.arm(joint.start.frame, frame), force))
+        if frame != joint.end.full_name or frame == joint.start.full_name:
+            return Wrench(force, ZERO)
+        return Wrench(
+            force, -cross(tree, self.system.kinematics.position(joint.start.full_name, frame), force)
+        )
 
-    def _relative_angular_velocity(self, use: Use) -> tuple[str, Triple]:
+    def _relative_angular_velocity(self, use: JointRole) -> tuple[str, Triple]:
         """Return the end frame and the angular velocity of a joint's end relative to its start."""
         kinematics = self.system.kinematics
-        R = kinematics.tree.matrix(use.joint.start.frame, use.joint.end.frame)
-        return use.joint.end.frame, spin(R, moved_matrix(kinematics.graph, R, flow(kinematics)))
+        R = kinematics.tree.matrix(use.joint.start.full_name, use.joint.end.full_name)
+        return use.joint.end.full_name, spin(R, differentiate_matrix(kinematics.graph, R, flow(kinematics)))
 
-    def _free_motion(self, use: Use, frame: str, rate: Triple) -> list[_Column]:
+    def _free_motion(self, use: JointRole, frame: str, rate: Triple) -> list[_Column]:
         """Return -S for a joint's own speeds, one row for each axis of ground."""
         kinematics = self.system.kinematics
         graph, R = kinematics.graph, kinematics.tree.matrix("ground", frame)
@@ -211,15 +220,15 @@ class _FreeBodies:
         """
         kinematics = self.system.kinematics
         for row in self.system.rows:
-            if not row.slopes:
+            if not row.jacobian:
                 yield {}, row.gamma
                 continue
             column = self._body_columns(row.element, Wrench(row.force, row.moment))
             for joint, share in unit_coupling_wrenches(self.system, row):
                 for k, entry in self._body_columns(joint, share).items():
                     column[k] = column.get(k, self.zero) + entry
-            rest = [row.slopes.get(u, self.zero) - self._speed_coefficient(column, u) for u in self.speeds]
-            clean = without_zeros(kinematics.graph, rest)
+            rest = [row.jacobian.get(u, self.zero) - self._speed_coefficient(column, u) for u in self.speeds]
+            clean = fold_zeros(kinematics.graph, rest)
             speeds = {self.first + j: entry for j, entry in enumerate(clean) if not entry.is_zero}
             yield {**column, **speeds}, row.gamma + self._bias(column)
 
@@ -230,7 +239,7 @@ class _FreeBodies:
         if ends is None:
             return columns
         for body, sign in ((ends.end.body, 1), (ends.start.body, -1)):
-            for column, entry in self._wrench_columns(body, ends.end.frame, share).items():
+            for column, entry in self._wrench_columns(body, ends.end.full_name, share).items():
                 columns[column] = columns.get(column, self.zero) + entry * sign
         return columns
 
@@ -240,7 +249,7 @@ class _FreeBodies:
         place = {inertia.frame: k for k, inertia in enumerate(self.system.bodies)}
         if body not in place:
             return {}
-        moment = share.moment + cross(tree, kinematics.arm(body, frame), share.force)
+        moment = share.moment + cross(tree, kinematics.position(body, frame), share.force)
         six = (*components(tree, share.force, "ground"), *components(tree, moment, body))
         return {6 * place[body] + k: entry for k, entry in enumerate(six) if not entry.is_zero}
 
@@ -280,18 +289,18 @@ class _FreeBodies:
         gyroscopic_wrenches = {}
         for place, body in enumerate(system.bodies):
             w = kinematics.angular_velocities[body.frame].value
-            gyroscopic_wrenches[body.frame] = Wrench(NULL, gyroscopic(tree, w, body.tensor))
+            gyroscopic_wrenches[body.frame] = Wrench(ZERO, gyroscopic(tree, w, body.tensor))
             for k in _AXES:
                 mass[6 * place + k, 6 * place + k] = body.mass
-                column = apply(tree, body.tensor, unit(tree.graph, body.frame, k))
+                column = times_vector(tree, body.tensor, unit(tree.graph, body.frame, k))
                 for i, entry in enumerate(components(tree, column, body.frame)):
                     mass[6 * place + 3 + i, 6 * place + 3 + k] = entry
-        missing = without_loads(system.topology, kinematics, gyroscopic_wrenches, system.loads.loads)
+        missing = subtract_loads(system.topology, kinematics, gyroscopic_wrenches, system.loads.loads)
         for body in system.bodies:
             wrench = missing[body.frame]
             self._add(forcing, self._wrench_columns(body.frame, body.frame, wrench), number(tree.graph, -1))
         for load in system.loads.loads:
-            if isinstance(load, Effort):
+            if isinstance(load, GeneralizedForce):
                 self._add(forcing, self._effort_columns(load), load.effort)
         for rotor in system.armatures.values():
             self._add_rotor(rotor, mass, forcing)
@@ -300,7 +309,7 @@ class _FreeBodies:
     def _add_rotor(self, rotor: Rotor, mass: dict[tuple[int, int], Expr], forcing: _Column) -> None:
         """Add a rotor; inside a cut joint it acts on the joint's bodies."""
         row = self._effort_columns(rotor)
-        (rest,) = moved(self.zero.graph, [rotor.rate], flow(self.system.kinematics))
+        (rest,) = differentiate(self.zero.graph, [rotor.rate], flow(self.system.kinematics))
         bodies = {column: entry for column, entry in row.items() if column < self.first}
         rest = rest - self._bias(bodies)
         self._add(forcing, row, -rotor.inertia * rest)
@@ -308,12 +317,12 @@ class _FreeBodies:
             for j, b in row.items():
                 mass[i, j] = mass.get((i, j), self.zero) + rotor.inertia * a * b
 
-    def _effort_columns(self, along: Effort | Rotor) -> _Column:
+    def _effort_columns(self, along: GeneralizedForce | Rotor) -> _Column:
         """Return where a unit effort along a rate acts: on speeds, or on bodies where it is measured."""
         joint_and_wrench = self.measured.get(along.coordinate)
         if joint_and_wrench is not None:
             return self._body_columns(*joint_and_wrench)
-        slopes = self.system.kinematics.slopes(along.rate)
+        slopes = self.system.kinematics.speed_partials(along.rate)
         return {self.first + self.speeds.index(u): slope for u, slope in slopes.items()}
 
     def _add(self, forcing: _Column, column: _Column, factor: Expr) -> None:

@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from symbody.equations.dynamics.inertia import Inertia, Rotor
-from symbody.equations.dynamics.load import Effort, Load, Moment, Pull
+from symbody.equations.dynamics.load import GeneralizedForce, Load, Moment, PointToPointForce
 from symbody.equations.formulations.formulation import ProjectedDynamics
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.system import MultibodySystem
 from symbody.expr.deadline import begin
 from symbody.expr.expression import Expr, number
-from symbody.vectors.dyadic import apply, gyroscopic, quadratic
+from symbody.vectors.dyadic import gyroscopic, quadratic, times_vector
 from symbody.vectors.vector import cross, dot
 
 
@@ -62,7 +62,7 @@ def kinetic_energy(system: MultibodySystem) -> Expr:
 
 def add_rotor(kinematics: Kinematics, rotor: Rotor, mass: list[list[Expr]], forcing: list[Expr]) -> None:
     """Add a rotor along a rate to the mass matrix and the forcing."""
-    slopes = kinematics.slopes(rotor.rate)
+    slopes = kinematics.speed_partials(rotor.rate)
     bias = kinematics.bias(rotor.rate)
     for i, u in enumerate(kinematics.speeds):
         if u in slopes:
@@ -75,7 +75,7 @@ def add_rotor(kinematics: Kinematics, rotor: Rotor, mass: list[list[Expr]], forc
 def _add_body(kinematics: Kinematics, body: Inertia, mass: list[list[Expr]], forcing: list[Expr]) -> None:
     tree = kinematics.tree
     v, w = kinematics.velocities[body.frame], kinematics.angular_velocities[body.frame]
-    torque = apply(tree, body.tensor, w.bias) + gyroscopic(tree, w.value, body.tensor)
+    torque = times_vector(tree, body.tensor, w.bias) + gyroscopic(tree, w.value, body.tensor)
     moving = [(j, u) for j, u in enumerate(kinematics.speeds) if u in v.partials or u in w.partials]
     for i, u in moving:
         if not body.mass.is_zero:
@@ -94,18 +94,18 @@ def _add_body(kinematics: Kinematics, body: Inertia, mass: list[list[Expr]], for
 def generalized_force(kinematics: Kinematics, load: Load) -> Mapping[int, Expr]:
     """Return the generalized force of a load for each speed on which it works."""
     tree = kinematics.tree
-    if isinstance(load, Effort):
-        return {u: slope * load.effort for u, slope in kinematics.slopes(load.rate).items()}
+    if isinstance(load, GeneralizedForce):
+        return {u: slope * load.effort for u, slope in kinematics.speed_partials(load.rate).items()}
     if isinstance(load, Moment):
         partials = kinematics.angular_velocities[load.frame].partials
         return {u: dot(tree, partial, load.torque) for u, partial in partials.items()}
-    if isinstance(load, Pull):
+    if isinstance(load, PointToPointForce):
         closing = kinematics.velocities[load.end] - kinematics.velocities[load.start]
-        return {u: load.factor * dot(tree, load.arm, partial) for u, partial in closing.partials.items()}
+        return {u: load.factor * dot(tree, load.position, partial) for u, partial in closing.partials.items()}
     v = kinematics.velocities[load.frame]
     work = {u: dot(tree, partial, load.force) for u, partial in v.partials.items()}
-    if not load.arm.is_zero:
-        moment = cross(tree, load.arm, load.force)
+    if not load.position.is_zero:
+        moment = cross(tree, load.position, load.force)
         for u, partial in kinematics.angular_velocities[load.frame].partials.items():
             more = dot(tree, partial, moment)
             work[u] = work[u] + more if u in work else more

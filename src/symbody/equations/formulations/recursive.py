@@ -8,8 +8,8 @@ from typing import ClassVar, Literal
 
 from symbody.arguments import checked_fields
 from symbody.equations.dynamics.balance import Wrench
-from symbody.equations.dynamics.linear_solve import Solution
-from symbody.equations.dynamics.reactions import summed
+from symbody.equations.dynamics.linear_solve import LinearSolution
+from symbody.equations.dynamics.reactions import sum_wrenches
 from symbody.equations.formulations.formulation import Dynamics, Formulation
 from symbody.equations.recursive.energies import kinetic_energy, potential_energy
 from symbody.equations.recursive.reactions import joint_wrenches
@@ -54,7 +54,7 @@ class Recursive(Formulation):
         """Return the reason why recursion is impossible."""
         if eliminates:
             return "recursion: speeds are eliminated"
-        if topology.turning != topology.sliding:
+        if topology.rotation_branches != topology.translation_branches:
             return "recursion: the rotation tree is not the translation tree"
         return "" if topology.joints else "recursion: there are no joints"
 
@@ -73,7 +73,7 @@ class Recursive(Formulation):
             topology=topology,
             kinematics=kinematics,
             tree=tree,
-            light=light,
+            base_tree=light,
             gravity=gravity,
             loads=system.loads.loads,
             rotors=rotors,
@@ -102,7 +102,7 @@ class RecursiveDynamics(Dynamics):
         """F in the order of the speeds."""
         return self.recursion.forcing
 
-    def solve(self, system: MultibodySystem, forces: Sequence[Expr]) -> Solution:
+    def solve(self, system: MultibodySystem, forces: Sequence[Expr]) -> LinearSolution:
         """Return u' by articulated bodies or the factors of M, and the pivots."""
         return self.recursion.solve(forces)
 
@@ -123,4 +123,4 @@ class RecursiveDynamics(Dynamics):
             node: symbol(graph, graph.symbols[graph.left[node]].derivative)
             for node in system.kinematics.speeds
         }
-        return joint_wrenches(self.recursion, system.names, udot, summed(cut))
+        return joint_wrenches(self.recursion, system.names, udot, sum_wrenches(cut))

@@ -11,19 +11,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from symbody.equations.dynamics.balance import NOTHING, Wrench, balanced
+from symbody.equations.dynamics.balance import NO_WRENCH, Wrench, balance_wrenches
 from symbody.equations.dynamics.inertia import Inertia
-from symbody.equations.dynamics.load import Effort
-from symbody.equations.dynamics.needs import inertial, without_loads
+from symbody.equations.dynamics.load import GeneralizedForce
+from symbody.equations.dynamics.needs import inertial_wrench, subtract_loads
 from symbody.equations.formulations.formulation import Dynamics, Formulation, ProjectedDynamics
 from symbody.equations.formulations.projection import add_rotor, project_bodies, projected_dynamics
 from symbody.equations.kinematics.motion import Kinematics
-from symbody.equations.kinematics.variables import Use
+from symbody.equations.kinematics.variables import JointRole
 from symbody.equations.system import MultibodySystem
 from symbody.expr.expression import Expr, number
 from symbody.graph.topology import Topology
-from symbody.vectors.dyadic import apply
-from symbody.vectors.vector import NULL, Vector, cross, dot
+from symbody.vectors.dyadic import times_vector
+from symbody.vectors.vector import ZERO, Vector, cross, dot
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,12 +52,12 @@ def _project(system: MultibodySystem) -> ProjectedDynamics:
             if place[other] >= j:
                 mass[j][place[other]] = mass[place[other]][j] = force
     biases = {body.frame: _bias_wrench(kinematics, body) for body in system.bodies}
-    missing = without_loads(topology, kinematics, biases, loads)
+    missing = subtract_loads(topology, kinematics, biases, loads)
     for u, force in _generalized_forces(topology, kinematics, motions, missing).items():
         forcing[place[u]] = forcing[place[u]] - force
     for load in loads:
-        if isinstance(load, Effort):
-            for u, slope in kinematics.slopes(load.rate).items():
+        if isinstance(load, GeneralizedForce):
+            for u, slope in kinematics.speed_partials(load.rate).items():
                 forcing[place[u]] = forcing[place[u]] + slope * load.effort
     for rotor in system.armatures.values():
         add_rotor(kinematics, rotor, mass, forcing)
@@ -65,20 +65,20 @@ def _project(system: MultibodySystem) -> ProjectedDynamics:
 
 
 def _free_motions(
-    topology: Topology, kinematics: Kinematics, uses: Sequence[Use]
+    topology: Topology, kinematics: Kinematics, uses: Sequence[JointRole]
 ) -> list[tuple[str, int, Vector, Vector]]:
     """Return (joint, speed, dv, dw): how the end of a joint moves relative to its start, seen from there."""
     tree = kinematics.tree
     motions = []
     for use in uses:
-        start, end = use.joint.start.frame, use.joint.end.frame
+        start, end = use.joint.start.full_name, use.joint.end.full_name
         v, v_start = kinematics.velocities[end], kinematics.velocities[start]
         w, w_start = kinematics.angular_velocities[end], kinematics.angular_velocities[start]
-        arm = kinematics.arm(start, end)
+        arm = kinematics.position(start, end)
         for symbol in use.speeds:
             u = kinematics.graph.symbol(symbol)
-            angular = w.partial(u) - w_start.partial(u) if use.in_rotation else NULL
-            linear = NULL
+            angular = w.partial(u) - w_start.partial(u) if use.in_rotation else ZERO
+            linear = ZERO
             if use.in_translation:
                 linear = v.partial(u) - v_start.partial(u) - cross(tree, w_start.partial(u), arm)
             motions.append((use.joint.name, u, linear, angular))
@@ -93,10 +93,10 @@ def _generalized_forces(
 ) -> dict[int, Expr]:
     """Return the generalized force of each speed, from wrenches about the bodies' centres of mass."""
     tree = kinematics.tree
-    transmitted = balanced(topology, kinematics, wrenches, {})
+    transmitted = balance_wrenches(topology, kinematics, wrenches, {})
     forces = {}
     for joint, u, linear, angular in motions:
-        wrench = transmitted.get(joint, NOTHING)
+        wrench = transmitted.get(joint, NO_WRENCH)
         force = dot(tree, linear, wrench.force) + dot(tree, angular, wrench.moment)
         if not force.is_zero:
             forces[u] = force
@@ -111,10 +111,10 @@ def _moves(kinematics: Kinematics, body: Inertia, u: int) -> bool:
 def _unit_wrench(kinematics: Kinematics, body: Inertia, u: int) -> Wrench:
     """Return the inertial wrench of a body for a unit acceleration u' from rest."""
     v, w = kinematics.velocities[body.frame], kinematics.angular_velocities[body.frame]
-    return Wrench(v.partial(u) * body.mass, apply(kinematics.tree, body.tensor, w.partial(u)))
+    return Wrench(v.partial(u) * body.mass, times_vector(kinematics.tree, body.tensor, w.partial(u)))
 
 
 def _bias_wrench(kinematics: Kinematics, body: Inertia) -> Wrench:
     """Return the inertial wrench of a body with all u' = 0."""
     v, w = kinematics.velocities[body.frame], kinematics.angular_velocities[body.frame]
-    return inertial(kinematics, body, v.bias, w.bias)
+    return inertial_wrench(kinematics, body, v.bias, w.bias)

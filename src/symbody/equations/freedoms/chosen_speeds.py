@@ -14,7 +14,7 @@ from typing import Final
 
 from symbody.equations.elimination.dependent_speeds import nothing_to_eliminate
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.freedoms.mobility import assembled_values
+from symbody.equations.freedoms.mobility import values_when_assembled
 from symbody.errors import FormulationError, Problem
 from symbody.manifold import column_volume, pivot_order
 from symbody.tolerances import RANK
@@ -24,7 +24,7 @@ Rows = list[list[float]]
 _LEAST_MASS: Final = 1e-12  # of the largest: what is lighter counts as this, so that it is taken first
 
 
-def chosen_speeds(formed: EquationsOfMotion) -> tuple[str, ...]:
+def choose_dependent_speeds(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return the names of speeds to eliminate, one for each constraint on velocities.
 
     Raises
@@ -39,7 +39,8 @@ def chosen_speeds(formed: EquationsOfMotion) -> tuple[str, ...]:
     if not places:
         raise FormulationError(nothing_to_eliminate())
     found = [
-        _scaled(formed, places, *values) for values in assembled_values(formed, ("jacobian", "mass_matrix"))
+        _scale_rows(formed, places, *values)
+        for values in values_when_assembled(formed, ("jacobian", "mass_matrix"))
     ]
     proposals = list(dict.fromkeys(_pivots(rows) for rows in found))
     whole = [columns for columns in proposals if len(columns) == len(places)]
@@ -49,7 +50,7 @@ def chosen_speeds(formed: EquationsOfMotion) -> tuple[str, ...]:
     return tuple(formed.u[k].label for k in sorted(best))
 
 
-def _scaled(
+def _scale_rows(
     formed: EquationsOfMotion, places: Sequence[int], slopes: Sequence[float], mass: Sequence[float]
 ) -> Rows:
     """Return the rows in speeds of equal kinetic energy, each of unit length."""

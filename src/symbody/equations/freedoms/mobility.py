@@ -18,14 +18,14 @@ from typing import Any, Final
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.showing.outputs import output_roots
 from symbody.equations.showing.units import output_units
-from symbody.equations.solving.idle import check_idle
-from symbody.equations.solving.noise import without_noise
+from symbody.equations.solving.idle import check_parameter_constraints
+from symbody.equations.solving.noise import drop_negligible
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.sequence import Input, Roots, build_sequence
 from symbody.expr.sequence import Sequence as Program
 from symbody.manifold import (
-    Branch,
+    ConfigurationBranch,
     ConstraintManifold,
     constraint_manifold,
     explore_branch,
@@ -77,17 +77,17 @@ def mobility(formed: EquationsOfMotion) -> Mobility:
     n = len(formed.u)
     if not formed.rows:
         return Mobility(n, n, tuple(range(n)))
-    resolved = _resolved(formed)
-    check_idle(formed, resolved)
-    loops = _Loops(without_noise(formed, resolved), resolved)
+    resolved = _parameter_values(formed)
+    check_parameter_constraints(formed, resolved)
+    loops = _Loops(drop_negligible(formed, resolved), resolved)
     q = next(loops.closed_configurations(_STARTS), None)
     if q is None:
-        raise _open(formed)
+        raise _assembly_error(formed)
     return count_freedoms(formed, explore_branch(loops.manifold, q), loops.velocity_rows)
 
 
 def count_freedoms(
-    formed: EquationsOfMotion, branch: Branch, velocity_rows: Callable[[Any], Any]
+    formed: EquationsOfMotion, branch: ConfigurationBranch, velocity_rows: Callable[[Any], Any]
 ) -> Mobility:
     """Return the freedoms on a branch of configurations.
 
@@ -104,12 +104,12 @@ def count_freedoms(
     return Mobility(branch.dimension - taken, instantaneous, tuple(independent_columns(rows)), notes)
 
 
-def generic_point(branch: Branch, velocity_rows: Callable[[Any], Any]) -> Any:
+def generic_point(branch: ConfigurationBranch, velocity_rows: Callable[[Any], Any]) -> Any:
     """Return a configuration on a branch at which J has its largest rank."""
     return max(branch.points, key=lambda q: rank(velocity_rows(q)))
 
 
-def _notes(branch: Branch, taken: int, instantaneous: int) -> Iterator[str]:
+def _notes(branch: ConfigurationBranch, taken: int, instantaneous: int) -> Iterator[str]:
     freedoms = branch.dimension - taken
     if instantaneous != freedoms:
         yield (
@@ -127,7 +127,7 @@ def _notes(branch: Branch, taken: int, instantaneous: int) -> Iterator[str]:
         )
 
 
-def assembled_values(formed: EquationsOfMotion, outputs: Sequence[str]) -> list[list[list[float]]]:
+def values_when_assembled(formed: EquationsOfMotion, outputs: Sequence[str]) -> list[list[list[float]]]:
     """Return outputs that depend on positions alone at assembled configurations, near the start and far away.
 
     Raises
@@ -135,12 +135,12 @@ def assembled_values(formed: EquationsOfMotion, outputs: Sequence[str]) -> list[
     AssemblyError
         If the loops close from no start.
     """
-    resolved = _resolved(formed)
-    loops = _Loops(without_noise(formed, resolved), resolved)
+    resolved = _parameter_values(formed)
+    loops = _Loops(drop_negligible(formed, resolved), resolved)
     program = _program(loops.formed, outputs)
     found = [loops.values(program, q) for q in loops.closed_configurations(_FAR_STARTS)]
     if not found:
-        raise _open(formed)
+        raise _assembly_error(formed)
     return found
 
 
@@ -219,11 +219,11 @@ class _Loops:
         return max(map(abs, lengths), default=0.0) or max(moved, default=0.0) or 1.0
 
 
-def _resolved(formed: EquationsOfMotion) -> dict[str, float]:
+def _parameter_values(formed: EquationsOfMotion) -> dict[str, float]:
     return {name: float(value) for name, value in resolve_parameters(formed.topology.model).items()}
 
 
-def _open(formed: EquationsOfMotion) -> AssemblyError:
+def _assembly_error(formed: EquationsOfMotion) -> AssemblyError:
     return AssemblyError(
         Problem("equations.not_assembled", formed.topology.model.name,
                 "the degrees of freedom cannot be counted, because the loops close from none of the starts",

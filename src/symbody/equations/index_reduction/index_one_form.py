@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from symbody.equations.index_reduction.separation import coefficients, derivative_nodes
 from symbody.errors import FormulationError, Problem
 from symbody.expr.canonical import neg
-from symbody.expr.fingerprint import vanishing
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.fingerprint import find_zeros
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, nodes_from_equations, nodes_from_sympy
 
@@ -97,7 +97,7 @@ def _state(highest: Sequence[Symbol]) -> list[Symbol]:
 
 def _check_columns(graph: Graph, matrix: Sequence[Sequence[int]], names: Sequence[str]) -> None:
     """Refuse unknowns that stand in no equation: the system is singular at every state."""
-    missing = [name for k, name in enumerate(names) if all(vanishing(graph, [row[k] for row in matrix]))]
+    missing = [name for k, name in enumerate(names) if all(find_zeros(graph, [row[k] for row in matrix]))]
     if missing:
         raise FormulationError(
             Problem("index_1.open", "equations", f"{', '.join(missing)} stand in no equation",
@@ -111,9 +111,9 @@ def _parameters(graph: Graph, nodes: Sequence[int], state: Sequence[int]) -> dic
     parameters, strange = {}, []
     for node in symbols_of(graph, nodes):
         symbol = graph.symbols[graph.left[node]]
-        if symbol.kind == Kind.PARAMETER:
+        if symbol.kind == SymbolKind.PARAMETER:
             parameters[symbol.name] = node
-        elif symbol.kind != Kind.TIME and node not in state:
+        elif symbol.kind != SymbolKind.TIME and node not in state:
             strange.append(symbol.label)
     if strange:
         raise FormulationError(

@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.index_reduction.separation import written
+from symbody.equations.index_reduction.separation import to_readable_sympy
 from symbody.equations.solving.projection import velocity_residual
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import time_derivative
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Kind
+from symbody.expr.graph import SymbolKind
 from symbody.expr.sympy_bridge import SympyExpr, to_sympy
 
 
@@ -50,7 +50,7 @@ class IndexReduction:
         return len(self.algebraic)
 
 
-def reduced_mechanism(formed: EquationsOfMotion) -> IndexReduction:
+def reduce_mechanism(formed: EquationsOfMotion) -> IndexReduction:
     """Return the reduction of the equations of a mechanism; see `reduce_index`."""
     _check_no_friction(formed)
     graph = formed.graph
@@ -71,11 +71,11 @@ def reduced_mechanism(formed: EquationsOfMotion) -> IndexReduction:
     if accelerations:
         dynamic = time_derivative(graph, dynamic, rates)
     rows = [*_kinematic(formed), *dynamic]
-    shown, definitions = written(graph, [*rows, *(row.index for level in levels for row in level)])
+    shown, definitions = to_readable_sympy(graph, [*rows, *(row.index for level in levels for row in level)])
     pieces = iter(shown)
     ode = [next(pieces) for _ in rows]
     algebraic = tuple([next(pieces) for _ in level] for level in levels)
-    quasi = [u for u in formed.u if u.kind == Kind.SPEED]
+    quasi = [u for u in formed.u if u.kind == SymbolKind.SPEED]
     unknowns = [*formed.expressions(formed.q), *formed.expressions(quasi), *multipliers]
     return IndexReduction(
         tuple(to_sympy(graph, [item.index for item in unknowns])), ode, algebraic, (), tuple(definitions)

@@ -15,8 +15,8 @@ from typing import Final
 
 from symbody.expr.canonical import ZERO, div, mul, sub
 from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.fingerprint import vanishing
-from symbody.expr.graph import Graph, Kind
+from symbody.expr.fingerprint import find_zeros
+from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.rewrite import dependence, symbols_of, tree_size
 from symbody.expr.sequence import Input, Roots, build_sequence
 
@@ -25,7 +25,7 @@ _POINTS: Final = 12
 
 
 @dataclass(frozen=True, slots=True)
-class Elimination:
+class RateElimination:
     """What is left of ``A x' + b = 0`` when each row has lost what rows before it determine.
 
     Attributes
@@ -54,7 +54,7 @@ class _Reduced:
     is_safe: bool
 
 
-def eliminate_rates(graph: Graph, matrix: Sequence[Sequence[int]], rest: Sequence[int]) -> Elimination:
+def eliminate_rates(graph: Graph, matrix: Sequence[Sequence[int]], rest: Sequence[int]) -> RateElimination:
     """Reduce the rows of ``matrix x' + rest``, whose coefficients hold no rate.
 
     Earlier rows determine rates first. Whether a coefficient is zero is decided by its fingerprint; of those
@@ -64,16 +64,16 @@ def eliminate_rates(graph: Graph, matrix: Sequence[Sequence[int]], rest: Sequenc
     left = {}
     for i, row in enumerate(matrix):
         entries = {j: node for j, node in enumerate(row) if node != ZERO}
-        entries, value, level = _without_earlier(graph, entries, rest[i], done)
+        entries, value, level = _subtract_earlier_rows(graph, entries, rest[i], done)
         if entries:
-            column, is_safe = _chosen(graph, entries)
+            column, is_safe = _choose_pivot(graph, entries)
             done.append(_Reduced(i, entries, value, column, entries[column], level, is_safe))
         else:
-            left[i] = ZERO if vanishing(graph, [value])[0] else value
-    return Elimination({reduced.row: reduced.pivot for reduced in done}, left)
+            left[i] = ZERO if find_zeros(graph, [value])[0] else value
+    return RateElimination({reduced.row: reduced.pivot for reduced in done}, left)
 
 
-def _without_earlier(
+def _subtract_earlier_rows(
     graph: Graph, entries: dict[int, int], constant: int, done: Sequence[_Reduced]
 ) -> tuple[dict[int, int], int, int | None]:
     """Return a row reduced by those before it, without coefficients that vanish identically."""
@@ -93,16 +93,16 @@ def _without_earlier(
         else:
             common = None if level is None or level != earlier.level else done[level].pivot
             entries = {
-                j: _crossed(
+                j: _cross_multiply(
                     graph, earlier, factor, entries.get(j, ZERO), earlier.entries.get(j, ZERO), common
                 )
                 for j in columns
             }
-            constant = _crossed(graph, earlier, factor, constant, earlier.rest, common)
+            constant = _cross_multiply(graph, earlier, factor, constant, earlier.rest, common)
             level = k
         del entries[earlier.column]
         entries = {j: entries[j] for j in sorted(entries) if entries[j] != ZERO}
-    zero = vanishing(graph, list(entries.values()))
+    zero = find_zeros(graph, list(entries.values()))
     return (
         {j: node for (j, node), gone in zip(entries.items(), zero, strict=True) if not gone},
         constant,
@@ -110,19 +110,21 @@ def _without_earlier(
     )
 
 
-def _crossed(graph: Graph, earlier: _Reduced, factor: int, own: int, other: int, common: int | None) -> int:
+def _cross_multiply(
+    graph: Graph, earlier: _Reduced, factor: int, own: int, other: int, common: int | None
+) -> int:
     """Return ``(pivot own - factor other) / common``, where the division leaves no fraction."""
     result = sub(graph, mul(graph, earlier.pivot, own), mul(graph, factor, other))
     return result if common is None else div(graph, result, common)
 
 
-def _chosen(graph: Graph, entries: Mapping[int, int]) -> tuple[int, bool]:
+def _choose_pivot(graph: Graph, entries: Mapping[int, int]) -> tuple[int, bool]:
     """Return the column of the best pivot, and whether it is a number or made of parameters."""
     kinds = dependence(graph, entries.values())
     numbers = [j for j, node in entries.items() if graph.number(node) is not None]
     if numbers:
         return numbers[0], True
-    safe = [j for j, node in entries.items() if kinds[node] <= {Kind.PARAMETER}]
+    safe = [j for j, node in entries.items() if kinds[node] <= {SymbolKind.PARAMETER}]
     if safe:
         return min(safe, key=lambda j: (tree_size(graph, entries[j]), j)), True
     far = _farness(graph, list(entries.values()))
@@ -135,7 +137,7 @@ def _farness(graph: Graph, nodes: Sequence[int]) -> list[float]:
     symbols = symbols_of(graph, nodes)
     places = {node: Input(f"{k}", "q", k) for k, node in enumerate(symbols)}
     sequence = build_sequence(graph, [Roots("values", (len(nodes),), tuple(nodes))], places)
-    positive = [graph.symbols[graph.left[node]].kind == Kind.PARAMETER for node in symbols]
+    positive = [graph.symbols[graph.left[node]].kind == SymbolKind.PARAMETER for node in symbols]
     values = [
         evaluate_sequence(sequence, {"q": _point(start, positive)})[0] for start in range(1, _POINTS + 1)
     ]

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 from symbody.arguments import checked_arguments
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.index_reduction.mechanism_reduction import IndexReduction, reduced_mechanism
-from symbody.equations.index_reduction.separation import derivative_nodes, separated, written
+from symbody.equations.index_reduction.mechanism_reduction import IndexReduction, reduce_mechanism
+from symbody.equations.index_reduction.separation import derivative_nodes, separate, to_readable_sympy
 from symbody.errors import FormulationError, Problem
 from symbody.expr.graph import Graph
 from symbody.expr.sympy_bridge import (
@@ -52,7 +52,7 @@ def reduce_index(
         derivatives.
     """
     if isinstance(equations, EquationSet):
-        return reduced_mechanism(equations.formed)
+        return reduce_mechanism(equations.formed)
     if unknowns is None:
         raise FormulationError(
             Problem("reduction.unknowns", "unknowns", "the unknowns are not given",
@@ -70,17 +70,19 @@ def _of_equations(equations: Sequence[SympyExpr], unknowns: tuple[SympyExpr, ...
     levels: list[list[int]] = []
     pivots: dict[int, None] = {}
     while True:
-        parted = separated(graph, rows, rates)
+        parted = separate(graph, rows, rates)
         pivots.update(dict.fromkeys(parted.pivots))
         if parted.dropped:
-            raise FormulationError(_undetermined(graph, parted.dropped, len(levels), unknowns))
+            raise FormulationError(_undetermined_problem(graph, parted.dropped, len(levels), unknowns))
         if not parted.algebraic:
             break
         levels.append(parted.algebraic)
         rows = [*parted.differential, *parted.rates]
         if len(levels) > len(unknowns):  # no regular system has a higher index [Hairer & Wanner 1996]
-            raise FormulationError(_undetermined(graph, (), len(levels), unknowns))
-    shown, definitions = written(graph, [*rows, *(node for level in levels for node in level), *pivots])
+            raise FormulationError(_undetermined_problem(graph, (), len(levels), unknowns))
+    shown, definitions = to_readable_sympy(
+        graph, [*rows, *(node for level in levels for node in level), *pivots]
+    )
     pieces = iter(shown)
     ode = [next(pieces) for _ in rows]
     algebraic = tuple([next(pieces) for _ in level] for level in levels)
@@ -101,7 +103,7 @@ def _check_number(count: int, unknowns: Sequence[SympyExpr]) -> None:
     )  # fmt: skip
 
 
-def _undetermined(
+def _undetermined_problem(
     graph: Graph, dropped: Sequence[int], rounds: int, unknowns: Sequence[SympyExpr]
 ) -> Problem:
     listed = ", ".join(map(str, dropped))

@@ -11,8 +11,8 @@ from symbody.equations.index_reduction.rate_elimination import eliminate_rates
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import gradient, linear_coefficients, time_derivative
 from symbody.expr.closed_form import readable
-from symbody.expr.fingerprint import vanishing
-from symbody.expr.graph import Graph, Kind
+from symbody.expr.fingerprint import find_zeros
+from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.opcodes import SYMBOL
 from symbody.expr.rewrite import symbols_of, tree_size
 from symbody.expr.sympy_bridge import (
@@ -107,16 +107,16 @@ def separate_derivatives(equations: Sequence[SympyExpr], derivatives: Sequence[S
     graph = Graph()
     rows = nodes_from_equations(equations, graph)
     rates = derivative_nodes(graph, derivatives)
-    parted = separated(graph, rows, rates)
+    parted = separate(graph, rows, rates)
     count = len(parted.differential)
     shown = [*parted.differential, *parted.rates, *parted.algebraic, *parted.pivots]
-    found, definitions = written(graph, shown)
+    found, definitions = to_readable_sympy(graph, shown)
     stop = count + len(parted.rates)
     end = stop + len(parted.algebraic)
     return Separation(found[:stop], found[stop:end], tuple(found[end:]), parted.dropped, tuple(definitions))
 
 
-def separated(graph: Graph, rows: Sequence[int], rates: Sequence[int]) -> Separated:
+def separate(graph: Graph, rows: Sequence[int], rates: Sequence[int]) -> Separated:
     """Part equations on the graph; see `separate_derivatives`."""
     matrix, rest = coefficients(graph, rows, rates)
     found = eliminate_rates(graph, matrix, rest)
@@ -157,7 +157,9 @@ def derivative_nodes(graph: Graph, derivatives: Sequence[SympyExpr]) -> list[int
     return nodes
 
 
-def written(graph: Graph, nodes: Sequence[int]) -> tuple[list[SympyExpr], list[tuple[SympyExpr, SympyExpr]]]:
+def to_readable_sympy(
+    graph: Graph, nodes: Sequence[int]
+) -> tuple[list[SympyExpr], list[tuple[SympyExpr, SympyExpr]]]:
     """Return nodes as SymPy expressions, short ones in the form in which people read them."""
     short = [node for node in dict.fromkeys(nodes) if tree_size(graph, node) <= _READABLE]
     forms = dict(zip(short, readable(graph, short), strict=True))
@@ -190,10 +192,10 @@ def coefficients(
 
 def _check_consistent(graph: Graph, left: Mapping[int, int]) -> None:
     """Refuse rows that say something of parameters, time or numbers alone."""
-    found = [(i, node) for i, node in left.items() if _is_given(graph, node)]
+    found = [(i, node) for i, node in left.items() if _is_free_of_unknowns(graph, node)]
     if not found:
         return
-    formulas, _ = written(graph, [node for _, node in found])
+    formulas, _ = to_readable_sympy(graph, [node for _, node in found])
     raise FormulationError(
         *(
             Problem("reduction.inconsistent", f"equation {i}", f"the equations say that {formula} = 0",
@@ -204,11 +206,11 @@ def _check_consistent(graph: Graph, left: Mapping[int, int]) -> None:
     )  # fmt: skip
 
 
-def _is_given(graph: Graph, node: int) -> bool:
+def _is_free_of_unknowns(graph: Graph, node: int) -> bool:
     """Return whether no unknown changes a value: all of them cancel, whatever the formula says."""
     unknowns = [
         k
         for k in symbols_of(graph, [node])
-        if graph.symbols[graph.left[k]].kind not in (Kind.PARAMETER, Kind.TIME)
+        if graph.symbols[graph.left[k]].kind not in (SymbolKind.PARAMETER, SymbolKind.TIME)
     ]
-    return not unknowns or all(vanishing(graph, gradient(graph, node, unknowns)))
+    return not unknowns or all(find_zeros(graph, gradient(graph, node, unknowns)))

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.variables import turns_of
+from symbody.equations.kinematics.variables import axis_rotations
 from symbody.expr.calculus import derivative, gradient
 from symbody.expr.expression import Expr, number, sqrt
 from symbody.expr.graph import Graph
@@ -14,7 +14,7 @@ from symbody.model.joint import Joint
 from symbody.vectors.frame import FrameTree
 from symbody.vectors.matrix import Triple, Vector3
 from symbody.vectors.rotation import AxisRotation, compose_steps, rotation_matrix
-from symbody.vectors.vector import NULL, Vector, cross, vector
+from symbody.vectors.vector import ZERO, Vector, cross, vector
 
 
 def free_directions(names: Names, joint: Joint) -> list[Triple]:
@@ -31,39 +31,39 @@ def free_directions(names: Names, joint: Joint) -> list[Triple]:
     return directions
 
 
-def free_slides(names: Names, tree: FrameTree, joint: Joint) -> list[Vector]:
+def free_displacements(names: Names, tree: FrameTree, joint: Joint) -> list[Vector]:
     """Return the unit vectors along which a joint lets the end's origin move."""
-    home = tree.home((joint.end if joint.shift_in == "end" else joint.start).frame)
+    home = tree.orientation_frame((joint.end if joint.shift_in == "end" else joint.start).full_name)
     return [vector(home, direction) for direction in free_directions(names, joint)]
 
 
-def coordinate_turn(names: Names, tree: FrameTree, joint: Joint, coordinate: str) -> Vector:
+def coordinate_angular_velocity(names: Names, tree: FrameTree, joint: Joint, coordinate: str) -> Vector:
     """Return the angular velocity of end relative to start for a unit rate of a coordinate.
 
     The first turn is about an axis of start, the last about one of end.
     """
     where = f"joint {joint.name}"
-    turns = turns_of(names, joint.turns(), where)
+    turns = axis_rotations(names, joint.turns(), where)
     symbols = Names(names.graph, names.symbols, {})  # also of coordinates that are prescribed
     by = symbols.value(coordinate).index
-    angular_velocity = NULL
-    for k, turn in enumerate(turns_of(symbols, joint.turns(), where)):
+    angular_velocity = ZERO
+    for k, turn in enumerate(axis_rotations(symbols, joint.turns(), where)):
         slope = Expr(names.graph, gradient(names.graph, turn.angle.index, [by])[0])
         angular_velocity = angular_velocity + _axis(tree, joint, turns, k) * slope
     return angular_velocity
 
 
-def coordinate_slide(names: Names, kinematics: Kinematics, joint: Joint, coordinate: str) -> Vector:
+def coordinate_velocity(names: Names, kinematics: Kinematics, joint: Joint, coordinate: str) -> Vector:
     """Return the velocity of end's origin, as seen from start, for a unit rate of a coordinate."""
     tree, graph = kinematics.tree, names.graph
-    start, end = joint.start.frame, joint.end.frame
+    start, end = joint.start.full_name, joint.end.full_name
     symbols = Names(graph, names.symbols, {})
     shift = [x.index for x in symbols.triple(joint.shift(), f"joint {joint.name}")]
     x, y, z = (Expr(graph, slope) for slope in derivative(graph, shift, symbols.value(coordinate).index))
     if joint.shift_in == "start":
-        return vector(tree.home(start), (x, y, z))
-    turn = coordinate_turn(names, tree, joint, coordinate)
-    return vector(tree.home(end), (x, y, z)) + cross(tree, turn, kinematics.arm(start, end))
+        return vector(tree.orientation_frame(start), (x, y, z))
+    turn = coordinate_angular_velocity(names, tree, joint, coordinate)
+    return vector(tree.orientation_frame(end), (x, y, z)) + cross(tree, turn, kinematics.position(start, end))
 
 
 def unit_axes(graph: Graph) -> tuple[Triple, Triple, Triple]:
@@ -76,11 +76,11 @@ def _axis(tree: FrameTree, joint: Joint, turns: Sequence[AxisRotation], k: int) 
     """Return the axis of one of several successive turns."""
     if 0 < k < len(turns) - 1:
         before = rotation_matrix(tree.graph, compose_steps(turns[:k]))
-        return vector(tree.home(joint.start.frame), before @ turns[k].axis)
-    return vector(tree.home((joint.start if k == 0 else joint.end).frame), turns[k].axis)
+        return vector(tree.orientation_frame(joint.start.full_name), before @ turns[k].axis)
+    return vector(tree.orientation_frame((joint.start if k == 0 else joint.end).full_name), turns[k].axis)
 
 
-def completed(graph: Graph, directions: Sequence[Triple]) -> list[Triple]:
+def complete_axes(graph: Graph, directions: Sequence[Triple]) -> list[Triple]:
     """Return unit vectors perpendicular to the given ones and to each other, so that all make three."""
     if not directions:
         return list(unit_axes(graph))

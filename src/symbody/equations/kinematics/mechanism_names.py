@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names, model_names
-from symbody.equations.kinematics.variables import Use, Variables
+from symbody.equations.kinematics.variables import JointRole, Variables
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import time_derivative
 from symbody.expr.expression import Expr
@@ -14,7 +14,7 @@ from symbody.expr.graph import Graph
 from symbody.graph.topology import Topology
 
 
-def mechanism_names(graph: Graph, topology: Topology, uses: Iterable[Use]) -> Names:
+def mechanism_names(graph: Graph, topology: Topology, uses: Iterable[JointRole]) -> Names:
     """Return the names of the model, prescribed coordinates as functions of time."""
     model = topology.model
     coordinates = [name for joint in topology.joints for name in joint.coordinates]
@@ -30,7 +30,7 @@ def mechanism_names(graph: Graph, topology: Topology, uses: Iterable[Use]) -> Na
     names = model_names(graph, model.parameters, model.inputs, coordinates, quasi)
     prescribed: dict[str, Expr] = {}
     for use in uses:
-        for name in use.prescribed:
+        for name in use.prescribed_coordinates:
             value = names.expression(use.joint.motions[name], f"joint {use.joint.name}")
             for suffix in ("", "_dot", "_ddot"):
                 prescribed[f"{name}{suffix}"] = value

@@ -15,12 +15,12 @@ from symbody.equations.kinematics.lazy_mapping import LazyMapping, Rule
 from symbody.equations.kinematics.velocity import AT_REST, Velocity
 from symbody.expr.calculus import gradient, time_derivative
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Graph, Kind
+from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.opcodes import SYMBOL
 from symbody.expr.rewrite import substitute, symbols_of
 from symbody.vectors.frame import FrameTree
 from symbody.vectors.rotation import AxisRotation, DirectionCosines, Rotation, compose_steps
-from symbody.vectors.vector import NULL, Vector, cross, drawn_near, lifted, vector
+from symbody.vectors.vector import ZERO, Vector, cross, express_near, in_simplest_frame, vector
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,24 +54,26 @@ class Kinematics:
     angular_velocities: Mapping[str, Velocity]
     driven_frames: frozenset[str] = frozenset()
     # Results of `arm`, kept for the next call; they follow from the shifts.
-    _arms: dict[tuple[str, str], Vector] = field(default_factory=dict, init=False, compare=False, repr=False)
+    _positions: dict[tuple[str, str], Vector] = field(
+        default_factory=dict, init=False, compare=False, repr=False
+    )
 
     @property
     def graph(self) -> Graph:
         """The graph of all expressions."""
         return self.tree.graph
 
-    def arm(self, start: str, end: str) -> Vector:
+    def position(self, start: str, end: str) -> Vector:
         """Return the vector from the origin of one frame to that of another."""
-        arm = self._arms.get((start, end))
+        arm = self._positions.get((start, end))
         if arm is None:
             outward, inward = self._paths(end, start)
-            arm = NULL
+            arm = ZERO
             for frame in reversed(outward):
                 arm = arm + self.shifts[frame][1]
             for frame in inward:
                 arm = arm - self.shifts[frame][1]
-            self._arms[(start, end)] = arm
+            self._positions[(start, end)] = arm
         return arm
 
     def _paths(self, a: str, b: str) -> tuple[list[str], list[str]]:
@@ -88,7 +90,7 @@ class Kinematics:
 
     def derivative(self, a: Vector, frame: str = "ground") -> Vector:
         """Return the time derivative of a vector as seen from `frame`, with u' as symbols of its own."""
-        total = NULL
+        total = ZERO
         w_frame = self.angular_velocities[frame].value
         for home, components in a.terms.items():
             term = Vector({home: components})
@@ -102,15 +104,15 @@ class Kinematics:
 
     def bias(self, x: Expr) -> Expr:
         """Return the time derivative of a scalar in q, u, t with all u' = 0."""
-        return self.resting(self.rate(x))
+        return self.at_zero_acceleration(self.rate(x))
 
-    def resting(self, x: Expr) -> Expr:
+    def at_zero_acceleration(self, x: Expr) -> Expr:
         """Return a scalar with all u' = 0."""
         graph = self.graph
         zero = {node: 0 for node in symbols_of(graph, [x.index]) if _is_acceleration(graph, node)}
         return Expr(graph, substitute(graph, [x.index], zero)[0]) if zero else x
 
-    def slopes(self, x: Expr) -> dict[int, Expr]:
+    def speed_partials(self, x: Expr) -> dict[int, Expr]:
         """Return the coefficient of each speed in a scalar, zeros left out."""
         by = [u for u in self.speeds if u <= x.index]
         partials = gradient(self.graph, x.index, by) if by else []
@@ -121,11 +123,11 @@ class Kinematics:
         partials: dict[int, Vector] = {}
         for home, parts in value.terms.items():
             for k, part in enumerate(parts):
-                for u, slope in self.slopes(part).items():
-                    partials[u] = partials.get(u, NULL) + vector(home, _unit(self.graph, k, slope))
-        return Velocity(partials, value.map(self.without_speeds), value, bias)
+                for u, slope in self.speed_partials(part).items():
+                    partials[u] = partials.get(u, ZERO) + vector(home, _unit(self.graph, k, slope))
+        return Velocity(partials, value.map(self.at_zero_speeds), value, bias)
 
-    def without_speeds(self, x: Expr) -> Expr:
+    def at_zero_speeds(self, x: Expr) -> Expr:
         """Return a scalar with all speeds zero."""
         return Expr(self.graph, substitute(self.graph, [x.index], dict.fromkeys(self.speeds, 0))[0])
 
@@ -163,7 +165,11 @@ def add_frames(
     """Return the kinematics with further frames; arguments as of `form_kinematics`."""
     rotations, translations = tuple(rotations), tuple(translations)
     tree = FrameTree(kinematics.graph, {**kinematics.tree.parents, **_orientations(rotations)})
-    given = {tree.home(rotation.child) for rotation in rotations if rotation.angular_velocity is not None}
+    given = {
+        tree.orientation_frame(rotation.child)
+        for rotation in rotations
+        if rotation.angular_velocity is not None
+    }
     kinematics = replace(kinematics, tree=tree, driven_frames=kinematics.driven_frames | given)
     rules = _angular_rules(kinematics, rotations)
     angular = LazyMapping(kinematics.angular_velocities, rules)
@@ -176,7 +182,7 @@ def _add_origins(kinematics: Kinematics, translations: Sequence[TranslationStep]
     rules: dict[str, Rule[Velocity]] = {}
     for step in translations:
         # Frames that are not turned share one set of components, so that terms can add up.
-        shift = lifted(kinematics.tree, step.shift, kinematics.driven_frames)
+        shift = in_simplest_frame(kinematics.tree, step.shift, kinematics.driven_frames)
         shifts[step.child] = (step.parent, shift)
         depths[step.child] = depths[step.parent] + 1
         rules[step.child] = (step.parent, partial(_origin_velocity, kinematics, step, shift))
@@ -227,7 +233,7 @@ def _add_turn(
     """Return the angular velocity of a frame turned about an axis that is fixed in both frames."""
     speed = kinematics.rate(turn.angle)
     if not speed.is_zero:
-        axis = vector(kinematics.tree.home(frame), turn.axis)
+        axis = vector(kinematics.tree.orientation_frame(frame), turn.axis)
         spin = axis * speed
         bias = axis * kinematics.bias(speed) + cross(kinematics.tree, near.value, spin)
         near = near + kinematics.affine(spin, bias)
@@ -257,7 +263,7 @@ def _origin_velocity(
             near = near + _relative_velocity(kinematics, frame, term, slide, slide.map(kinematics.bias))
         return _express_near(kinematics, step.axes, near)
     frame, slide = step.velocity
-    change = NULL
+    change = ZERO
     for home, parts in slide.terms.items():
         spin = angular[home].value - angular[frame].value
         change = change + cross(tree, spin, Vector({home: parts}))
@@ -282,17 +288,17 @@ def _relative_velocity(
     sliding = kinematics.affine(slide, change + cross(tree, w.bias, arm) + centripetal)
     swings = {u: cross(tree, partial, arm) for u, partial in w.partials.items()}
     nonzero = {u: partial for u, partial in swings.items() if not partial.is_zero}
-    return Velocity(nonzero, cross(tree, w.rest, arm), swing, NULL) + sliding
+    return Velocity(nonzero, cross(tree, w.drift, arm), swing, ZERO) + sliding
 
 
 def _express_near(kinematics: Kinematics, frame: str, velocity: Velocity) -> Velocity:
     """Return the velocity with terms in frames far away expressed in a frame."""
-    tree, axes = kinematics.tree, kinematics.tree.home(frame)
+    tree, axes = kinematics.tree, kinematics.tree.orientation_frame(frame)
     return Velocity(
-        {u: drawn_near(tree, partial, axes) for u, partial in velocity.partials.items()},
-        drawn_near(tree, velocity.rest, axes),
-        drawn_near(tree, velocity.value, axes),
-        drawn_near(tree, velocity.bias, axes),
+        {u: express_near(tree, partial, axes) for u, partial in velocity.partials.items()},
+        express_near(tree, velocity.drift, axes),
+        express_near(tree, velocity.value, axes),
+        express_near(tree, velocity.bias, axes),
     )
 
 
@@ -306,8 +312,8 @@ def _is_acceleration(graph: Graph, node: int) -> bool:
         return False
     symbol = graph.symbols[graph.left[node]]
     return (
-        symbol.kind == Kind.COORDINATE
+        symbol.kind == SymbolKind.COORDINATE
         and symbol.order == 2
-        or symbol.kind == Kind.SPEED
+        or symbol.kind == SymbolKind.SPEED
         and symbol.order == 1
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from symbody.errors import ExpressionError, nearest
 from symbody.expr.expression import Expr
-from symbody.expr.graph import TIME, Graph, Kind, Symbol
+from symbody.expr.graph import TIME, Graph, Symbol, SymbolKind
 from symbody.expr.language.formula import Formula, build
 
 
@@ -86,13 +86,13 @@ def model_names(
 ) -> Names:
     """Return the names of a model; `speeds` are quasi-speeds, which are no rates."""
     symbols = {"t": TIME}
-    symbols.update((name, Symbol(name, Kind.PARAMETER)) for name in parameters)
-    symbols.update((name, Symbol(name, Kind.INPUT)) for name in inputs)
+    symbols.update((name, Symbol(name, SymbolKind.PARAMETER)) for name in parameters)
+    symbols.update((name, Symbol(name, SymbolKind.INPUT)) for name in inputs)
     for name in coordinates:
-        coordinate = Symbol(name, Kind.COORDINATE)
+        coordinate = Symbol(name, SymbolKind.COORDINATE)
         for symbol in (coordinate, coordinate.derivative, coordinate.derivative.derivative):
             symbols[symbol.label] = symbol
     for name in speeds:
-        speed = Symbol(name, Kind.SPEED)
+        speed = Symbol(name, SymbolKind.SPEED)
         symbols.update((symbol.label, symbol) for symbol in (speed, speed.derivative))
     return Names(graph, symbols, {})

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from symbody.equations.kinematics.motion import Kinematics
-from symbody.equations.kinematics.row import Row, scalar_row
+from symbody.equations.kinematics.row import ConstraintEquation, scalar_equation
 from symbody.equations.kinematics.velocity import Velocity
 from symbody.expr.calculus import forward, jacobian
 from symbody.expr.expression import Expr, number
@@ -21,11 +21,11 @@ from symbody.expr.graph import TIME, Graph
 from symbody.expr.rewrite import substitute
 from symbody.vectors.matrix import Matrix, Triple
 from symbody.vectors.rotation import spin as spin
-from symbody.vectors.vector import NULL, Vector, components, vector
+from symbody.vectors.vector import ZERO, Vector, components, vector
 
 
 @dataclass(frozen=True, slots=True)
-class Placement:
+class GroundPlacement:
     """Where a frame stands relative to ground.
 
     Attributes
@@ -41,11 +41,11 @@ class Placement:
     R: Matrix
 
 
-def placement(kinematics: Kinematics, frame: str) -> Placement:
+def ground_placement(kinematics: Kinematics, frame: str) -> GroundPlacement:
     """Return the placement of a frame, in coordinates, parameters and time."""
     tree = kinematics.tree
-    r = components(tree, kinematics.arm("ground", frame), "ground")
-    return Placement(r, tree.matrix("ground", frame))
+    r = components(tree, kinematics.position("ground", frame), "ground")
+    return GroundPlacement(r, tree.matrix("ground", frame))
 
 
 def flow(kinematics: Kinematics) -> dict[int, int]:
@@ -54,18 +54,18 @@ def flow(kinematics: Kinematics) -> dict[int, int]:
     return {**kinematics.rates, graph.symbol(TIME): graph.constant(1)}
 
 
-def moved(graph: Graph, values: Sequence[Expr], tangents: Mapping[int, int]) -> list[Expr]:
+def differentiate(graph: Graph, values: Sequence[Expr], tangents: Mapping[int, int]) -> list[Expr]:
     """Return the derivatives of expressions along a direction, as expressions."""
     return [Expr(graph, node) for node in forward(graph, [value.index for value in values], tangents)]
 
 
-def moved_matrix(graph: Graph, R: Matrix, tangents: Mapping[int, int]) -> Matrix:
+def differentiate_matrix(graph: Graph, R: Matrix, tangents: Mapping[int, int]) -> Matrix:
     """Return the derivative of a matrix along a direction."""
-    flat = moved(graph, [entry for row in R for entry in row], tangents)
+    flat = differentiate(graph, [entry for row in R for entry in row], tangents)
     return (_triple(flat, 0), _triple(flat, 3), _triple(flat, 6))
 
 
-def differentiated(kinematics: Kinematics) -> Kinematics:
+def differentiate_placements(kinematics: Kinematics) -> Kinematics:
     """Return the same frames with all velocities found by differentiating placements.
 
     Velocities of origins are in ground axes, angular velocities in the axes of their frame.
@@ -73,37 +73,44 @@ def differentiated(kinematics: Kinematics) -> Kinematics:
     graph, tree = kinematics.graph, kinematics.tree
     tangents = flow(kinematics)
     origins = list(kinematics.velocities)
-    homes = list(dict.fromkeys(tree.home(frame) for frame in kinematics.angular_velocities))
-    places = [x for frame in origins for x in components(tree, kinematics.arm("ground", frame), "ground")]
-    values = moved(graph, places, tangents)
+    homes = list(dict.fromkeys(tree.orientation_frame(frame) for frame in kinematics.angular_velocities))
+    places = [
+        x for frame in origins for x in components(tree, kinematics.position("ground", frame), "ground")
+    ]
+    values = differentiate(graph, places, tangents)
     for home in homes:
         R = tree.matrix("ground", home)
-        values += spin(R, moved_matrix(graph, R, tangents))
+        values += spin(R, differentiate_matrix(graph, R, tangents))
     velocities = _motions(kinematics, values, ["ground"] * len(origins) + homes)
     at = dict(zip(homes, velocities[len(origins) :], strict=True))
     return replace(
         kinematics,
         velocities=dict(zip(origins, velocities[: len(origins)], strict=True)),
-        angular_velocities={frame: at[tree.home(frame)] for frame in kinematics.angular_velocities},
+        angular_velocities={
+            frame: at[tree.orientation_frame(frame)] for frame in kinematics.angular_velocities
+        },
     )
 
 
-def differentiated_rows(kinematics: Kinematics, rows: Sequence[Row]) -> list[Row]:
+def differentiate_constraints(
+    kinematics: Kinematics, rows: Sequence[ConstraintEquation]
+) -> list[ConstraintEquation]:
     """Return constraints with J and gamma found by differentiating Phi twice; others as they are."""
     equations = [
-        scalar_row(kinematics, row.name, row.element, row.value) if row.is_holonomic else row for row in rows
+        scalar_equation(kinematics, row.name, row.element, row.value) if row.is_holonomic else row
+        for row in rows
     ]
-    slopes = [slope for row in equations for slope in row.slopes.values()]
-    kept = iter(without_zeros(kinematics.graph, slopes))
+    slopes = [slope for row in equations for slope in row.jacobian.values()]
+    kept = iter(fold_zeros(kinematics.graph, slopes))
     result = []
     for row, raw in zip(rows, equations, strict=True):
-        pairs = {u: next(kept) for u in raw.slopes}
+        pairs = {u: next(kept) for u in raw.jacobian}
         nonzero = {u: slope for u, slope in pairs.items() if not slope.is_zero}
-        result.append(replace(row, slopes=nonzero, rest=raw.rest, gamma=raw.gamma))
+        result.append(replace(row, jacobian=nonzero, drift=raw.drift, gamma=raw.gamma))
     return result
 
 
-def without_zeros(graph: Graph, values: Sequence[Expr]) -> list[Expr]:
+def fold_zeros(graph: Graph, values: Sequence[Expr]) -> list[Expr]:
     """Return expressions, those that vanish identically as the constant 0; by fingerprint."""
     nodes = [value.index for value in values]
     marks = fingerprints(graph, list(graph.reachable(nodes)))
@@ -114,11 +121,11 @@ def _motions(kinematics: Kinematics, values: Sequence[Expr], frames: Sequence[st
     """Return velocities given three by three, each in the axes of its frame."""
     graph, speeds = kinematics.graph, kinematics.speeds
     nodes = [value.index for value in values]
-    biases = moved(graph, values, flow(kinematics))
+    biases = differentiate(graph, values, flow(kinematics))
     rests = [Expr(graph, node) for node in substitute(graph, nodes, dict.fromkeys(speeds, 0))]
     slopes = [Expr(graph, node) for row in jacobian(graph, nodes, speeds) for node in row]
     n, count = len(values), len(speeds)
-    clean = without_zeros(graph, [*values, *rests, *biases, *slopes])
+    clean = fold_zeros(graph, [*values, *rests, *biases, *slopes])
     whole, rests, biases, slopes = clean[:n], clean[n : 2 * n], clean[2 * n : 3 * n], clean[3 * n :]
     velocities = []
     for k, frame in enumerate(frames):
@@ -143,7 +150,7 @@ def unit(graph: Graph, frame: str, k: int) -> Vector:
     """Return the unit vector along axis k of a frame."""
     zero, one = number(graph, 0), number(graph, 1)
     x, y, z = (one if i == k else zero for i in range(3))
-    return vector(frame, (x, y, z)) if 0 <= k < 3 else NULL
+    return vector(frame, (x, y, z)) if 0 <= k < 3 else ZERO
 
 
 def _triple(values: Sequence[Expr], at: int) -> Triple:

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from symbody.equations.kinematics.frame_steps import RotationStep, TranslationStep
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.variables import Use, joint_steps, quasi_vector, turns_of
-from symbody.graph.spanning_tree import Branch
+from symbody.equations.kinematics.variables import JointRole, axis_rotations, joint_steps, quasi_vector
+from symbody.graph.spanning_tree import TreeBranch
 from symbody.graph.topology import Topology
-from symbody.model.element import Address
+from symbody.model.element import FrameRef
 from symbody.model.frame import Frame
 from symbody.model.joint import Joint
 from symbody.model.model import Model
@@ -20,47 +20,51 @@ from symbody.vectors.vector import Vector, vector
 Steps = tuple[AxisRotation | EulerParameters, ...]
 
 
-def predicted(joint: str) -> str:
+def predicted_frame(joint: str) -> str:
     """Return the name of the frame in which a cut joint's end frame must stand."""
     return f"{joint}|predicted"
 
 
-def turnings(topology: Topology, names: Names, uses: Sequence[Use]) -> Iterator[RotationStep]:
+def rotation_steps(topology: Topology, names: Names, uses: Sequence[JointRole]) -> Iterator[RotationStep]:
     """Return how all frames are turned, outward from ground along the rotation tree."""
     model = topology.model
-    yield from _fixed_turnings(names, "ground", model.ground.items())
+    yield from _rotations_of_fixed_frames(names, "ground", model.ground.items())
     for branch in topology.rotation.branches:
-        yield from _branch_turnings(topology, names, branch)
+        yield from _rotations_of_branch(topology, names, branch)
         body = model.body(branch.child)
-        yield from _fixed_turnings(names, body.name, body.frames.items())
+        yield from _rotations_of_fixed_frames(names, body.name, body.frames.items())
     for use in uses:
-        if use.turns and use.joint.name not in topology.turning:
+        if use.has_angles and use.joint.name not in topology.rotation_branches:
             steps = joint_steps(names, use.joint)
-            yield RotationStep(predicted(use.joint.name), use.joint.start.frame, steps)
+            yield RotationStep(predicted_frame(use.joint.name), use.joint.start.full_name, steps)
 
 
-def shiftings(topology: Topology, names: Names) -> Iterator[TranslationStep]:
+def translation_steps(topology: Topology, names: Names) -> Iterator[TranslationStep]:
     """Return where all origins stand, outward from ground along the translation tree."""
     model = topology.model
-    yield from _fixed_shiftings(names, "ground", model.ground.items())
+    yield from _translations_of_fixed_frames(names, "ground", model.ground.items())
     for branch in topology.translation.branches:
-        yield from _branch_shiftings(topology, names, branch)
+        yield from _translations_of_branch(topology, names, branch)
         body = model.body(branch.child)
-        yield from _fixed_shiftings(names, body.name, body.frames.items())
+        yield from _translations_of_fixed_frames(names, body.name, body.frames.items())
 
 
 def joint_shift(names: Names, joint: Joint) -> Vector:
     """Return the position of a joint's end frame from its start frame, in the joint's coordinates."""
-    home = joint.end.frame if joint.shift_in == "end" else joint.start.frame
+    home = joint.end.full_name if joint.shift_in == "end" else joint.start.full_name
     return vector(home, names.triple(joint.shift(), f"joint {joint.name}"))
 
 
-def _fixed_turnings(names: Names, body: str, frames: Iterable[tuple[str, Frame]]) -> Iterator[RotationStep]:
+def _rotations_of_fixed_frames(
+    names: Names, body: str, frames: Iterable[tuple[str, Frame]]
+) -> Iterator[RotationStep]:
     for name, frame in frames:
-        yield RotationStep(f"{body}.{name}", body, turns_of(names, frame.turns(), f"frame {body}.{name}"))
+        yield RotationStep(
+            f"{body}.{name}", body, axis_rotations(names, frame.turns(), f"frame {body}.{name}")
+        )
 
 
-def _fixed_shiftings(
+def _translations_of_fixed_frames(
     names: Names, body: str, frames: Iterable[tuple[str, Frame]]
 ) -> Iterator[TranslationStep]:
     for name, frame in frames:
@@ -68,7 +72,7 @@ def _fixed_shiftings(
         yield TranslationStep(f"{body}.{name}", body, body, vector(body, at))
 
 
-def _branch_turnings(topology: Topology, names: Names, branch: Branch) -> Iterator[RotationStep]:
+def _rotations_of_branch(topology: Topology, names: Names, branch: TreeBranch) -> Iterator[RotationStep]:
     """Return the steps from the near frame of a joint to its far frame and to the body there.
 
     A joint walked against its direction has its rotation reversed.
@@ -76,51 +80,55 @@ def _branch_turnings(topology: Topology, names: Names, branch: Branch) -> Iterat
     joint = topology.joint(branch.edge.name)
     near, far = joint_ends(joint, branch)
     steps = joint_steps(names, joint)
-    other = _far(joint)
-    frames = {"start": near.frame, "end": other} if branch.forward else {"start": other, "end": near.frame}
+    other = _far_frame(joint)
+    frames = (
+        {"start": near.full_name, "end": other} if branch.forward else {"start": other, "end": near.full_name}
+    )
     quasi = joint.rotation_speeds
     w = None if quasi is None else vector(frames[quasi.resolved_in], quasi_vector(names, quasi))
     if branch.forward:
-        yield RotationStep(other, near.frame, steps, w)
+        yield RotationStep(other, near.full_name, steps, w)
     else:
-        yield RotationStep(other, near.frame, reverse_steps(steps), None if w is None else -w)
-    turns = reverse_steps(turns_of(names, frame_of(topology.model, far).turns(), far.frame))
+        yield RotationStep(other, near.full_name, reverse_steps(steps), None if w is None else -w)
+    turns = reverse_steps(axis_rotations(names, frame_of(topology.model, far).turns(), far.full_name))
     yield RotationStep(far.body, other, turns)
 
 
-def _branch_shiftings(topology: Topology, names: Names, branch: Branch) -> Iterator[TranslationStep]:
+def _translations_of_branch(
+    topology: Topology, names: Names, branch: TreeBranch
+) -> Iterator[TranslationStep]:
     joint = topology.joint(branch.edge.name)
     near, far = joint_ends(joint, branch)
     sign = 1 if branch.forward else -1
     shift = joint_shift(names, joint) * sign
     quasi = joint.translation_speeds
-    other = _far(joint)
-    start, end = joint.start.frame, joint.end.frame
+    other = _far_frame(joint)
+    start, end = joint.start.full_name, joint.end.full_name
     if quasi is None:
-        yield TranslationStep(other, near.frame, far.body, shift)
+        yield TranslationStep(other, near.full_name, far.body, shift)
     else:
         home = start if quasi.resolved_in == "start" else end
         slide = vector(home, quasi_vector(names, quasi)) * sign
-        yield TranslationStep(other, near.frame, far.body, shift, (start, slide))
-    at = names.triple(frame_of(topology.model, far).at, far.frame)
+        yield TranslationStep(other, near.full_name, far.body, shift, (start, slide))
+    at = names.triple(frame_of(topology.model, far).at, far.full_name)
     yield TranslationStep(far.body, other, far.body, -vector(far.body, at))
 
 
-def joint_ends(joint: Joint, branch: Branch) -> tuple[Address, Address]:
+def joint_ends(joint: Joint, branch: TreeBranch) -> tuple[FrameRef, FrameRef]:
     """Return the near end of a joint, on the parent of its branch, and the far end."""
     return (joint.start, joint.end) if branch.forward else (joint.end, joint.start)
 
 
-def _far(joint: Joint) -> str:
+def _far_frame(joint: Joint) -> str:
     return f"{joint.name}|far"
 
 
-def frame_of(model: Model, address: Address) -> Frame:
+def frame_of(model: Model, address: FrameRef) -> Frame:
     """Return a frame of a body or of ground; without a name, that of the body itself."""
-    if not address.point:
+    if not address.frame:
         return Frame()
     frames = model.ground if address.body == "ground" else model.body(address.body).frames
-    return frames[address.point]
+    return frames[address.frame]
 
 
 def reverse_steps(steps: Steps) -> Steps:

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.expr.expression import Expr
-from symbody.vectors.vector import NULL, Vector
+from symbody.vectors.vector import ZERO, Vector
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class ConstraintEquation:
     """One constraint ``value = 0``, ``sum of slopes u + rest = 0``, ``sum of slopes u' = gamma``.
 
     Attributes
@@ -39,20 +39,20 @@ class Row:
     name: str
     element: str
     value: Expr
-    slopes: Mapping[int, Expr]
-    rest: Expr
+    jacobian: Mapping[int, Expr]
+    drift: Expr
     gamma: Expr
-    force: Vector = NULL
-    moment: Vector = NULL
+    force: Vector = ZERO
+    moment: Vector = ZERO
     coordinate: str = ""
     shares: Mapping[str, Expr] = field(default_factory=dict)
     is_holonomic: bool = True
     driven: Expr | None = None
 
 
-def scalar_row(kinematics: Kinematics, name: str, element: str, value: Expr) -> Row:
+def scalar_equation(kinematics: Kinematics, name: str, element: str, value: Expr) -> ConstraintEquation:
     """Return the row of a constraint given as an expression in coordinates and time."""
     rate = kinematics.rate(value)
-    slopes = kinematics.slopes(rate)
-    drift = kinematics.without_speeds(rate)
-    return Row(name, element, value, slopes, drift, -kinematics.bias(rate))
+    slopes = kinematics.speed_partials(rate)
+    drift = kinematics.at_zero_speeds(rate)
+    return ConstraintEquation(name, element, value, slopes, drift, -kinematics.bias(rate))

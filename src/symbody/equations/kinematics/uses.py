@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Set as AbstractSet
 
-from symbody.equations.kinematics.variables import Use
+from symbody.equations.kinematics.variables import JointRole
 from symbody.errors import FormulationError, Problem
 from symbody.graph.topology import Topology
 from symbody.model.joint import Joint
@@ -13,7 +13,7 @@ from symbody.model.model import Model
 from symbody.model.uses import Scope
 
 
-def joint_uses(topology: Topology) -> tuple[Use, ...]:
+def joint_roles(topology: Topology) -> tuple[JointRole, ...]:
     """Return every joint with the parts of its law in use.
 
     Raises
@@ -21,17 +21,20 @@ def joint_uses(topology: Topology) -> tuple[Use, ...]:
     FormulationError
         If a formula reads an Euler parameter of a joint outside the rotation tree.
     """
-    read = names_read(topology.model) | _sprung(topology)
+    read = names_read(topology.model) | _spring_angles(topology)
     uses = []
     problems = []
     for joint in topology.joints:
-        turning, sliding = joint.name in topology.turning, joint.name in topology.sliding
+        turning, sliding = (
+            joint.name in topology.rotation_branches,
+            joint.name in topology.translation_branches,
+        )
         tied = bool(joint.coupled_coordinates)
         turns = turning or tied or _needs_angles(joint, read)
         slides = sliding or tied or not set(joint.motions).isdisjoint(joint.translation_coordinates)
-        uses.append(Use(joint, turning, sliding, turns, slides))
+        uses.append(JointRole(joint, turning, sliding, turns, slides))
         if turns and not turning and joint.quaternion is not None:
-            problems.append(_quaternion_asked(joint))
+            problems.append(_quaternion_problem(joint))
     if problems:
         raise FormulationError(*problems)
     return tuple(uses)
@@ -39,12 +42,12 @@ def joint_uses(topology: Topology) -> tuple[Use, ...]:
 
 def names_read(model: Model) -> set[str]:
     """Return the names that the formulas of forces, springs and constraints contain."""
-    uses = (use for element in model.elements for use in element.uses())
+    uses = (use for element in model.elements for use in element.formula_sites())
     reading = (Scope.LOAD, Scope.MOTION, Scope.COORDINATE)
     return {name for use in uses if use.scope in reading for name in use.formula.names}
 
 
-def _sprung(topology: Topology) -> set[str]:
+def _spring_angles(topology: Topology) -> set[str]:
     """Return the angles that torsion springs count: of joints with one, between the bodies of a spring."""
     springs = [element for element in topology.model.elements if isinstance(element, TorsionSpring)]
     pairs = {frozenset((spring.start.body, spring.end.body)) for spring in springs}
@@ -55,7 +58,7 @@ def _sprung(topology: Topology) -> set[str]:
     }
 
 
-def is_read(use: Use, read: AbstractSet[str]) -> bool:
+def is_read(use: JointRole, read: AbstractSet[str]) -> bool:
     """Return whether forces need a measured coordinate of a joint, or its rate."""
     measured = set(use.joint.coordinates).difference(use.coordinates)
     if use.joint.friction is not None or not measured.isdisjoint({*use.joint.drives, *use.joint.armature}):
@@ -79,7 +82,7 @@ def _needs_angles(joint: Joint, read: AbstractSet[str]) -> bool:
     return bool(driven) or not read.isdisjoint(rates) or not set(joint.armature).isdisjoint(angles)
 
 
-def _quaternion_asked(joint: Joint) -> Problem:
+def _quaternion_problem(joint: Joint) -> Problem:
     return Problem(
         "equations.cut_quaternion", f"joint {joint.name}", "its quaternion is needed, but the joint is cut",
         "a formula or a motion reads it, and a quaternion cannot be measured without a choice of sign",

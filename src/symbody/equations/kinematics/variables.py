@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 from symbody.equations.kinematics.naming import Names
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.model.joint import Joint, QuasiSpeeds
-from symbody.model.turn import Turn as JointTurn
+from symbody.model.turn import SimpleRotation as JointTurn
 from symbody.vectors.euler_angles import angle_rates
 from symbody.vectors.euler_parameters import EulerParameters, euler_parameter_rates
 from symbody.vectors.rotation import AxisRotation, compose_steps, rotation_matrix
 
 
 @dataclass(frozen=True, slots=True)
-class Use:
+class JointRole:
     """Which parts of a joint's law are in use.
 
     Attributes
@@ -31,20 +31,20 @@ class Use:
     joint: Joint
     in_rotation: bool
     in_translation: bool
-    turns: bool
-    slides: bool
+    has_angles: bool
+    has_displacements: bool
 
     @property
     def coordinates(self) -> tuple[str, ...]:
         """The coordinates in use."""
         inside = {
-            *(self.joint.rotation_coordinates if self.turns else ()),
-            *(self.joint.translation_coordinates if self.slides else ()),
+            *(self.joint.rotation_coordinates if self.has_angles else ()),
+            *(self.joint.translation_coordinates if self.has_displacements else ()),
         }
         return tuple(name for name in self.joint.coordinates if name in inside)
 
     @property
-    def prescribed(self) -> tuple[str, ...]:
+    def prescribed_coordinates(self) -> tuple[str, ...]:
         """The coordinates in use that are functions of time; those of a cut joint make its rows move."""
         motions = self.joint.motions
         by_row = self.joint.as_constraint
@@ -60,9 +60,9 @@ class Use:
     def quasi_speeds(self) -> list[tuple[QuasiSpeeds, str]]:
         """The quasi-speeds in use, each with "translation" or "rotation"."""
         speeds = []
-        if self.slides and self.joint.translation_speeds is not None:
+        if self.has_displacements and self.joint.translation_speeds is not None:
             speeds.append((self.joint.translation_speeds, "translation"))
-        if self.turns and self.joint.rotation_speeds is not None:
+        if self.has_angles and self.joint.rotation_speeds is not None:
             speeds.append((self.joint.rotation_speeds, "rotation"))
         return speeds
 
@@ -72,18 +72,18 @@ class Use:
         quasi = {part: speeds for speeds, part in self.quasi_speeds}
         turning = set(self.joint.rotation_coordinates)
         speeds: list[Symbol] = []
-        for name in self.unknown:
+        for name in self.unknown_coordinates:
             part = quasi.get("rotation" if name in turning else "translation")
             if part is None:
-                speeds.append(Symbol(name, Kind.COORDINATE).derivative)
+                speeds.append(Symbol(name, SymbolKind.COORDINATE).derivative)
             else:
-                speeds += [Symbol(own, Kind.SPEED) for own in part.names]
+                speeds += [Symbol(own, SymbolKind.SPEED) for own in part.names]
         return list(dict.fromkeys(speeds))
 
     @property
-    def unknown(self) -> tuple[str, ...]:
+    def unknown_coordinates(self) -> tuple[str, ...]:
         """The coordinates in use that are in q."""
-        return tuple(name for name in self.coordinates if name not in self.prescribed)
+        return tuple(name for name in self.coordinates if name not in self.prescribed_coordinates)
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +109,7 @@ class Variables:
     singularities: Mapping[str, Expr]
 
 
-def form_variables(names: Names, uses: Sequence[Use], added: Sequence[str] = ()) -> Variables:
+def form_variables(names: Names, uses: Sequence[JointRole], added: Sequence[str] = ()) -> Variables:
     """Return the variables of the joints in use, then the `added` coordinates of constraints."""
     graph = names.graph
     q: list[Symbol] = []
@@ -118,18 +118,18 @@ def form_variables(names: Names, uses: Sequence[Use], added: Sequence[str] = ())
     quaternions = []
     singular = {}
     for use in uses:
-        q += [Symbol(name, Kind.COORDINATE) for name in use.unknown]
+        q += [Symbol(name, SymbolKind.COORDINATE) for name in use.unknown_coordinates]
         u += use.speeds
-        rates.update(_own_rates(graph, use))
+        rates.update(_coordinate_rates(graph, use))
         for quasi, part in use.quasi_speeds:
-            coordinate_rates, determinant = _rates_of(names, use.joint, quasi, part)
+            coordinate_rates, determinant = _rates_from_quasi_speeds(names, use.joint, quasi, part)
             rates.update(coordinate_rates)
             if determinant is not None:
                 singular[use.joint.name] = determinant
-        if use.turns and use.joint.quaternion is not None:
+        if use.has_angles and use.joint.quaternion is not None:
             quaternions.append(tuple(names.value(name).index for name in use.joint.quaternion))
     for name in added:
-        coordinate = Symbol(name, Kind.COORDINATE)
+        coordinate = Symbol(name, SymbolKind.COORDINATE)
         q.append(coordinate)
         u.append(coordinate.derivative)
         rates[graph.symbol(coordinate)] = graph.symbol(coordinate.derivative)
@@ -139,12 +139,12 @@ def form_variables(names: Names, uses: Sequence[Use], added: Sequence[str] = ())
 def joint_steps(names: Names, joint: Joint) -> tuple[AxisRotation | EulerParameters, ...]:
     """Return the rotation of a joint from its start frame to its end frame, in its coordinates."""
     if joint.quaternion is None:
-        return turns_of(names, joint.turns(), f"joint {joint.name}")
+        return axis_rotations(names, joint.turns(), f"joint {joint.name}")
     e0, e1, e2, e3 = (names.value(name) for name in joint.quaternion)
     return (EulerParameters(e0, e1, e2, e3),)
 
 
-def turns_of(names: Names, turns: Sequence[JointTurn], where: str) -> tuple[AxisRotation, ...]:
+def axis_rotations(names: Names, turns: Sequence[JointTurn], where: str) -> tuple[AxisRotation, ...]:
     """Return simple rotations of the model on the graph."""
     return tuple(
         AxisRotation(names.triple(turn.axis, where), names.expression(turn.angle, where)) for turn in turns
@@ -157,13 +157,13 @@ def quasi_vector(names: Names, quasi: QuasiSpeeds) -> tuple[Expr, Expr, Expr]:
     return (x, y, z)
 
 
-def _own_rates(graph: Graph, use: Use) -> dict[int, int]:
+def _coordinate_rates(graph: Graph, use: JointRole) -> dict[int, int]:
     """Return q' = the symbol q' for the coordinates of a joint."""
-    symbols = [Symbol(name, Kind.COORDINATE) for name in use.unknown]
+    symbols = [Symbol(name, SymbolKind.COORDINATE) for name in use.unknown_coordinates]
     return {graph.symbol(symbol): graph.symbol(symbol.derivative) for symbol in symbols}
 
 
-def _rates_of(
+def _rates_from_quasi_speeds(
     names: Names, joint: Joint, quasi: QuasiSpeeds, part: str
 ) -> tuple[dict[int, int], Expr | None]:
     """Return q' of a joint's rotation or translation in quasi-speeds, and what must not vanish."""
@@ -173,16 +173,16 @@ def _rates_of(
     if part == "translation":
         if quasi.resolved_in == "end":
             speeds = rotation_matrix(graph, compose_steps(steps)) @ speeds
-        return _paired(names, joint.translation_coordinates, speeds), None
+        return _pair_with_coordinates(names, joint.translation_coordinates, speeds), None
     if joint.quaternion is not None:
         (parameters,) = steps
         assert isinstance(parameters, EulerParameters)
         rates = euler_parameter_rates(parameters, speeds, quasi.resolved_in)
-        return _paired(names, joint.quaternion, rates), None
+        return _pair_with_coordinates(names, joint.quaternion, rates), None
     turns = tuple(step for step in steps if isinstance(step, AxisRotation))
     angles, determinant = angle_rates(graph, turns, speeds, quasi.resolved_in)
     return {turn.angle.index: rate.index for turn, rate in zip(turns, angles, strict=True)}, determinant
 
 
-def _paired(names: Names, coordinates: Sequence[str], rates: Sequence[Expr]) -> dict[int, int]:
+def _pair_with_coordinates(names: Names, coordinates: Sequence[str], rates: Sequence[Expr]) -> dict[int, int]:
     return {names.value(name).index: rate.index for name, rate in zip(coordinates, rates, strict=True)}

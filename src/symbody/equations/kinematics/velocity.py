@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from symbody.vectors.vector import NULL, Vector
+from symbody.vectors.vector import ZERO, Vector
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,26 +26,26 @@ class Velocity:
     """
 
     partials: Mapping[int, Vector]
-    rest: Vector
+    drift: Vector
     value: Vector
     bias: Vector
 
     def __add__(self, other: Velocity) -> Velocity:
         partials = dict(self.partials)
         for u, partial in other.partials.items():
-            partials[u] = partials.get(u, NULL) + partial
-        return Velocity(partials, self.rest + other.rest, self.value + other.value, self.bias + other.bias)
+            partials[u] = partials.get(u, ZERO) + partial
+        return Velocity(partials, self.drift + other.drift, self.value + other.value, self.bias + other.bias)
 
     def __neg__(self) -> Velocity:
         partials = {u: -partial for u, partial in self.partials.items()}
-        return Velocity(partials, -self.rest, -self.value, -self.bias)
+        return Velocity(partials, -self.drift, -self.value, -self.bias)
 
     def __sub__(self, other: Velocity) -> Velocity:
         return self + -other
 
     def partial(self, u: int) -> Vector:
         """Return the coefficient of a speed."""
-        return self.partials.get(u, NULL)
+        return self.partials.get(u, ZERO)
 
 
-AT_REST: Final = Velocity({}, NULL, NULL, NULL)
+AT_REST: Final = Velocity({}, ZERO, ZERO, ZERO)

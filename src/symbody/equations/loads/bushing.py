@@ -20,12 +20,12 @@ def bushing_law(names: Names, kinematics: Kinematics, bushing: Bushing) -> Law:
     with the dual basis of the axes turned about. The same vectors make the wrench of the efforts.
     """
     tree, where = kinematics.tree, f"joint {bushing.name}"
-    start, end = bushing.start.frame, bushing.end.frame
-    home, arm = tree.home(start), kinematics.arm(start, end)
+    start, end = bushing.start.full_name, bushing.end.full_name
+    home, arm = tree.orientation_frame(start), kinematics.position(start, end)
     w_start = kinematics.angular_velocities[start].value
     moving = kinematics.velocities[end].value - kinematics.velocities[start].value - cross(tree, w_start, arm)
     turning = kinematics.angular_velocities[end].value - w_start
-    angles, dual = _cardan(kinematics, home, tree.home(end))
+    angles, dual = _cardan(kinematics, home, tree.orientation_frame(end))
     x = (*components(tree, arm, home), *angles)
     rates = [*components(tree, moving, home), *(dot(tree, vector(home, axis), turning) for axis in dual)]
     free = [names.expression(formula, where) for formula in bushing.free]
@@ -66,7 +66,7 @@ def _wrench(
     force = vector(home, (efforts[0], efforts[1], efforts[2]))
     loads: tuple[Load, ...] = ()
     if not force.is_zero:
-        loads = (PointForce(bushing.end.frame, force), PointForce(bushing.start.frame, -force, arm))
+        loads = (PointForce(bushing.end.full_name, force), PointForce(bushing.start.full_name, -force, arm))
     moment = vector(home, dual[0]) * efforts[3]
     moment = moment + vector(home, dual[1]) * efforts[4] + vector(home, dual[2]) * efforts[5]
     return loads if moment.is_zero else (*loads, *couple(bushing.start.body, bushing.end.body, moment))

@@ -17,19 +17,21 @@ def curve_value(curve: Curve, x: Expr) -> Expr:
     NaN lies in the last piece and comes out as NaN.
     """
     pieces = curve.pieces()
-    bounds = [_below(x, piece[0]) for piece in pieces[1:]]
-    start, *coefficients = (_chosen(bounds, column, x) for column in list(zip(*pieces, strict=True))[1:])
+    bounds = [_is_below(x, piece[0]) for piece in pieces[1:]]
+    start, *coefficients = (
+        _select_entry(bounds, column, x) for column in list(zip(*pieces, strict=True))[1:]
+    )
     value = coefficients.pop()
     for coefficient in reversed(coefficients):
         value = coefficient + value * (x - start)
     return value
 
 
-def _below(x: Expr, bound: float) -> int:
+def _is_below(x: Expr, bound: float) -> int:
     return canonical.apply(x.graph, LT, x.index, x.graph.constant(bound))
 
 
-def _chosen(bounds: Sequence[int], column: Sequence[float], x: Expr) -> Expr:
+def _select_entry(bounds: Sequence[int], column: Sequence[float], x: Expr) -> Expr:
     """Return the entry before whose upper bound `x` lies: neighbours are joined, then pairs of pairs."""
     graph = x.graph
     nodes = [number(graph, entry).index for entry in column]

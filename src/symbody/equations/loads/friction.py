@@ -10,11 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from symbody.equations.dynamics.load import Effort
+from symbody.equations.dynamics.load import GeneralizedForce
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.variables import Use
+from symbody.equations.kinematics.variables import JointRole
 from symbody.expr.expression import Expr, number, sqrt, symbol
-from symbody.expr.graph import Kind, Symbol
+from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.opcodes import SIGN
 from symbody.model.joint import Joint
 from symbody.model.loads.friction import Friction
@@ -61,7 +61,7 @@ class FrictionLaw:
     @property
     def symbol(self) -> Symbol:
         """Its effort as an unknown."""
-        return Symbol(f"friction_{self.joint.name}", Kind.MULTIPLIER)
+        return Symbol(f"friction_{self.joint.name}", SymbolKind.MULTIPLIER)
 
     @property
     def effort(self) -> Expr:
@@ -69,14 +69,14 @@ class FrictionLaw:
         return symbol(self.rate.graph, self.symbol)
 
     @property
-    def holding(self) -> str:
+    def holding_effort(self) -> str:
         """The name of the row that holds the joint while it sticks."""
         return f"lambda_{self.joint.name}_stick"
 
     @property
-    def load(self) -> Effort:
+    def load(self) -> GeneralizedForce:
         """What it does to the equations of motion."""
-        return Effort(self.rate, self.effort, self.coordinate)
+        return GeneralizedForce(self.rate, self.effort, self.coordinate)
 
 
 class Resistance(NamedTuple):
@@ -100,7 +100,7 @@ class Resistance(NamedTuple):
     margins: list[Expr]
 
 
-def form_friction(names: Names, uses: Sequence[Use]) -> tuple[FrictionLaw, ...]:
+def form_friction(names: Names, uses: Sequence[JointRole]) -> tuple[FrictionLaw, ...]:
     """Return the friction of all joints that have any."""
     laws = []
     for use in uses:

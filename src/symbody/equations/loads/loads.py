@@ -10,10 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from symbody.equations.dynamics.inertia import Inertia
-from symbody.equations.dynamics.load import Effort, Law, Load, Moment, PointForce, is_constant
+from symbody.equations.dynamics.load import GeneralizedForce, Law, Load, Moment, PointForce, is_constant
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.variables import Use
+from symbody.equations.kinematics.variables import JointRole
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.loads.springs import law_value, spring_law
 from symbody.expr.expression import Expr, number
@@ -60,7 +60,7 @@ def form_loads(
     names: Names,
     kinematics: Kinematics,
     bodies: Sequence[Inertia],
-    uses: Sequence[Use],
+    uses: Sequence[JointRole],
     friction: Sequence[FrictionLaw] = (),
     *,
     weights: bool = True,
@@ -79,12 +79,14 @@ def form_loads(
     efforts: dict[str, Expr] = {}
     for use in uses:
         for coordinate, drive in use.joint.drives.items():
-            if coordinate in use.prescribed:
+            if coordinate in use.prescribed_coordinates:
                 continue
             x, rate = names.value(coordinate), names.value(f"{coordinate}_dot")
             drive_law = _drive_law(names, drive, x, rate, coordinate, f"joint {use.joint.name}")
             key = effort_name(use.joint, coordinate)
-            efforts.update((key, load.effort) for load in drive_law.loads if isinstance(load, Effort))
+            efforts.update(
+                (key, load.effort) for load in drive_law.loads if isinstance(load, GeneralizedForce)
+            )
             laws.append(drive_law)
     laws += [Law((rubbing.load,), zero, rubbing.effort * rubbing.rate) for rubbing in friction]
     for element in model.elements:
@@ -100,7 +102,11 @@ def form_loads(
         potential, power = potential + law.potential, power + law.power
         efforts.update(law.efforts)
         measures.update(law.measures)
-    without_potential = tuple(load for law in laws for load in (law.loads if law.rest is None else law.rest))
+    without_potential = tuple(
+        load
+        for law in laws
+        for load in (law.loads if law.without_potential is None else law.without_potential)
+    )
     loads = tuple(load for law in laws for load in law.loads)
     notes = tuple(note for law in laws for note in law.notes)
     return Loads(loads, potential, power, efforts, without_potential, measures, notes)
@@ -117,7 +123,7 @@ def _weights(model: Model, names: Names, kinematics: Kinematics, bodies: Sequenc
     for body in bodies:
         weight = gravity * body.mass
         if not weight.is_zero:
-            fallen = dot(kinematics.tree, kinematics.arm("ground", body.frame), weight)
+            fallen = dot(kinematics.tree, kinematics.position("ground", body.frame), weight)
             laws.append(Law((PointForce(body.frame, weight),), -fallen, number(names.graph, 0), ()))
     return laws
 
@@ -127,17 +133,19 @@ def _drive_law(names: Names, drive: Drive, x: Expr, rate: Expr, coordinate: str,
     other = names.expression(drive.applied, where) - names.expression(drive.damping, where) * rate
     other, stretch = other + law_value(names, drive.law, x, where), x - free
     spring = -(stiffness * stretch)
-    load = Effort(rate, other + spring, coordinate)
+    load = GeneralizedForce(rate, other + spring, coordinate)
     if is_constant(stiffness) and is_constant(free):
-        return Law((load,), stiffness * stretch**2 / 2, other * rate, (Effort(rate, other, coordinate),))
+        return Law(
+            (load,), stiffness * stretch**2 / 2, other * rate, (GeneralizedForce(rate, other, coordinate),)
+        )
     return Law((load,), number(rate.graph, 0), (other + spring) * rate)
 
 
 def _force_law(names: Names, kinematics: Kinematics, force: Force) -> Law:
     tree = kinematics.tree
-    value = vector(force.resolved_in.frame, names.triple(force.vector, f"force {force.name}"))
-    on, back = force.on.frame, force.reaction_on.body
-    arm = kinematics.arm(back, on)
+    value = vector(force.resolved_in.full_name, names.triple(force.vector, f"force {force.name}"))
+    on, back = force.on.full_name, force.reaction_on.body
+    arm = kinematics.position(back, on)
     turning = cross(tree, kinematics.angular_velocities[back].value, arm)
     v_back = kinematics.velocities[back].value + turning
     power = dot(tree, value, kinematics.velocities[on].value - v_back)
@@ -145,7 +153,7 @@ def _force_law(names: Names, kinematics: Kinematics, force: Force) -> Law:
 
 
 def _torque_law(names: Names, kinematics: Kinematics, torque: Torque) -> Law:
-    value = vector(torque.resolved_in.frame, names.triple(torque.vector, f"torque {torque.name}"))
+    value = vector(torque.resolved_in.full_name, names.triple(torque.vector, f"torque {torque.name}"))
     on, back = torque.on.body, torque.reaction_on.body
     turning = kinematics.angular_velocities[on].value - kinematics.angular_velocities[back].value
     loads = (Moment(on, value), Moment(back, -value))

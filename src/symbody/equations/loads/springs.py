@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from symbody.equations.dynamics.load import Law, Pull, couple, is_constant
+from symbody.equations.dynamics.load import Law, PointToPointForce, couple, is_constant
 from symbody.equations.kinematics.joint_axes import perpendiculars
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.variables import Use, joint_steps
+from symbody.equations.kinematics.variables import JointRole, joint_steps
 from symbody.equations.loads.bushing import bushing_law
 from symbody.equations.loads.curves import curve_value
 from symbody.expr.expression import Expr, atan2, cos, number, sin, sqrt
@@ -22,13 +22,13 @@ from symbody.vectors.rotation import AxisRotation, Rotation, compose_steps
 from symbody.vectors.vector import dot, vector
 
 
-def spring_law(names: Names, kinematics: Kinematics, uses: Sequence[Use], spring: Spring) -> Law:
+def spring_law(names: Names, kinematics: Kinematics, uses: Sequence[JointRole], spring: Spring) -> Law:
     """Return what a spring does; positive efforts push its ends apart, or turn end forward."""
     if isinstance(spring, Bushing):
         return bushing_law(names, kinematics, spring)
     if isinstance(spring, TorsionSpring):
-        return _torsion(names, kinematics, uses, spring)
-    return _between_points(names, kinematics, spring)
+        return _torsion_law(names, kinematics, uses, spring)
+    return _point_spring_law(names, kinematics, spring)
 
 
 def law_value(names: Names, law: LawValue, x: Expr, where: str) -> Expr:
@@ -36,14 +36,14 @@ def law_value(names: Names, law: LawValue, x: Expr, where: str) -> Expr:
     return curve_value(law, x) if isinstance(law, Curve) else names.expression(law, where)
 
 
-def _between_points(names: Names, kinematics: Kinematics, spring: SpringDamper) -> Law:
+def _point_spring_law(names: Names, kinematics: Kinematics, spring: SpringDamper) -> Law:
     """Return the law of a spring between two points, positive pushing them apart.
 
     With free length exactly 0 the spring is the vector law ``-k d``, which is smooth at length 0.
     """
     tree, where = kinematics.tree, f"spring {spring.name}"
-    start, end = spring.start.frame, spring.end.frame
-    arm = kinematics.arm(start, end)
+    start, end = spring.start.full_name, spring.end.full_name
+    arm = kinematics.position(start, end)
     closing = dot(tree, arm, kinematics.velocities[end].value - kinematics.velocities[start].value)
     square = dot(tree, arm, arm)
     stiffness, free = names.expression(spring.stiffness, where), names.expression(spring.free, where)
@@ -58,16 +58,18 @@ def _between_points(names: Names, kinematics: Kinematics, spring: SpringDamper) 
     if not free.is_zero:
         factor = (along - stiffness * (length - free)) / length
         energy = stiffness * (length - free) ** 2 / 2
-    load = Pull(start, end, arm, factor)
+    load = PointToPointForce(start, end, arm, factor)
     efforts = {spring.name: along - stiffness * (length - free)}
     measures = {f"length {spring.name}": length}
     if is_constant(stiffness) and is_constant(free):
-        without_potential = () if along.is_zero else (Pull(start, end, arm, along / length),)
+        without_potential = () if along.is_zero else (PointToPointForce(start, end, arm, along / length),)
         return Law((load,), energy, along * rate, without_potential, efforts, measures)
     return Law((load,), zero, factor * closing, None, efforts, measures)
 
 
-def _torsion(names: Names, kinematics: Kinematics, uses: Sequence[Use], spring: TorsionSpring) -> Law:
+def _torsion_law(
+    names: Names, kinematics: Kinematics, uses: Sequence[JointRole], spring: TorsionSpring
+) -> Law:
     """Return the law of a torsion spring.
 
     It has a potential where its angle is one of joints. Measured on frames that tilt, the angle's rate is not
@@ -75,15 +77,15 @@ def _torsion(names: Names, kinematics: Kinematics, uses: Sequence[Use], spring: 
     """
     tree, where = kinematics.tree, f"torsion_spring {spring.name}"
     direction = names.triple(unit_axis(spring.axis), where)
-    axis = vector(tree.home(spring.start.frame), direction)
+    axis = vector(tree.orientation_frame(spring.start.full_name), direction)
     w_end, w_start = (kinematics.angular_velocities[p.body].value for p in (spring.end, spring.start))
     stiffness, free = names.expression(spring.stiffness, where), names.expression(spring.free, where)
     applied, damping = names.expression(spring.applied, where), names.expression(spring.damping, where)
-    angle = _angle_of_joints(names, kinematics, uses, spring, direction)
+    angle = _joint_angle(names, kinematics, uses, spring, direction)
     notes: tuple[str, ...] = ()
     if angle is None:
         rate = dot(tree, axis, w_end - w_start)
-        measured = _measured_angle(kinematics, spring, direction, free)
+        measured = _angle_between_axes(kinematics, spring, direction, free)
         notes = (f"{where}: no joints about its axis lead from end to end; its angle is measured within "
                  f"half a turn of {spring.free}",)  # fmt: skip
     else:
@@ -106,36 +108,43 @@ def _torsion(names: Names, kinematics: Kinematics, uses: Sequence[Use], spring: 
     return Law(loads, number(names.graph, 0), effort * rate, None, efforts, measures, notes)
 
 
-def _angle_of_joints(
-    names: Names, kinematics: Kinematics, uses: Sequence[Use], spring: TorsionSpring, axis: Triple
+def _joint_angle(
+    names: Names, kinematics: Kinematics, uses: Sequence[JointRole], spring: TorsionSpring, axis: Triple
 ) -> Expr | None:
     """Return the angle as that of a joint between the two bodies, or of turns in the tree; else None.
 
     A cut joint whose angle is a variable comes first: it counts its turns whatever the trees.
     """
     tree = kinematics.tree
-    ways = [tree.rotation(spring.start.frame, spring.end.frame)]
+    ways = [tree.rotation(spring.start.full_name, spring.end.full_name)]
     for use in uses:
-        if use.turns and not use.in_rotation and is_across(use.joint.start.body, use.joint.end.body, spring):
+        if (
+            use.has_angles
+            and not use.in_rotation
+            and connects_bodies(use.joint.start.body, use.joint.end.body, spring)
+        ):
             rotation = compose_steps(joint_steps(names, use.joint))
             forward = use.joint.start.body == spring.start.body
-            ends = (use.joint.start.frame, use.joint.end.frame)
+            ends = (use.joint.start.full_name, use.joint.end.full_name)
             near, far = ends if forward else reversed(ends)
-            before, after = tree.rotation(spring.start.frame, near), tree.rotation(far, spring.end.frame)
+            before, after = (
+                tree.rotation(spring.start.full_name, near),
+                tree.rotation(far, spring.end.full_name),
+            )
             ways.insert(0, before.then(rotation if forward else rotation.inverse).then(after))
     for way in ways:
-        angle = _angle_about(kinematics, way, axis)
+        angle = _axis_angle(kinematics, way, axis)
         if angle is not None:
             return angle
     return None
 
 
-def is_across(start: str, end: str, spring: TorsionSpring) -> bool:
+def connects_bodies(start: str, end: str, spring: TorsionSpring) -> bool:
     """Return whether a spring connects two bodies, in whichever order."""
     return {start, end} == {spring.start.body, spring.end.body}
 
 
-def _angle_about(kinematics: Kinematics, way: Rotation, axis: Triple) -> Expr | None:
+def _axis_angle(kinematics: Kinematics, way: Rotation, axis: Triple) -> Expr | None:
     """Return the angle of a rotation that is a turn about an axis, or none at all."""
     if not way.turns:
         return number(kinematics.graph, 0)
@@ -147,11 +156,11 @@ def _angle_about(kinematics: Kinematics, way: Rotation, axis: Triple) -> Expr | 
     return -step.angle if step.axis == -Vector3(axis) else None
 
 
-def _measured_angle(kinematics: Kinematics, spring: TorsionSpring, axis: Triple, free: Expr) -> Expr:
+def _angle_between_axes(kinematics: Kinematics, spring: TorsionSpring, axis: Triple, free: Expr) -> Expr:
     """Return the angle between axes of the two frames, in (free - pi, free + pi]."""
     tree = kinematics.tree
     first, second = perpendiculars(tree.graph, axis)
-    start, end = tree.home(spring.start.frame), tree.home(spring.end.frame)
+    start, end = tree.orientation_frame(spring.start.full_name), tree.orientation_frame(spring.end.full_name)
     seen = vector(end, first)
     sine, cosine = dot(tree, vector(start, second), seen), dot(tree, vector(start, first), seen)
     if free.is_zero:

@@ -18,7 +18,7 @@ from symbody.equations.recursive.links import (
     MotionSubspaceColumn,
 )
 from symbody.expr.expression import Expr
-from symbody.vectors.inertia import articulated
+from symbody.vectors.inertia import single_body
 from symbody.vectors.matrix import zero_vector
 from symbody.vectors.twist import Twist, Wrench
 
@@ -43,7 +43,7 @@ def articulated_inertias(tree: KinematicTree, rotors: Mapping[int, Expr]) -> lis
     rotors : mapping of speed to Expr
         Inertia that moves with a speed alone.
     """
-    inertias = [articulated(link.inertia) for link in tree.links]
+    inertias = [single_body(link.inertia) for link in tree.links]
     joints: list[list[JointInertia]] = [[] for _ in tree.links]
     for k, link in reversed(list(enumerate(tree.links))):
         body = inertias[k]
@@ -53,7 +53,7 @@ def articulated_inertias(tree: KinematicTree, rotors: Mapping[int, Expr]) -> lis
             D = column.twist.dot(U) if rotor is None else column.twist.dot(U) + rotor
             joint = JointInertia(column, U, D, D + 1 if D.is_zero else 1 / D)
             joints[k].insert(0, joint)
-            body = body.without(U, joint.inverse, _direction(column) if rotor is None else -1)
+            body = body.project_out(U, joint.inverse, _direction(column) if rotor is None else -1)
         if link.parent != GROUND:
             inertias[link.parent] = inertias[link.parent] + body.to_parent(link.transform)
     return joints

@@ -32,18 +32,21 @@ def body_loads(
     """Return (body, wrench about its link's origin in its axes) for all loads on bodies; not on ground."""
     owners = frame_owners(topology)
     return [
-        (owners[frame], on_link(kinematics, tree.bodies[owners[frame]], owners[frame], frame, force, torque))
+        (
+            owners[frame],
+            link_wrench(kinematics, tree.bodies[owners[frame]], owners[frame], frame, force, torque),
+        )
         for load in loads
         for frame, force, torque in wrenches(kinematics, load)
         if owners[frame] != "ground"
     ]
 
 
-def on_link(
+def link_wrench(
     kinematics: Kinematics, place: BodyPlacement, body: str, frame: str, force: Vector, torque: Vector
 ) -> LinkWrench:
     """Return a wrench in the origin of a body's frame as one about the origin of the body's link."""
-    tree, axes = kinematics.tree, kinematics.tree.home(body)
-    arm = components(tree, kinematics.arm(body, frame), axes)
+    tree, axes = kinematics.tree, kinematics.tree.orientation_frame(body)
+    arm = components(tree, kinematics.position(body, frame), axes)
     X = Transform(place.transform.steps, place.transform.point_to_parent(arm))
     return X.wrench_to_parent(Wrench(components(tree, force, axes), components(tree, torque, axes)))

@@ -15,7 +15,7 @@ from symbody.equations.recursive.item_programs import flatten
 from symbody.equations.recursive.links import GROUND, KinematicTree, TreeLink
 from symbody.expr.canonical import ZERO
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Graph, Kind
+from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.rewrite import substitute, symbols_of
 
 # Small branches form one segment until they fill a register; entries of links in different branches are 0.
@@ -135,7 +135,7 @@ def _is_single(graph: Graph, link: TreeLink, coordinates: Mapping[int, int]) -> 
     columns = link.motion.columns
     if len(columns) != 1 or columns[0].speed not in coordinates or not _is_steady(graph, link):
         return False
-    return _depends_on(graph, flatten(link.transform), {coordinates[columns[0].speed]})
+    return _has_only(graph, flatten(link.transform), {coordinates[columns[0].speed]})
 
 
 def _is_free(graph: Graph, link: TreeLink) -> bool:
@@ -153,15 +153,15 @@ def _is_free(graph: Graph, link: TreeLink) -> bool:
 def _is_steady(graph: Graph, link: TreeLink) -> bool:
     """Return whether velocities are ``sum of columns times speeds`` with columns fixed in the link."""
     motion = link.motion
-    if not _depends_on(graph, flatten(tuple(column.twist for column in motion.columns)), set()):
+    if not _has_only(graph, flatten(tuple(column.twist for column in motion.columns)), set()):
         return False
     still = {column.speed: ZERO for column in motion.columns}
     return not any(substitute(graph, [x.index for x in flatten(motion.velocity)], still))
 
 
-def _depends_on(graph: Graph, values: Iterable[Expr], allowed: Set[int]) -> bool:
+def _has_only(graph: Graph, values: Iterable[Expr], allowed: Set[int]) -> bool:
     """Return whether expressions hold no symbols but parameters and those allowed."""
     return all(
-        node in allowed or graph.symbols[graph.left[node]].kind == Kind.PARAMETER
+        node in allowed or graph.symbols[graph.left[node]].kind == SymbolKind.PARAMETER
         for node in symbols_of(graph, [value.index for value in values])
     )

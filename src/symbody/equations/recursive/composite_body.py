@@ -53,7 +53,7 @@ class CompositeBody(NamedTuple):
 
     def coriolis_transposed(self, twist: LinkTwist) -> Vector3[Expr]:
         """Return the moment of ``B^T m``, whose force is zero."""
-        G = self.velocity_moment.transposed
+        G = self.velocity_moment.T
         return _trace_less(G) @ twist.angular + self.momentum.cross(twist.linear)
 
 
@@ -65,7 +65,7 @@ def moving_body(
     I = inertia.to_parent(X)
     momentum = v * I.mass + w.cross(I.first)
     x, y, z = (v * I.first[k] + w.cross(row) for k, row in enumerate(I.second.matrix))
-    body = CompositeBody(I, momentum, matrix3(x, y, z).transposed, I @ acceleration)
+    body = CompositeBody(I, momentum, matrix3(x, y, z).T, I @ acceleration)
     return body._replace(wrench=body.wrench + body.coriolis(velocity))
 
 

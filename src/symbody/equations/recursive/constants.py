@@ -38,7 +38,7 @@ def matrix_numbers(m: Matrix) -> tuple[Floats, Floats, Floats] | None:
     return None if entries is None else (entries[:3], entries[3:6], entries[6:])
 
 
-def turn_about(axis: int, angle: float, variable: Expr) -> CoordinateRotation[Expr]:
+def variable_rotation(axis: int, angle: float, variable: Expr) -> CoordinateRotation[Expr]:
     """Return the turn by a variable angle plus a constant one; quarter turns cost nothing."""
     quarters = angle / (math.pi / 2)
     whole = round(quarters)
@@ -50,9 +50,9 @@ def turn_about(axis: int, angle: float, variable: Expr) -> CoordinateRotation[Ex
     return CoordinateRotation(axis, c, s)
 
 
-def constant_turn(graph: Graph, axis: int, angle: float) -> CoordinateRotation[Expr]:
+def constant_rotation(graph: Graph, axis: int, angle: float) -> CoordinateRotation[Expr]:
     """Return the turn by a constant angle."""
-    return turn_about(axis, angle, number(graph, 0))
+    return variable_rotation(axis, angle, number(graph, 0))
 
 
 def twist_angles(c: Sequence[Floats]) -> tuple[float, float, float]:
@@ -71,7 +71,7 @@ def twist_angles(c: Sequence[Floats]) -> tuple[float, float, float]:
     return a, alpha, math.atan2(math.cos(alpha) * y + math.sin(alpha) * c[2][0], x)
 
 
-def onto_axis(graph: Graph, axis: Triple) -> Matrix3[Expr] | None:
+def axes_with_z(graph: Graph, axis: Triple) -> Matrix3[Expr] | None:
     """Return a rotation whose third column is a constant direction; None if it has symbols."""
     direction = numbers(axis)
     if direction is None:
@@ -92,13 +92,13 @@ def onto_axis(graph: Graph, axis: Triple) -> Matrix3[Expr] | None:
     second = (y * r - z * q, z * p - x * r, x * q - y * p)
     columns = ((p, q, r), tuple(map(_round, second)), (x, y, z))
     a, b, c = (
-        (exact(graph, row[0]), exact(graph, row[1]), exact(graph, row[2]))
+        (exact_number(graph, row[0]), exact_number(graph, row[1]), exact_number(graph, row[2]))
         for row in zip(*columns, strict=True)
     )
     return matrix3(a, b, c)
 
 
-def exact(graph: Graph, x: float) -> Expr:
+def exact_number(graph: Graph, x: float) -> Expr:
     """Return a number as an expression, an exact one if it is whole."""
     return number(graph, int(x) if x in (-1.0, 0.0, 1.0) else x)
 

@@ -91,7 +91,7 @@ def inverse_dynamics_partials(
             bodies[parent] = bodies[parent] + bodies[k]
         elif base is not None:
             base = base + bodies[k]
-    assembly = _Assembly.of(graph, chains, columns)
+    assembly = _Assembly.start(graph, chains, columns)
     forces = assembly.column_forces(bodies, velocity)
     assembly.place_pairs(forces)
     if base is not None:
@@ -171,7 +171,7 @@ class _Assembly:
     partials: InverseDynamicsPartials
 
     @classmethod
-    def of(cls, graph: Graph, chains: Chains, columns: Mapping[int, JointColumn]) -> _Assembly:
+    def start(cls, graph: Graph, chains: Chains, columns: Mapping[int, JointColumn]) -> _Assembly:
         """Return the assembly without entries."""
         links = chains.tree.links
         free = links[0].motion.columns if chains.base else ()

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph
-from symbody.expr.program import mapped
+from symbody.expr.program import map_program
 
 T = TypeVar("T")
 U = TypeVar("U")
@@ -26,7 +26,7 @@ def map_items(graph: Graph, shared: T, items: Sequence[U], compute: Callable[[T,
         example.append(result)
         return flatten(result)
 
-    rows = mapped(graph, flatten(shared), list(zip(*map(flatten, items), strict=True)), program)
+    rows = map_program(graph, flatten(shared), list(zip(*map(flatten, items), strict=True)), program)
     return [unflatten(example[0], column) for column in zip(*rows, strict=True)]
 
 

@@ -11,11 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from symbody.equations.recursive.constants import (
-    constant_turn,
+    constant_rotation,
     matrix_numbers,
     numbers,
-    turn_about,
     twist_angles,
+    variable_rotation,
 )
 from symbody.equations.recursive.links import LinkTransform
 from symbody.equations.recursive.tree_joints import TreeJoint
@@ -67,7 +67,7 @@ def choose_axes(joint: TreeJoint, parent: LinkTransform, following: Sequence[Tre
     near, far = parent.inverse.then(joint.near), joint.far
     zero = number(graph, 0)
     if joint.rotation == "none":  # it takes the parent's axes
-        law = near.matrix.transposed
+        law = near.matrix.T
         return LinkAxes(Transform((far.matrix @ law,), far.position), (), law, zero)
     if joint.z is None:
         steps = (*_constant_steps(near.matrix), *(_step(step) for step in joint.steps))
@@ -83,10 +83,10 @@ def choose_axes(joint: TreeJoint, parent: LinkTransform, following: Sequence[Tre
     spin, shift = 0.0, zero
     if not joint.has_displacements:
         spin, shift = _adjustment(joint, near, entries, axes, following, b)
-    position = axes.position + axes.matrix.transposed[2] * shift
-    axes = Transform((axes.matrix @ constant_turn(graph, 2, spin).matrix,), position)
-    constants = [constant_turn(graph, axis, value) for axis, value in ((2, a), (0, alpha)) if value]
-    return LinkAxes(axes, (*constants, turn_about(2, b + spin, turn.angle)), joint.z, shift)
+    position = axes.position + axes.matrix.T[2] * shift
+    axes = Transform((axes.matrix @ constant_rotation(graph, 2, spin).matrix,), position)
+    constants = [constant_rotation(graph, axis, value) for axis, value in ((2, a), (0, alpha)) if value]
+    return LinkAxes(axes, (*constants, variable_rotation(2, b + spin, turn.angle)), joint.z, shift)
 
 
 def _adjustment(
@@ -102,14 +102,14 @@ def _adjustment(
     for other in following:
         if other.z is None:
             continue
-        direction = inward.matrix @ (other.near.matrix @ other.z).transposed[2]
+        direction = inward.matrix @ (other.near.matrix @ other.z).T[2]
         d = numbers(direction)
         if d is None or math.hypot(d[0], d[1]) < _PARALLEL:
             continue
         return _least(math.atan2(d[0], -d[1])), _foot(inward.then(other.near).position, direction)
     # No other axis outward: the common normal with the parent's, so that no shift along it is left.
     law = near.matrix if joint.z is None else near.matrix @ joint.z
-    direction, position = law.transposed[2], near.position
+    direction, position = law.T[2], near.position
     if joint.parent == "ground":
         return -offset, position[0] * 0
     if math.hypot(constant[0][2], constant[1][2]) < _PARALLEL:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from symbody.equations.dynamics.balance import NOTHING, Wrench
+from symbody.equations.dynamics.balance import NO_WRENCH, Wrench
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.recursive.applied import body_loads, on_link
+from symbody.equations.recursive.applied import body_loads, link_wrench
 from symbody.equations.recursive.links import GROUND, BodyPlacement, LinkWrench
 from symbody.equations.recursive.recursion import Recursion
 from symbody.equations.recursive.rnea import link_motions
@@ -48,19 +48,19 @@ def joint_wrenches(
         for body_name, wrench in ((end, cut[name]), (start, -cut[name])):
             if body_name != "ground":
                 place = tree.bodies[body_name]
-                share = on_link(kinematics, place, body_name, frame, wrench.force, wrench.moment)
+                share = link_wrench(kinematics, place, body_name, frame, wrench.force, wrench.moment)
                 loads.append((body_name, share))
     for body_name, load in loads:
         needed[body_name] = needed[body_name] - load
-    return _transmitted(recursion, needed, cut)
+    return _sum_inward(recursion, needed, cut)
 
 
-def _transmitted(
+def _sum_inward(
     recursion: Recursion, needed: dict[str, LinkWrench], cut: Mapping[str, Wrench]
 ) -> dict[str, Wrench]:
     """Return the wrenches of branches, summed inward, with those that their joints transmit besides."""
     topology, tree = recursion.topology, recursion.tree
-    total = {joint.name: cut.get(joint.name, NOTHING) for joint in topology.joints}
+    total = {joint.name: cut.get(joint.name, NO_WRENCH) for joint in topology.joints}
     for branch in reversed(topology.rotation.branches):
         joint = topology.joint(branch.edge.name)
         outward, inward = tree.bodies[branch.child], tree.bodies[branch.parent]
@@ -70,19 +70,23 @@ def _transmitted(
         if branch.parent != "ground":
             needed[branch.parent] = needed[branch.parent] + on_parent
         if branch.forward:
-            share = _at_frame(recursion, outward, branch.child, joint.end.frame, wrench)
+            share = _express_at_frame(recursion, outward, branch.child, joint.end.full_name, wrench)
         else:
-            share = _at_frame(recursion, inward, branch.parent, joint.end.frame, -on_parent)
+            share = _express_at_frame(recursion, inward, branch.parent, joint.end.full_name, -on_parent)
         total[joint.name] = total[joint.name] + share
     return total
 
 
-def _at_frame(
+def _express_at_frame(
     recursion: Recursion, place: BodyPlacement, body: str, frame: str, wrench: LinkWrench
 ) -> Wrench:
     """Return a wrench about the origin of a link as one about the origin of a frame of a body on it."""
-    tree, axes, X = recursion.kinematics.tree, recursion.kinematics.tree.home(body), place.transform
-    arm = X.to_child(X.position) + components(tree, recursion.kinematics.arm(body, frame), axes)
+    tree, axes, X = (
+        recursion.kinematics.tree,
+        recursion.kinematics.tree.orientation_frame(body),
+        place.transform,
+    )
+    arm = X.to_child(X.position) + components(tree, recursion.kinematics.position(body, frame), axes)
     force = X.to_child(wrench.force)
     moment = X.to_child(wrench.moment) - arm.cross(force)
     return Wrench(vector(axes, force), vector(axes, moment))
@@ -92,7 +96,7 @@ def _cut_links(recursion: Recursion, cut: Iterable[str]) -> dict[str, tuple[str,
     """Return start body, end body and end frame of joints and constraints that are cut and connect bodies."""
     links = {name: recursion.topology.link(name) for name in cut}
     return {
-        name: (link.start.body, link.end.body, link.end.frame)
+        name: (link.start.body, link.end.body, link.end.full_name)
         for name, link in links.items()
         if link is not None
     }

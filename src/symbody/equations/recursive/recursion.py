@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from symbody.equations.dynamics.inertia import Rotor
-from symbody.equations.dynamics.linear_solve import Rows, Solution, TreeFactors, factor, solve_factored
-from symbody.equations.dynamics.load import Effort, Load
+from symbody.equations.dynamics.linear_solve import LinearSolution, Rows, TreeFactors, factor, solve_factored
+from symbody.equations.dynamics.load import GeneralizedForce, Load
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.recursive.aba import JointInertia, accelerations, articulated_inertias
 from symbody.equations.recursive.applied import link_loads
@@ -50,7 +50,7 @@ class Recursion:
     topology: Topology
     kinematics: Kinematics
     tree: KinematicTree
-    light: KinematicTree
+    base_tree: KinematicTree
     gravity: Vector3[Expr]
     loads: tuple[Load, ...]
     rotors: tuple[Rotor, ...]
@@ -87,41 +87,43 @@ class Recursion:
         return self._forcing.get(None, self._form_forcing)
 
     def _form_forcing(self) -> tuple[Expr, ...]:
-        needed, zero = self.needed(), number(self.graph, 0)
+        needed, zero = self.force_for_accelerations(), number(self.graph, 0)
         return tuple(
             effort - needed.get(u, zero)
             for u, effort in zip(self.kinematics.speeds, self._efforts(), strict=True)
         )
 
     def _mass_rows(self) -> Rows:
-        return self._rows.get(None, lambda: mass_rows(self.light, self._row_numbers, self.rotor_entries()))
+        return self._rows.get(
+            None, lambda: mass_rows(self.base_tree, self._row_numbers, self.rotor_entries())
+        )
 
-    def needed(self, udot: Mapping[int, Expr] | None = None) -> dict[int, Expr]:
+    def force_for_accelerations(self, udot: Mapping[int, Expr] | None = None) -> dict[int, Expr]:
         """Return the force along each speed that accelerations need, less loads on bodies; by default u' = 0.
 
         Efforts along coordinates and rotors are not in it.
         """
-        wrenches = inertial_wrenches(self.light, link_motions(self.light, self.gravity, udot))
+        wrenches = inertial_wrenches(self.base_tree, link_motions(self.base_tree, self.gravity, udot))
         for k, load in self._link_loads().items():
             wrenches[k] = wrenches[k] - load
-        return generalized_forces(self.light, wrenches)
+        return generalized_forces(self.base_tree, wrenches)
 
     def inverse_dynamics(self, udot: Sequence[Expr]) -> list[Expr]:
         """Return ``M u' - F``, the generalized forces still missing for the accelerations `udot`."""
         given = dict(zip(self.kinematics.speeds, udot, strict=True))
-        return self._with_efforts(self.needed(given), given)
+        return self._with_efforts(self.force_for_accelerations(given), given)
 
-    def beside_links(self, udot: Sequence[Expr]) -> list[Expr]:
+    def inverse_dynamics_of_loads(self, udot: Sequence[Expr]) -> list[Expr]:
         """Return the inverse dynamics of loads and rotors alone, without the links."""
         given = dict(zip(self.kinematics.speeds, udot, strict=True))
         zero = zero_vector(self.graph)
-        wrenches = [Wrench(zero, zero) for _ in self.light.links]
+        wrenches = [Wrench(zero, zero) for _ in self.base_tree.links]
         for k, load in self._link_loads().items():
             wrenches[k] = -load
-        return self._with_efforts(generalized_forces(self.light, wrenches), given)
+        return self._with_efforts(generalized_forces(self.base_tree, wrenches), given)
 
     def _link_loads(self) -> dict[int, LinkWrench]:
-        return link_loads(self.topology, self.kinematics, self.light, self.loads)
+        return link_loads(self.topology, self.kinematics, self.base_tree, self.loads)
 
     def _with_efforts(self, needed: Mapping[int, Expr], given: Mapping[int, Expr]) -> list[Expr]:
         """Return ``M u' - F`` with efforts along coordinates and rotors."""
@@ -131,29 +133,29 @@ class Recursion:
             total[one] = total[one] + inertia * given[two]
         return [total[u] for u in speeds]
 
-    def solve(self, forces: Sequence[Expr]) -> Solution:
+    def solve(self, forces: Sequence[Expr]) -> LinearSolution:
         """Return u' with ``M u' = forces``, and the pivots, in the order of the speeds."""
         method = self._chosen.get(None, lambda: self.method or self._cheaper(forces))
-        return self._solve_by(method, forces)
+        return self._solve_with(method, forces)
 
     def solve_columns(self, columns: Sequence[Sequence[Expr]]) -> list[list[Expr]]:
         """Return u' with ``M u' = column`` for many columns; by other operations than `solve`."""
         method = self.method_for_columns
-        return [self._solve_by(method, column).values for column in columns]
+        return [self._solve_with(method, column).values for column in columns]
 
     @property
     def method_for_columns(self) -> str:
         """The method that many columns are solved by: factors of M, unless chains are long."""
         if self.method:
             return self.method
-        links = zip(self.light.depths, self.light.links, strict=True)
+        links = zip(self.base_tree.depths, self.base_tree.links, strict=True)
         carried = sum(depth * len(link.motion.columns) for depth, link in links)
         joined = any(one != two for one, two in self.rotor_entries())
         short = carried < _LONG * len(self.kinematics.speeds)
         return "composite" if joined or short else "articulated"
 
     @property
-    def chosen(self) -> str:
+    def chosen_method(self) -> str:
         """The method that `solve` takes; empty before its first call."""
         return self._chosen.peek(None) or ""
 
@@ -162,40 +164,42 @@ class Recursion:
         if any(one != two for one, two in self.rotor_entries()):
             return "composite"  # rotors on several speeds join links that do not carry each other
         depths = [
-            d for d, link in zip(self.light.depths, self.light.links, strict=True) if link.motion.columns
+            d
+            for d, link in zip(self.base_tree.depths, self.base_tree.links, strict=True)
+            if link.motion.columns
         ]
         composite = sum(d * d + _CARRYING * d for d in depths)
         if composite > _HOPELESS * _ARTICULATED * len(depths):
             return "articulated"
         counts = {
-            method: operation_count(self.graph, [x.index for x in self._solve_by(method, forces).values])
+            method: operation_count(self.graph, [x.index for x in self._solve_with(method, forces).values])
             for method in ("composite", "articulated")
         }
         return min(counts, key=counts.__getitem__)
 
-    def _solve_by(self, method: str, forces: Sequence[Expr]) -> Solution:
+    def _solve_with(self, method: str, forces: Sequence[Expr]) -> LinearSolution:
         speeds = self.kinematics.speeds
         if method == "articulated":
             joints = self._joint_inertias.get(None, self._form_joint_inertias)
-            udot = accelerations(self.light, joints, dict(zip(speeds, forces, strict=True)))
+            udot = accelerations(self.base_tree, joints, dict(zip(speeds, forces, strict=True)))
             pivots = {joint.column.speed: joint.D for link in joints for joint in link}
-            return Solution([udot[u] for u in speeds], [pivots[u] for u in speeds])
+            return LinearSolution([udot[u] for u in speeds], [pivots[u] for u in speeds])
         factors, row = self._factors.get(None, lambda: factor(self._mass_rows())), self._row_numbers
         right = [forces[0]] * len(row) if forces else []
         for u, force in zip(speeds, forces, strict=True):
             right[row[u]] = force
         x = solve_factored(factors, right)
-        return Solution([x[row[u]] for u in speeds], [factors.pivots[row[u]] for u in speeds])
+        return LinearSolution([x[row[u]] for u in speeds], [factors.pivots[row[u]] for u in speeds])
 
     def _form_joint_inertias(self) -> list[list[JointInertia]]:
         rotors = {one: inertia for (one, _), inertia in self.rotor_entries().items()}
-        return articulated_inertias(self.light, rotors)
+        return articulated_inertias(self.base_tree, rotors)
 
     def rotor_entries(self) -> dict[tuple[int, int], Expr]:
         """Return the entries of rotors in the mass matrix, by pairs of speeds."""
         entries: dict[tuple[int, int], Expr] = {}
         for rotor in self.rotors:
-            slopes = self._slopes(rotor.rate)
+            slopes = self._speed_partials(rotor.rate)
             for one, a in slopes.items():
                 for two, b in slopes.items():
                     entry = rotor.inertia * a * b
@@ -207,24 +211,24 @@ class Recursion:
         speeds, zero = self.kinematics.speeds, number(self.graph, 0)
         total = dict.fromkeys(speeds, zero)
         for load in self.loads:
-            if isinstance(load, Effort):
-                for u, slope in self._slopes(load.rate).items():
+            if isinstance(load, GeneralizedForce):
+                for u, slope in self._speed_partials(load.rate).items():
                     total[u] = total[u] + slope * load.effort
         for rotor in self.rotors:
             bias = self.kinematics.bias(rotor.rate)
-            for u, slope in self._slopes(rotor.rate).items():
+            for u, slope in self._speed_partials(rotor.rate).items():
                 total[u] = total[u] - rotor.inertia * bias * slope
         return [total[u] for u in speeds]
 
-    def _slopes(self, rate: Expr) -> dict[int, Expr]:
+    def _speed_partials(self, rate: Expr) -> dict[int, Expr]:
         """Return the coefficients of the speeds; most rates are a speed."""
         if rate.index in self._places:
             return {rate.index: number(self.graph, 1)}
-        return self.kinematics.slopes(rate)
+        return self.kinematics.speed_partials(rate)
 
     @property
     def _row_numbers(self) -> dict[int, int]:
-        return row_numbers(self.light, self.kinematics.speeds)
+        return row_numbers(self.base_tree, self.kinematics.speeds)
 
     @property
     def _places(self) -> frozenset[int]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from symbody.equations.kinematics.frame_steps import RotationStep, TranslationStep
 from symbody.equations.kinematics.motion import Kinematics, form_kinematics
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.variables import Use, quasi_vector
+from symbody.equations.kinematics.variables import JointRole, quasi_vector
 from symbody.equations.recursive.link_axes import LinkAxes, choose_axes
 from symbody.equations.recursive.links import (
     GROUND,
@@ -38,7 +38,12 @@ _NEAR, _FAR = "ground", "far"
 
 
 def form_tree(
-    topology: Topology, names: Names, rates: Mapping[int, int], uses: Sequence[Use], *, align: bool = True
+    topology: Topology,
+    names: Names,
+    rates: Mapping[int, int],
+    uses: Sequence[JointRole],
+    *,
+    align: bool = True,
 ) -> KinematicTree:
     """Return the links of a mechanism whose rotation tree is its translation tree.
 
@@ -156,7 +161,7 @@ def _link(
     near = parent.inverse.then(joint.near)
     law = Transform((near.matrix @ chosen.law,), near.position)
     kinematics = _joint_kinematics(names, rates, joint, chosen)
-    x, y, z = components(kinematics.tree, kinematics.arm(_NEAR, _FAR), _NEAR)
+    x, y, z = components(kinematics.tree, kinematics.position(_NEAR, _FAR), _NEAR)
     return TreeLink(
         joint=joint.use.joint.name,
         parent=parent_number,
@@ -172,7 +177,7 @@ def _joint_kinematics(
     """Return the kinematics of one joint alone, from near to far frame, in the axes of its law."""
     joint, forward = tree_joint.use.joint, tree_joint.branch.forward
     frames = {"start": _NEAR, "end": _FAR} if forward else {"start": _FAR, "end": _NEAR}
-    sign, back = 1 if forward else -1, chosen.law.transposed
+    sign, back = 1 if forward else -1, chosen.law.T
 
     def in_law_axes(frame: str, parts: Triple) -> Vector:
         return vector(frames[frame], back @ parts) * sign
@@ -200,7 +205,7 @@ def _joint_kinematics(
 
 def _joint_motion(kinematics: Kinematics, joint: TreeJoint) -> JointMotion:
     tree, w, v = kinematics.tree, kinematics.angular_velocities[_FAR], kinematics.velocities[_FAR]
-    axes = tree.home(_FAR)
+    axes = tree.orientation_frame(_FAR)
 
     def twist(linear: Vector, angular: Vector) -> LinkTwist:
         return Twist(components(tree, linear, axes), components(tree, angular, axes))

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.placing import frame_of, joint_ends, reverse_steps
-from symbody.equations.kinematics.variables import Use, joint_steps, turns_of
-from symbody.equations.recursive.constants import onto_axis
+from symbody.equations.kinematics.variables import JointRole, axis_rotations, joint_steps
+from symbody.equations.recursive.constants import axes_with_z
 from symbody.equations.recursive.links import LinkTransform
 from symbody.expr.expression import Expr
-from symbody.graph.spanning_tree import Branch
+from symbody.graph.spanning_tree import TreeBranch
 from symbody.graph.topology import Topology
-from symbody.model.element import Address
+from symbody.model.element import FrameRef
 from symbody.vectors.euler_parameters import EulerParameters
 from symbody.vectors.matrix import Matrix3, Vector3, identity, zero_vector
 from symbody.vectors.rotation import AxisRotation, Rotation, compose_steps, rotation_matrix
@@ -38,8 +38,8 @@ class TreeJoint:
         Its third column is the axis it turns about, in both frames; None: it has not one constant axis.
     """
 
-    use: Use
-    branch: Branch
+    use: JointRole
+    branch: TreeBranch
     parent: str
     steps: tuple[AxisRotation | EulerParameters, ...]
     near: LinkTransform
@@ -58,7 +58,7 @@ class TreeJoint:
 
 
 def joints_and_groups(
-    topology: Topology, names: Names, uses: dict[str, Use], align: bool
+    topology: Topology, names: Names, uses: dict[str, JointRole], align: bool
 ) -> tuple[list[TreeJoint], dict[str, tuple[str, LinkTransform]]]:
     """Return all moving joints outward from ground, and for each body its group and its transform therein."""
     graph = names.graph
@@ -80,17 +80,17 @@ def joints_and_groups(
             continue
         moving = tuple(step for step in rotation.turns if isinstance(step, AxisRotation | EulerParameters))
         only = moving[0] if len(moving) == 1 and align else None
-        z = onto_axis(graph, only.axis) if isinstance(only, AxisRotation) else None
+        z = axes_with_z(graph, only.axis) if isinstance(only, AxisRotation) else None
         joints.append(TreeJoint(use, branch, group, moving, near, far, z))
         groups[branch.child] = (branch.child, here)
     return joints, groups
 
 
-def _frame(topology: Topology, names: Names, address: Address) -> LinkTransform:
+def _frame(topology: Topology, names: Names, address: FrameRef) -> LinkTransform:
     """Return where a frame stands on its body."""
     frame = frame_of(topology.model, address)
-    rotation = compose_steps(turns_of(names, frame.turns(), address.frame))
-    return _transform(names, rotation, Vector3(names.triple(frame.at, address.frame)))
+    rotation = compose_steps(axis_rotations(names, frame.turns(), address.full_name))
+    return _transform(names, rotation, Vector3(names.triple(frame.at, address.full_name)))
 
 
 def _transform(names: Names, rotation: Rotation, position: Vector3[Expr]) -> LinkTransform:

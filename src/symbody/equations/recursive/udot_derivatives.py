@@ -25,8 +25,8 @@ from symbody.equations.system import MultibodySystem
 from symbody.expr.calculus import forward
 from symbody.expr.canonical import ONE, ZERO
 from symbody.expr.expression import Expr, number
-from symbody.expr.graph import Graph, Kind, Symbol
-from symbody.expr.program import mapped
+from symbody.expr.graph import Graph, Symbol, SymbolKind
+from symbody.expr.program import map_program
 from symbody.expr.rewrite import substitute
 
 # Below so many speeds, and where less is asked for, operations one after the other are fewer and as fast.
@@ -82,12 +82,12 @@ def _columns_side_by_side(
     """Return du'/dx, one row a speed, or None where that is not of this form or does not pay."""
     graph, n = system.graph, len(system.u)
     variables = {*system.q, *system.u}
-    if not all(symbol in variables or symbol.kind is Kind.INPUT for symbol in by):
+    if not all(symbol in variables or symbol.kind is SymbolKind.INPUT for symbol in by):
         return None
     if n < FEWEST_SPEEDS or len(by) < n or recursion.method_for_columns != "composite":
         return None
     rates = {q.index: system.variables.rates[q.index] for q in system.expressions(system.q)}
-    tree = chains(graph, recursion.light, rates)
+    tree = chains(graph, recursion.base_tree, rates)
     if tree is None:
         return None
     speeds = [u.index for u in system.expressions(system.u)]
@@ -156,7 +156,7 @@ class _Columns:
         """Return what loads and rotors add to the columns."""
         graph, system = self._graph, self._system
         symbols = system.expressions([u.derivative for u in system.u])
-        roots = [x.index for x in self._recursion.beside_links(symbols)]
+        roots = [x.index for x in self._recursion.inverse_dynamics_of_loads(symbols)]
         known = {symbol.index: value.index for symbol, value in zip(symbols, self._udot, strict=True)}
         place = {speed: row for row, speed in enumerate(self._closed.speeds)}
         rows = [place[u.index] for u in system.expressions(system.u)]
@@ -219,7 +219,7 @@ class _Columns:
                 x[row] = entry
             return solve_factored(factors, x)
 
-        return mapped(
+        return map_program(
             self._graph,
             shared,
             [[column.get(row, self._zero) for column in columns] for row in rows],
@@ -230,7 +230,7 @@ class _Columns:
         """Return what turning the base changes: what falls with it accelerates along other axes of it."""
         if not self._tree.base:
             return {}
-        free, graph = self._recursion.light.links[0], self._graph
+        free, graph = self._recursion.base_tree.links[0], self._graph
         gravity = [x.index for x in free.transform.to_child(self._recursion.gravity)]
         own = set(self._tree.coordinates.values())
         places = {

@@ -21,7 +21,7 @@ _ASKED: Final = re.compile(r"d\s+(?P<output>.+?)\s*/\s*d\s*(?:\((?P<list>[^/]*)\
 _GROUPS: Final = ("q", "u", "r")
 
 
-class Asked(NamedTuple):
+class DerivativeRequest(NamedTuple):
     """An output, the words it is differentiated by, and whether that is one symbol, which adds no axis."""
 
     output: str
@@ -29,19 +29,24 @@ class Asked(NamedTuple):
     alone: bool
 
 
-def asked_derivative(name: str) -> Asked | None:
+def parse_derivative(name: str) -> DerivativeRequest | None:
     """Return the request that a name like ``d udot/d q`` contains; None if it is not a derivative."""
     found = _ASKED.fullmatch(name.strip())
     if found is None:
         return None
     if found["one"] is not None:
         word = found["one"].strip()
-        return Asked(found["output"], (word,), word not in _GROUPS)
-    return Asked(found["output"], tuple(word.strip() for word in found["list"].split(",")), False)
+        return DerivativeRequest(found["output"], (word,), word not in _GROUPS)
+    return DerivativeRequest(found["output"], tuple(word.strip() for word in found["list"].split(",")), False)
 
 
 def derivative_roots(
-    formed: EquationsOfMotion, name: str, asked: Asked, values: Roots, *, side_by_side: bool = False
+    formed: EquationsOfMotion,
+    name: str,
+    asked: DerivativeRequest,
+    values: Roots,
+    *,
+    side_by_side: bool = False,
 ) -> Roots:
     """Return the derivatives of `values`, the roots of the output; the last axis counts the symbols.
 
@@ -58,13 +63,13 @@ def derivative_roots(
         If a word is none of ``q``, ``u``, ``r`` and no symbol of these equations, with the nearest names.
     """
     by = tuple(chain.from_iterable(_symbols(formed, name, word) for word in asked.by))
-    rows = differentiated(formed, asked.output, values.nodes, by, side_by_side=side_by_side)
+    rows = differentiate_output(formed, asked.output, values.nodes, by, side_by_side=side_by_side)
     shape = values.shape if asked.alone else (*values.shape, len(by))
     given = values.nodes if side_by_side else ()
     return Roots(name, shape, tuple(entry.index for row in rows for entry in row), given)
 
 
-def differentiated(
+def differentiate_output(
     formed: EquationsOfMotion,
     output: str,
     nodes: Sequence[int],

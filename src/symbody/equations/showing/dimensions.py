@@ -93,7 +93,7 @@ def expression_unit(text: str, unit_of: Callable[[str], str | None]) -> str | No
         Takes the name of a symbol or output, returns its unit or None.
     """
     try:
-        value = _evaluate(Formula.of(text, has_outputs=True), unit_of)
+        value = _evaluate(Formula.from_value(text, has_outputs=True), unit_of)
     except (ExpressionError, ArithmeticError, ValueError):
         return None
     if value is None or value.is_literal:
@@ -115,11 +115,11 @@ def _evaluate(formula: Formula, unit_of: Callable[[str], str | None]) -> _Quanti
             del stack[-step.arity :]
             stack.append(_apply(step.payload, operands))
         else:
-            stack.append(_quantity_named(step.payload, unit_of))
+            stack.append(_named_quantity(step.payload, unit_of))
     return stack[0]
 
 
-def _quantity_named(name: str, unit_of: Callable[[str], str | None]) -> _Quantity | None:
+def _named_quantity(name: str, unit_of: Callable[[str], str | None]) -> _Quantity | None:
     if name == "pi":
         return _Quantity(PURE, math.pi, is_literal=True)
     unit = unit_of(name)
@@ -138,10 +138,10 @@ def _apply(name: str, given: Sequence[_Quantity | None]) -> _Quantity | None:
     if all(value.is_literal for value in values):
         number = fold(name, *(value.factor for value in values))
         return None if number is None else _Quantity(PURE, float(number), is_literal=True)
-    return _of_known(name, values)
+    return _function_quantity(name, values)
 
 
-def _of_known(name: str, values: Sequence[_Quantity]) -> _Quantity | None:
+def _function_quantity(name: str, values: Sequence[_Quantity]) -> _Quantity | None:
     first = values[0]
     if name in ("neg", "abs"):
         return first

@@ -6,38 +6,38 @@ from collections.abc import Callable
 
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.canonical import ZERO, add, sub
-from symbody.expr.graph import Graph, Kind
+from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.opcodes import ADD, NEG, SUB
 from symbody.expr.printing.latex import to_display, to_latex
 from symbody.expr.printing.mathml import to_mathml
 from symbody.expr.rewrite import dependence
 
-_MOVING = frozenset({Kind.COORDINATE, Kind.SPEED, Kind.MULTIPLIER})
+_MOVING = frozenset({SymbolKind.COORDINATE, SymbolKind.SPEED, SymbolKind.MULTIPLIER})
 
 
 def display_equations(eqs: EquationSet) -> list[str]:
     """Return one line an equation, for instance ``m x'' + d x' + k x = F``."""
-    return [f"{left} = {right}" for left, right in _printed(eqs, to_display)]
+    return [f"{left} = {right}" for left, right in _print_sides(eqs, to_display)]
 
 
 def latex_equations(eqs: EquationSet) -> list[str]:
     """Return one LaTeX formula an equation, without delimiters."""
-    return [f"{left} = {right}" for left, right in _printed(eqs, to_latex)]
+    return [f"{left} = {right}" for left, right in _print_sides(eqs, to_latex)]
 
 
 def mathml_sides(eqs: EquationSet) -> list[tuple[str, str]]:
     """Return the left and the right side of each equation as MathML; see `mathml_equations`."""
-    return _printed(eqs, to_mathml)
+    return _print_sides(eqs, to_mathml)
 
 
 def equation_sides(eqs: EquationSet) -> list[tuple[int, int]]:
     """Return the nodes of the left and the right side of each equation."""
     graph = eqs.formed.graph
-    pairs = zip(eqs.textbook.inertial.nodes, eqs.textbook.driving.nodes, strict=True)
+    pairs = zip(eqs.textbook.inertial_side.nodes, eqs.textbook.forcing_side.nodes, strict=True)
     return [_sides(graph, sub(graph, inertial, driving)) for inertial, driving in pairs]
 
 
-def _printed(eqs: EquationSet, show: Callable[[Graph, int], str]) -> list[tuple[str, str]]:
+def _print_sides(eqs: EquationSet, show: Callable[[Graph, int], str]) -> list[tuple[str, str]]:
     graph = eqs.formed.graph
     return [(show(graph, left), show(graph, right)) for left, right in equation_sides(eqs)]
 

@@ -27,7 +27,7 @@ def motion_vector(formed: EquationsOfMotion, kind: str, end: str, reference: str
     if kind in ("w", "wdot"):
         turning = w[end].value - w[reference].value
         return turning if kind == "w" else kinematics.derivative(turning, reference)
-    arm = kinematics.arm(reference, end)
+    arm = kinematics.position(reference, end)
     if kind == "r":
         return arm
     velocity = kinematics.velocities[end].value - kinematics.velocities[reference].value

@@ -8,25 +8,25 @@ from symbody.equations.showing.output_words import output_words
 from symbody.equations.solving.solution import resistance
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, symbol
-from symbody.expr.graph import Kind, Symbol
+from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.opcodes import ABS
 
 
 def friction_effort(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
     """Return the output "friction J": the effort on the end body along the positive coordinate."""
-    _, law = _found(formed, rest)
+    _, law = _find_law(formed, rest)
     return (), [_effort(law)]
 
 
 def friction_normal(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
     """Return the output "friction_normal J": the magnitude of the reaction that friction comes from."""
-    k, _ = _found(formed, rest)
+    k, _ = _find_law(formed, rest)
     return (), [resistance(formed).normals[k]]
 
 
 def friction_reserve(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
     """Return the output "friction_reserve J": the effort up to which it sticks, less the present one."""
-    k, law = _found(formed, rest)
+    k, law = _find_law(formed, rest)
     return (), [law.limit * resistance(formed).normals[k] - _effort(law).apply(ABS)]
 
 
@@ -36,10 +36,14 @@ def friction_names(formed: EquationsOfMotion) -> tuple[str, ...]:
 
 
 def _effort(law: FrictionLaw) -> Expr:
-    return symbol(law.rate.graph, Symbol(law.holding, Kind.MULTIPLIER)) if law.sticks else law.effort
+    return (
+        symbol(law.rate.graph, Symbol(law.holding_effort, SymbolKind.MULTIPLIER))
+        if law.sticks
+        else law.effort
+    )
 
 
-def _found(formed: EquationsOfMotion, text: str) -> tuple[int, FrictionLaw]:
+def _find_law(formed: EquationsOfMotion, text: str) -> tuple[int, FrictionLaw]:
     """Return the law that a name means, and its place.
 
     Raises

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Final
 
-from symbody.equations.dynamics.balance import NOTHING, Wrench
-from symbody.equations.dynamics.reactions import effort_along, reaction
+from symbody.equations.dynamics.balance import NO_WRENCH, Wrench
+from symbody.equations.dynamics.reactions import effort_on_coordinate, reaction
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.kinematics.variables import Use
+from symbody.equations.kinematics.variables import JointRole
 from symbody.equations.loads.loads import effort_name
 from symbody.equations.showing.output_words import output_words
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, symbol
-from symbody.expr.graph import Kind, Symbol
+from symbody.expr.graph import Symbol, SymbolKind
 from symbody.model.constraints import Rolling
 from symbody.vectors.vector import components, cross
 
@@ -49,12 +49,12 @@ def reaction_wrench(
             Problem("equations.unknown_joint", f"joint {joint}", f"no joint or constraint {joint!r} connects "
                     "two bodies", "", nearest(joint, formed.wrenches))
         )  # fmt: skip
-    wrench = (formed.wrenches if totals is None else totals).get(joint, NOTHING)
+    wrench = (formed.wrenches if totals is None else totals).get(joint, NO_WRENCH)
     if joint not in formed.topology.contacts:
         wrench = reaction(formed.names, formed.kinematics, formed.topology.joint(joint), wrench)
     at = joint if isinstance(owner, Rolling) and not at else at
     if at:
-        arm = formed.kinematics.arm(formed.frame(at), owner.end.frame)
+        arm = formed.kinematics.position(formed.frame(at), owner.end.full_name)
         wrench = Wrench(wrench.force, wrench.moment + cross(formed.kinematics.tree, arm, wrench.force))
     if on and on not in (owner.end.body, owner.start.body):
         raise FormulationError(
@@ -68,7 +68,7 @@ def reaction_axes(formed: EquationsOfMotion, name: str) -> str:
     """Return the frame that a reaction is resolved in: start; of a rolling contact its own frame."""
     link = formed.topology.link(name)
     assert link is not None
-    return formed.frame(name) if isinstance(link, Rolling) else link.start.frame
+    return formed.frame(name) if isinstance(link, Rolling) else link.start.full_name
 
 
 def reaction_output(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
@@ -98,31 +98,31 @@ def prescribed_efforts(
     formed: EquationsOfMotion, totals: Mapping[str, Wrench] | None = None
 ) -> Iterator[tuple[str, str, Expr]]:
     """Return the name of each effort that holds a prescribed coordinate, the coordinate, and the effort."""
-    for name, (use, coordinate) in _prescribed(formed):
-        yield name, coordinate, _held(formed, use, coordinate, totals)
+    for name, (use, coordinate) in _prescribed_coordinates(formed):
+        yield name, coordinate, _holding_effort(formed, use, coordinate, totals)
 
 
 def joint_effort(formed: EquationsOfMotion, rest: str) -> Expr:
     """Return the effort along a joint coordinate: that of its drive, or that of its prescribed motion."""
     name = rest.replace('"', "").strip()
-    found = dict(_prescribed(formed))
+    found = dict(_prescribed_coordinates(formed))
     if name not in effort_names(formed):
         raise FormulationError(
             Problem("equations.unknown_effort", f"effort {rest}",
                     f"there is no driven joint coordinate {rest!r}", "", nearest(name, effort_names(formed)))
         )  # fmt: skip
     if name in found:
-        return _held(formed, *found[name])
+        return _holding_effort(formed, *found[name])
     effort = formed.loads.efforts.get(name, Expr(formed.graph, 0))
     for row in formed.rows:
         if row.coordinate and effort_name(formed.topology.joint(row.element), row.coordinate) == name:
-            effort = effort + symbol(formed.graph, Symbol(row.name, Kind.MULTIPLIER))
+            effort = effort + symbol(formed.graph, Symbol(row.name, SymbolKind.MULTIPLIER))
     return effort
 
 
 def effort_names(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return the names that may follow "effort"."""
-    names = [*formed.loads.efforts, *(name for name, _ in _prescribed(formed))]
+    names = [*formed.loads.efforts, *(name for name, _ in _prescribed_coordinates(formed))]
     for row in formed.rows:
         if row.coordinate:
             names.append(effort_name(formed.topology.joint(row.element), row.coordinate))
@@ -133,31 +133,33 @@ def total_power(formed: EquationsOfMotion) -> Expr:
     """Return the power of all loads without potential and of prescribed motions [W]."""
     graph, names = formed.graph, formed.names
     total = formed.loads.power
-    for _, (use, coordinate) in _prescribed(formed):
-        total = total + _held(formed, use, coordinate) * names.value(f"{coordinate}_dot")
+    for _, (use, coordinate) in _prescribed_coordinates(formed):
+        total = total + _holding_effort(formed, use, coordinate) * names.value(f"{coordinate}_dot")
     for row in formed.rows:
         if row.coordinate:
-            total = total - symbol(graph, Symbol(row.name, Kind.MULTIPLIER)) * formed.own_rest(row)
+            total = total - symbol(
+                graph, Symbol(row.name, SymbolKind.MULTIPLIER)
+            ) * formed.rest_in_all_speeds(row)
     for row, multiplier in formed.rows_and_multipliers:
         if row.driven is not None and not row.driven.is_zero:
             total = total + multiplier * row.driven
     return total
 
 
-def _prescribed(formed: EquationsOfMotion) -> Iterator[tuple[str, tuple[Use, str]]]:
+def _prescribed_coordinates(formed: EquationsOfMotion) -> Iterator[tuple[str, tuple[JointRole, str]]]:
     """Return the prescribed coordinates by the name of their effort."""
     for use in formed.uses:
-        for coordinate in use.prescribed:
+        for coordinate in use.prescribed_coordinates:
             yield effort_name(use.joint, coordinate), (use, coordinate)
 
 
-def _held(
-    formed: EquationsOfMotion, use: Use, coordinate: str, totals: Mapping[str, Wrench] | None = None
+def _holding_effort(
+    formed: EquationsOfMotion, use: JointRole, coordinate: str, totals: Mapping[str, Wrench] | None = None
 ) -> Expr:
     """Return the effort of a prescribed motion: the joint's wrench along it, and that of its rotor."""
     joint, names, kinematics = use.joint, formed.names, formed.kinematics
     total = (formed.solved_wrenches if totals is None else totals)[joint.name]
-    effort = effort_along(names, kinematics, joint, coordinate, total)
+    effort = effort_on_coordinate(names, kinematics, joint, coordinate, total)
     if coordinate in joint.armature:
         rotor = names.expression(joint.armature[coordinate], f"joint {joint.name}")
         effort = effort + rotor * names.value(f"{coordinate}_ddot")

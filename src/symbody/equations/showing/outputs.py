@@ -7,7 +7,11 @@ from functools import partial
 from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.showing.derivative_outputs import asked_derivative, derivative_roots, differentiated
+from symbody.equations.showing.derivative_outputs import (
+    derivative_roots,
+    differentiate_output,
+    parse_derivative,
+)
 from symbody.equations.showing.frame_motion import frame_output
 from symbody.equations.showing.friction_outputs import (
     friction_effort,
@@ -24,12 +28,12 @@ from symbody.equations.solving.projection import (
     velocity_residual,
 )
 from symbody.equations.solving.ropes import ropes
-from symbody.equations.solving.self_stress import with_shares
+from symbody.equations.solving.self_stress import substitute_shares
 from symbody.equations.solving.slopes import inverse_dynamics
-from symbody.equations.solving.solution import resistance, solve, solved
+from symbody.equations.solving.solution import resistance, solve, substitute_solution
 from symbody.errors import ExpressionError, FormulationError, Problem, nearest
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Kind, Symbol
+from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Roots
@@ -47,22 +51,22 @@ def output_roots(formed: EquationsOfMotion, name: str) -> Roots:
     FormulationError
         If the name means nothing, with the nearest names.
     """
-    maker = _MAKERS.get(name)
+    maker = OUTPUTS.get(name)
     if maker is not None:
         return maker(formed)
-    asked = asked_derivative(name)
+    asked = parse_derivative(name)
     if asked is not None:
         return derivative_roots(formed, name, asked, evaluable_roots(formed, asked.output))
     measured = formed.loads.measures.get(name.replace('"', ""))
     if measured is not None:
         return _roots(name, (), [measured])
     first, _, rest = name.partition(" ")
-    if first in _ABOUT and rest:
-        shape, values = _ABOUT[first](formed, rest)
-        return _roots(name, shape, solved(formed, with_shares(formed, values)))
+    if first in OUTPUTS_BY_NAME and rest:
+        shape, values = OUTPUTS_BY_NAME[first](formed, rest)
+        return _roots(name, shape, substitute_solution(formed, substitute_shares(formed, values)))
     try:
-        formula = Formula.of(name, has_outputs=True)
-        value = formed.readable_names.expression(formula, outputs=partial(_quoted, formed, formula))
+        formula = Formula.from_value(name, has_outputs=True)
+        value = formed.readable_names.expression(formula, outputs=partial(_quoted_output, formed, formula))
     except (ExpressionError, FormulationError) as error:
         words = [*output_names(formed), *formed.names.symbols]
         fault = error.problems[0]
@@ -71,11 +75,11 @@ def output_roots(formed: EquationsOfMotion, name: str) -> Roots:
             Problem("equations.unknown_output", name, f"{name!r} is neither an output nor an expression",
                     fault.what, cure)
         ) from error  # fmt: skip
-    _check_measured(formed, name, value)
-    return _roots(name, (), solved(formed, [value]))
+    _check_is_measured(formed, name, value)
+    return _roots(name, (), substitute_solution(formed, [value]))
 
 
-def _quoted(formed: EquationsOfMotion, formula: Formula, name: str, column: int) -> int:
+def _quoted_output(formed: EquationsOfMotion, formula: Formula, name: str, column: int) -> int:
     """Return the node of an output that stands in quotes in a formula.
 
     Raises
@@ -100,12 +104,14 @@ def _quoted(formed: EquationsOfMotion, formula: Formula, name: str, column: int)
     return roots.nodes[0]
 
 
-def _check_measured(formed: EquationsOfMotion, name: str, value: Expr) -> None:
+def _check_is_measured(formed: EquationsOfMotion, name: str, value: Expr) -> None:
     """Refuse a coordinate that is neither a variable nor measured: a quaternion of a cut joint."""
     graph = formed.graph
     known = {symbol.name for symbol in (*formed.q, *formed.u)}
     symbols = (graph.symbols[graph.left[node]] for node in symbols_of(graph, [value.index]))
-    unknown = [s.name for s in symbols if s.kind in (Kind.COORDINATE, Kind.SPEED) and s.name not in known]
+    unknown = [
+        s.name for s in symbols if s.kind in (SymbolKind.COORDINATE, SymbolKind.SPEED) and s.name not in known
+    ]
     if unknown:
         raise FormulationError(
             Problem("equations.not_measured", name, f"{', '.join(unknown)} cannot be measured",
@@ -117,15 +123,15 @@ def _check_measured(formed: EquationsOfMotion, name: str, value: Expr) -> None:
 def evaluable_roots(formed: EquationsOfMotion, name: str) -> Roots:
     """Return the roots of an output without unknown friction efforts, which formulas for reading keep."""
     roots = output_roots(formed, name)
-    if not formed.friction or asked_derivative(name) is not None:
+    if not formed.friction or parse_derivative(name) is not None:
         return roots
-    found = solved(formed, [Expr(formed.graph, node) for node in roots.nodes])
+    found = substitute_solution(formed, [Expr(formed.graph, node) for node in roots.nodes])
     return _roots(name, roots.shape, found)
 
 
 def code_roots(formed: EquationsOfMotion, name: str) -> Roots:
     """Return the roots of an output to be compiled: derivatives of trees with many columns side by side."""
-    asked = asked_derivative(name)
+    asked = parse_derivative(name)
     if asked is None:
         return evaluable_roots(formed, name)
     return derivative_roots(formed, name, asked, evaluable_roots(formed, asked.output), side_by_side=True)
@@ -138,7 +144,7 @@ def output_names(formed: EquationsOfMotion) -> tuple[str, ...]:
     efforts = (f"effort {name}" for name in effort_names(formed))
     friction = (f"friction {name}" for name in friction_names(formed))
     tensions = (f"rope_tension {name}" for name in ropes(formed))
-    return (*_MAKERS, *efforts, *friction, *tensions, *reactions, *formed.loads.measures)
+    return (*OUTPUTS, *efforts, *friction, *tensions, *reactions, *formed.loads.measures)
 
 
 def _udot(formed: EquationsOfMotion) -> list[Expr]:
@@ -156,7 +162,7 @@ def _states(formed: EquationsOfMotion) -> tuple[Symbol, ...]:
 
 def _slopes(formed: EquationsOfMotion, by: Sequence[Symbol]) -> list[list[Expr]]:
     """Return the derivatives of x' = (u', q') by symbols, all others held fixed."""
-    return differentiated(formed, "xdot", [rate.index for rate in (*_udot(formed), *_qdot(formed))], by)
+    return differentiate_output(formed, "xdot", [rate.index for rate in (*_udot(formed), *_qdot(formed))], by)
 
 
 def _roots(name: str, shape: tuple[int, ...], values: Sequence[Expr]) -> Roots:
@@ -194,7 +200,7 @@ def _bias(formed: EquationsOfMotion) -> list[Expr]:
 
 
 # Outputs about constraints are empty for a tree without any, but they exist, with their shapes.
-_MAKERS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
+OUTPUTS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
     "udot": _vector("udot", _udot),
     "qdot": _vector("qdot", _qdot),
     "xdot": _vector("xdot", lambda formed: [*_udot(formed), *_qdot(formed)]),
@@ -208,7 +214,7 @@ _MAKERS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
     "kinetic_energy": _scalar("kinetic_energy", lambda formed: formed.kinetic_energy),
     "potential_energy": _scalar("potential_energy", lambda formed: formed.potential_energy),
     "energy": _scalar("energy", lambda formed: formed.kinetic_energy + formed.potential_energy),
-    "power": _scalar("power", lambda formed: solved(formed, [total_power(formed)])[0]),
+    "power": _scalar("power", lambda formed: substitute_solution(formed, [total_power(formed)])[0]),
     "constraints": _vector("constraints", lambda formed: [row.value for row in formed.holonomic]),
     "velocity_constraints": _vector("velocity_constraints", velocity_residual),
     "gamma": _vector("gamma", lambda formed: [row.gamma for row in formed.rows]),
@@ -229,7 +235,7 @@ _MAKERS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
 }
 
 # Words followed by names.
-_ABOUT: Final[dict[str, Callable[[EquationsOfMotion, str], tuple[tuple[int, ...], list[Expr]]]]] = {
+OUTPUTS_BY_NAME: Final[dict[str, Callable[[EquationsOfMotion, str], tuple[tuple[int, ...], list[Expr]]]]] = {
     "friction": friction_effort,
     "friction_normal": friction_normal,
     "friction_reserve": friction_reserve,

@@ -83,21 +83,23 @@ def _sites(model: Model) -> Iterator[tuple[Formula, str]]:
     yield from ((formula, "m/s^2") for formula in model.gravity)
     yield from _frame_sites(model.ground.items())
     for body in model.bodies:
-        yield from _match((use.path, use.formula) for use in body.uses())
+        yield from _match((use.path, use.formula) for use in body.formula_sites())
     for joint in model.joints:
         yield from _joint_sites(joint)
     for element in model.elements:
         if isinstance(element, Force | Torque):
             unit = "N" if isinstance(element, Force) else "N m"
-            yield from ((use.formula, unit) for use in element.uses() if _VECTOR.fullmatch(use.path))
+            yield from ((use.formula, unit) for use in element.formula_sites() if _VECTOR.fullmatch(use.path))
         elif isinstance(element, SpringDamper | TorsionSpring):
             units = _LINEAR if isinstance(element, SpringDamper) else _ANGULAR
-            yield from ((use.formula, units[use.path]) for use in element.uses() if use.path in units)
+            yield from (
+                (use.formula, units[use.path]) for use in element.formula_sites() if use.path in units
+            )
 
 
 def _frame_sites(frames: Iterable[tuple[str, Frame]]) -> Iterator[tuple[Formula, str]]:
     for name, frame in frames:
-        yield from _match((use.path, use.formula) for use in frame.uses(f"frames.{name}"))
+        yield from _match((use.path, use.formula) for use in frame.formula_sites(f"frames.{name}"))
 
 
 def _match(uses: Iterable[tuple[str, Formula]]) -> Iterator[tuple[Formula, str]]:
@@ -111,9 +113,9 @@ def _joint_sites(joint: Joint) -> Iterator[tuple[Formula, str]]:
     """Yield the formulas of drives and prescribed motions."""
     slides = set(joint.translation_coordinates)
     turns = set(joint.rotation_coordinates if joint.quaternion is None else ())
-    for path, coordinate, drive in joint.placed_drives():
+    for path, coordinate, drive in joint.drives_with_paths():
         units = _LINEAR if coordinate in slides else _ANGULAR if coordinate in turns else {}
-        for use in drive.uses(path):
+        for use in drive.formula_sites(path):
             word = use.path.removeprefix(f"{path}.")
             if word in units:
                 yield use.formula, units[word]

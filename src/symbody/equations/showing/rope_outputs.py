@@ -7,12 +7,12 @@ from types import MappingProxyType
 from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.equations.showing.output_words import output_words
 from symbody.equations.solving.ropes import rope_row, ropes
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, number, symbol
-from symbody.expr.graph import Kind, Symbol
+from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.opcodes import ABS
 
 Output = tuple[tuple[int, ...], list[Expr]]
@@ -20,29 +20,29 @@ Output = tuple[tuple[int, ...], list[Expr]]
 
 def rope_tension(formed: EquationsOfMotion, rest: str) -> Output:
     """Return the output "rope_tension R": the force with which it pulls; 0 where it is slack."""
-    row = _found(formed, rest)
+    row = _find_row(formed, rest)
     if any(row is other for other in formed.slack):
         return (), [number(formed.graph, 0)]
-    return (), [-symbol(formed.graph, Symbol(row.name, Kind.MULTIPLIER))]
+    return (), [-symbol(formed.graph, Symbol(row.name, SymbolKind.MULTIPLIER))]
 
 
 def rope_slack(formed: EquationsOfMotion, rest: str) -> Output:
     """Return the output "rope_slack R": its length less the distance of its ends."""
-    return (), [-_found(formed, rest).value]
+    return (), [-_find_row(formed, rest).value]
 
 
 def rope_slack_rate(formed: EquationsOfMotion, rest: str) -> Output:
     """Return the output "rope_slack_dot R"."""
-    row = _found(formed, rest)
-    total = -row.rest
-    for u, slope in row.slopes.items():
+    row = _find_row(formed, rest)
+    total = -row.drift
+    for u, slope in row.jacobian.items():
         total = total - slope * Expr(formed.graph, u)
     return (), [total]
 
 
 def rope_slack_acceleration(formed: EquationsOfMotion, rest: str) -> Output:
     """Return the output "rope_slack_ddot R"."""
-    row = _found(formed, rest)
+    row = _find_row(formed, rest)
     total = row.gamma
     for slope, rate in _terms(formed, row):
         total = total - slope * rate
@@ -51,33 +51,33 @@ def rope_slack_acceleration(formed: EquationsOfMotion, rest: str) -> Output:
 
 def rope_acceleration_size(formed: EquationsOfMotion, rest: str) -> Output:
     """Return the output "rope_size R": what cancels in its second rate: its rounding is a share of it."""
-    row = _found(formed, rest)
+    row = _find_row(formed, rest)
     total, speed = row.gamma.apply(ABS), number(formed.graph, 0)
     for slope, rate in _terms(formed, row):
         total = total + (slope * rate).apply(ABS)
-    for u, slope in row.slopes.items():
+    for u, slope in row.jacobian.items():
         speed = speed + (slope * Expr(formed.graph, u)).apply(ABS)
     return (), [total + speed**2 / _length(formed, row)]
 
 
 def rope_length(formed: EquationsOfMotion, rest: str) -> Output:
     """Return the output "rope_length R": of the rope itself."""
-    return (), [_length(formed, _found(formed, rest))]
+    return (), [_length(formed, _find_row(formed, rest))]
 
 
-def _length(formed: EquationsOfMotion, row: Row) -> Expr:
+def _length(formed: EquationsOfMotion, row: ConstraintEquation) -> Expr:
     rod = formed.topology.contacts[row.element]
-    return formed.names.expression(next(iter(rod.uses())).formula, f"constraint {row.element}")
+    return formed.names.expression(next(iter(rod.formula_sites())).formula, f"constraint {row.element}")
 
 
-def _terms(formed: EquationsOfMotion, row: Row) -> list[tuple[Expr, Expr]]:
+def _terms(formed: EquationsOfMotion, row: ConstraintEquation) -> list[tuple[Expr, Expr]]:
     """Return the slopes of a row with the accelerations they belong to."""
     graph, zero = formed.graph, number(formed.graph, 0)
     speeds = zip(formed.u, formed.kinematics.speeds, strict=True)
-    return [(row.slopes.get(node, zero), symbol(graph, u.derivative)) for u, node in speeds]
+    return [(row.jacobian.get(node, zero), symbol(graph, u.derivative)) for u, node in speeds]
 
 
-def _found(formed: EquationsOfMotion, text: str) -> Row:
+def _find_row(formed: EquationsOfMotion, text: str) -> ConstraintEquation:
     """Return the row of the rope that a name means.
 
     Raises

@@ -13,7 +13,7 @@ from symbody.equations.showing.frame_motion import frame_motion_entries
 from symbody.equations.showing.joint_outputs import reaction_axes, reaction_wrench
 from symbody.equations.showing.outputs import output_roots
 from symbody.errors import FormulationError, Problem
-from symbody.expr.closed_form import ClosedForms, closed_forms, equated, readable
+from symbody.expr.closed_form import ClosedForms, closed_forms, equations_between, readable
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph
 from symbody.expr.printing.definitions import EXPAND_LIMIT
@@ -62,12 +62,12 @@ class Textbook:
     def matrix(self, name: str) -> SympyMatrix:
         """Return an output; written out if it is short, else in the symbols of `definitions`."""
 
-        def written() -> SympyMatrix:
+        def write() -> SympyMatrix:
             if self._is_long(name):
                 return self._long.matrices[name]
             return closed_forms(self.formed.graph, [self.side(name)], EXPAND_LIMIT).matrices[name]
 
-        return self._matrices.get(name, written).copy()
+        return self._matrices.get(name, write).copy()
 
     def derivatives(self, name: str) -> SympyMatrix:
         """Return an output that is not among those shown together.
@@ -86,7 +86,7 @@ class Textbook:
 
     def equations(self, left: str, right: str) -> list[SympyEquation]:
         """Return ``left = right``, entry by entry, unevaluated."""
-        return equated(self.matrix(left), self.matrix(right))
+        return equations_between(self.matrix(left), self.matrix(right))
 
     @property
     def definitions(self) -> tuple[tuple[SympyExpr, SympyExpr], ...]:
@@ -97,12 +97,12 @@ class Textbook:
     def _long(self) -> ClosedForms:
         """All long formulas together, so that they share one list of definitions."""
 
-        def written() -> ClosedForms:
+        def write() -> ClosedForms:
             names = [name for name in _SHOWN + _SIDES if self._is_long(name)]
             outputs = [self.side(name) for name in names]
             return closed_forms(self.formed.graph, outputs, EXPAND_LIMIT)
 
-        return self._closed.get(None, written)
+        return self._closed.get(None, write)
 
     def _is_long(self, name: str) -> bool:
         return max(tree_sizes(self.formed.graph, self.side(name).nodes), default=0) > EXPAND_LIMIT
@@ -112,7 +112,7 @@ class Textbook:
         if name in _SIDES:
             graph = self.formed.graph
             rates = tuple(graph.symbol(symbol.derivative) for symbol in self.formed.q)
-            return {"inertial": self.inertial, "driving": self.driving}.get(
+            return {"inertial": self.inertial_side, "driving": self.forcing_side}.get(
                 name, Roots(name, (len(rates),), rates)
             )
         return self.readable(name)
@@ -140,7 +140,7 @@ class Textbook:
         return Roots(name, shape, tuple(formulas))
 
     @property
-    def inertial(self) -> Roots:
+    def inertial_side(self) -> Roots:
         """``M u'`` in the expression graph, one root a speed."""
         graph, n = self.formed.graph, len(self.formed.u)
         accelerations = self.formed.expressions(tuple(symbol.derivative for symbol in self.formed.u))
@@ -149,7 +149,7 @@ class Textbook:
         return Roots("inertial", (n,), tuple(rows))
 
     @property
-    def driving(self) -> Roots:
+    def forcing_side(self) -> Roots:
         """``F + J^T lambda`` in the expression graph, one root a speed."""
         graph, n = self.formed.graph, len(self.formed.u)
         multipliers = self.formed.expressions(self.formed.multipliers)

@@ -54,7 +54,7 @@ class Units(Mapping[str, str]):
         first, kind = [*name.split(maxsplit=2), "", ""][:2]
         if first == "frame" and kind in _FRAME:
             return _FRAME[kind]
-        unit = None if is_whole(name) else expression_unit(name, self.get)
+        unit = None if is_output_name(name) else expression_unit(name, self.get)
         if unit is None:
             raise KeyError(name)
         return unit
@@ -71,7 +71,7 @@ class Units(Mapping[str, str]):
         return f"Units({dict(self.known)!r})"
 
 
-def is_whole(name: str) -> bool:
+def is_output_name(name: str) -> bool:
     """Return whether a name is a symbol or begins with a word and a blank, as outputs do."""
     return re.fullmatch(r"\w+|[A-Za-z_]+ [^-+*/^<>=(,].*", name.strip()) is not None
 

@@ -19,7 +19,7 @@ from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.joint_axes import free_directions, perpendiculars
-from symbody.equations.kinematics.variables import turns_of
+from symbody.equations.kinematics.variables import axis_rotations
 from symbody.equations.loads.friction import FrictionLaw, Resistance
 from symbody.equations.solving.self_stress import multiplier_nodes, self_stress
 from symbody.expr.calculus import linear_coefficients
@@ -40,10 +40,10 @@ _TINY: Final = 1e-200  # N^2 and N m below which a reaction has no direction
 
 def solve_with_friction(formed: EquationsOfMotion, linear: Linear) -> tuple[list[Expr], list[Expr]]:
     """Return u' and the multipliers; the friction is stored in ``formed.resistances``."""
-    return _Solver(formed, linear).solution()
+    return _FrictionSolver(formed, linear).solution()
 
 
-class _Solver:
+class _FrictionSolver:
     """One solution; vectors over all unknowns are ordered u', multipliers, friction efforts, shares.
 
     Shares are what the multipliers of all rows that bear loads differ by for reactions of least norm.
@@ -71,28 +71,30 @@ class _Solver:
 
     def solution(self) -> tuple[list[Expr], list[Expr]]:
         """Return u' and the multipliers."""
-        given = [self._given(law) for law in self.laws]
+        given = [self._independent_effort(law) for law in self.laws]
         base = self._with_shares(self._base(given), is_whole=True)
         if not self.coupled:
-            return self._finished(base, {}, [], [])
+            return self._store_resistance(base, {}, [], [])
         weights = [-(self.laws[k].slip * self.laws[k].strength) for k in self.coupled]
         responses = [self._with_shares(self._response(k), is_whole=False) for k in self.coupled]
         parts = [self._reaction_parts(self.laws[k], base, responses) for k in self.coupled]
         start = [first for first, _ in parts]
-        change = [[_scaled(a, c) for a, c in zip(rest, weights, strict=True)] for _, rest in parts]
+        change = [[_scale(a, c) for a, c in zip(rest, weights, strict=True)] for _, rest in parts]
         normals = self._normals(start, change)
         margins = _pivots([[_length(d) for d in row] for row in change], self.zero)
         residuals = [
-            self._residual(n, _moved(a, row, normals))
+            self._residual(n, _add_combination(a, row, normals))
             for n, a, row in zip(normals, start, change, strict=True)
         ]
-        normals = _guarded(normals, margins, residuals)
+        normals = _invalidate_doubtful(normals, margins, residuals)
         found = base
         for n, c, response in zip(normals, weights, responses, strict=True):
             found = [x + y * (c * n) for x, y in zip(found, response, strict=True)]
-        return self._finished(found, dict(zip(self.coupled, normals, strict=True)), residuals, margins)
+        return self._store_resistance(
+            found, dict(zip(self.coupled, normals, strict=True)), residuals, margins
+        )
 
-    def _given(self, law: FrictionLaw) -> Expr:
+    def _independent_effort(self, law: FrictionLaw) -> Expr:
         """Return the effort, 0 where it depends on reactions."""
         return self.zero if law.reads_reaction or law.sticks else -(law.slip * law.strength)
 
@@ -116,7 +118,7 @@ class _Solver:
         self, law: FrictionLaw, base: list[Expr], responses: list[list[Expr]]
     ) -> tuple[list[Expr], list[list[Expr]]]:
         """Return a joint's reaction without coupled friction, and the change by a unit of each."""
-        rows, rest = self._affine([part.index for part in across(self.formed, law)])
+        rows, rest = self._affine([part.index for part in normal_load(self.formed, law)])
         first = [x + self._product(row, base) for x, row in zip(rest, rows, strict=True)]
         return first, [[self._product(row, response) for row in rows] for response in responses]
 
@@ -154,18 +156,18 @@ class _Solver:
             return [(p + sqrt(maximum(p * p + (1 - q) * _dot(a, a), _TINY))) / (1 - q)]
         normals = [_length(a) for a in start]
         for _ in range(_STEPS):
-            units = [_unit(_moved(a, row, normals)) for a, row in zip(start, change, strict=True)]
+            units = [_unit(_add_combination(a, row, normals)) for a, row in zip(start, change, strict=True)]
             matrix = [[-_dot(e, d) for d in row] for e, row in zip(units, change, strict=True)]
             for k in range(len(matrix)):
                 matrix[k][k] = matrix[k][k] + 1
-            normals = _eliminated(matrix, [_dot(e, a) for e, a in zip(units, start, strict=True)])
+            normals = _solve_linear(matrix, [_dot(e, a) for e, a in zip(units, start, strict=True)])
         return normals
 
     def _residual(self, normal: Expr, vector: list[Expr]) -> Expr:
         length = _length(vector)
         return (normal - length).apply(ABS) / (normal.apply(ABS) + length)
 
-    def _finished(
+    def _store_resistance(
         self, solution: list[Expr], normals: dict[int, Expr], residuals: list[Expr], margins: list[Expr]
     ) -> tuple[list[Expr], list[Expr]]:
         """Store the friction, return u' and the multipliers."""
@@ -180,37 +182,37 @@ class _Solver:
         one = number(self.graph, 1)
         for k, law in enumerate(self.laws):
             if k not in normals and law.reads_reaction:
-                parts = substitute(self.graph, [part.index for part in across(self.formed, law)], nodes)
+                parts = substitute(self.graph, [part.index for part in normal_load(self.formed, law)], nodes)
                 normals[k] = _length([Expr(self.graph, node) for node in parts])
         self.formed.resistances.append(
             Resistance(
                 efforts=solution[n + m : end],
                 normals=[normals.get(k, one) for k in range(len(self.laws))],
-                residuals=self._placed(residuals, self.zero),
-                margins=self._placed(margins, one),
+                residuals=self._fill_laws(residuals, self.zero),
+                margins=self._fill_laws(margins, one),
             )
         )
         return solution[:n], solution[n : n + m]
 
-    def _placed(self, values: list[Expr], other: Expr) -> list[Expr]:
+    def _fill_laws(self, values: list[Expr], other: Expr) -> list[Expr]:
         """Return values of the coupled laws with another one for the rest."""
         found = dict(zip(self.coupled, values, strict=True)) if values else {}
         return [found.get(k, other) for k in range(len(self.laws))]
 
 
-def across(formed: EquationsOfMotion, law: FrictionLaw) -> list[Expr]:
+def normal_load(formed: EquationsOfMotion, law: FrictionLaw) -> list[Expr]:
     """Return the components of the vector whose magnitude is N, in u', multipliers and friction efforts.
 
     They are the joint's force perpendicular to its axis [N], in a screw that along it too; in a joint that
     slides also the moment about the origin of its end frame over the radius, if there is one.
     """
     joint, names, tree = law.joint, formed.names, formed.kinematics.tree
-    wrench, start = formed.wrenches[joint.name], joint.start.frame
-    turns = turns_of(names, joint.turns(), f"joint {joint.name}")
+    wrench, start = formed.wrenches[joint.name], joint.start.full_name
+    turns = axis_rotations(names, joint.turns(), f"joint {joint.name}")
     axis = turns[0].axis if turns else free_directions(names, joint)[0]
-    normals = [vector(tree.home(start), normal) for normal in perpendiculars(formed.graph, axis)]
+    normals = [vector(tree.orientation_frame(start), normal) for normal in perpendiculars(formed.graph, axis)]
     if joint.coupled_coordinates:  # a thread carries the load along its axis
-        normals.append(vector(tree.home(start), axis))
+        normals.append(vector(tree.orientation_frame(start), axis))
     found = [dot(tree, normal, wrench.force) for normal in normals]
     if law.radius is not None and not turns:
         found += [part / law.radius for part in components(tree, wrench.moment, start)]
@@ -222,7 +224,7 @@ def unknown_symbols(formed: EquationsOfMotion) -> list[Symbol]:
     return [*(u.derivative for u in formed.u), *formed.multipliers, *(law.symbol for law in formed.friction)]
 
 
-def _guarded(normals: list[Expr], margins: list[Expr], residuals: list[Expr]) -> list[Expr]:
+def _invalidate_doubtful(normals: list[Expr], margins: list[Expr], residuals: list[Expr]) -> list[Expr]:
     """Return the normals, NaN where they are not determined or were not found."""
     doubt = margins[0]
     for margin in margins[1:]:
@@ -247,7 +249,7 @@ def _pivots(w: list[list[Expr]], zero: Expr) -> list[Expr]:
     return [a[k][k] for k in range(n)]
 
 
-def _eliminated(a: list[list[Expr]], b: list[Expr]) -> list[Expr]:
+def _solve_linear(a: list[list[Expr]], b: list[Expr]) -> list[Expr]:
     """Return x with ``a x = b``, by elimination in the order given."""
     n = len(b)
     a, x = [list(row) for row in a], list(b)
@@ -264,14 +266,14 @@ def _eliminated(a: list[list[Expr]], b: list[Expr]) -> list[Expr]:
     return x
 
 
-def _moved(a: list[Expr], row: list[list[Expr]], normals: list[Expr]) -> list[Expr]:
+def _add_combination(a: list[Expr], row: list[list[Expr]], normals: list[Expr]) -> list[Expr]:
     found = list(a)
     for d, n in zip(row, normals, strict=True):
         found = [x + y * n for x, y in zip(found, d, strict=True)]
     return found
 
 
-def _scaled(a: list[Expr], c: Expr) -> list[Expr]:
+def _scale(a: list[Expr], c: Expr) -> list[Expr]:
     return [x * c for x in a]
 
 

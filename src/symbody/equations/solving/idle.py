@@ -7,14 +7,14 @@ from collections.abc import Mapping
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.errors import FormulationError, Problem
 from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.graph import Kind
+from symbody.expr.graph import SymbolKind
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import dependence, symbols_of
 from symbody.expr.sequence import Input, Roots, build_sequence
 from symbody.tolerances import TYPED
 
 
-def check_idle(formed: EquationsOfMotion, parameters: Mapping[str, float]) -> None:
+def check_parameter_constraints(formed: EquationsOfMotion, parameters: Mapping[str, float]) -> None:
     """Refuse values of parameters that a constraint on parameters alone excludes.
 
     Parameters
@@ -32,7 +32,7 @@ def check_idle(formed: EquationsOfMotion, parameters: Mapping[str, float]) -> No
     kinds = dependence(graph, [row.value.index for row in rows])
     problems = []
     for row in rows:
-        if kinds[row.value.index] != {Kind.PARAMETER}:
+        if kinds[row.value.index] != {SymbolKind.PARAMETER}:
             continue
         names = [graph.symbols[graph.left[node]].name for node in symbols_of(graph, [row.value.index])]
         if not all(name in parameters for name in names):

@@ -13,7 +13,7 @@ from random import Random
 from typing import Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr, number
 from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
@@ -23,7 +23,7 @@ from symbody.vectors.vector import dot
 _POINTS: Final = 3
 
 
-def without_noise(
+def drop_negligible(
     formed: EquationsOfMotion, parameters: Mapping[str, float], program: Sequence | None = None
 ) -> EquationsOfMotion:
     """Return the equations with all rows that are only rounding set to 0 = 0; their multipliers are 0.
@@ -37,18 +37,18 @@ def without_noise(
     """
     if not formed.rows:
         return formed
-    silent = _silent(formed, noise_program(formed) if program is None else program, parameters)
+    silent = _silent(formed, magnitude_program(formed) if program is None else program, parameters)
     if not any(silent):
         return formed
     zero = Expr(formed.graph, 0)
     rows = tuple(
-        replace(row, slopes={}, rest=zero, gamma=zero) if quiet else row
+        replace(row, jacobian={}, drift=zero, gamma=zero) if quiet else row
         for row, quiet in zip(formed.rows, silent, strict=True)
     )
     return formed.with_rows(rows)
 
 
-def noise_program(formed: EquationsOfMotion) -> Sequence:
+def magnitude_program(formed: EquationsOfMotion) -> Sequence:
     """Return what computes the slopes of all rows and the squares of the motions they compare."""
     pairs = [_slopes_and_squares(formed, row) for row in formed.rows]
     roots = [
@@ -73,27 +73,27 @@ def _silent(formed: EquationsOfMotion, program: Sequence, parameters: Mapping[st
     return silent
 
 
-def _slopes_and_squares(formed: EquationsOfMotion, row: Row) -> tuple[list[Expr], list[Expr]]:
+def _slopes_and_squares(formed: EquationsOfMotion, row: ConstraintEquation) -> tuple[list[Expr], list[Expr]]:
     """Return the slopes of a row, and for each the square of the motions whose difference it is part of."""
     kinematics, tree = formed.kinematics, formed.kinematics.tree
     link = formed.topology.link(row.element)
     if link is None:  # written in coordinates, not in motions of frames
         return [number(formed.graph, 1)], [number(formed.graph, 0)]
-    start, end = link.start.frame, link.end.frame
+    start, end = link.start.full_name, link.end.full_name
     w, w_end = kinematics.angular_velocities[start], kinematics.angular_velocities[end]
     v, v_end = kinematics.velocities[start], kinematics.velocities[end]
-    arm = kinematics.arm(start, end)
+    arm = kinematics.position(start, end)
     # Where a frame stands on the axis its body turns about, what cancels is a turn times a lever.
     levers = [
         (w, arm),
-        (w, kinematics.arm(link.start.body, start)),
-        (w_end, kinematics.arm(link.end.body, end)),
+        (w, kinematics.position(link.start.body, start)),
+        (w_end, kinematics.position(link.end.body, end)),
     ]
     turned = [(part, dot(tree, lever, lever)) for part, lever in levers]
     # A moment beside a force has the length of a lever; alone it stands for an angle.
     lever = number(formed.graph, 1) if row.force.is_zero else dot(tree, row.moment, row.moment)
     slopes, squares = [], []
-    for u, slope in row.slopes.items():
+    for u, slope in row.jacobian.items():
         square = Expr(formed.graph, 0)
         if not row.force.is_zero:
             for part in (v.partial(u), v_end.partial(u)):

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.expr.expression import Expr, number, saddle_entry, sqrt
-from symbody.expr.graph import Kernel
+from symbody.expr.graph import KernelNode
 from symbody.expr.rewrite import substitute
 
 
@@ -25,7 +25,7 @@ def position_move(formed: EquationsOfMotion) -> list[Expr]:
     """Return what to add to q so that the position residual vanishes to first order."""
     graph = formed.graph
     holonomic = formed.holonomic
-    moves = _along_rates(formed, _least_move(formed, holonomic, [-row.value for row in holonomic]))
+    moves = _coordinate_change(formed, _least_move(formed, holonomic, [-row.value for row in holonomic]))
     place = {graph.symbol(symbol): k for k, symbol in enumerate(formed.q)}
     for quaternion in formed.variables.quaternions:
         norm = sqrt(_square(formed, quaternion))
@@ -38,8 +38,8 @@ def velocity_residual(formed: EquationsOfMotion) -> list[Expr]:
     """Return ``J u + b``."""
     drift = []
     for row in formed.rows:
-        total = row.rest
-        for u, slope in row.slopes.items():
+        total = row.drift
+        for u, slope in row.jacobian.items():
             total = total + slope * Expr(formed.graph, u)
         drift.append(total)
     return drift
@@ -50,20 +50,22 @@ def velocity_move(formed: EquationsOfMotion) -> list[Expr]:
     return _least_move(formed, formed.rows, [-x for x in velocity_residual(formed)])
 
 
-def _least_move(formed: EquationsOfMotion, rows: Sequence[Row], gamma: Sequence[Expr]) -> list[Expr]:
+def _least_move(
+    formed: EquationsOfMotion, rows: Sequence[ConstraintEquation], gamma: Sequence[Expr]
+) -> list[Expr]:
     """Return the move of the speeds with ``J move = gamma`` for some rows, least in the mass matrix."""
     zero = number(formed.graph, 0)
     n, m = len(formed.u), len(rows)
     if m == 0:
         return [zero] * n
     mass = [entry for row in formed.dynamics.mass_matrix for entry in row]
-    slopes = [row.slopes.get(u, zero) for row in rows for u in formed.kinematics.speeds]
+    slopes = [row.jacobian.get(u, zero) for row in rows for u in formed.kinematics.speeds]
     operands = tuple(x.index for x in (*mass, *slopes, *[zero] * n, *gamma))
-    kernel = formed.graph.kernel(Kernel(n, m))
+    kernel = formed.graph.kernel(KernelNode(n, m))
     return [saddle_entry(formed.graph, kernel, operands, k) for k in range(n)]
 
 
-def _along_rates(formed: EquationsOfMotion, speeds: list[Expr]) -> list[Expr]:
+def _coordinate_change(formed: EquationsOfMotion, speeds: list[Expr]) -> list[Expr]:
     """Return the change of q for a small motion ``u dt``: N times it, without explicit time."""
     graph, rates = formed.graph, formed.variables.rates
     nodes = [rates[graph.symbol(q)] for q in formed.q]

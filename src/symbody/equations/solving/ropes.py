@@ -6,9 +6,9 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.expr.expression import number, symbol
-from symbody.expr.graph import Kind, Symbol
+from symbody.expr.graph import Symbol, SymbolKind
 from symbody.model.constraints import Distance
 from symbody.single_flight import SingleFlight
 
@@ -20,12 +20,12 @@ def ropes(formed: EquationsOfMotion) -> tuple[str, ...]:
     return tuple(c.name for c in conditions if isinstance(c, Distance) and c.rope and c.name in known)
 
 
-def rope_row(formed: EquationsOfMotion, name: str) -> Row:
+def rope_row(formed: EquationsOfMotion, name: str) -> ConstraintEquation:
     """Return the row that holds while a rope is taut, whether it is or not."""
     return next(row for row in (*formed.rows, *formed.slack) if row.element == name)
 
 
-def slackened(formed: EquationsOfMotion, names: Collection[str]) -> EquationsOfMotion:
+def slacken(formed: EquationsOfMotion, names: Collection[str]) -> EquationsOfMotion:
     """Return the equations without the rows of some ropes; their multipliers are 0."""
     gone = tuple(row for row in formed.rows if row.element in names)
     if not gone:
@@ -56,7 +56,7 @@ def with_words(formed: EquationsOfMotion, words: Mapping[str, str]) -> Equations
     values = {words[row.element]: -row.value for row in formed.slack if row.element in words}
     for row in formed.rows:
         if row.element in words:
-            values[words[row.element]] = symbol(formed.graph, Symbol(row.name, Kind.MULTIPLIER))
+            values[words[row.element]] = symbol(formed.graph, Symbol(row.name, SymbolKind.MULTIPLIER))
     return replace(formed, names=formed.names.with_values(values), _names=SingleFlight())
 
 

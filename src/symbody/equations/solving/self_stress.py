@@ -18,17 +18,17 @@ from typing import NamedTuple
 
 from symbody.equations.dynamics.balance import Wrench
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.equations.loads.loads import effort_name
 from symbody.equations.measured_wrenches import static_wrenches
 from symbody.equations.showing.joint_outputs import ENTRIES, prescribed_efforts, reaction_entries
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr, maximum, number, saddle_entry
-from symbody.expr.fingerprint import vanishing
-from symbody.expr.graph import Kernel, Kind, Symbol
+from symbody.expr.fingerprint import find_zeros
+from symbody.expr.graph import KernelNode, Symbol, SymbolKind
 from symbody.expr.opcodes import LT, SELECT
 from symbody.expr.rewrite import substitute
-from symbody.model.constraint import Contact
+from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints import Distance, Rolling
 from symbody.model.joint import Joint
 from symbody.single_flight import SingleFlight
@@ -50,7 +50,7 @@ class Component(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
+class StressBlock:
     """Rows that may put loads on each other, apart from all others.
 
     Attributes
@@ -88,7 +88,7 @@ class Block:
         operands = [mass[max(i, j)][min(i, j)] for i in range(n) for j in range(n)]
         operands += [entry for row in self.slopes for entry in row]
         nodes = tuple(x.index for x in (*operands, *loads, *([zero] * m)))
-        kernel = graph.kernel(Kernel(n, m))
+        kernel = graph.kernel(KernelNode(n, m))
         return [saddle_entry(graph, kernel, nodes, k) for k in range(n)]
 
 
@@ -105,9 +105,9 @@ class SelfStress:
     blocks : tuple of Block
     """
 
-    rows: tuple[Row, ...]
+    rows: tuple[ConstraintEquation, ...]
     components: tuple[Component, ...]
-    blocks: tuple[Block, ...]
+    blocks: tuple[StressBlock, ...]
     zero: Expr
     # Made on first request, from the equations these belong to; the first by `identically_undetermined`.
     always: SingleFlight[None, tuple[str, ...]] = field(default_factory=SingleFlight, repr=False)
@@ -122,11 +122,11 @@ class SelfStress:
         listed = dict(_components(formed, formed.solved_wrenches))
         return [listed[component] for component in self.components]
 
-    def shared(self, formed: EquationsOfMotion) -> dict[int, int]:
+    def least_norm_multipliers(self, formed: EquationsOfMotion) -> dict[int, int]:
         """Return the node that replaces each multiplier in reactions of least norm."""
-        return self._shared.get(None, partial(self._form_shared, formed))
+        return self._shared.get(None, partial(self._form_least_norm, formed))
 
-    def _form_shared(self, formed: EquationsOfMotion) -> dict[int, int]:
+    def _form_least_norm(self, formed: EquationsOfMotion) -> dict[int, int]:
         symbols = multiplier_nodes(formed)
         shares = self.shares(self.values(formed))
         known = [Expr(formed.graph, node) for node in symbols[: len(formed.rows)]]
@@ -149,20 +149,20 @@ def self_stress(formed: EquationsOfMotion) -> SelfStress:
     return found
 
 
-def with_shares(formed: EquationsOfMotion, values: Sequence[Expr]) -> list[Expr]:
+def substitute_shares(formed: EquationsOfMotion, values: Sequence[Expr]) -> list[Expr]:
     """Return expressions in the multipliers with those of least norm, in the multipliers of the solution."""
     graph = formed.graph
     symbols = multiplier_nodes(formed)
     if not symbols or set(symbols).isdisjoint(graph.reachable([value.index for value in values])):
         return list(values)
-    shared = self_stress(formed).shared(formed)
+    shared = self_stress(formed).least_norm_multipliers(formed)
     return [Expr(graph, node) for node in substitute(graph, [x.index for x in values], shared)]
 
 
 def multiplier_nodes(formed: EquationsOfMotion) -> list[int]:
     """Return the symbols of the multipliers of all rows that bear loads."""
     rows = (*formed.rows, *formed.redundant)
-    return [formed.graph.symbol(Symbol(row.name, Kind.MULTIPLIER)) for row in rows]
+    return [formed.graph.symbol(Symbol(row.name, SymbolKind.MULTIPLIER)) for row in rows]
 
 
 def _self_stress(formed: EquationsOfMotion) -> SelfStress:
@@ -179,7 +179,7 @@ def _self_stress(formed: EquationsOfMotion) -> SelfStress:
     square = 1 / _squared_length(formed)
     weights = [square if component.is_moment else zero + 1 for component in components]
     blocks = []
-    for members in _connected(len(rows), [*matrix, *slopes]):
+    for members in _group_columns(len(rows), [*matrix, *slopes]):
         own = {
             k: tuple(row[i] for i in members)
             for k, row in enumerate(matrix)
@@ -189,7 +189,7 @@ def _self_stress(formed: EquationsOfMotion) -> SelfStress:
         held = [row for row in held if not all(entry.is_zero for entry in row)]
         if own and not (len(members) == 1 and held):  # a row alone that holds something is not redundant
             weighted = {k: tuple(entry * weights[k] for entry in row) for k, row in own.items()}
-            blocks.append(Block(tuple(members), tuple(held), own, weighted))
+            blocks.append(StressBlock(tuple(members), tuple(held), own, weighted))
     return SelfStress(rows, components, tuple(blocks), zero)
 
 
@@ -201,7 +201,7 @@ def _components(formed: EquationsOfMotion, totals: Mapping[str, Wrench]) -> Iter
     turning = {name for use in formed.uses for name in use.joint.rotation_coordinates}
     for name, coordinate, effort in prescribed_efforts(formed, totals):
         yield Component(f"effort {name}", coordinate in turning), effort
-    holding = {law.holding: law for law in formed.friction}
+    holding = {law.holding_effort: law for law in formed.friction}
     for row, multiplier in formed.bearing_rows:
         if row.coordinate:
             name = effort_name(formed.topology.joint(row.element), row.coordinate)
@@ -215,24 +215,24 @@ def _components(formed: EquationsOfMotion, totals: Mapping[str, Wrench]) -> Iter
 
 def _changes(formed: EquationsOfMotion, nodes: Sequence[int]) -> list[list[Expr]]:
     """Return B, one row a component; entries that vanish identically are 0."""
-    return _without_zeros(formed, jacobian(formed.graph, nodes, multiplier_nodes(formed)))
+    return _clear_zeros(formed, jacobian(formed.graph, nodes, multiplier_nodes(formed)))
 
 
 def _slopes(formed: EquationsOfMotion) -> list[list[Expr]]:
     """Return J^T, one row a speed, with columns of 0 for rows that hold identically."""
     zero = number(formed.graph, 0)
     rows = (*formed.rows, *formed.redundant)
-    found = [[row.slopes.get(u, zero).index for row in rows] for u in formed.kinematics.speeds]
-    return _without_zeros(formed, found)
+    found = [[row.jacobian.get(u, zero).index for row in rows] for u in formed.kinematics.speeds]
+    return _clear_zeros(formed, found)
 
 
-def _without_zeros(formed: EquationsOfMotion, matrix: Sequence[Sequence[int]]) -> list[list[Expr]]:
+def _clear_zeros(formed: EquationsOfMotion, matrix: Sequence[Sequence[int]]) -> list[list[Expr]]:
     """Return a matrix with entries 0 where they vanish identically."""
-    gone = iter(vanishing(formed.graph, [node for row in matrix for node in row]))
+    gone = iter(find_zeros(formed.graph, [node for row in matrix for node in row]))
     return [[Expr(formed.graph, 0 if next(gone) else node) for node in row] for row in matrix]
 
 
-def _connected(count: int, matrix: Iterable[Sequence[Expr]]) -> list[list[int]]:
+def _group_columns(count: int, matrix: Iterable[Sequence[Expr]]) -> list[list[int]]:
     """Return the columns of a matrix in groups that have no row in common."""
     group = list(range(count))
     for row in matrix:
@@ -250,15 +250,15 @@ def _squared_length(formed: EquationsOfMotion) -> Expr:
     of a rod or radius of a wheel.
     """
     zero, tree = number(formed.graph, 0), formed.kinematics.tree
-    links: list[Joint | Contact] = [*formed.topology.model.joints, *formed.topology.contacts.values()]
+    links: list[Joint | FrameConstraint] = [*formed.topology.model.joints, *formed.topology.contacts.values()]
     frames: dict[str, list[str]] = {}
     for end in (end for link in links for end in (link.start, link.end)):
         own = frames.setdefault(end.body, [])
-        if end.frame not in own:
-            own.append(end.frame)
+        if end.full_name not in own:
+            own.append(end.full_name)
     squares = []
     for own in frames.values():
-        arms = [formed.kinematics.arm(a, b) for k, a in enumerate(own) for b in own[:k]]
+        arms = [formed.kinematics.position(a, b) for k, a in enumerate(own) for b in own[:k]]
         squares += [dot(tree, arm, arm) for arm in arms]
     for link in links:
         formula = link.radius if isinstance(link, Rolling) else None

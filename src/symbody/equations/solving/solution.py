@@ -11,8 +11,8 @@ from symbody.equations.loads.friction import Resistance
 from symbody.equations.solving.friction import solve_with_friction, unknown_symbols
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr, saddle_entry
-from symbody.expr.fingerprint import vanishing
-from symbody.expr.graph import Kernel, Kind, Symbol
+from symbody.expr.fingerprint import find_zeros
+from symbody.expr.graph import KernelNode, Symbol, SymbolKind
 from symbody.expr.rewrite import substitute
 
 
@@ -24,7 +24,7 @@ def solve(formed: EquationsOfMotion) -> tuple[list[Expr], list[Expr]]:
     FormulationError
         If there are no constraints and no mass resists some speed, naming it.
     """
-    return formed.solved.get(None, partial(_solution, formed))
+    return formed.solution.get(None, partial(_solution, formed))
 
 
 def _solution(formed: EquationsOfMotion) -> tuple[list[Expr], list[Expr]]:
@@ -44,13 +44,16 @@ def resistance(formed: EquationsOfMotion) -> Resistance:
     return formed.resistances[0]
 
 
-def solved(formed: EquationsOfMotion, values: Sequence[Expr]) -> list[Expr]:
+def substitute_solution(formed: EquationsOfMotion, values: Sequence[Expr]) -> list[Expr]:
     """Return expressions with u', the multipliers and friction efforts replaced by the solution.
 
     The multipliers of redundant rows are 0; `with_shares` puts those of least norm in their place.
     """
     graph = formed.graph
-    symbols = [*unknown_symbols(formed), *(Symbol(row.name, Kind.MULTIPLIER) for row in formed.redundant)]
+    symbols = [
+        *unknown_symbols(formed),
+        *(Symbol(row.name, SymbolKind.MULTIPLIER) for row in formed.redundant),
+    ]
     nodes = {graph.symbol(symbol): k for k, symbol in enumerate(symbols)}
     if nodes.keys().isdisjoint(graph.reachable([value.index for value in values])):
         return list(values)
@@ -72,7 +75,7 @@ def _solve_linear(
 def _solve_tree(formed: EquationsOfMotion, forcing: Sequence[Expr]) -> list[Expr]:
     solution = formed.dynamics.solve(formed, forcing)
     if any(map(_is_light, formed.bodies)):
-        zeros = vanishing(formed.graph, [pivot.index for pivot in solution.pivots])
+        zeros = find_zeros(formed.graph, [pivot.index for pivot in solution.pivots])
         problems = [_massless(formed, k) for k, is_zero in enumerate(zeros) if is_zero]
         if problems:
             raise FormulationError(*problems)
@@ -91,7 +94,7 @@ def _solve_saddle(
         *gamma,
     ]
     nodes = tuple(operand.index for operand in operands)
-    kernel = graph.kernel(Kernel(n, m))
+    kernel = graph.kernel(KernelNode(n, m))
     solution = [saddle_entry(graph, kernel, nodes, k) for k in range(n + m)]
     return solution[:n], solution[n:]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from symbody.equations.dynamics.balance import NOTHING
+from symbody.equations.dynamics.balance import NO_WRENCH
 from symbody.equations.dynamics.reactions import drive_wrench
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.kinematics.row import Row
+from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.expr.expression import number
 
@@ -20,7 +20,7 @@ def switching_joints(formed: EquationsOfMotion) -> tuple[str, ...]:
     return tuple(law.joint.name for law in formed.friction if law.switches)
 
 
-def in_modes(formed: EquationsOfMotion, modes: Mapping[str, int]) -> EquationsOfMotion:
+def set_modes(formed: EquationsOfMotion, modes: Mapping[str, int]) -> EquationsOfMotion:
     """Return the equations with each joint named sticking, or slipping in the direction of its sign.
 
     A joint that sticks is held by one more row, whose multiplier is the effort that holds it.
@@ -33,24 +33,24 @@ def in_modes(formed: EquationsOfMotion, modes: Mapping[str, int]) -> EquationsOf
             continue
         laws.append(replace(law, slip=number(formed.graph, mode), switches=False, sticks=mode == STICKS))
         if mode == STICKS:
-            rows.append(_holding(formed, law))
+            rows.append(_holding_row(formed, law))
     return replace(formed.with_rows(tuple(rows)), friction=tuple(laws))
 
 
-def _holding(formed: EquationsOfMotion, law: FrictionLaw) -> Row:
+def _holding_row(formed: EquationsOfMotion, law: FrictionLaw) -> ConstraintEquation:
     """Return the row that keeps the rate of a joint zero."""
     kinematics, joint = formed.kinematics, law.joint
     use = next(use for use in formed.uses if use.joint.name == joint.name)
-    wrench = NOTHING
+    wrench = NO_WRENCH
     if law.coordinate not in use.coordinates:
         one = number(formed.graph, 1)
         wrench = drive_wrench(formed.names, kinematics, joint, law.coordinate, one)
-    return Row(
-        name=law.holding,
+    return ConstraintEquation(
+        name=law.holding_effort,
         element=joint.name,
         value=number(formed.graph, 0),
-        slopes=kinematics.slopes(law.rate),
-        rest=kinematics.without_speeds(law.rate),
+        jacobian=kinematics.speed_partials(law.rate),
+        drift=kinematics.at_zero_speeds(law.rate),
         gamma=-kinematics.bias(law.rate),
         force=wrench.force,
         moment=wrench.moment,

@@ -16,7 +16,7 @@ from typing import Final, NamedTuple
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.solving.noise import input_places, random_point
-from symbody.equations.solving.self_stress import Block, Component, SelfStress, self_stress
+from symbody.equations.solving.self_stress import Component, SelfStress, StressBlock, self_stress
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.sequence import Roots, build_sequence
 from symbody.manifold import null_space
@@ -40,7 +40,7 @@ class Undetermined(NamedTuple):
     names: frozenset[str]
 
 
-def identically_undetermined(formed: EquationsOfMotion) -> tuple[str, ...]:
+def find_identically_undetermined(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return the outputs that share constraints which hold identically in the coordinates of a mechanism."""
     stress = self_stress(formed)
     return stress.always.get(None, partial(_always, formed, stress))
@@ -53,14 +53,14 @@ def _always(formed: EquationsOfMotion, stress: SelfStress) -> tuple[str, ...]:
         if idle:
             parts = [{place: tuple(row[k] for k in idle) for place, row in rows.items()}
                      for rows in (block.changes, block.weighted)]  # fmt: skip
-            blocks.append(Block(tuple(block.rows[k] for k in idle), (), *parts))
+            blocks.append(StressBlock(tuple(block.rows[k] for k in idle), (), *parts))
     if not blocks:
         return ()
-    (found,) = _undetermined(formed, blocks, [random_point(formed, {}, Random(7))], RANK)
+    (found,) = _find_in_blocks(formed, blocks, [random_point(formed, {}, Random(7))], RANK)
     return in_order(formed, found.names)
 
 
-def undetermined(
+def find_undetermined(
     formed: EquationsOfMotion, points: Iterable[Mapping[str, Sequence[float]]], cut: float = RANK
 ) -> list[Undetermined]:
     """Return the outputs that each of some configurations leaves undetermined.
@@ -72,12 +72,12 @@ def undetermined(
     cut : float
         Of the length of a row of J^T: what is left of it beyond others counts as rounding below.
     """
-    return _undetermined(formed, self_stress(formed).blocks, points, cut)
+    return _find_in_blocks(formed, self_stress(formed).blocks, points, cut)
 
 
-def _undetermined(
+def _find_in_blocks(
     formed: EquationsOfMotion,
-    blocks: Sequence[Block],
+    blocks: Sequence[StressBlock],
     points: Iterable[Mapping[str, Sequence[float]]],
     cut: float,
 ) -> list[Undetermined]:
@@ -91,7 +91,7 @@ def _undetermined(
     components, found = self_stress(formed).components, []
     for point in points:
         values = [[float(x) for x in group] for group in evaluate_sequence(program, point)]
-        found.append(_undetermined_at(components, blocks, values, cut))
+        found.append(_find_at_point(components, blocks, values, cut))
     return found
 
 
@@ -113,7 +113,8 @@ def share_notes(formed: EquationsOfMotion, names: Sequence[str], where: str = ""
     if not names:
         return ()
     notes = [
-        f"redundant constraints leave undetermined{where}: {_listed(names)}; they get the share of least norm"
+        f"redundant constraints leave undetermined{where}: {_list_outputs(names)}; "
+        "they get the share of least norm"
     ]
     forces = {f"reaction {law.joint.name} {entry}" for law in formed.friction for entry in _FORCES
               if law.reads_reaction}  # fmt: skip
@@ -126,15 +127,18 @@ def share_notes(formed: EquationsOfMotion, names: Sequence[str], where: str = ""
     return tuple(notes)
 
 
-def _listed(names: Sequence[str]) -> str:
+def _list_outputs(names: Sequence[str]) -> str:
     """Return outputs as text: the entries of one reaction together."""
     pairs = [name.rpartition(" ") if name.startswith("reaction ") else (name, "", "") for name in names]
     groups = groupby(pairs, key=lambda pair: pair[0])
     return "; ".join(f"{owner} {', '.join(entry for *_, entry in group)}".rstrip() for owner, group in groups)
 
 
-def _undetermined_at(
-    components: Sequence[Component], blocks: Sequence[Block], values: Sequence[Sequence[float]], cut: float
+def _find_at_point(
+    components: Sequence[Component],
+    blocks: Sequence[StressBlock],
+    values: Sequence[Sequence[float]],
+    cut: float,
 ) -> Undetermined:
     count, names = 0, set()
     for k, block in enumerate(blocks):

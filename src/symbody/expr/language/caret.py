@@ -49,7 +49,7 @@ class Source:
         return Problem(code, place, f"{what}\n{_display(line, column - 1 - start)}", why, fix)
 
 
-def shown(text: str) -> str:
+def printable(text: str) -> str:
     """Return `text` with everything that does not print as an escape, shortened to one line."""
     short = text if len(text) <= 2 * _REACH else text[:_REACH] + "..."
     return "".join(map(_glyph, short))

@@ -35,7 +35,9 @@ class Value(NamedTuple):
     faults: tuple[Problem, ...] = ()
 
 
-def applied(source: Source, name: str, column: int, operands: list[Value]) -> tuple[Value, Problem | None]:
+def check_operation(
+    source: Source, name: str, column: int, operands: list[Value]
+) -> tuple[Value, Problem | None]:
     """Return the value of the operation `name`, written at `column`, if known, and its problem."""
     start = min(column, operands[0].column)
     is_condition = name in COMPARISONS or name in CONNECTIVES
@@ -55,7 +57,7 @@ def applied(source: Source, name: str, column: int, operands: list[Value]) -> tu
         known = fold(name, *constants) if len(constants) == len(operands) else None
         return result._replace(constant=known), None
     except (ArithmeticError, ValueError) as fault:
-        return result._replace(faults=(*faults, _undefined(source, name, column, fault))), None
+        return result._replace(faults=(*faults, _undefined_problem(source, name, column, fault))), None
 
 
 def _chosen(start: int, condition: Value, then: Value, otherwise: Value) -> Value:
@@ -139,7 +141,7 @@ def _knot_problem(source: Source, knots: list[Value]) -> Problem | None:
     return None
 
 
-def _undefined(source: Source, name: str, column: int, fault: Exception) -> Problem:
+def _undefined_problem(source: Source, name: str, column: int, fault: Exception) -> Problem:
     branches = (
         "; a branch of if(...) counts unless its condition has numbers alone" if "if(" in source.text else ""
     )

@@ -6,7 +6,7 @@ import unicodedata
 from typing import Final
 
 from symbody.errors import Problem
-from symbody.expr.language.caret import Source, shown
+from symbody.expr.language.caret import Source, printable
 
 _DATA: Final = "an expression is data, never code: only numbers, names, operators and the listed functions"
 
@@ -75,7 +75,7 @@ def character_problem(source: Source, offset: int) -> Problem:
     return source.problem(
         "expression.character",
         offset + 1,
-        f"the character {shown(character)}, {label}, is not part of the language",
+        f"the character {printable(character)}, {label}, is not part of the language",
         "it came with pasted text, or from a keyboard layout",
         _LOOKALIKES.get(character) or _digit_fix(character) or "write names with letters, digits and _",
     )

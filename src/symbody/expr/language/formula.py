@@ -13,7 +13,7 @@ from typing import TypeAlias
 from symbody.errors import ExpressionError, Problem
 from symbody.expr.canonical import constant
 from symbody.expr.graph import Constant, Graph
-from symbody.expr.language.caret import Source, shown
+from symbody.expr.language.caret import Source, printable
 from symbody.expr.language.grammar import read_program
 from symbody.expr.language.literals import MAX_DIGITS, fold
 from symbody.expr.language.lowering import applied_node
@@ -39,7 +39,7 @@ class Formula:
     program: tuple[Instruction, ...]
 
     @classmethod
-    def of(cls, value: FormulaLike, *, where: str = "", has_outputs: bool = False) -> Formula:
+    def from_value(cls, value: FormulaLike, *, where: str = "", has_outputs: bool = False) -> Formula:
         """Return `value` as a formula: text is parsed, a number becomes its decimal text.
 
         A float has the value of its shortest text: up to 15 digits it is that exact decimal, as if it
@@ -90,7 +90,7 @@ class Formula:
                 values.append(step.payload)
         return values[0]
 
-    def renamed(self, mapping: Mapping[str, str]) -> Formula:
+    def rename(self, mapping: Mapping[str, str]) -> Formula:
         """Return this with names replaced, all at once, in text and program.
 
         Raises
@@ -107,7 +107,7 @@ class Formula:
             if step.kind == "name" and old in mapping and self.text.startswith(old, start):
                 pieces += (self.text[end:start], _name(mapping[old]))
                 end = start + len(old)
-        return type(self).of("".join((*pieces, self.text[end:]))) if pieces else self
+        return type(self).from_value("".join((*pieces, self.text[end:]))) if pieces else self
 
     def problem(
         self, code: str, column: int, what: str, why: str = "", fix: str = "", where: str = ""
@@ -164,13 +164,13 @@ def build(
         else:
             operands = stack[-step.arity :]
             del stack[-step.arity :]
-            stack.append(_applied(formula, graph, step, operands, where))
+            stack.append(_apply_step(formula, graph, step, operands, where))
     if isinstance(stack[0], ExpressionError):
         raise stack[0]
     return stack[0]
 
 
-def _applied(
+def _apply_step(
     formula: Formula, graph: Graph, step: Instruction, operands: list[int | ExpressionError], where: str
 ) -> int | ExpressionError:
     """Return the node of an operation, or what is wrong; a branch that is never taken may be wrong."""
@@ -211,7 +211,7 @@ def _numeral(value: object, where: str) -> str:
         raise ExpressionError(
             Problem("expression.not_finite", where, f"{value} is not a finite number", why, fix)
         )
-    what = f"{shown(repr(value))} of type {type(value).__name__} is not an expression"
+    what = f"{printable(repr(value))} of type {type(value).__name__} is not an expression"
     raise ExpressionError(Problem("expression.type", where, what, why, fix))
 
 
@@ -223,7 +223,7 @@ def _name(text: str) -> str:
         Problem(
             "expression.name",
             "",
-            f"'{shown(text)}' cannot be written as a name in an expression",
+            f"'{printable(text)}' cannot be written as a name in an expression",
             "names have letters, digits and _, begin with no digit, and are not if, and, or, not",
             "choose another name",
         )

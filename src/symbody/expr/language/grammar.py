@@ -11,7 +11,7 @@ from typing import Final, NamedTuple, NoReturn
 
 from symbody.errors import ExpressionError, Problem
 from symbody.expr.language.caret import Source
-from symbody.expr.language.checks import Value, applied, condition_problem
+from symbody.expr.language.checks import Value, check_operation, condition_problem
 from symbody.expr.language.literals import read_number
 from symbody.expr.language.program import FOLDED, FUNCTIONS, Instruction
 from symbody.expr.language.syntax import (
@@ -57,10 +57,10 @@ def read_program(source: Source) -> tuple[Instruction, ...]:
     ExpressionError
         With all problems found.
     """
-    return _Reader(source).read()
+    return _TokenReader(source).read_tokens()
 
 
-class _Reader:
+class _TokenReader:
     """Reads one text; made for it and dropped."""
 
     __slots__ = (
@@ -85,7 +85,7 @@ class _Reader:
         self._brackets: list[int] = []  # places of the open brackets in _pending
         self._callee: Token | None = None  # a function whose bracket comes next
 
-    def read(self) -> tuple[Instruction, ...]:
+    def read_tokens(self) -> tuple[Instruction, ...]:
         tokens = self._tokens
         wants_operand = True
         for k, token in enumerate(tokens):
@@ -233,7 +233,7 @@ class _Reader:
     def _apply(self, name: str, column: int, arity: int) -> None:
         operands = self._values[-arity:]
         del self._values[-arity:]
-        value, problem = applied(self._source, name, column, operands)
+        value, problem = check_operation(self._source, name, column, operands)
         if problem is not None:
             self._report(problem)
         self._values.append(value)

@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Final
 
 from symbody.errors import Problem, nearest
-from symbody.expr.language.caret import Source, shown
+from symbody.expr.language.caret import Source, printable
 from symbody.expr.language.program import FUNCTIONS
 from symbody.expr.language.tokens import Token
 
@@ -68,18 +68,18 @@ def adjacent_problem(source: Source, previous: Token, token: Token, following: T
         if problem is not None:
             return problem
     if previous.text in FUNCTIONS:
-        fix = f"write {previous.text}({shown(token.text)})"
+        fix = f"write {previous.text}({printable(token.text)})"
     elif token.text in ("deg", "degree", "degrees"):
         fix = f'write {previous.text}*pi/180; "30 deg" is understood where a whole value is an angle'
     elif previous.kind == "number" and token.text in _UNITS:
         fix = f"leave the unit out and give the value in SI units; with a symbol {token.text}, write "
-        fix += f"{shown(previous.text)}*{token.text}"
+        fix += f"{printable(previous.text)}*{token.text}"
     else:
-        fix = f"write {shown(previous.text)}*{shown(token.text)}"
+        fix = f"write {printable(previous.text)}*{printable(token.text)}"
     return source.problem(
         "expression.implicit_multiplication",
         column,
-        f"an operator is missing between '{shown(previous.text)}' and '{shown(token.text)}'",
+        f"an operator is missing between '{printable(previous.text)}' and '{printable(token.text)}'",
         "multiplication is not implied by writing side by side",
         fix,
     )
@@ -122,9 +122,9 @@ def unknown_function_problem(source: Source, token: Token) -> Problem:
     return source.problem(
         "expression.unknown_function",
         token.start + 1,
-        f"'{shown(token.text)}' is not a function of the language",
+        f"'{printable(token.text)}' is not a function of the language",
         "a function of another language or a typing slip, or a '*' is missing before the bracket",
-        f"{cure} For a product write {shown(token.text)}*(...)",
+        f"{cure} For a product write {printable(token.text)}*(...)",
     )
 
 
@@ -197,4 +197,6 @@ def _numeral_problem(source: Source, previous: Token, token: Token, following: T
         what, fix = "a number has separators between its digits", f"write {text.replace('_', '')}"
     else:
         return None
-    return source.problem("expression.number", token.start + 1, what, f"{shown(text)} is not a number", fix)
+    return source.problem(
+        "expression.number", token.start + 1, what, f"{printable(text)} is not a number", fix
+    )

@@ -7,7 +7,7 @@ import unicodedata
 from typing import Final, NamedTuple
 
 from symbody.errors import ExpressionError, Problem
-from symbody.expr.language.caret import Source, shown
+from symbody.expr.language.caret import Source, printable
 from symbody.expr.language.foreign import character_problem, mark_problem
 
 MAX_LENGTH: Final = 65_536  # characters
@@ -133,7 +133,7 @@ def _next_token(source: Source, position: int) -> tuple[Token, Problem | None]:
         end = source.text.index("'", position + 1) + 1
         return Token("output", source.text[position + 1 : end - 1], position, end), None
     if text in ("'", '"'):
-        text, end = _quoted(source.text, position)
+        text, end = _classify_quotation(source.text, position)
     if not text.isprintable():
         return Token("bad", text, position, end), character_problem(source, position)
     return Token("bad", text, position, end), mark_problem(source, position, text)
@@ -145,7 +145,7 @@ def _name(source: Source, text: str, start: int) -> tuple[Token, Problem | None]
         problem = source.problem(
             "expression.name_length",
             start + 1,
-            f"the name {shown(text)} has {len(text)} characters; the limit is {MAX_NAME}",
+            f"the name {printable(text)} has {len(text)} characters; the limit is {MAX_NAME}",
             "names made by a program, or text without operators, grow this long",
             "give the quantity a shorter name",
         )
@@ -160,7 +160,7 @@ def _is_prime(text: str, place: int) -> bool:
     return place > 0 and (text[place - 1].isalnum() or text[place - 1] in "_)")
 
 
-def _quoted(text: str, start: int) -> tuple[str, int]:
+def _classify_quotation(text: str, start: int) -> tuple[str, int]:
     """Return the kind of a quotation mark (``"string"`` or ``"prime"``) and where it ends."""
     word = start
     while word > 0 and (text[word - 1].isalnum() or text[word - 1] in "_)"):

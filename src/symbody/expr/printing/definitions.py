@@ -30,7 +30,7 @@ def definitions(graph: Graph, roots: Sequence[int], limit: int = EXPAND_LIMIT) -
         symbol = graph.symbols[graph.left[node]]
         taken |= {symbol.name, symbol.label}
     names = (name for number in count(1) if (name := f"z{number}") not in taken)
-    return {node: next(names) for node in _shared(graph, nodes, roots, sizes)}
+    return {node: next(names) for node in _find_shared(graph, nodes, roots, sizes)}
 
 
 def _sizes(graph: Graph, nodes: Sequence[int]) -> dict[int, int]:
@@ -42,7 +42,9 @@ def _sizes(graph: Graph, nodes: Sequence[int]) -> dict[int, int]:
     return sizes
 
 
-def _shared(graph: Graph, nodes: Sequence[int], roots: Sequence[int], sizes: dict[int, int]) -> list[int]:
+def _find_shared(
+    graph: Graph, nodes: Sequence[int], roots: Sequence[int], sizes: dict[int, int]
+) -> list[int]:
     """Return, ascending, the nodes that would be written more than once if they had no name."""
     uses = dict.fromkeys(nodes, 0)
     for root in roots:

@@ -42,7 +42,7 @@ def linear_terms(
         is_scaled = op == MUL and graph.ops[a] == RATIONAL and (distribute or graph.ops[b] not in SUMS)
         return [(b, _exact(graph, a))] if is_scaled else []
 
-    return _collected(node, parts)
+    return _sum_items(node, parts)
 
 
 def power_factors(
@@ -66,7 +66,7 @@ def power_factors(
             return [(a, exponent)]
         return [(a, 1), (b if op == MUL else b ^ 1, 1)] if op in (MUL, DIV) else []
 
-    found = {item: int(exponent) for item, exponent in _collected(2 * node, parts).items()}
+    found = {item: int(exponent) for item, exponent in _sum_items(2 * node, parts).items()}
     return _half(found, 0), _half(found, 1)
 
 
@@ -95,7 +95,7 @@ def _exact(graph: Graph, node: int) -> Exact:
     return value if isinstance(value, int) else Fraction(value or 0)
 
 
-def _collected(root: int, parts: Callable[[int], Parts]) -> dict[int, Exact]:
+def _sum_items(root: int, parts: Callable[[int], Parts]) -> dict[int, Exact]:
     """Return the items without parts below `root`, with the sum over all ways to them."""
     inner: dict[int, Parts] = {}
     stack = [root]

@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import ClassVar, Final
 
 from symbody.expr.graph import Constant, Graph, Symbol
-from symbody.expr.language.caret import shown
+from symbody.expr.language.caret import printable
 from symbody.expr.printing.definitions import EXPAND_LIMIT
 from symbody.expr.printing.layout import (
     ATOM,
@@ -19,10 +19,10 @@ from symbody.expr.printing.layout import (
     Brackets,
     Layout,
     Piece,
-    at_least,
-    joined,
+    bind_tightly,
+    join_pieces,
     number_text,
-    printed,
+    print_node,
     printed_with_definitions,
 )
 from symbody.expr.printing.names import GREEK, name_words
@@ -50,7 +50,7 @@ def to_display(graph: Graph, node: int) -> str:
     ExpressionError
         Above 20,000 operations written out, and for entries of kernels.
     """
-    return printed(graph, node, textbook(graph, [node], _PLAIN), _PLAIN.brackets)
+    return print_node(graph, node, textbook(graph, [node], _PLAIN), _PLAIN.brackets)
 
 
 def to_latex(graph: Graph, node: int, names: Mapping[Symbol, str] | None = None) -> str:
@@ -68,7 +68,7 @@ def to_latex(graph: Graph, node: int, names: Mapping[Symbol, str] | None = None)
         Above 20,000 operations written out, and for entries of kernels.
     """
     style = _Latex(dict(names or {}))
-    return printed(graph, node, textbook(graph, [node], style), style.brackets)
+    return print_node(graph, node, textbook(graph, [node], style), style.brackets)
 
 
 def to_inline_latex(graph: Graph, node: int, names: Mapping[Symbol, str] | None = None) -> str:
@@ -80,7 +80,7 @@ def to_inline_latex(graph: Graph, node: int, names: Mapping[Symbol, str] | None 
         Above 20,000 operations written out, and for entries of kernels.
     """
     style = _InlineLatex(dict(names or {}))
-    return printed(graph, node, textbook(graph, [node], style), style.brackets)
+    return print_node(graph, node, textbook(graph, [node], style), style.brackets)
 
 
 def to_display_with_definitions(
@@ -148,19 +148,19 @@ class _Plain(Style):
     """One line of text."""
 
     def symbol(self, symbol: Symbol) -> str:
-        return shown(symbol.name) + "'" * symbol.order
+        return printable(symbol.name) + "'" * symbol.order
 
     def number(self, value: Constant) -> str:
         return repr(value) if isinstance(value, float) else number_text(value)
 
     def ratio(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
-        return self.slashed(ratio, above, below)
+        return self.inline_quotient(ratio, above, below)
 
     def power(self, base: Piece, exponent: Piece) -> Layout:
-        return Layout([base, "^", at_least(exponent, ATOM)], POWER)
+        return Layout([base, "^", bind_tightly(exponent, ATOM)], POWER)
 
     def function(self, name: str, arguments: Sequence[Piece], exponent: int = 1) -> Layout:
-        pieces = [f"{name}(", *joined(", ", [[argument] for argument in arguments]), ")"]
+        pieces = [f"{name}(", *join_pieces(", ", [[argument] for argument in arguments]), ")"]
         return Layout(pieces, ATOM) if exponent == 1 else Layout([*pieces, f"^{exponent}"], POWER)
 
     def choice(self, cases: Sequence[tuple[Piece, Piece]], otherwise: Piece) -> Layout:
@@ -201,7 +201,7 @@ class _Latex(Style):
     def ratio(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
         if not below and ratio.denominator != 1 and above:
             number = rf"\frac{{{ratio.numerator}}}{{{ratio.denominator}}}"
-            return Layout(joined(self.times, [[number], *above]), PRODUCT)
+            return Layout(join_pieces(self.times, [[number], *above]), PRODUCT)
         top, bottom = self.with_number(ratio, above, below)
         pieces = self.line(top or [["1"]])
         if not bottom:
@@ -212,7 +212,7 @@ class _Latex(Style):
         return Layout([base, "^{", exponent, "}"], POWER)
 
     def function(self, name: str, arguments: Sequence[Piece], exponent: int = 1) -> Layout:
-        listed = joined(", ", [[argument] for argument in arguments])
+        listed = join_pieces(", ", [[argument] for argument in arguments])
         power = "" if exponent == 1 else f"^{{{exponent}}}"
         if name in _AROUND:
             before, after = _AROUND[name]
@@ -241,7 +241,7 @@ class _InlineLatex(_Latex):
         return _Latex.symbol(self, Symbol(head, symbol.kind, symbol.order)) + below
 
     def ratio(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
-        return self.slashed(ratio, above, below)
+        return self.inline_quotient(ratio, above, below)
 
 
 _PLAIN: Final = _Plain()

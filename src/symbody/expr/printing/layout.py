@@ -44,7 +44,7 @@ class Brackets(NamedTuple):
 ROUND: Final = Brackets("(", ")")
 
 
-def printed(graph: Graph, node: int, notation: NotationFor, brackets: Brackets = ROUND) -> str:
+def print_node(graph: Graph, node: int, notation: NotationFor, brackets: Brackets = ROUND) -> str:
     """Return a node written out.
 
     Raises
@@ -61,7 +61,7 @@ def printed(graph: Graph, node: int, notation: NotationFor, brackets: Brackets =
                 "ask for the form with definitions z1, z2, ..., or for generated code",
             )
         )  # fmt: skip
-    return _written(node, {}, notation({}), brackets)
+    return _write_pieces(node, {}, notation({}), brackets)
 
 
 def printed_with_definitions(
@@ -81,11 +81,11 @@ def printed_with_definitions(
     """
     named = {node: write_name(name) for node, name in definitions(graph, nodes, limit).items()}
     layout = notation(named)
-    defined = [(name, _written(node, named, layout, brackets)) for node, name in named.items()]
-    return [named.get(node) or _written(node, named, layout, brackets) for node in nodes], defined
+    defined = [(name, _write_pieces(node, named, layout, brackets)) for node, name in named.items()]
+    return [named.get(node) or _write_pieces(node, named, layout, brackets) for node in nodes], defined
 
 
-def joined(separator: str, groups: Sequence[Sequence[Piece]]) -> list[Piece]:
+def join_pieces(separator: str, groups: Sequence[Sequence[Piece]]) -> list[Piece]:
     """Return all pieces of `groups`, with a separator between each two groups."""
     pieces: list[Piece] = []
     for group in groups:
@@ -93,7 +93,7 @@ def joined(separator: str, groups: Sequence[Sequence[Piece]]) -> list[Piece]:
     return pieces
 
 
-def at_least(piece: Piece, strength: int) -> Piece:
+def bind_tightly(piece: Piece, strength: int) -> Piece:
     """Return a piece whose text, if it is a node's, has to bind as tightly as `strength`."""
     return piece if isinstance(piece, str) else (piece[0], strength)
 
@@ -141,7 +141,7 @@ def _decimal(value: Fraction) -> str | None:
     return f"{sign}{digits[:-places]}.{digits[-places:]}"
 
 
-def _written(root: int, named: Mapping[int, str], notation: Notation, brackets: Brackets) -> str:
+def _write_pieces(root: int, named: Mapping[int, str], notation: Notation, brackets: Brackets) -> str:
     out: list[str] = []
     stack: list[Piece] = list(reversed(notation(root).pieces))
     while stack:

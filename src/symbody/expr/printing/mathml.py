@@ -19,9 +19,9 @@ from symbody.expr.printing.layout import (
     Brackets,
     Layout,
     Piece,
-    joined,
+    join_pieces,
     number_text,
-    printed,
+    print_node,
     printed_with_definitions,
 )
 from symbody.expr.printing.names import GREEK, name_words
@@ -54,7 +54,7 @@ def to_mathml(graph: Graph, node: int, names: Mapping[Symbol, str] | None = None
         Above 20,000 operations written out, and for entries of kernels.
     """
     style = _MathML(dict(names or {}))
-    return _tidy(printed(graph, node, textbook(graph, [node], style), style.brackets))
+    return _tidy(print_node(graph, node, textbook(graph, [node], style), style.brackets))
 
 
 def to_mathml_with_definitions(
@@ -146,7 +146,7 @@ class _MathML(Style):
     def ratio(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
         if not below and ratio.denominator != 1 and above:
             number = f"<mfrac><mn>{ratio.numerator}</mn><mn>{ratio.denominator}</mn></mfrac>"
-            return Layout(joined(self.times, [[number], *above]), PRODUCT)
+            return Layout(join_pieces(self.times, [[number], *above]), PRODUCT)
         top, bottom = self.with_number(ratio, above, below)
         pieces = self.line(top or [[self.number(1)]])
         if not bottom:
@@ -157,7 +157,7 @@ class _MathML(Style):
         return Layout(["<msup>", *_row([base]), *_row([exponent]), "</msup>"], POWER)
 
     def function(self, name: str, arguments: Sequence[Piece], exponent: int = 1) -> Layout:
-        listed = joined(_COMMA, [[argument] for argument in arguments])
+        listed = join_pieces(_COMMA, [[argument] for argument in arguments])
         if name == "sqrt":
             return self._raise_to(["<msqrt>", *_row(listed), "</msqrt>"], exponent)
         if name in _AROUND:

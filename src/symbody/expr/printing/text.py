@@ -14,7 +14,7 @@ from typing import Final
 from symbody.errors import ExpressionError, Problem
 from symbody.expr import opcodes as op
 from symbody.expr.graph import Graph
-from symbody.expr.language.caret import shown
+from symbody.expr.language.caret import printable
 from symbody.expr.language.tokens import is_name, normalize
 from symbody.expr.printing.definitions import EXPAND_LIMIT
 from symbody.expr.printing.layout import (
@@ -29,10 +29,10 @@ from symbody.expr.printing.layout import (
     Layout,
     Notation,
     NotationFor,
-    joined,
+    join_pieces,
     no_formula,
     number_text,
-    printed,
+    print_node,
     printed_with_definitions,
 )
 
@@ -56,7 +56,7 @@ def to_text(graph: Graph, node: int) -> str:
     ExpressionError
         Above 20,000 operations written out, for names that cannot be written, and for entries of kernels.
     """
-    return printed(graph, node, _notation_for(graph))
+    return print_node(graph, node, _notation_for(graph))
 
 
 def to_text_with_definitions(
@@ -112,7 +112,7 @@ def _leaf(graph: Graph, node: int) -> Layout:
     if not is_name(label) or normalize(label) != label:
         raise ExpressionError(
             Problem(
-                "expression.unwritable_name", "", f"'{shown(label)}' cannot be written in an expression",
+                "expression.unwritable_name", "", f"'{printable(label)}' cannot be written in an expression",
                 "names there have letters, digits and _, begin with no digit, and are not if, and, or, not",
                 "rename the quantity, or ask for LaTeX",
             )
@@ -144,4 +144,4 @@ def _function(graph: Graph, node: int) -> Layout:
         raise no_formula()
     name = graph.functions[graph.right[node]].name if code == op.CALL else op.NAMES[code]
     name = "if" if code == op.SELECT else name
-    return Layout([f"{name}(", *joined(", ", [[(operand, CHOICE)] for operand in operands]), ")"], ATOM)
+    return Layout([f"{name}(", *join_pieces(", ", [[(operand, CHOICE)] for operand in operands]), ")"], ATOM)

@@ -16,7 +16,7 @@ from fractions import Fraction
 from typing import ClassVar, Final, NamedTuple, TypeAlias
 
 from symbody.expr import opcodes as op
-from symbody.expr.graph import Constant, Exact, Graph, Kind, Symbol
+from symbody.expr.graph import Constant, Exact, Graph, Symbol, SymbolKind
 from symbody.expr.printing.flattening import SUMS, linear_terms, power_factors
 from symbody.expr.printing.layout import (
     ATOM,
@@ -33,8 +33,8 @@ from symbody.expr.printing.layout import (
     Notation,
     NotationFor,
     Piece,
-    at_least,
-    joined,
+    bind_tightly,
+    join_pieces,
     no_formula,
     number_text,
 )
@@ -83,22 +83,22 @@ class Style(ABC):
         bottom: list[Factor] = [[self.number(ratio.denominator)]] if ratio.denominator != 1 else []
         return [*top, *above], [*bottom, *below]
 
-    def slashed(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
+    def inline_quotient(self, ratio: Fraction, above: Sequence[Factor], below: Sequence[Factor]) -> Layout:
         """Return a quotient of two products on one line."""
         top, bottom = self.with_number(ratio, above, below)
-        pieces = joined(self.times, top or [[self.number(1)]])
+        pieces = join_pieces(self.times, top or [[self.number(1)]])
         if len(bottom) == 1:
             pieces += ["/", *bottom[0]]
         elif bottom:
             opening, closing = self.brackets
-            pieces += ["/", opening, *joined(self.times, bottom), closing]
+            pieces += ["/", opening, *join_pieces(self.times, bottom), closing]
         return Layout(pieces, PRODUCT)
 
     def line(self, factors: Sequence[Factor]) -> list[Piece]:
         """Return a product that stands alone, above or below the line of a fraction or without one."""
         if len(factors) == 1 and len(factors[0]) == 1:
-            return [at_least(factors[0][0], CHOICE)]
-        return joined(self.times, factors)
+            return [bind_tightly(factors[0][0], CHOICE)]
+        return join_pieces(self.times, factors)
 
     @abstractmethod
     def power(self, base: Piece, exponent: Piece) -> Layout:
@@ -163,7 +163,7 @@ def _sort_keys(graph: Graph, roots: Sequence[int]) -> dict[int, SortKey]:
         if graph.ops[node] == op.SYMBOL:
             symbol = graph.symbols[graph.left[node]]
             name = name_key(symbol.name)
-            keys[node] = SortKey(_moving(symbol), False, 0, name, name)
+            keys[node] = SortKey(_order_of_motion(symbol), False, 0, name, name)
             continue
         parts = [keys[k] for k in graph.operands(node)]
         is_function = graph.ops[node] not in _LINEAR and bool(parts)
@@ -177,10 +177,10 @@ def _sort_keys(graph: Graph, roots: Sequence[int]) -> dict[int, SortKey]:
     return keys
 
 
-def _moving(symbol: Symbol) -> int:
-    if symbol.kind == Kind.PARAMETER:
+def _order_of_motion(symbol: Symbol) -> int:
+    if symbol.kind == SymbolKind.PARAMETER:
         return 0
-    first = {Kind.COORDINATE: 2, Kind.SPEED: 3}.get(symbol.kind)
+    first = {SymbolKind.COORDINATE: 2, SymbolKind.SPEED: 3}.get(symbol.kind)
     return 1 if first is None else first + symbol.order
 
 

@@ -33,7 +33,7 @@ def solve_within(
     renamed = dict(zip(to_sympy(graph, symbols), plain, strict=True))
     rows = [row.subs(renamed, simultaneous=True) for row in to_sympy(graph, equations)]
     wanted = [plain[symbols.index(node)] for node in unknowns]
-    answer = _answered(rows, wanted, seconds)
+    answer = _read_answer(rows, wanted, seconds)
     owners = {x.name: graph.symbols[graph.left[node]] for x, node in zip(plain, symbols, strict=True)}
     values = [solution[x] for solution in answer for x in wanted]
     nodes = nodes_from_sympy(values, graph, lambda name, of_time: owners[name])
@@ -41,7 +41,7 @@ def solve_within(
     return [nodes[k * width : (k + 1) * width] for k in range(len(answer))]
 
 
-def _answered(
+def _read_answer(
     rows: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol], seconds: float
 ) -> list[dict[sp.Symbol, sp.Expr]]:
     """Return the answer of the process."""

@@ -16,7 +16,7 @@ import sympy as sp
 
 
 @dataclass(frozen=True, slots=True)
-class Loop:
+class LoopEquations:
     """Equations that are left, and what was solved, the last first.
 
     Attributes
@@ -49,13 +49,13 @@ def solve_triangular(
     equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]
 ) -> list[dict[sp.Symbol, sp.Expr]] | None:
     """Return all solutions, or None where the equations are not of this kind."""
-    loop, turned = _opened(equations, unknowns)
+    loop, turned = _as_polynomials(equations, unknowns)
     if loop is None:
         return None
     waiting, solved = [loop], []
     while waiting:
         loop = waiting.pop()
-        loop = replace(loop, equations=_reduced(loop))
+        loop = replace(loop, equations=_simplify_rows(loop))
         if not loop.lengths and not loop.angles:
             if not loop.equations:  # else what is left contradicts, or depends on numbers
                 solved.append(_back(loop, turned))
@@ -67,9 +67,9 @@ def solve_triangular(
     return solved
 
 
-def _opened(
+def _as_polynomials(
     equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]
-) -> tuple[Loop | None, dict[sp.Symbol, sp.Expr]]:
+) -> tuple[LoopEquations | None, dict[sp.Symbol, sp.Expr]]:
     """Return the equations as polynomials, and the unknowns in the lengths and angles of these."""
     inside = {a for e in equations for f in e.atoms(sp.sin, sp.cos, sp.tan) for a in f.free_symbols}
     turning = [x for x in unknowns if x in inside]
@@ -94,7 +94,7 @@ def _opened(
         if row.free_symbols & set(angles) or not row.is_polynomial(*lengths, *sum(angles.values(), ())):
             return None, {}
         rows.append(row)
-    return Loop(tuple(rows), lengths, angles, given), turned
+    return LoopEquations(tuple(rows), lengths, angles, given), turned
 
 
 def _circle(k: int) -> tuple[sp.Symbol, sp.Symbol]:
@@ -128,7 +128,7 @@ def _directions(
     return parts, dict(zip(turning, matrix.inv() * sp.Matrix(parts), strict=True))
 
 
-def _reduced(loop: Loop) -> tuple[sp.Expr, ...]:
+def _simplify_rows(loop: LoopEquations) -> tuple[sp.Expr, ...]:
     """Return the equations without zeros and denominators, with ``s^2`` as ``1 - c^2``."""
     # What is known may stand below a line, as in y = x tan(beta): it is taken not to vanish.
     tops = [sp.fraction(sp.together(equation))[0] for equation in loop.equations]
@@ -136,7 +136,7 @@ def _reduced(loop: Loop) -> tuple[sp.Expr, ...]:
     return tuple(row for row in rows if row != 0)
 
 
-def _step(loop: Loop) -> list[Loop] | None:
+def _step(loop: LoopEquations) -> list[LoopEquations] | None:
     """Return the loop with one unknown less, once for each of its values; None where no rule fits."""
     for rule in (_one_length, _cosine_and_sine, _one_angle, _square_length):
         for branches in rule(loop):
@@ -144,16 +144,16 @@ def _step(loop: Loop) -> list[Loop] | None:
     return None
 
 
-def _one_length(loop: Loop) -> Iterator[list[Loop]]:
+def _one_length(loop: LoopEquations) -> Iterator[list[LoopEquations]]:
     """Solve for a length that stands linearly beside nothing unknown."""
     for k, row in enumerate(loop.equations):
         for x in loop.lengths:
             if sp.degree(row, x) == 1 and not row.coeff(x, 1).free_symbols & loop.unknowns:
                 value = -row.coeff(x, 0) / row.coeff(x, 1)
-                yield [_without(loop, (k,), {x: value}, ((x, value),))]
+                yield [_drop_rows(loop, (k,), {x: value}, ((x, value),))]
 
 
-def _square_length(loop: Loop) -> Iterator[list[Loop]]:
+def _square_length(loop: LoopEquations) -> Iterator[list[LoopEquations]]:
     """Solve a quadratic equation in one length alone."""
     for k, row in enumerate(loop.equations):
         for x in loop.lengths:
@@ -161,10 +161,10 @@ def _square_length(loop: Loop) -> Iterator[list[Loop]]:
                 a, b, c = (row.coeff(x, power) for power in (2, 1, 0))
                 root = sp.sqrt(sp.expand(b**2 / 4 - a * c))
                 values = [(-b / 2 + root) / a, (-b / 2 - root) / a]
-                yield [_without(loop, (k,), {x: value}, ((x, value),)) for value in values]
+                yield [_drop_rows(loop, (k,), {x: value}, ((x, value),)) for value in values]
 
 
-def _cosine_and_sine(loop: Loop) -> Iterator[list[Loop]]:
+def _cosine_and_sine(loop: LoopEquations) -> Iterator[list[LoopEquations]]:
     """Take cosine and sine of one angle from two equations; their squares give an equation for the rest."""
     for phi, (c, s) in loop.angles.items():
         rows = [k for k, row in enumerate(loop.equations) if _is_linear(row, c, s)]
@@ -182,24 +182,24 @@ def _cosine_and_sine(loop: Loop) -> Iterator[list[Loop]]:
             circle = sp.expand(top - bottom)
             cosine, sine = sp.cancel(above / det), sp.cancel(beside / det)
             solved = ((phi, sp.atan2(sine, cosine)),)
-            yield [_without(loop, (i, j), {c: cosine, s: sine}, solved, (circle,), phi)]
+            yield [_drop_rows(loop, (i, j), {c: cosine, s: sine}, solved, (circle,), phi)]
 
 
-def _one_angle(loop: Loop) -> Iterator[list[Loop]]:
+def _one_angle(loop: LoopEquations) -> Iterator[list[LoopEquations]]:
     """Solve ``A cos + B sin + C = 0`` for an angle."""
     for k, row in enumerate(loop.equations):
         for phi, (c, s) in loop.angles.items():
             if not row.free_symbols & loop.unknowns <= {c, s} or not _is_linear(row, c, s):
                 continue
             a, b, rest = _parts(row, c, s)
-            values = _turned(a, b, rest, _on_circles(loop, a**2 + b**2))
+            values = _solve_angle(a, b, rest, _on_circles(loop, a**2 + b**2))
             yield [
-                _without(loop, (k,), {c: cosine, s: sine}, ((phi, value),), (), phi)
+                _drop_rows(loop, (k,), {c: cosine, s: sine}, ((phi, value),), (), phi)
                 for value, cosine, sine in values
             ]
 
 
-def _turned(
+def _solve_angle(
     a: sp.Expr, b: sp.Expr, constant: sp.Expr, square: sp.Expr
 ) -> list[tuple[sp.Expr, sp.Expr, sp.Expr]]:
     """Return both angles of ``a cos + b sin + constant = 0`` with cosine and sine; `square` is a^2 + b^2."""
@@ -217,7 +217,7 @@ def _turned(
     return [(value, sp.cos(value), sp.sin(value)) for value in values]
 
 
-def _on_circles(loop: Loop, row: sp.Expr) -> sp.Expr:
+def _on_circles(loop: LoopEquations, row: sp.Expr) -> sp.Expr:
     """Return an expression with ``s^2`` as ``1 - c^2``."""
     row = sp.expand(row)
     for c, s in (*loop.angles.values(), *loop.given.values()):
@@ -225,14 +225,14 @@ def _on_circles(loop: Loop, row: sp.Expr) -> sp.Expr:
     return row
 
 
-def _without(
-    loop: Loop,
+def _drop_rows(
+    loop: LoopEquations,
     rows: Sequence[int],
     values: Mapping[sp.Symbol, sp.Expr],
     solved: tuple[tuple[sp.Symbol, sp.Expr], ...],
     more: Sequence[sp.Expr] = (),
     angle: sp.Symbol | None = None,
-) -> Loop:
+) -> LoopEquations:
     """Return the loop without some rows and an unknown, which has its value in the others.
 
     The value of an angle is written out in what is left to solve only as far as it is needed there; the
@@ -241,7 +241,7 @@ def _without(
     kept = [row for k, row in enumerate(loop.equations) if k not in rows]
     named = dict(values)
     later: tuple[tuple[sp.Symbol, sp.Expr], ...] = solved
-    return Loop(
+    return LoopEquations(
         tuple(row.xreplace(named) for row in (*kept, *more)),
         tuple(x for x in loop.lengths if x not in values),
         {phi: pair for phi, pair in loop.angles.items() if phi is not angle},
@@ -260,7 +260,7 @@ def _parts(row: sp.Expr, c: sp.Symbol, s: sp.Symbol) -> tuple[sp.Expr, sp.Expr, 
     return a, b, sp.expand(row - a * c - b * s)
 
 
-def _back(loop: Loop, turned: Mapping[sp.Symbol, sp.Expr]) -> dict[sp.Symbol, sp.Expr]:
+def _back(loop: LoopEquations, turned: Mapping[sp.Symbol, sp.Expr]) -> dict[sp.Symbol, sp.Expr]:
     """Return every unknown in what is known, from the last that was solved to the first."""
     known: dict[sp.Symbol, sp.Expr] = {}
     for angle, (c, s) in loop.given.items():

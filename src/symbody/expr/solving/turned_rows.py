@@ -17,12 +17,12 @@ def shortest_rows(equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]) -
     """Return equations with the same solutions, each pair of which stands in its shortest axes."""
     rows = [sp.expand(equation) for equation in equations]
     for i, j in combinations(range(len(rows)), 2):
-        pairs = [(rows[i], rows[j]), *_turned(rows[i], rows[j], set(unknowns))]
+        pairs = [(rows[i], rows[j]), *_rotate_rows(rows[i], rows[j], set(unknowns))]
         rows[i], rows[j] = min(pairs, key=_length)
     return rows
 
 
-def _turned(a: sp.Expr, b: sp.Expr, unknowns: set[sp.Symbol]) -> Iterator[tuple[sp.Expr, sp.Expr]]:
+def _rotate_rows(a: sp.Expr, b: sp.Expr, unknowns: set[sp.Symbol]) -> Iterator[tuple[sp.Expr, sp.Expr]]:
     """Yield two equations in all axes that an unknown angle in them leads to."""
     functions = sorted(a.atoms(sp.sin, sp.cos) | b.atoms(sp.sin, sp.cos), key=sp.default_sort_key)
     angles = dict.fromkeys(f.args[0] for f in functions if f.args[0].free_symbols & unknowns)

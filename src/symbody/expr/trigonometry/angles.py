@@ -30,7 +30,7 @@ Form = dict[int, Fraction]  # node to factor
 
 
 @dataclass(frozen=True, slots=True)
-class Angle:
+class AngleForm:
     """Components over the basis, and quarter turns to be added."""
 
     components: Vector
@@ -43,7 +43,7 @@ class Angles:
     def __init__(self, graph: Graph, nodes: Sequence[int]) -> None:
         self._graph = graph
         arguments = dict.fromkeys(graph.left[node] for node in nodes if graph.ops[node] in (SIN, COS))
-        forms = {argument: _turned(graph, argument) for argument in arguments}
+        forms = {argument: _split_quarter_turns(graph, argument) for argument in arguments}
         self._units = _units(form for form, _ in forms.values())
         vectors = [
             tuple([int(form.get(axis, 0) / unit) for axis, unit in self._units.items()])
@@ -51,7 +51,7 @@ class Angles:
         ]
         self._basis, vectors = _short_basis(len(self._units), vectors)
         self._angles = {
-            argument: Angle(vector, turns)
+            argument: AngleForm(vector, turns)
             for (argument, (_, turns)), vector in zip(forms.items(), vectors, strict=True)
             if sum(map(abs, vector)) <= _MAX_MULTIPLE and prod(abs(k) + 1 for k in vector) <= _MAX_EXPANSION
         }
@@ -76,7 +76,7 @@ class Angles:
         """What the angles are linear in."""
         return self._units.keys()
 
-    def of(self, argument: int) -> Angle | None:
+    def angle_of(self, argument: int) -> AngleForm | None:
         """Return the angle that an argument of a sine or cosine is; None if it has too many components."""
         return self._angles.get(argument)
 
@@ -108,7 +108,7 @@ class Angles:
         return [sum(k * base[i] for k, base in pairs) for i in range(len(self._basis))]
 
 
-def _turned(graph: Graph, argument: int) -> tuple[Form, int]:
+def _split_quarter_turns(graph: Graph, argument: int) -> tuple[Form, int]:
     """Return an angle without its quarter turns, and their number.
 
     Other constants become axes of their own, so that no unit mixes them.
@@ -149,7 +149,7 @@ def _short_basis(size: int, vectors: list[Vector]) -> tuple[list[Vector], list[V
         basis[i] = tuple(
             [sum(k * base[j] for k, base in zip(instead, basis, strict=True)) for j in range(size)]
         )
-        vectors = [_exchanged(vector, instead, i) for vector in vectors]
+        vectors = [_exchange_basis(vector, instead, i) for vector in vectors]
     return basis, vectors
 
 
@@ -160,12 +160,12 @@ def _exchange(vectors: list[Vector]) -> tuple[int, Vector] | None:
         if len(instead) > _MAX_BASIS or sum(map(abs, instead)) == 1:
             continue
         for i, k in enumerate(instead):
-            if abs(k) == 1 and _extent(_exchanged(vector, instead, i) for vector in vectors) < extent:
+            if abs(k) == 1 and _extent(_exchange_basis(vector, instead, i) for vector in vectors) < extent:
                 return i, instead
     return None
 
 
-def _exchanged(vector: Vector, instead: Vector, i: int) -> Vector:
+def _exchange_basis(vector: Vector, instead: Vector, i: int) -> Vector:
     """Return the components of `vector` after basis angle `i` has become `instead`."""
     factor = vector[i] * instead[i]  # instead[i] is 1 or -1
     return tuple([factor if j == i else k - factor * instead[j] for j, k in enumerate(vector)])

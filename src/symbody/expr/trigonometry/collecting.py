@@ -20,7 +20,7 @@ from symbody.expr.trigonometry.polynomial import (
     content,
     cost,
     quotient,
-    replaced,
+    replace_sum,
     size,
     term_cost,
 )
@@ -31,7 +31,7 @@ _MAX_TERMS_REPLACED: Final = 60
 _MAX_KERNELS: Final = 12
 
 
-def collected(
+def collect(
     graph: Graph, polynomial: Polynomial, nodes: dict[int, int], weights: dict[int, int],
     kernels: Sequence[Polynomial] = (),
 ) -> int:  # fmt: skip
@@ -66,10 +66,10 @@ class _Collector:
         while pending:
             name = pending.pop()
             if name in self._definitions and name not in finished:
-                finished[name] = self._shortened(self._definitions[name])
+                finished[name] = self._shorten(self._definitions[name])
                 pending.extend(factor for monomial in finished[name] for factor, _ in monomial)
         for name in sorted(finished, key=lambda name: (self._weights[name], name)):
-            self._nodes[name] = self._built(finished[name])
+            self._nodes[name] = self._build_sum(finished[name])
         return self._nodes[top]
 
     def _define(self, p: Polynomial) -> int:
@@ -85,13 +85,13 @@ class _Collector:
     def _cost(self, p: Polynomial) -> int:
         return cost(p, self._weights.__getitem__)
 
-    def _shortened(self, p: Polynomial) -> Polynomial:
-        best = self._pulled(p)
+    def _shorten(self, p: Polynomial) -> Polynomial:
+        best = self._pull_factors(p)
         while len(p) <= _MAX_TERMS_REPLACED:
             tried = [
-                (self._pulled(changed), changed)
+                (self._pull_factors(changed), changed)
                 for kernel in self._candidates(best)
-                if (changed := replaced(p, kernel, self._define(kernel))) is not None
+                if (changed := replace_sum(p, kernel, self._define(kernel))) is not None
             ]
             pulled, p = min(tried, key=lambda pair: self._cost(pair[0]), default=(best, p))
             if self._cost(pulled) >= self._cost(best):
@@ -106,18 +106,18 @@ class _Collector:
         ]
         return [*self._kernels, *(q for q in found if len(q) <= _MAX_TERMS_REPLACED)][:_MAX_KERNELS]
 
-    def _pulled(self, p: Polynomial) -> Polynomial:
+    def _pull_factors(self, p: Polynomial) -> Polynomial:
         """Pull out factors, the one that saves most first, as long as one saves anything."""
         if len(p) < 2 or size(p) > _MAX_SIZE_PULLED:
             return p
-        whole = (content(p), _shared(p, list(p))[1])
-        if self._saving(p, list(p), whole) > 0:
-            return self._without(p, list(p), whole)
+        whole = (content(p), _common_factor(p, list(p))[1])
+        if self._operations_saved(p, list(p), whole) > 0:
+            return self._pull_out(p, list(p), whole)
         while (group := self._best_group(p)) is not None:
-            p = self._without(p, *group)
+            p = self._pull_out(p, *group)
         return p
 
-    def _without(self, p: Polynomial, members: list[Monomial], factor: tuple[Monomial, Exact]) -> Polynomial:
+    def _pull_out(self, p: Polynomial, members: list[Monomial], factor: tuple[Monomial, Exact]) -> Polynomial:
         """Return `p` with the `factor` pulled out of `members`."""
         gone = set(members)
         inner = self._define({quotient(m, factor[0]): Fraction(p[m]) / factor[1] for m in members})
@@ -132,19 +132,21 @@ class _Collector:
                 groups.setdefault(factor, []).append(monomial)
         best, most = None, 0
         for members in groups.values():
-            shared = _shared(p, members)
-            saved = self._saving(p, members, shared) if len(members) > 1 else 0
+            shared = _common_factor(p, members)
+            saved = self._operations_saved(p, members, shared) if len(members) > 1 else 0
             if saved > most:
                 best, most = (members, shared), saved
         return best
 
-    def _saving(self, p: Polynomial, members: list[Monomial], factor: tuple[Monomial, Exact]) -> int:
+    def _operations_saved(
+        self, p: Polynomial, members: list[Monomial], factor: tuple[Monomial, Exact]
+    ) -> int:
         weights = self._weights.__getitem__
         before = sum(term_cost(m, p[m], weights) for m in members)
         after = sum(term_cost(quotient(m, factor[0]), Fraction(p[m]) / factor[1], weights) for m in members)
         return before - after - term_cost(*factor, weights) - 1
 
-    def _built(self, p: Polynomial) -> int:
+    def _build_sum(self, p: Polynomial) -> int:
         """Return the node of `p` as it stands, in an order that depends on structure alone."""
         graph, total = self._graph, ZERO
         terms = [self._term(monomial, coefficient) for monomial, coefficient in p.items()]
@@ -160,7 +162,7 @@ class _Collector:
         return mul(graph, graph.constant(coefficient), result)
 
 
-def _shared(p: Polynomial, members: list[Monomial]) -> tuple[Monomial, Exact]:
+def _common_factor(p: Polynomial, members: list[Monomial]) -> tuple[Monomial, Exact]:
     """Return the common factor of all `members`, and their coefficient if it is the same up to sign."""
     factors = set(members[0]).intersection(*members[1:])
     size = abs(Fraction(p[members[0]]))

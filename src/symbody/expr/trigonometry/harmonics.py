@@ -113,12 +113,12 @@ class Harmonics:
         best = p
         tried: dict[Ways, Polynomial] = {}
         for start in (_BY_COSINE, _BY_SINE, 0):
-            best = min(best, self._descended(p, dict.fromkeys(angles, start), tried), key=self.length)
+            best = min(best, self._descend(p, dict.fromkeys(angles, start), tried), key=self.length)
         return best
 
-    def _descended(self, p: Polynomial, ways: dict[int, int], tried: dict[Ways, Polynomial]) -> Polynomial:
+    def _descend(self, p: Polynomial, ways: dict[int, int], tried: dict[Ways, Polynomial]) -> Polynomial:
         """Change the way of one angle at a time as long as that makes the sum shorter."""
-        best, improved = self._written(p, ways), True
+        best, improved = self._rewrite(p, ways), True
         shortest = self.length(best)
         while improved:
             improved = False
@@ -127,21 +127,21 @@ class Harmonics:
                     return best
                 key = tuple(change.items())
                 if key not in tried:
-                    tried[key] = self._written(p, change)
+                    tried[key] = self._rewrite(p, change)
                 length = self.length(tried[key])
                 if length < shortest:
                     best, shortest, ways, improved = tried[key], length, change, True
         return best
 
-    def _written(self, p: Polynomial, ways: dict[int, int]) -> Polynomial:
+    def _rewrite(self, p: Polynomial, ways: dict[int, int]) -> Polynomial:
         for angle, way in ways.items():
             if way == _BY_SINE:
-                p = by_sine(p, angle)
+                p = reduce_cosines(p, angle)
                 self._effort += len(p)
         for group in sorted({way for way in ways.values() if way >= 0}):
             p = self._as_sums(p, {angle for angle, way in ways.items() if way == group})
         of_one_function = all(len(monomial) < 2 and monomial[0][1] == 1 for monomial in p if monomial)
-        return self._paired(p) if of_one_function and set(ways.values()) == {0} else p
+        return self._pair_terms(p) if of_one_function and set(ways.values()) == {0} else p
 
     def _as_sums(self, p: Polynomial, angles: set[int]) -> Polynomial:
         """Write the functions of a group of angles as sines and cosines of their sums."""
@@ -161,7 +161,7 @@ class Harmonics:
             }
             accumulate(result, terms)
             self._effort += len(terms)
-        return {monomial: _divided(c, 2**halvings) for monomial, c in result.items()}
+        return {monomial: _divide(c, 2**halvings) for monomial, c in result.items()}
 
     def _monomial(self, harmonic: Harmonic) -> Monomial:
         return ((self.variable(harmonic), 1),) if any(harmonic.angle) else UNIT
@@ -171,11 +171,11 @@ class Harmonics:
             series: Series = {Harmonic(COS, (0,) * self._size): 1}
             for name, exponent in monomial:
                 for _ in range(exponent):
-                    series = _multiplied(series, self._table[-1 - name])
+                    series = _multiply(series, self._table[-1 - name])
             self._series[monomial] = series
         return self._series[monomial]
 
-    def _paired(self, p: Polynomial) -> Polynomial:
+    def _pair_terms(self, p: Polynomial) -> Polynomial:
         """Turn sums of two sines or cosines into products where these are shorter."""
         done: Polynomial = {}
         left = dict(p)
@@ -233,7 +233,7 @@ def sine(angle: int) -> int:
     return -1 - 2 * angle
 
 
-def reduced(p: Polynomial) -> Polynomial:
+def reduce_sines(p: Polynomial) -> Polynomial:
     """Return `p` with sin**2 written as 1 - cos**2, which makes equal polynomials equal."""
     result: Polynomial = {}
     for monomial, coefficient in p.items():
@@ -251,7 +251,7 @@ def reduced(p: Polynomial) -> Polynomial:
     return result
 
 
-def by_sine(p: Polynomial, angle: int) -> Polynomial:
+def reduce_cosines(p: Polynomial, angle: int) -> Polynomial:
     """Return `p` with cos**2 written as 1 - sin**2, except for what is a factor of all terms."""
     name = sine(angle) - 1
     exponents = [dict(monomial).get(name, 0) for monomial in p]
@@ -288,7 +288,7 @@ def _degree(p: Polynomial) -> int:
     return max((sum(exponent for _, exponent in monomial) for monomial in p), default=0)
 
 
-def _divided(coefficient: Exact, divisor: int) -> Exact:
+def _divide(coefficient: Exact, divisor: int) -> Exact:
     result = Fraction(coefficient) / divisor
     return result.numerator if result.denominator == 1 else result
 
@@ -311,7 +311,7 @@ def _changes(ways: dict[int, int]) -> Iterator[dict[int, int]]:
                 yield {**ways, angle: other}
 
 
-def _multiplied(series: Series, factor: Harmonic) -> Series:
+def _multiply(series: Series, factor: Harmonic) -> Series:
     """Multiply by one sine or cosine, and by 2: products become sums and differences."""
     result: Series = {}
     for harmonic, coefficient in series.items():

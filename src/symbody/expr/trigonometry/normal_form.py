@@ -17,9 +17,9 @@ from symbody.expr.canonical import apply, make
 from symbody.expr.graph import Graph
 from symbody.expr.opcodes import ADD, COS, DIV, FLOAT, MUL, NEG, POW, RATIONAL, SIN, SUB
 from symbody.expr.rewrite import node_cost, operation_count, tree_size
-from symbody.expr.trigonometry.angles import Angle, Angles
-from symbody.expr.trigonometry.collecting import collected
-from symbody.expr.trigonometry.harmonics import Harmonics, reduced, sine
+from symbody.expr.trigonometry.angles import AngleForm, Angles
+from symbody.expr.trigonometry.collecting import collect
+from symbody.expr.trigonometry.harmonics import Harmonics, reduce_sines, sine
 from symbody.expr.trigonometry.polynomial import (
     UNIT,
     Polynomial,
@@ -67,11 +67,11 @@ def _form(graph: Graph, root: int, quaternions: Sequence[tuple[int, ...]]) -> in
     nodes = graph.reachable([root])
     if operation_count(graph, [root]) >= _MAX_OPERATIONS or any(graph.ops[k] == FLOAT for k in nodes):
         return root
-    form = _Writer(graph, _by_structure(graph, nodes), root, quaternions).form
+    form = _PolynomialWriter(graph, _sort_by_structure(graph, nodes), root, quaternions).form
     return form if tree_size(graph, form) < tree_size(graph, root) else root
 
 
-def _by_structure(graph: Graph, nodes: Sequence[int]) -> list[int]:
+def _sort_by_structure(graph: Graph, nodes: Sequence[int]) -> list[int]:
     """Return the nodes, operands first, in an order that does not depend on when they were made."""
     depth: dict[int, int] = {}
     for node in nodes:
@@ -79,7 +79,7 @@ def _by_structure(graph: Graph, nodes: Sequence[int]) -> list[int]:
     return sorted(nodes, key=lambda node: (depth[node], graph.hashes[node]))
 
 
-class _Writer:
+class _PolynomialWriter:
     """One pass over the nodes of a root, operands first."""
 
     def __init__(
@@ -105,9 +105,9 @@ class _Writer:
             if p is None:
                 continue
             if graph.ops[node] in (ADD, SUB) and 1 < len(p) <= _MAX_KERNEL:
-                self._kernels.append(self._shortened(p))
+                self._kernels.append(self._shorten(p))
             if node == root or (node in parts and self._is_affordable(p)):
-                self._new[node] = self._written(p, plain)
+                self._new[node] = self._write_polynomial(p, plain)
         self.form = self._new[root]
 
     def _written_by_themselves(self, nodes: Sequence[int]) -> set[int]:
@@ -144,7 +144,7 @@ class _Writer:
 
     def _polynomial(self, node: int, plain: int) -> Polynomial | None:
         graph = self._graph
-        if graph.ops[node] in (SIN, COS) and (angle := self._angles.of(graph.left[node])) is not None:
+        if graph.ops[node] in (SIN, COS) and (angle := self._angles.angle_of(graph.left[node])) is not None:
             return self._circular(graph.ops[node], angle)
         if not self._is_expanded(node):
             return self._atom(plain)
@@ -152,10 +152,10 @@ class _Writer:
             return self._constant(node, 1)
         operands = [self._polynomials[k] for k in graph.operands(node)]
         known = [p for p in operands if p is not None]
-        p = self._combined(node, known) if len(known) == len(operands) else None
+        p = self._combine(node, known) if len(known) == len(operands) else None
         return p if p is not None and size(p) <= _MAX_SIZE else None
 
-    def _combined(self, node: int, operands: list[Polynomial]) -> Polynomial | None:
+    def _combine(self, node: int, operands: list[Polynomial]) -> Polynomial | None:
         op = self._graph.ops[node]
         if op == POW:
             return self._power(operands[0], self._whole_exponent(node))
@@ -175,12 +175,12 @@ class _Writer:
         self._effort += size(p) * len(q) + size(q) * len(p)
         if self._effort > _MAX_EFFORT:
             return None
-        result = reduced(times(p, q))
+        result = reduce_sines(times(p, q))
         for names in self._norms:
             result = with_unit_norm(result, names)
         return result
 
-    def _circular(self, op: int, angle: Angle) -> Polynomial:
+    def _circular(self, op: int, angle: AngleForm) -> Polynomial:
         """Return a sine or cosine by the addition formulas."""
         cosine: Polynomial = {UNIT: 1}
         sine_of: Polynomial = {}
@@ -189,8 +189,8 @@ class _Writer:
             s = s if count > 0 else plus({}, s, -1)
             for _ in range(abs(count)):
                 cosine, sine_of = (
-                    reduced(plus(times(cosine, c), times(sine_of, s), -1)),
-                    reduced(plus(times(sine_of, c), times(cosine, s))),
+                    reduce_sines(plus(times(cosine, c), times(sine_of, s), -1)),
+                    reduce_sines(plus(times(sine_of, c), times(cosine, s))),
                 )
         for _ in range(angle.quarter_turns % 4):
             cosine, sine_of = plus({}, sine_of, -1), cosine
@@ -217,7 +217,7 @@ class _Writer:
         exact = value.numerator if value.denominator == 1 else value  # whole numbers are much faster
         return {UNIT: exact} if exact else {}
 
-    def _shortened(self, p: Polynomial) -> Polynomial:
+    def _shorten(self, p: Polynomial) -> Polynomial:
         """Return `p` with the trigonometric part of each coefficient written in its shortest form."""
         result: Polynomial = {}
         for outer, inner in coefficients(p, lambda name: name < 0).items():
@@ -225,13 +225,13 @@ class _Writer:
                 result[product(monomial, outer)] = coefficient
         return result
 
-    def _written(self, p: Polynomial, plain: int) -> int:
+    def _write_polynomial(self, p: Polynomial, plain: int) -> int:
         graph = self._graph
-        short = self._shortened(p)
+        short = self._shorten(p)
         nodes = {name: self._node(name) for name in names_of(short)}
         weights = {name: self._size(node) for name, node in nodes.items()}
         kernels = [kernel for kernel in self._kernels if names_of(kernel) <= nodes.keys()]
-        result = collected(graph, short, nodes, weights, kernels)
+        result = collect(graph, short, nodes, weights, kernels)
         return result if self._size(result) < self._size(plain) else plain
 
     def _size(self, root: int) -> int:

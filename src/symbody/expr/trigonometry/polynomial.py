@@ -132,22 +132,22 @@ def coefficients(p: Polynomial, chosen: Callable[[int], bool]) -> dict[Monomial,
     return result
 
 
-def replaced(p: Polynomial, kernel: Polynomial, name: int) -> Polynomial | None:
+def replace_sum(p: Polynomial, kernel: Polynomial, name: int) -> Polynomial | None:
     """Write `p` with the variable `name` for the sum `kernel`, or None if `p` holds no multiple of it.
 
     Multiples are taken out only where all their terms are there, so no term is added to be subtracted.
     """
     result: Polynomial = {}
     factor: Monomial = UNIT
-    rest, multiple = _divided(p, kernel)
+    rest, multiple = _divide(p, kernel)
     while multiple:  # a multiple may hold the kernel again
         result = plus(result, times(rest, {factor: 1}))
         factor = product(factor, ((name, 1),))
-        rest, multiple = _divided(multiple, kernel)
+        rest, multiple = _divide(multiple, kernel)
     return plus(result, times(rest, {factor: 1})) if factor else None
 
 
-def _divided(p: Polynomial, kernel: Polynomial) -> tuple[Polynomial, Polynomial]:
+def _divide(p: Polynomial, kernel: Polynomial) -> tuple[Polynomial, Polynomial]:
     """Return a rest and a multiplier of `kernel`; their terms have the signs that they have in `p`."""
     lead = max(kernel, key=_order)
     rest = dict(p)

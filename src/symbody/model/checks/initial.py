@@ -8,7 +8,7 @@ from typing import Final
 
 from symbody.errors import Problem, nearest
 from symbody.expr.language.formula import Formula
-from symbody.model.checker import Checker
+from symbody.model.checker import NumericChecks
 from symbody.model.checks.symbols import Symbols
 from symbody.model.joint import Joint
 
@@ -31,13 +31,13 @@ def initial_problems(
     problems = []
     for name in initial:
         if name in prescribed:
-            problems.append(_prescribed(name, prescribed[name]))
+            problems.append(_prescribed_problem(name, prescribed[name]))
         elif name not in legal:
-            problems.append(_unknown(name, legal))
+            problems.append(_unknown_problem(name, legal))
     return problems
 
 
-def check_initial(check: Checker, initial: Mapping[str, Formula], joints: Iterable[Joint]) -> None:
+def check_initial(check: NumericChecks, initial: Mapping[str, Formula], joints: Iterable[Joint]) -> None:
     """Check the values; four that form a quaternion must not all be zero."""
     values = {name: check.value(formula, f"model, initial.{name}") for name, formula in initial.items()}
     for joint in joints:
@@ -47,7 +47,9 @@ def check_initial(check: Checker, initial: Mapping[str, Formula], joints: Iterab
             _check_quaternion(check, joint.name, names, numbers)
 
 
-def _check_quaternion(check: Checker, joint: str, names: Sequence[str], values: Sequence[float]) -> None:
+def _check_quaternion(
+    check: NumericChecks, joint: str, names: Sequence[str], values: Sequence[float]
+) -> None:
     listed = ", ".join(names)
     norm = math.hypot(*values)
     if norm == 0:
@@ -59,10 +61,10 @@ def _check_quaternion(check: Checker, joint: str, names: Sequence[str], values: 
             f"write 1 for {names[0]}, or leave all four out: no rotation",
         )
     elif abs(norm - 1) > _NORM:
-        check.remark(f"joint {joint}: the initial quaternion {listed} of norm {norm:g} is normalized")
+        check.note(f"joint {joint}: the initial quaternion {listed} of norm {norm:g} is normalized")
 
 
-def _unknown(name: str, known: Iterable[str]) -> Problem:
+def _unknown_problem(name: str, known: Iterable[str]) -> Problem:
     return Problem(
         "initial.unknown",
         f"model, initial.{name}",
@@ -72,7 +74,7 @@ def _unknown(name: str, known: Iterable[str]) -> Problem:
     )
 
 
-def _prescribed(name: str, joint: Joint) -> Problem:
+def _prescribed_problem(name: str, joint: Joint) -> Problem:
     return Problem(
         "initial.prescribed",
         f"model, initial.{name}",

@@ -9,18 +9,18 @@ from typing import Final
 from symbody.errors import Problem
 from symbody.expr.graph import Constant
 from symbody.model.body import Body
-from symbody.model.checker import Checker, check_angle, check_axis
+from symbody.model.checker import NumericChecks, check_angle, check_axis
 from symbody.model.element import Element
 from symbody.model.frame import Frame
 from symbody.model.inertia import determinant, is_possible_inertia, may_be_about
 from symbody.model.joint import Joint
-from symbody.model.table import Table
+from symbody.model.table import FrozenMapping
 
 # What entries of an exact matrix leave that are off by 1e-9 each: 2 * 1e-9 times the sum of a row's entries.
 _ORTHONORMAL: Final = 4e-9
 
 
-def check_body(check: Checker, body: Body, label: str) -> None:
+def check_body(check: NumericChecks, body: Body, label: str) -> None:
     """Check mass, inertia and frames of a body."""
     mass = check.value(body.mass, f"{label}, mass")
     if mass is not None and mass < 0:
@@ -34,22 +34,22 @@ def check_body(check: Checker, body: Body, label: str) -> None:
     inertia = check.values(body.inertia, f"{label}, inertia")
     products = check.values(body.products, f"{label}, products")
     if inertia is not None and products is not None:
-        judge = Checker(check.parameters) if body.unphysical else check
+        judge = NumericChecks(check.parameters) if body.unphysical else check
         _check_inertia(judge, label, inertia, products)
         for problem in judge.problems if body.unphysical else ():
-            check.remark(f"{label}: {problem.what}; it is taken as it is")
+            check.note(f"{label}: {problem.what}; it is taken as it is")
         if mass is not None and mass > 0 and max(inertia) > 0:
             _check_size(check, body, label, mass, inertia, products)
     check_frames(check, body.frames, f"{label}, frames")
 
 
-def check_frames(check: Checker, frames: Table[Frame], where: str) -> None:
+def check_frames(check: NumericChecks, frames: FrozenMapping[Frame], where: str) -> None:
     """Check the rotations of frames."""
     for name, frame in frames.items():
         check_frame(check, frame, f"{where}.{name}")
 
 
-def check_frame(check: Checker, frame: Frame, place: str) -> None:
+def check_frame(check: NumericChecks, frame: Frame, place: str) -> None:
     """Check origin and rotation of a frame."""
     check.values(frame.at, f"{place}.at")
     for k, (axis, angle) in enumerate(frame.rotate):
@@ -61,7 +61,7 @@ def check_frame(check: Checker, frame: Frame, place: str) -> None:
         _check_matrix(check, [row for row in rows if row is not None], f"{place}.matrix")
 
 
-def _check_matrix(check: Checker, r: list[list[float]], where: str) -> None:
+def _check_matrix(check: NumericChecks, r: list[list[float]], where: str) -> None:
     if len(r) < 3:
         return
     products = [
@@ -87,7 +87,7 @@ def _check_matrix(check: Checker, r: list[list[float]], where: str) -> None:
         )
 
 
-def _check_inertia(check: Checker, label: str, inertia: list[float], products: list[float]) -> None:
+def _check_inertia(check: NumericChecks, label: str, inertia: list[float], products: list[float]) -> None:
     if min(inertia) >= 0 and sum(map(bool, inertia)) <= 1 and not any(products):
         return  # planar: only the moment about the normal is given
     if is_possible_inertia(inertia, products):
@@ -123,7 +123,7 @@ def _inertia_cure(inertia: list[float]) -> str:
 
 
 def _check_size(
-    check: Checker, body: Body, label: str, mass: float, inertia: list[float], products: list[float]
+    check: NumericChecks, body: Body, label: str, mass: float, inertia: list[float], products: list[float]
 ) -> None:
     """Remark on an inertia too large or too small for the body's frames: other units, or another point."""
     found = {name: check.values(frame.at, f"{label}, frames") for name, frame in body.frames.items()}
@@ -132,14 +132,14 @@ def _check_size(
         return
     gyration = math.sqrt(max(inertia) / mass) / max(math.hypot(*place) for place in places.values())
     if not 1e-3 < gyration < 1e3:
-        check.remark(
+        check.note(
             f"{label}: the radius of gyration is {gyration:.2g} times the distance of the farthest frame; "
             "are lengths in m and inertias in kg m^2?"
         )
         return
     fitting = [name for name, place in places.items() if may_be_about(place, mass, inertia, products)]
     if gyration > 1 and fitting:
-        check.remark(
+        check.note(
             f"{label}: the radius of gyration is {gyration:.2g} times the distance of the farthest frame; "
             f"is the inertia about the centre of mass, or about {fitting[0]}?"
         )
@@ -149,9 +149,9 @@ def value_problems(
     elements: Mapping[str, Element], values: Mapping[str, Constant], changed: Set[str]
 ) -> list[Problem]:
     """Return what is impossible about bodies and joints, by label, that read parameters given anew."""
-    check = Checker(values)
+    check = NumericChecks(values)
     for label, element in elements.items():
-        if changed.isdisjoint(name for use in element.uses() for name in use.formula.names):
+        if changed.isdisjoint(name for use in element.formula_sites() for name in use.formula.names):
             continue
         if isinstance(element, Body):
             check_body(check, element, label)

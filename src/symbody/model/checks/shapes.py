@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from symbody.model.checker import Checker
+from symbody.model.checker import NumericChecks
 from symbody.model.checks.physics import check_frame
 from symbody.model.shapes.shape import BodyShape
 
 
-def check_shapes(check: Checker, shapes: Sequence[BodyShape], where: str) -> None:
+def check_shapes(check: NumericChecks, shapes: Sequence[BodyShape], where: str) -> None:
     """Refuse negative sizes, opacities beyond 0 to 1, and rotations that are none."""
     for k, shape in enumerate(shapes):
         place = f"{where}[{k}]"

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 
 from symbody.errors import Problem
 from symbody.model.body import Body
-from symbody.model.constraint import Contact
-from symbody.model.constraints.couplings import Coupling
+from symbody.model.constraint import FrameConstraint
+from symbody.model.constraints.couplings import JointCoupling
 from symbody.model.element import Element
 from symbody.model.joint import Joint
 from symbody.model.joints.free import Free
@@ -47,7 +47,7 @@ def joint_problems(joints: Mapping[str, Joint]) -> list[Problem]:
     ]
 
 
-def contact_problems(contacts: Mapping[str, Contact]) -> list[Problem]:
+def frame_constraint_problems(contacts: Mapping[str, FrameConstraint]) -> list[Problem]:
     """Return the constraints, given by label, whose two frames are on one body."""
     return [
         Problem(
@@ -62,7 +62,7 @@ def contact_problems(contacts: Mapping[str, Contact]) -> list[Problem]:
     ]
 
 
-def coupling_problems(couplings: Mapping[str, Coupling], joints: Iterable[Joint]) -> list[Problem]:
+def coupling_problems(couplings: Mapping[str, JointCoupling], joints: Iterable[Joint]) -> list[Problem]:
     """Return a problem for each coordinate coupled that is no angle, or no displacement, as required."""
     listed = list(joints)
     known = {name for joint in listed for name in joint.coordinates}
@@ -127,8 +127,10 @@ def over_driven_problems(joints: Mapping[str, Joint]) -> list[Problem]:
         if low != high:
             forest[label] = joint
             continue
-        around = {label, *_way(forest, joint.start.body, joint.end.body)}
-        problems.append(_over_driven({place: other for place, other in held.items() if place in around}))
+        around = {label, *_tree_path(forest, joint.start.body, joint.end.body)}
+        problems.append(
+            _over_driven_problem({place: other for place, other in held.items() if place in around})
+        )
     return problems
 
 
@@ -142,7 +144,7 @@ def free_joints(bodies: Iterable[Body], joints: Iterable[Joint]) -> list[Joint]:
     return [Free(name, GROUND, name) for name in names if name not in joined]
 
 
-def _way(forest: Mapping[str, Joint], start: str, end: str) -> list[str]:
+def _tree_path(forest: Mapping[str, Joint], start: str, end: str) -> list[str]:
     """Return the labels of the joints on the way between two bodies of one tree."""
     near: dict[str, list[tuple[str, str]]] = {}
     for label, joint in forest.items():
@@ -162,11 +164,12 @@ def _way(forest: Mapping[str, Joint], start: str, end: str) -> list[str]:
     return way
 
 
-def _over_driven(loop: Mapping[str, Joint]) -> Problem:
+def _over_driven_problem(loop: Mapping[str, Joint]) -> Problem:
     return Problem(
         "model.over_driven",
         "; ".join(
-            f"{label}, {joint.path_of('motion', next(iter(joint.motions)))}" for label, joint in loop.items()
+            f"{label}, {joint.coordinate_path('motion', next(iter(joint.motions)))}"
+            for label, joint in loop.items()
         ),
         f"no joint of the loop {', '.join(joint.name for joint in loop.values())} is left free",
         "a loop ties its coordinates to each other, so these motions contradict each other or repeat one",

@@ -9,10 +9,10 @@ from typing import Final, NamedTuple
 
 from symbody.errors import Problem, nearest
 from symbody.expr.language.formula import Formula
-from symbody.model.constraint import Condition
+from symbody.model.constraint import ConstraintElement
 from symbody.model.joint import Joint
 from symbody.model.naming import RESERVED_SYMBOLS
-from symbody.model.uses import Scope, Use
+from symbody.model.uses import FormulaSite, Scope
 
 
 class Meaning(NamedTuple):
@@ -58,7 +58,7 @@ class Symbols:
         meaning = self.meanings.get(name)
         return meaning is not None and meaning.word in _WORDS[scope]
 
-    def allowed(self, scope: Scope) -> list[str]:
+    def allowed_names(self, scope: Scope) -> list[str]:
         """Return all names a formula may contain."""
         local = ("x", "y", "z") if scope is Scope.POINT else ()
         return [name for name in (*local, *RESERVED_SYMBOLS, *self.meanings) if self.allows(name, scope)]
@@ -75,7 +75,7 @@ def collect_symbols(entries: Iterable[tuple[str, Meaning]]) -> tuple[Symbols, li
 
 def joint_entries(joint: Joint, label: str) -> Iterator[tuple[str, Meaning]]:
     """Return what a joint adds to the symbols: coordinates and speeds, their rates and accelerations."""
-    given = joint.names_given
+    given = joint.given_names
     for k, name in enumerate(joint.coordinates):
         path = "name" if given[k] is None else "coordinate" if len(given) == 1 else f"coordinates[{k}]"
         for suffix, word in (("", "coordinate"), ("_dot", "rate"), ("_ddot", "acceleration")):
@@ -86,38 +86,40 @@ def joint_entries(joint: Joint, label: str) -> Iterator[tuple[str, Meaning]]:
         yield f"{name}_dot", Meaning("acceleration", f"{label}, {path}")
 
 
-def constraint_entries(condition: Condition, label: str) -> Iterator[tuple[str, Meaning]]:
+def constraint_entries(condition: ConstraintElement, label: str) -> Iterator[tuple[str, Meaning]]:
     """Return what a constraint adds to the symbols: its own coordinates, their rates and accelerations."""
     for name in condition.coordinates:
         for suffix, word in (("", "coordinate"), ("_dot", "rate"), ("_ddot", "acceleration")):
             yield f"{name}{suffix}", Meaning(word, f"{label}, parameter")
 
 
-def scope_problems(label: str, uses: Iterable[Use], symbols: Symbols) -> list[Problem]:
+def scope_problems(label: str, uses: Iterable[FormulaSite], symbols: Symbols) -> list[Problem]:
     """Return a problem for each name that does not belong where it stands."""
     problems = []
     for use in uses:
         for name in use.formula.names:
-            if name in use.own:
+            if name in use.local_names:
                 if name in symbols.meanings and not symbols.meanings[name].where.startswith(f"{label}, "):
-                    problems.append(_shadowing(f"{label}, {use.path}", use, name, symbols.meanings[name]))
+                    problems.append(
+                        _shadow_problem(f"{label}, {use.path}", use, name, symbols.meanings[name])
+                    )
             elif not symbols.allows(name, use.scope):
-                problems.append(_misplaced(f"{label}, {use.path}", use, name, symbols))
+                problems.append(_scope_problem(f"{label}, {use.path}", use, name, symbols))
     return problems
 
 
-def _shadowing(where: str, use: Use, name: str, meaning: Meaning) -> Problem:
+def _shadow_problem(where: str, use: FormulaSite, name: str, meaning: Meaning) -> Problem:
     return use.formula.problem(
         "names.shadowed",
         _column(use.formula, name),
         f"{name!r} is this element's own, and a {meaning.word} of the model ({meaning.where})",
-        f"in this place {' and '.join(use.own)} are measured on the element",
+        f"in this place {' and '.join(use.local_names)} are measured on the element",
         f"rename the {meaning.word}",
         where,
     )
 
 
-def _misplaced(where: str, use: Use, name: str, symbols: Symbols) -> Problem:
+def _scope_problem(where: str, use: FormulaSite, name: str, symbols: Symbols) -> Problem:
     column = _column(use.formula, name)
     meaning = symbols.meanings.get(name)
     is_coordinate = use.scope is Scope.COORDINATE
@@ -133,7 +135,7 @@ def _misplaced(where: str, use: Use, name: str, symbols: Symbols) -> Problem:
             "name a coordinate of a joint" if is_coordinate else "write the formula without it",
             where,
         )
-    cure = nearest(name, [*use.own, *symbols.allowed(use.scope)])
+    cure = nearest(name, [*use.local_names, *symbols.allowed_names(use.scope)])
     defined = f"[parameters] {name} = .." + (f', or inputs = ["{name}"]' if "inputs" in takes else "")
     return use.formula.problem(
         "names.unknown",

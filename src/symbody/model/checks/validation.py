@@ -8,15 +8,15 @@ from dataclasses import dataclass, replace
 from symbody.errors import ModelError, Problem
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
-from symbody.model.checker import Checker
+from symbody.model.checker import NumericChecks
 from symbody.model.checks.initial import check_initial, initial_problems
 from symbody.model.checks.physics import check_body, check_frames
 from symbody.model.checks.shapes import check_shapes
 from symbody.model.checks.structure import (
-    contact_problems,
     coupling_problems,
     duplicate_elements,
     floating_problems,
+    frame_constraint_problems,
     free_joints,
     joint_problems,
     over_driven_problems,
@@ -28,16 +28,16 @@ from symbody.model.checks.symbols import (
     joint_entries,
     scope_problems,
 )
-from symbody.model.constraint import Condition, Contact
-from symbody.model.constraints.couplings import Coupling
+from symbody.model.constraint import ConstraintElement, FrameConstraint
+from symbody.model.constraints.couplings import JointCoupling
 from symbody.model.element import Element
 from symbody.model.frame import Frame
 from symbody.model.joint import Joint
-from symbody.model.lookup import element_labels, places_of, with_places
-from symbody.model.parameters import cycle_problems, known_values
+from symbody.model.lookup import element_labels, frame_index, resolve_frames
+from symbody.model.parameters import cycle_problems, parameter_values
 from symbody.model.shapes.shape import BodyShape
-from symbody.model.table import Table
-from symbody.model.uses import Scope, Triple, Use, triple_uses
+from symbody.model.table import FrozenMapping
+from symbody.model.uses import FormulaSite, Scope, Triple, component_sites
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,10 +46,10 @@ class Draft:
 
     elements: tuple[Element, ...]
     gravity: Triple
-    parameters: Table[Formula | None]
+    parameters: FrozenMapping[Formula | None]
     inputs: tuple[str, ...]
-    initial: Table[Formula]
-    ground: Table[Frame]
+    initial: FrozenMapping[Formula]
+    ground: FrozenMapping[Frame]
     ground_shapes: tuple[BodyShape, ...]
 
     @property
@@ -68,7 +68,7 @@ class Draft:
         return free_joints(self.bodies, self.joints)
 
 
-def checked(draft: Draft, earlier: Iterable[Problem]) -> tuple[tuple[Element, ...], tuple[str, ...]]:
+def check_draft(draft: Draft, earlier: Iterable[Problem]) -> tuple[tuple[Element, ...], tuple[str, ...]]:
     """Return the elements with their addresses looked up, and remarks.
 
     Raises
@@ -79,21 +79,21 @@ def checked(draft: Draft, earlier: Iterable[Problem]) -> tuple[tuple[Element, ..
     problems = list(earlier)
     labels = element_labels(draft.elements)
     problems += duplicate_elements(draft.elements, labels)
-    placed, unknown = with_places(draft.elements, places_of(draft.bodies, draft.ground), labels)
+    placed, unknown = resolve_frames(draft.elements, frame_index(draft.bodies, draft.ground), labels)
     problems += unknown
     draft = replace(draft, elements=tuple(placed))
     joints = {labels[k]: element for k, element in enumerate(placed) if isinstance(element, Joint)}
     if not unknown:
         problems += joint_problems(joints)
-        problems += contact_problems(
-            {labels[k]: element for k, element in enumerate(placed) if isinstance(element, Contact)}
+        problems += frame_constraint_problems(
+            {labels[k]: element for k, element in enumerate(placed) if isinstance(element, FrameConstraint)}
         )
         problems += floating_problems(draft.bodies, joints.values())
         problems += over_driven_problems({k: j for k, j in joints.items() if j.start.body != j.end.body})
-    couplings = {labels[k]: element for k, element in enumerate(placed) if isinstance(element, Coupling)}
+    couplings = {labels[k]: element for k, element in enumerate(placed) if isinstance(element, JointCoupling)}
     problems += coupling_problems(couplings, (*joints.values(), *draft.free_joints))
     problems += _name_problems(draft, list(labels.values()))
-    check = _numbers(draft, labels.values())
+    check = _check_numbers(draft, labels.values())
     problems += check.problems
     if problems:
         raise ModelError(*problems)
@@ -104,11 +104,11 @@ def _name_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
     """Return what is wrong with symbols and with the names in formulas."""
     symbols, problems = collect_symbols(_symbol_entries(draft, labels))
     problems += cycle_problems(draft.parameters)
-    problems += scope_problems("model", _model_uses(draft), symbols)
+    problems += scope_problems("model", _model_sites(draft), symbols)
     for label, element in zip(labels, draft.elements, strict=True):
-        problems += scope_problems(label, element.uses(), symbols)
+        problems += scope_problems(label, element.formula_sites(), symbols)
         if isinstance(element, Body):
-            problems += scope_problems(label, element.shape_uses(), symbols)
+            problems += scope_problems(label, element.shape_formula_sites(), symbols)
     problems += initial_problems(draft.initial, symbols, draft.joints)
     return problems + _degree_problems(draft, labels)
 
@@ -121,24 +121,24 @@ def _symbol_entries(draft: Draft, labels: Sequence[str]) -> Iterator[tuple[str, 
     for label, element in zip(labels, draft.elements, strict=True):
         if isinstance(element, Joint):
             yield from joint_entries(element, label)
-        elif isinstance(element, Condition):
+        elif isinstance(element, ConstraintElement):
             yield from constraint_entries(element, label)
     for joint in draft.free_joints:
         yield from joint_entries(joint, f"body {joint.name}")
 
 
-def _model_uses(draft: Draft) -> Iterator[Use]:
+def _model_sites(draft: Draft) -> Iterator[FormulaSite]:
     """Return where the formulas of the model itself stand."""
-    yield from triple_uses("gravity", draft.gravity, Scope.CONSTANT)
+    yield from component_sites("gravity", draft.gravity, Scope.CONSTANT)
     for name, formula in draft.parameters.items():
         if formula is not None:
-            yield Use(f"parameters.{name}", formula, Scope.CONSTANT)
+            yield FormulaSite(f"parameters.{name}", formula, Scope.CONSTANT)
     for name, formula in draft.initial.items():
-        yield Use(f"initial.{name}", formula, Scope.CONSTANT)
+        yield FormulaSite(f"initial.{name}", formula, Scope.CONSTANT)
     for name, frame in draft.ground.items():
-        yield from frame.uses(f"ground.frames.{name}")
+        yield from frame.formula_sites(f"ground.frames.{name}")
     for k, shape in enumerate(draft.ground_shapes):
-        yield from shape.uses(f"ground.shape[{k}]")
+        yield from shape.formula_sites(f"ground.shape[{k}]")
 
 
 def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
@@ -151,10 +151,10 @@ def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
             angles.update(joint.angle_coordinates)
             others.update(joint.coordinates, joint.quasi_speed_names)
             others.update(f"{name}_dot" for name in joint.coordinates)
-            for path, name, drive in joint.placed_drives():
+            for path, name, drive in joint.drives_with_paths():
                 values.append((f"{label}, {path}", name, drive.free))
             for name, formula in joint.motion.items():
-                values.append((f"{label}, {joint.path_of('motion', name)}", name, formula))
+                values.append((f"{label}, {joint.coordinate_path('motion', name)}", name, formula))
     return [
         Problem(
             "model.not_an_angle",
@@ -168,10 +168,10 @@ def _degree_problems(draft: Draft, labels: Sequence[str]) -> list[Problem]:
     ]
 
 
-def _numbers(draft: Draft, labels: Iterable[str]) -> Checker:
+def _check_numbers(draft: Draft, labels: Iterable[str]) -> NumericChecks:
     """Return what the values of the parameters say."""
-    values, problems = known_values(draft.parameters)
-    check = Checker(values)
+    values, problems = parameter_values(draft.parameters)
+    check = NumericChecks(values)
     check.problems += problems
     check.values(draft.gravity, "model, gravity")
     check_frames(check, draft.ground, "model, ground.frames")

@@ -7,15 +7,15 @@ from typing import ClassVar, Final, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.checker import refuse_zero_ratio
-from symbody.model.constraint import Condition
+from symbody.model.constraint import ConstraintElement
 from symbody.model.element_fields import Coupled, Radii, VanishingFormulas, element
 from symbody.model.fields import AngleQuantity, Flag, Quantity
 from symbody.model.uses import Scope
 
-_ONE: Final = Formula.of(1)
+_ONE: Final = Formula.from_value(1)
 
 
-class Coupling(Condition):
+class JointCoupling(ConstraintElement):
     """A linear equation between coordinates of joints: the sum of factors times coordinates is the offset.
 
     Attributes
@@ -43,7 +43,7 @@ class Coupling(Condition):
 
 @final
 @element
-class Gear(Coupling):
+class Gear(JointCoupling):
     """Two wheels in mesh: ``first = ratio second + offset``.
 
     Wheels that mesh on the outside turn against each other: their ratio is negative. The multiplier is the
@@ -71,7 +71,7 @@ class Gear(Coupling):
 
 @final
 @element
-class RackPinion(Coupling):
+class RackPinion(JointCoupling):
     """A rack moved by a wheel: ``displacement = radius angle + offset``.
 
     The multiplier is the force on the rack along its displacement [N].
@@ -101,7 +101,7 @@ class RackPinion(Coupling):
 
 @final
 @element
-class Belt(Coupling):
+class Belt(JointCoupling):
     """Two pulleys and a belt that does not slip: ``radius1 first = radius2 second + offset``.
 
     The multiplier is the pull of the belt at the rim of the first pulley, in the sense of its angle [N].
@@ -131,7 +131,7 @@ class Belt(Coupling):
 
 @final
 @element
-class Differential(Coupling):
+class Differential(JointCoupling):
     """A differential: the carrier turns by the mean of its two shafts, ``2 carrier = left + right + offset``.
 
     The multiplier is half the torque on the carrier about its axis [N m].
@@ -150,12 +150,12 @@ class Differential(Coupling):
     @property
     def factors(self) -> tuple[Formula, ...]:
         """``2, -1, -1``."""
-        return (Formula.of(2), Formula.of(-1), Formula.of(-1))
+        return (Formula.from_value(2), Formula.from_value(-1), Formula.from_value(-1))
 
 
 @final
 @element
-class Constraint(Condition):
+class Constraint(ConstraintElement):
     """Equations in coordinates, or affine in speeds.
 
     One with rates or speeds is a constraint on velocities, taken as it stands: nonholonomic, unless it is the
@@ -174,4 +174,4 @@ class Constraint(Condition):
 
 
 def _negative(formula: Formula) -> Formula:
-    return Formula.of(f"-({formula.text})")
+    return Formula.from_value(f"-({formula.text})")

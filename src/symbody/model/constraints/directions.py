@@ -6,8 +6,8 @@ import math
 from typing import ClassVar, Final, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.checker import Checker, check_angle
-from symbody.model.constraint import Contact
+from symbody.model.checker import NumericChecks, check_angle
+from symbody.model.constraint import FrameConstraint
 from symbody.model.element_fields import Directions, element
 from symbody.model.fields import AngleQuantity
 from symbody.model.uses import Scope
@@ -16,7 +16,7 @@ from symbody.tolerances import TYPED
 _BOTH: Final = "A direction in the start frame and one in the end frame."
 
 
-def _check_cosine(check: Checker, angle: Formula, where: str) -> None:
+def _check_cosine(check: NumericChecks, angle: Formula, where: str) -> None:
     """Refuse angles at which the cosine stands still: the constraint would hold two freedoms, not one."""
     value = check.value(angle, where)
     if value is None:
@@ -34,7 +34,7 @@ def _check_cosine(check: Checker, angle: Formula, where: str) -> None:
 
 @final
 @element
-class Parallel(Contact):
+class Parallel(FrameConstraint):
     """Holds a direction of end parallel to one of start."""
 
     rows: ClassVar[str] = "2"
@@ -47,7 +47,7 @@ class Parallel(Contact):
 
 @final
 @element
-class Perpendicular(Contact):
+class Perpendicular(FrameConstraint):
     """Holds a direction of end perpendicular to one of start."""
 
     rows: ClassVar[str] = "1"
@@ -60,7 +60,7 @@ class Perpendicular(Contact):
 
 @final
 @element
-class Angle(Contact):
+class Angle(FrameConstraint):
     """Holds the angle between a direction of start and one of end: its cosine is kept.
 
     The angle must stay off 0 and pi, where the cosine has no slope.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar, final
 
-from symbody.model.checker import Checker, positive_length
-from symbody.model.constraint import Contact
+from symbody.model.checker import NumericChecks, positive_length
+from symbody.model.constraint import FrameConstraint
 from symbody.model.element_fields import CurvePoint, VanishingFormulas, element
 from symbody.model.fields import Direction, Flag, Quantity, SymbolName
 from symbody.model.uses import Scope
@@ -13,7 +13,7 @@ from symbody.model.uses import Scope
 
 @final
 @element
-class Distance(Contact):
+class Distance(FrameConstraint):
     """Holds two points at a distance: a massless rod; or a rope, which may be shorter.
 
     Its one multiplier is the force with which it pushes the points apart [N]; in a rope it is never positive.
@@ -35,7 +35,7 @@ class Distance(Contact):
 
 @final
 @element
-class PointOnLine(Contact):
+class PointOnLine(FrameConstraint):
     """Holds the origin of end on a line through the origin of start."""
 
     rows: ClassVar[str] = "2"
@@ -48,7 +48,7 @@ class PointOnLine(Contact):
 
 @final
 @element
-class PointOnPlane(Contact):
+class PointOnPlane(FrameConstraint):
     """Holds the origin of end in a plane through the origin of start."""
 
     rows: ClassVar[str] = "1"
@@ -61,7 +61,7 @@ class PointOnPlane(Contact):
 
 @final
 @element
-class PointOnCurve(Contact):
+class PointOnCurve(FrameConstraint):
     """Holds the origin of end on a curve fixed in start.
 
     The curve's parameter becomes a coordinate of the mechanism, without mass; the derivative of the curve by
@@ -85,7 +85,7 @@ class PointOnCurve(Contact):
         """The curve's parameter."""
         return (self.parameter,)
 
-    def check_numbers(self, check: Checker, label: str) -> None:
+    def check_numbers(self, check: NumericChecks, label: str) -> None:
         """Refuse a curve that does not change with its parameter."""
         if not any(self.parameter in formula.names for formula in self.curve):
             check.refuse(
@@ -99,7 +99,7 @@ class PointOnCurve(Contact):
 
 @final
 @element
-class PointOnSurface(Contact):
+class PointOnSurface(FrameConstraint):
     """Holds the origin of end on a surface fixed in start; several equations make a curve.
 
     A multiplier times the gradient of its equation is the force on end.

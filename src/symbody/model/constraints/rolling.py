@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import ClassVar, final
 
 from symbody.model.checker import positive_length
-from symbody.model.constraint import Contact
+from symbody.model.constraint import FrameConstraint
 from symbody.model.element_fields import element
 from symbody.model.fields import Direction, OptionalDirection, Quantity
 
 
 @final
 @element
-class KnifeEdge(Contact):
+class KnifeEdge(FrameConstraint):
     """A blade on end that does not slide sideways on start.
 
     The velocity of end's origin relative to start has no component along the blade's normal.
@@ -28,7 +28,7 @@ class KnifeEdge(Contact):
 
 @final
 @element
-class Rolling(Contact):
+class Rolling(FrameConstraint):
     """A disc or a sphere on end that rolls without slipping on a plane of start.
 
     The origin of start is in the plane, that of end in the centre of disc or sphere. A disc that spins

@@ -43,5 +43,5 @@ class Cartesian(Joint):
 
     def shift(self) -> Triple:
         """Return the displacements."""
-        x, y, z = (Formula.of(name) for name in self.coordinates)
+        x, y, z = (Formula.from_value(name) for name in self.coordinates)
         return (x, y, z)

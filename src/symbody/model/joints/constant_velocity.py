@@ -8,7 +8,7 @@ from typing import ClassVar, Final, final
 from symbody.expr.language.formula import Formula
 from symbody.model.element_fields import element
 from symbody.model.fields import Flag
-from symbody.model.joint import Joint, Turn
+from symbody.model.joint import Joint, SimpleRotation
 from symbody.model.joint_fields import (
     AS_CONSTRAINT,
     MOTIONS,
@@ -50,12 +50,12 @@ class ConstantVelocity(Joint):
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
 
-    def turns(self) -> tuple[Turn, ...]:
+    def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turn to the direction of the bend, the bend, and the turn back."""
         bend, azimuth = self.coordinates
         axis, across = LETTERS[self.axis], LETTERS[_BENDS[self.axis]]
         return (
-            Turn(axis, Formula.of(azimuth)),
-            Turn(across, Formula.of(bend)),
-            Turn(axis, Formula.of(f"-{azimuth}")),
+            SimpleRotation(axis, Formula.from_value(azimuth)),
+            SimpleRotation(across, Formula.from_value(bend)),
+            SimpleRotation(axis, Formula.from_value(f"-{azimuth}")),
         )

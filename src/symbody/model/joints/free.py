@@ -7,7 +7,7 @@ from typing import ClassVar, Final, final
 from symbody.expr.language.formula import Formula
 from symbody.model.element_fields import element
 from symbody.model.fields import Flag
-from symbody.model.joint import RATES, Joint, QuasiSpeeds, Turn
+from symbody.model.joint import RATES, Joint, QuasiSpeeds, SimpleRotation
 from symbody.model.joint_fields import (
     AS_CONSTRAINT,
     MOTIONS,
@@ -85,11 +85,11 @@ class Free(Joint):
         """The components of the rate of the position, or None."""
         return quasi_speeds(self, "v", "end" if self.speeds == _TWIST else "start")
 
-    def turns(self) -> tuple[Turn, ...]:
+    def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turns by the angles."""
         return orientation_turns(self.angles, self.coordinates[3:])
 
     def shift(self) -> Triple:
         """Return the position."""
-        x, y, z = (Formula.of(name) for name in self.coordinates[:3])
+        x, y, z = (Formula.from_value(name) for name in self.coordinates[:3])
         return (x, y, z)

@@ -6,7 +6,7 @@ from typing import ClassVar, final
 
 from symbody.model.element_fields import element
 from symbody.model.fields import Flag
-from symbody.model.joint import Joint, Turn
+from symbody.model.joint import Joint, SimpleRotation
 from symbody.model.joint_fields import (
     AS_CONSTRAINT,
     MOTIONS,
@@ -43,6 +43,6 @@ class Gimbal(Joint):
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
 
-    def turns(self) -> tuple[Turn, ...]:
+    def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turns by the angles."""
         return orientation_turns(self.angles, self.coordinates)

@@ -9,11 +9,11 @@ from typing import Any, ClassVar, Final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declaration import Field
-from symbody.model.door import Door
+from symbody.model.door import Arguments
 from symbody.model.joint import RATES, Joint, QuasiSpeeds
-from symbody.model.joint_fields import names_from
-from symbody.model.naming import symbol_from
-from symbody.model.turn import LETTERS, Turn
+from symbody.model.joint_fields import read_names
+from symbody.model.naming import make_symbol
+from symbody.model.turn import LETTERS, SimpleRotation
 
 QUATERNION: Final = "quaternion"
 _SPACE: Final = "space "
@@ -29,7 +29,7 @@ class AngleSequence(Field[str, str]):
     annotation: ClassVar[str] = "str"
     pattern: ClassVar[str] = "^((space )?[1-3xyz]{3}|quaternion)$"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> str:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> str:
         """Return ``"quaternion"`` or a sequence in digits, such as ``"313"`` or ``"space 123"``."""
         text = value if isinstance(value, str) else ""
         if text == QUATERNION:
@@ -39,7 +39,7 @@ class AngleSequence(Field[str, str]):
         is_known = len(digits) == len(axes) == 3
         if is_known and digits[0] != digits[1] != digits[2]:
             return f"{text[: -len(axes)]}{digits}"
-        door.refuse(
+        door.add(
             "model.angle_sequence",
             path,
             f"{value!r} is not a sequence of turns",
@@ -54,12 +54,12 @@ class ThreeAngles(AngleSequence):
 
     pattern: ClassVar[str] = "^(space )?[1-3xyz]{3}$"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> str:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> str:
         """Return a sequence in digits; a quaternion is refused."""
         if value != QUATERNION:
             digits = super().read(owner, door, value, path)
             return "123" if digits == QUATERNION else digits
-        door.refuse(
+        door.add(
             "model.angle_sequence",
             path,
             "the joint has three angles, no quaternion",
@@ -87,14 +87,14 @@ class SpeedChoice(Field[str | None, str]):
     default: Any = None
     words: tuple[str, ...] = ()
 
-    def read(self, owner: Joint, door: Door, value: object, path: str) -> str:
+    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> str:
         """Return the speeds, by default the rates of angles, and components in end axes with a quaternion."""
         default = "end" if owner.quaternion else RATES
         if value is None:
             return default
         if not isinstance(value, str) or value not in self.words:
             words = ", ".join(f'"{word}"' for word in self.words[:-1])
-            door.refuse(
+            door.add(
                 "model.speeds",
                 path,
                 f"{value!r} does not say what the speeds are",
@@ -103,7 +103,7 @@ class SpeedChoice(Field[str | None, str]):
             )
             return default
         if value == RATES and owner.quaternion:
-            door.refuse(
+            door.add(
                 "model.quaternion_rates",
                 path,
                 "the rates of a quaternion cannot be the speeds",
@@ -132,12 +132,12 @@ class SpeedNames(Field[Iterable[str] | None, tuple[str, ...] | None]):
     default: Any = None
     kinds: str = "w"
 
-    def read(self, owner: Joint, door: Door, value: object, path: str) -> tuple[str, ...] | None:
+    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> tuple[str, ...] | None:
         """Return the names, or None for those after the joint's name."""
         if value is None:
             return None
         if owner.speeds == RATES:
-            door.refuse(
+            door.add(
                 "model.names_of_rates",
                 path,
                 "the speeds are rates of coordinates, which have names already",
@@ -145,7 +145,7 @@ class SpeedNames(Field[Iterable[str] | None, tuple[str, ...] | None]):
                 'write speeds = "end" or "start", or leave speed_names out',
             )
             return None
-        return names_from(
+        return read_names(
             door, value, path, tuple(name for kind in self.kinds for name in _own_names(owner, kind))
         )
 
@@ -173,7 +173,7 @@ def orientation_quaternion(angles: str, names: tuple[str, ...]) -> tuple[str, st
     return (w, x, y, z)
 
 
-def orientation_turns(angles: str, names: tuple[str, ...]) -> tuple[Turn, ...]:
+def orientation_turns(angles: str, names: tuple[str, ...]) -> tuple[SimpleRotation, ...]:
     """Return the turns about body axes from start to end; none for a quaternion.
 
     Angles about axes fixed in start are those about body axes in the opposite order.
@@ -181,7 +181,10 @@ def orientation_turns(angles: str, names: tuple[str, ...]) -> tuple[Turn, ...]:
     if angles == QUATERNION:
         return ()
     digits = angles.removeprefix(_SPACE)
-    turns = [Turn(_AXES[digit], Formula.of(name)) for digit, name in zip(digits, names, strict=True)]
+    turns = [
+        SimpleRotation(_AXES[digit], Formula.from_value(name))
+        for digit, name in zip(digits, names, strict=True)
+    ]
     return tuple(reversed(turns) if angles.startswith(_SPACE) else turns)
 
 
@@ -195,5 +198,5 @@ def quasi_speeds(joint: Joint, kind: str, frame: str) -> QuasiSpeeds | None:
 
 
 def _own_names(joint: Joint, kind: str) -> tuple[str, ...]:
-    own = symbol_from(joint.name)
+    own = make_symbol(joint.name)
     return tuple(f"{own}_{kind}{axis}" for axis in "xyz")

@@ -7,7 +7,7 @@ from typing import ClassVar, final
 from symbody.expr.language.formula import Formula
 from symbody.model.element_fields import element
 from symbody.model.fields import Flag
-from symbody.model.joint import Joint, Turn
+from symbody.model.joint import Joint, SimpleRotation
 from symbody.model.joint_fields import (
     AS_CONSTRAINT,
     MOTIONS,
@@ -45,9 +45,9 @@ class PinSlot(Joint):
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
 
-    def turns(self) -> tuple[Turn, ...]:
+    def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turn about the pin."""
-        return (Turn(unit_axis(self.axes[0]), Formula.of(self.coordinates[0])),)
+        return (SimpleRotation(unit_axis(self.axes[0]), Formula.from_value(self.coordinates[0])),)
 
     def shift(self) -> Triple:
         """Return the direction of the slot times the displacement."""

@@ -7,7 +7,7 @@ from typing import ClassVar, final
 from symbody.expr.language.formula import Formula
 from symbody.model.element_fields import element
 from symbody.model.fields import Flag
-from symbody.model.joint import Joint, Turn
+from symbody.model.joint import Joint, SimpleRotation
 from symbody.model.joint_fields import (
     AS_CONSTRAINT,
     MOTIONS,
@@ -45,11 +45,11 @@ class Planar(Joint):
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
 
-    def turns(self) -> tuple[Turn, ...]:
+    def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turn about the normal."""
-        return (Turn(LETTERS[self.axis], Formula.of(self.coordinates[2])),)
+        return (SimpleRotation(LETTERS[self.axis], Formula.from_value(self.coordinates[2])),)
 
     def shift(self) -> Triple:
         """Return the two displacements, in cyclic order after the normal."""
-        first, second = (Formula.of(name) for name in self.coordinates[:2])
+        first, second = (Formula.from_value(name) for name in self.coordinates[:2])
         return in_plane(self.axis, first, second)

@@ -46,5 +46,5 @@ class Rectangular(Joint):
 
     def shift(self) -> Triple:
         """Return the two displacements, in cyclic order after the normal."""
-        first, second = (Formula.of(name) for name in self.coordinates)
+        first, second = (Formula.from_value(name) for name in self.coordinates)
         return in_plane(self.axis, first, second)

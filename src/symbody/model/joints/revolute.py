@@ -7,7 +7,7 @@ from typing import ClassVar, final
 from symbody.expr.language.formula import Formula
 from symbody.model.element_fields import element
 from symbody.model.fields import Direction, Flag
-from symbody.model.joint import Joint, Turn
+from symbody.model.joint import Joint, SimpleRotation
 from symbody.model.joint_fields import (
     AS_CONSTRAINT,
     FRICTION,
@@ -39,6 +39,6 @@ class Revolute(Joint):
     armature: Armature = Armature("Inertia of the drive's rotor.", unit="kg m^2", default=0)
     friction: DryFriction = FRICTION
 
-    def turns(self) -> tuple[Turn, ...]:
+    def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turn about the axis."""
-        return (Turn(unit_axis(self.axis), Formula.of(self.coordinates[0])),)
+        return (SimpleRotation(unit_axis(self.axis), Formula.from_value(self.coordinates[0])),)

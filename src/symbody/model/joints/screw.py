@@ -8,7 +8,7 @@ from symbody.expr.language.formula import Formula
 from symbody.model.checker import need_value
 from symbody.model.element_fields import element
 from symbody.model.fields import Direction, Flag, Quantity
-from symbody.model.joint import Joint, Turn
+from symbody.model.joint import Joint, SimpleRotation
 from symbody.model.joint_fields import (
     AS_CONSTRAINT,
     FRICTION,
@@ -52,9 +52,9 @@ class Screw(Joint):
     as_constraint: Flag = AS_CONSTRAINT
     friction: DryFriction = FRICTION
 
-    def turns(self) -> tuple[Turn, ...]:
+    def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turn about the axis."""
-        return (Turn(unit_axis(self.axis), Formula.of(self.coordinates[0])),)
+        return (SimpleRotation(unit_axis(self.axis), Formula.from_value(self.coordinates[0])),)
 
     def shift(self) -> Triple:
         """Return the axis times the pitch for each full turn."""

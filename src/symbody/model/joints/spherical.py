@@ -6,7 +6,7 @@ from typing import ClassVar, final
 
 from symbody.model.element_fields import element
 from symbody.model.fields import Flag
-from symbody.model.joint import RATES, Joint, QuasiSpeeds, Turn
+from symbody.model.joint import RATES, Joint, QuasiSpeeds, SimpleRotation
 from symbody.model.joint_fields import (
     AS_CONSTRAINT,
     MOTIONS,
@@ -72,6 +72,6 @@ class Spherical(Joint):
         """The components of the angular velocity, or None."""
         return quasi_speeds(self, "w", self.speeds)
 
-    def turns(self) -> tuple[Turn, ...]:
+    def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turns by the angles."""
         return orientation_turns(self.angles, self.coordinates)

@@ -7,7 +7,7 @@ from typing import ClassVar, final
 from symbody.expr.language.formula import Formula
 from symbody.model.element_fields import element
 from symbody.model.fields import Flag
-from symbody.model.joint import Joint, Turn
+from symbody.model.joint import Joint, SimpleRotation
 from symbody.model.joint_fields import (
     AS_CONSTRAINT,
     MOTIONS,
@@ -45,7 +45,7 @@ class Universal(Joint):
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
 
-    def turns(self) -> tuple[Turn, ...]:
+    def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turn about the axis of start, then that about the axis of end."""
         pairs = zip(self.axes, self.coordinates, strict=True)
-        return tuple(Turn(unit_axis(axis), Formula.of(name)) for axis, name in pairs)
+        return tuple(SimpleRotation(unit_axis(axis), Formula.from_value(name)) for axis, name in pairs)

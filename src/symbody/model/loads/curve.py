@@ -10,10 +10,10 @@ from typing import ClassVar, Final, Literal, TypeAlias, cast, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declaration import ElementPart, Field
-from symbody.model.door import ZERO, Door, Value
+from symbody.model.door import ZERO, Arguments, Value
 from symbody.model.fields import Numbers, WordChoice, part
-from symbody.model.numbers import as_float, value_of
-from symbody.model.uses import Scope, Use
+from symbody.model.numbers import as_float, formula_value
+from symbody.model.uses import FormulaSite, Scope
 
 KINDS: Final[tuple[Literal["linear", "pchip"], ...]] = ("linear", "pchip")
 OUTSIDE: Final[tuple[Literal["hold", "slope"], ...]] = ("hold", "slope")
@@ -39,7 +39,7 @@ class Curve(ElementPart):
         default="hold",
     )
 
-    def check(self, door: Door) -> None:
+    def check(self, door: Arguments) -> None:
         """Note places that do not increase, and lists of different lengths."""
         if not door.problems:
             _check_points(door, self.places, self.values)
@@ -63,7 +63,7 @@ class Curve(ElementPart):
         x, y = self.places, self.values
         found = _lines(x, y) if self.kind == "linear" else _cubics(x, y)
         last, width = found[-1], x[-1] - x[-2]
-        ends = (found[0][2], _slope_after(last[1:], width)) if self.outside == "slope" else (0.0, 0.0)
+        ends = (found[0][2], _polynomial_slope(last[1:], width)) if self.outside == "slope" else (0.0, 0.0)
         rest = (0.0,) * (len(last) - 3)
         inner = [(start, start, *coefficients) for start, *coefficients in found]
         return [(-math.inf, x[0], y[0], ends[0], *rest), *inner, (x[-1], x[-1], y[-1], ends[1], *rest)]
@@ -90,17 +90,17 @@ class SpringLaw(Field[LawValue, Law]):
     _: KW_ONLY
     own: tuple[str, ...] = ()
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> Law:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> Law:
         """Return the formula or curve."""
-        return law_from(door, value, path)
+        return read_law(door, value, path)
 
-    def formula_sites(self, owner: object, value: Law, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Law, path: str) -> Iterator[FormulaSite]:
         """Return where the formula stands; a curve has none."""
         if not isinstance(value, Curve):
-            yield Use(path, value, Scope.LOAD, self.own)
+            yield FormulaSite(path, value, Scope.LOAD, self.own)
 
 
-def law_from(door: Door, value: object, path: str) -> Law:
+def read_law(door: Arguments, value: object, path: str) -> Law:
     """Return a law from a formula, a curve, or the table of one as it stands in a file."""
     if isinstance(value, Curve):
         return value
@@ -110,7 +110,7 @@ def law_from(door: Door, value: object, path: str) -> Law:
     wrong = words - {"x", "y", "kind", "outside"} or {"x", "y"} - words
     if wrong:
         fault = "is missing" if wrong <= {"x", "y"} else "means nothing"
-        door.refuse(
+        door.add(
             "model.curve_words",
             path,
             f"{', '.join(sorted(wrong))} {fault} in a curve",
@@ -118,25 +118,23 @@ def law_from(door: Door, value: object, path: str) -> Law:
             "write { x = [..], y = [..] }, with kind and outside if need be",
         )
         return ZERO
-    inner = Door("curve")
-    made = inner.attempt(lambda: _curve_of(value))
+    inner = Arguments("curve")
+    made = inner.attempt(lambda: _make_curve(value))
     for problem in inner.problems:
         place = problem.where.partition(", ")[2]
-        door.refuse(
-            problem.code, f"{path}.{place}" if place else path, problem.what, problem.why, problem.fix
-        )
+        door.add(problem.code, f"{path}.{place}" if place else path, problem.what, problem.why, problem.fix)
     return ZERO if made is None else made
 
 
-def _curve_of(table: Mapping[str, object]) -> Curve:
+def _make_curve(table: Mapping[str, object]) -> Curve:
     x, y = (cast("Iterable[Value]", table[word]) for word in ("x", "y"))
     kind = cast("Literal['linear', 'pchip']", table.get("kind", "linear"))
     return Curve(x, y, kind, cast("Literal['hold', 'slope']", table.get("outside", "hold")))
 
 
-def _check_points(door: Door, x: Sequence[float], y: Sequence[float]) -> None:
+def _check_points(door: Arguments, x: Sequence[float], y: Sequence[float]) -> None:
     if len(x) != len(y) or len(x) < 2:
-        door.refuse(
+        door.add(
             "model.curve_length",
             "",
             f"there are {len(x)} places and {len(y)} values",
@@ -146,7 +144,7 @@ def _check_points(door: Door, x: Sequence[float], y: Sequence[float]) -> None:
         return
     for k, (left, right) in enumerate(pairwise(x)):
         if not left < right:
-            door.refuse(
+            door.add(
                 "model.curve_order",
                 f"x[{k + 1}]",
                 f"{right:g} follows {left:g}",
@@ -157,7 +155,7 @@ def _check_points(door: Door, x: Sequence[float], y: Sequence[float]) -> None:
 
 
 def _numbers(formulas: Iterable[Formula]) -> tuple[float, ...]:
-    values = (value_of(formula) for formula in formulas)
+    values = (formula_value(formula) for formula in formulas)
     return tuple(math.nan if value is None else as_float(value) for value in values)
 
 
@@ -184,20 +182,21 @@ def _monotone_slopes(x: Sequence[float], y: Sequence[float]) -> list[float]:
     if len(rises) == 1:
         return [rises[0], rises[0]]
     inner = [
-        _between(h0, h1, d0, d1) for (h0, h1), (d0, d1) in zip(pairwise(widths), pairwise(rises), strict=True)
+        _inner_slope(h0, h1, d0, d1)
+        for (h0, h1), (d0, d1) in zip(pairwise(widths), pairwise(rises), strict=True)
     ]
-    first = _at_end(widths[0], widths[1], rises[0], rises[1])
-    return [first, *inner, _at_end(widths[-1], widths[-2], rises[-1], rises[-2])]
+    first = _end_slope(widths[0], widths[1], rises[0], rises[1])
+    return [first, *inner, _end_slope(widths[-1], widths[-2], rises[-1], rises[-2])]
 
 
-def _between(h0: float, h1: float, d0: float, d1: float) -> float:
+def _inner_slope(h0: float, h1: float, d0: float, d1: float) -> float:
     if d0 * d1 <= 0:
         return 0.0
     first, second = 2 * h1 + h0, h1 + 2 * h0
     return (first + second) / (first / d0 + second / d1)
 
 
-def _at_end(h0: float, h1: float, d0: float, d1: float) -> float:
+def _end_slope(h0: float, h1: float, d0: float, d1: float) -> float:
     """Return the slope of the parabola through three points, kept from turning the curve round."""
     slope = ((2 * h0 + h1) * d0 - h0 * d1) / (h0 + h1)
     if slope * d0 <= 0:
@@ -205,6 +204,6 @@ def _at_end(h0: float, h1: float, d0: float, d1: float) -> float:
     return 3 * d0 if d0 * d1 <= 0 and abs(slope) > 3 * abs(d0) else slope
 
 
-def _slope_after(coefficients: Sequence[float], width: float) -> float:
+def _polynomial_slope(coefficients: Sequence[float], width: float) -> float:
     """Return the slope of ``c0 + c1 x + ..`` at `width`."""
     return sum(k * c * width ** (k - 1) for k, c in enumerate(coefficients) if k)

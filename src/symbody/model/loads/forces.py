@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import ClassVar, Final, final
 
-from symbody.model.checker import remark_negative
+from symbody.model.checker import note_negative
 from symbody.model.declaration import ElementPart
-from symbody.model.door import Door
+from symbody.model.door import Arguments
 from symbody.model.element import Element
 from symbody.model.element_fields import AttachedFrame, Connection, element
 from symbody.model.fields import AngleQuantity, Quantity, VectorQuantity, part
@@ -27,8 +27,8 @@ class Drive(ElementPart):
     outputs: ClassVar[str] = "`effort J`, `effort J x` where several"
 
     applied: Quantity = Quantity("Effort on the end body.", unit="N, N m", default=0, scope=Scope.LOAD)
-    stiffness: Quantity = Quantity(unit="N/m, N m/rad", default=0, scope=Scope.LOAD, fits=remark_negative)
-    damping: Quantity = Quantity(unit="N s/m, N m s/rad", default=0, scope=Scope.LOAD, fits=remark_negative)
+    stiffness: Quantity = Quantity(unit="N/m, N m/rad", default=0, scope=Scope.LOAD, fits=note_negative)
+    damping: Quantity = Quantity(unit="N s/m, N m s/rad", default=0, scope=Scope.LOAD, fits=note_negative)
     free: AngleQuantity = AngleQuantity(
         "Coordinate at which the spring is relaxed.", unit="m, rad", default=0, scope=Scope.LOAD
     )
@@ -42,11 +42,11 @@ class Drive(ElementPart):
         return self.stiffness.constant() != 0 or isinstance(self.law, Curve)
 
 
-def drive_from(door: Door, value: object, path: str) -> Drive | None:
+def read_drive(door: Arguments, value: object, path: str) -> Drive | None:
     """Return a drive, or None where there is none."""
     if value is None or isinstance(value, Drive):
         return value
-    door.refuse(
+    door.add(
         "model.not_a_drive",
         path,
         f"{value!r} is not a drive",
@@ -98,8 +98,8 @@ class SpringDamper(Connection):
     outputs: ClassVar[str] = "`length S`, `effort S`"
     kind: ClassVar[str] = "spring"
 
-    stiffness: Quantity = Quantity(unit="N/m", default=0, scope=Scope.LOAD, fits=remark_negative)
-    damping: Quantity = Quantity(unit="N s/m", default=0, scope=Scope.LOAD, fits=remark_negative)
+    stiffness: Quantity = Quantity(unit="N/m", default=0, scope=Scope.LOAD, fits=note_negative)
+    damping: Quantity = Quantity(unit="N s/m", default=0, scope=Scope.LOAD, fits=note_negative)
     free: Quantity = Quantity("Length at which it is relaxed.", unit="m", default=0, scope=Scope.LOAD)
     applied: Quantity = Quantity(
         "Further force, pushing the ends apart.", unit="N", default=0, scope=Scope.LOAD

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Final, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.checker import Checker
+from symbody.model.checker import NumericChecks
 from symbody.model.declaration import ElementPart
-from symbody.model.door import Door
+from symbody.model.door import Arguments
 from symbody.model.fields import OptionalQuantity, Quantity, part
 from symbody.model.uses import Scope
 
@@ -44,7 +44,7 @@ class Friction(ElementPart):
         "Strength up to which it sticks.", unit="N, N m", scope=Scope.LOAD
     )
 
-    def check(self, door: Door) -> None:
+    def check(self, door: Arguments) -> None:
         """Note words of both laws together."""
         _check_laws(self, door)
 
@@ -64,11 +64,11 @@ class Friction(ElementPart):
         return self.force is None and self.mu.constant() == 0 and self.mu_static is None
 
 
-def friction_from(door: Door, value: object, path: str) -> Friction | None:
+def read_friction(door: Arguments, value: object, path: str) -> Friction | None:
     """Return friction, or None where there is none."""
     if value is None or isinstance(value, Friction):
         return value
-    door.refuse(
+    door.add(
         "model.not_friction",
         path,
         f"{value!r} is not friction",
@@ -78,7 +78,7 @@ def friction_from(door: Door, value: object, path: str) -> Friction | None:
     return None
 
 
-def check_friction(check: Checker, friction: Friction, where: str, turns: bool) -> None:
+def check_friction(check: NumericChecks, friction: Friction, where: str, turns: bool) -> None:
     """Refuse friction with impossible numbers; `turns` says that it holds back an angle."""
     for word, name in (("coefficient", "mu"), ("coefficient", "mu_static"), ("strength", "force"),
                        ("strength", "static")):  # fmt: skip
@@ -112,25 +112,25 @@ def check_friction(check: Checker, friction: Friction, where: str, turns: bool) 
         )  # fmt: skip
 
 
-def _value(check: Checker, friction: Friction, name: str, where: str) -> float | None:
+def _value(check: NumericChecks, friction: Friction, name: str, where: str) -> float | None:
     formula: Formula | None = getattr(friction, name)
     return None if formula is None else check.value(formula, f"{where}.{name}")
 
 
-def _check_laws(friction: Friction, door: Door) -> None:
+def _check_laws(friction: Friction, door: Arguments) -> None:
     """Refuse words of both laws together."""
     if friction.force is None and friction.static is not None:
-        _mixed(door, "static", "force")
+        _refuse_mixture(door, "static", "force")
     if friction.force is not None:
         for name in ("mu_static", "radius"):
             if getattr(friction, name) is not None:
-                _mixed(door, name, "mu")
+                _refuse_mixture(door, name, "mu")
         if friction.mu.constant() != 0:
-            _mixed(door, "force", "mu = 0")
+            _refuse_mixture(door, "force", "mu = 0")
 
 
-def _mixed(door: Door, word: str, partner: str) -> None:
-    door.refuse(
+def _refuse_mixture(door: Arguments, word: str, partner: str) -> None:
+    door.add(
         "model.mixed_friction", word, f"{word} goes with {partner}, which is not what is given",
         "the strength of friction follows from the reaction, or it is given",
         "write mu, mu_static, radius; or force, static",

@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import ClassVar, Final, TypeAlias, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.checker import Checker, remark_negative
+from symbody.model.checker import NumericChecks, note_negative
 from symbody.model.declaration import Field
-from symbody.model.door import ZERO, Door, Value
+from symbody.model.door import ZERO, Arguments, Value
 from symbody.model.element_fields import Connection, element
 from symbody.model.fields import AngleQuantity, Direction, Quantity
 from symbody.model.loads.curve import SpringLaw
 from symbody.model.loads.forces import SpringDamper
-from symbody.model.uses import Scope, Use, triple_uses
+from symbody.model.uses import FormulaSite, Scope, component_sites
 
 # What the law of a torsion spring may read beside the names of loads.
 ANGLE: Final = ("angle", "angle_rate")
@@ -34,7 +34,7 @@ class SixOrMatrix(Field[Iterable[Value] | Iterable[Iterable[Value]], Coefficient
     annotation: ClassVar[str] = "Iterable[Value] | Iterable[Iterable[Value]]"
     explanation: ClassVar[str] = "Along x, y, z and about x, y, z; six rows of six couple them."
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> Coefficients:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> Coefficients:
         """Return six formulas, or rows of them."""
         items = door.items(value, path)
         if not any(isinstance(item, Iterable) and not isinstance(item, str) for item in items):
@@ -43,13 +43,13 @@ class SixOrMatrix(Field[Iterable[Value] | Iterable[Iterable[Value]], Coefficient
             _refuse_length(door, path, len(items))
         return tuple(_row(door, item, f"{path}[{k}]", door.formula) for k, item in enumerate(items))
 
-    def formula_sites(self, owner: object, value: Coefficients, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Coefficients, path: str) -> Iterator[FormulaSite]:
         """Return where the coefficients stand."""
         for k, item in enumerate(value):
             if isinstance(item, Formula):
-                yield Use(f"{path}[{k}]", item, Scope.LOAD)
+                yield FormulaSite(f"{path}[{k}]", item, Scope.LOAD)
             else:
-                yield from triple_uses(f"{path}[{k}]", item, Scope.LOAD)
+                yield from component_sites(f"{path}[{k}]", item, Scope.LOAD)
 
 
 class Six(Field[Iterable[Value], Row]):
@@ -59,13 +59,13 @@ class Six(Field[Iterable[Value], Row]):
     takes: ClassVar[str] = "(6,) number or formula"
     annotation: ClassVar[str] = "Iterable[Value]"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> Row:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> Row:
         """Return six formulas."""
         return _row(door, value, path, door.angle)
 
-    def formula_sites(self, owner: object, value: Row, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Row, path: str) -> Iterator[FormulaSite]:
         """Return where the values stand."""
-        return triple_uses(path, value, Scope.LOAD)
+        return component_sites(path, value, Scope.LOAD)
 
 
 @final
@@ -87,8 +87,8 @@ class TorsionSpring(Connection):
     kind: ClassVar[str] = "torsion_spring"
 
     axis: Direction = Direction("In the start frame.", default="z")
-    stiffness: Quantity = Quantity(unit="N m/rad", default=0, scope=Scope.LOAD, fits=remark_negative)
-    damping: Quantity = Quantity(unit="N m s/rad", default=0, scope=Scope.LOAD, fits=remark_negative)
+    stiffness: Quantity = Quantity(unit="N m/rad", default=0, scope=Scope.LOAD, fits=note_negative)
+    damping: Quantity = Quantity(unit="N m s/rad", default=0, scope=Scope.LOAD, fits=note_negative)
     free: AngleQuantity = AngleQuantity(
         "Angle at which it is relaxed.", unit="rad", default=0, scope=Scope.LOAD
     )
@@ -125,7 +125,7 @@ class Bushing(Connection):
     damping: SixOrMatrix = SixOrMatrix(unit="N s/m, N m s/rad", default=_NONE)
     free: Six = Six("Where it is relaxed: position [m] and angles [rad].", default=_NONE)
 
-    def check_numbers(self, check: Checker, label: str) -> None:
+    def check_numbers(self, check: NumericChecks, label: str) -> None:
         """Refuse a bushing of a body on itself; remark on negative coefficients of its own directions."""
         if self.start.body == self.end.body:
             check.refuse(
@@ -140,7 +140,7 @@ class Bushing(Connection):
                 values = [check.value(formula, f"{label}, {word}[{k}]") for formula in row]
                 diagonal = values[k]
                 if diagonal is not None and diagonal < 0:
-                    check.remark(f"{label}: the {word} {row[k]} is negative ({diagonal:g})")
+                    check.note(f"{label}: the {word} {row[k]} is negative ({diagonal:g})")
 
     @property
     def stiffness_rows(self) -> tuple[Row, ...]:
@@ -157,7 +157,7 @@ class Bushing(Connection):
 Spring: TypeAlias = SpringDamper | TorsionSpring | Bushing
 
 
-def _row(door: Door, values: object, path: str, read: Callable[[object, str], Formula]) -> Row:
+def _row(door: Arguments, values: object, path: str, read: Callable[[object, str], Formula]) -> Row:
     items = door.items(values, path)
     if len(items) != len(BUSHING_COORDINATES):
         _refuse_length(door, path, len(items))
@@ -165,8 +165,8 @@ def _row(door: Door, values: object, path: str, read: Callable[[object, str], Fo
     return tuple(read(item, f"{path}[{k}]") for k, item in enumerate(items))
 
 
-def _refuse_length(door: Door, path: str, length: int) -> None:
-    door.refuse(
+def _refuse_length(door: Arguments, path: str, length: int) -> None:
+    door.add(
         "model.not_six",
         path,
         f"{length} entries instead of six",

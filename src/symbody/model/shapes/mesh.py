@@ -9,11 +9,11 @@ from typing import ClassVar, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declaration import Field
-from symbody.model.door import Door, Value
+from symbody.model.door import Arguments, Value
 from symbody.model.fields import FilePath, Quantity, Text, VectorQuantity, part
 from symbody.model.frame import RotationMatrix, Turns
 from symbody.model.shapes.shape import COLOR, MATRIX, OPACITY, ROTATE, BodyShape, Color
-from symbody.model.uses import Scope, Triple, Use, triple_uses
+from symbody.model.uses import FormulaSite, Scope, Triple, component_sites
 
 
 class ScaleFactors(Field[Value | Iterable[Value], Triple]):
@@ -23,13 +23,13 @@ class ScaleFactors(Field[Value | Iterable[Value], Triple]):
     takes: ClassVar[str] = "number, formula or three of them"
     annotation: ClassVar[str] = "Value | Iterable[Value]"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> Triple:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> Triple:
         """Return three formulas."""
         return _scale(door, value, path)
 
-    def formula_sites(self, owner: object, value: Triple, path: str) -> Iterator[Use]:
+    def formula_sites(self, owner: object, value: Triple, path: str) -> Iterator[FormulaSite]:
         """Return where the factors stand."""
-        return triple_uses(path, value, Scope.CONSTANT)
+        return component_sites(path, value, Scope.CONSTANT)
 
 
 @final
@@ -64,7 +64,7 @@ class Mesh(BodyShape):
         """The path of the file from the working directory."""
         return os.path.join(self.folder, self.path)
 
-    def path_from(self, folder: str) -> str:
+    def relative_path(self, folder: str) -> str:
         """Return the path from another folder, with slashes; absolute paths and addresses stay."""
         is_same = os.path.realpath(folder) == os.path.realpath(self.folder)
         if is_same or os.path.isabs(self.path) or "://" in self.path:
@@ -75,7 +75,7 @@ class Mesh(BodyShape):
             return os.path.abspath(self.place)
 
 
-def _scale(door: Door, value: object, path: str) -> Triple:
+def _scale(door: Arguments, value: object, path: str) -> Triple:
     """Return three factors from three, or from one for all directions."""
     if isinstance(value, Iterable) and not isinstance(value, str):
         return door.triple(value, path)

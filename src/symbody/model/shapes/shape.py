@@ -8,10 +8,10 @@ from typing import ClassVar, Final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declaration import ElementPart, Field
-from symbody.model.door import Door
+from symbody.model.door import Arguments
 from symbody.model.fields import Quantity, VectorQuantity
 from symbody.model.frame import Frame, RotationMatrix, Turns, check_rotation
-from symbody.model.shapes.colors import color_from
+from symbody.model.shapes.colors import read_color
 
 
 class Color(Field[str, str]):
@@ -21,9 +21,9 @@ class Color(Field[str, str]):
     takes: ClassVar[str] = "str"
     annotation: ClassVar[str] = "str"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> str:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> str:
         """Return the colour in lower case."""
-        return color_from(door, value, path)
+        return read_color(door, value, path)
 
 
 # The last arguments of every shape.
@@ -60,17 +60,17 @@ class BodyShape(ElementPart):
         """Where it stands on the body."""
         return Frame(self.at, self.rotate, self.matrix)
 
-    def check(self, door: Door) -> None:
+    def check(self, door: Arguments) -> None:
         """Note turns beside a matrix."""
         check_rotation(door, self.rotate, self.matrix)
 
 
-def shapes_from(door: Door, values: object, path: str) -> tuple[BodyShape, ...]:
+def read_shapes(door: Arguments, values: object, path: str) -> tuple[BodyShape, ...]:
     """Return the shapes of a list."""
     items = [values] if isinstance(values, BodyShape) else door.items(values, path)
     for k, item in enumerate(items):
         if not isinstance(item, BodyShape):
-            door.refuse(
+            door.add(
                 "model.not_a_shape", f"{path}[{k}]", f"{item!r} is not a shape", "",
                 "give Box, Cylinder, Sphere, Capsule, Cone or Mesh",
             )  # fmt: skip
@@ -84,6 +84,6 @@ class Shapes(Field[Iterable[BodyShape], tuple[BodyShape, ...]]):
     takes: ClassVar[str] = "iterable of Box, Cylinder, Sphere, Capsule, Cone or Mesh"
     annotation: ClassVar[str] = "Iterable[BodyShape]"
 
-    def read(self, owner: object, door: Door, value: object, path: str) -> tuple[BodyShape, ...]:
+    def read(self, owner: object, door: Arguments, value: object, path: str) -> tuple[BodyShape, ...]:
         """Return the shapes."""
-        return shapes_from(door, value, path)
+        return read_shapes(door, value, path)

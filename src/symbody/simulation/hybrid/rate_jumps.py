@@ -19,7 +19,7 @@ from symbody.analysis.derivatives import partial_derivatives, with_outputs
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.expr import opcodes as op
-from symbody.expr.graph import TIME, Kind
+from symbody.expr.graph import TIME, SymbolKind
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.saddle import solve_saddle
 from symbody.simulation.execution import execute
@@ -49,9 +49,9 @@ def may_jump(eqs: EquationSet) -> bool:
     """Return whether prescribed rates may jump: conditions, or the like, in time alone stand in them."""
     graph, names = eqs.formed.graph, eqs.formed.names
     nodes = [names.value(f"{name}{end}").index for name in _prescribed_names(eqs) for end in ("", "_dot")]
-    nodes += [expression.index for row in eqs.formed.rows for expression in (row.value, row.rest)]
+    nodes += [expression.index for row in eqs.formed.rows for expression in (row.value, row.drift)]
     cornered = [node for node in graph.reachable(nodes) if graph.ops[node] in _WITH_CORNERS]
-    moving = {Kind.COORDINATE, Kind.SPEED}
+    moving = {SymbolKind.COORDINATE, SymbolKind.SPEED}
     for node in cornered:
         symbols = {graph.symbols[graph.left[place]] for place in symbols_of(graph, [node])}
         if TIME in symbols and not any(symbol.kind in moving for symbol in symbols):
@@ -149,7 +149,7 @@ def _sizes(problem: SimulationProblem, names: tuple[str, ...]) -> Floats:
 
 def _prescribed_names(eqs: EquationSet) -> tuple[str, ...]:
     """Return the names of the prescribed coordinates that are functions of time."""
-    return tuple(name for use in eqs.formed.uses for name in use.prescribed)
+    return tuple(name for use in eqs.formed.uses for name in use.prescribed_coordinates)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

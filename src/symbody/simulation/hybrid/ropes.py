@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.ropes import AT_LENGTH
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.solving.ropes import rope_rows, rope_words, ropes, slackened, with_words
+from symbody.equations.solving.ropes import rope_rows, rope_words, ropes, slacken, with_words
 from symbody.expr.saddle import solve_saddle
 from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.modes import HybridState, Modes, ModeTrial, evaluate_outputs
@@ -66,7 +66,7 @@ class RopeElements:
     def apply_modes(self, formed: EquationsOfMotion, modes: Modes) -> EquationsOfMotion:
         """Return equations without the ropes that are slack."""
         slack = [name for name, mode in zip(self.names, modes, strict=True) if mode == SLACK]
-        return with_words(slackened(formed, slack), rope_words(self.problem.eqs.formed))
+        return with_words(slacken(formed, slack), rope_words(self.problem.eqs.formed))
 
     def candidates(self, state: HybridState, motion: Floats) -> list[tuple[int, ...]]:
         """Return slack for ropes that are shorter or whose ends approach; others stay taut if they can."""

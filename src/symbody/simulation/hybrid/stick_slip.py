@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.solving.sticking import STICKS, in_modes, switching_joints
+from symbody.equations.solving.sticking import STICKS, set_modes, switching_joints
 from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.modes import HybridState, Modes, ModeTrial
 from symbody.tolerances import BALANCED
@@ -50,7 +50,7 @@ class StickSlipJoints:
 
     def apply_modes(self, formed: EquationsOfMotion, modes: Modes) -> EquationsOfMotion:
         """Return equations with the joints sticking, or slipping in the direction of their sign."""
-        return in_modes(formed, dict(zip(self.names, modes, strict=True)))
+        return set_modes(formed, dict(zip(self.names, modes, strict=True)))
 
     def candidates(self, state: HybridState, motion: Floats) -> list[tuple[int, ...]]:
         """Return one direction for joints that move; those at rest stick if they can, if no event forbids."""

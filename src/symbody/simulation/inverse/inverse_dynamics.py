@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from symbody.analysis.kinematics.follower import follower
+from symbody.analysis.kinematics.follower import continuation
 from symbody.analysis.scales import checked_scales
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
@@ -26,8 +26,8 @@ from symbody.errors import Problem, UsageError, nearest
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
 from symbody.simulation.inputs.tables import Table
 from symbody.simulation.inverse.motion_laws import Motion, motion_laws
-from symbody.simulation.inverse.path import Samples, path_of
-from symbody.simulation.inverse.unknowns import Unknowns, influence
+from symbody.simulation.inverse.path import PrescribedStates, prescribe_motion
+from symbody.simulation.inverse.unknowns import InputSolver, influence
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.provenance import provenance_of
 from symbody.simulation.results.trajectory import Trajectory
@@ -90,22 +90,24 @@ def inverse_dynamics(
     t, given, others = _times(times), dict(parameters or {}), dict(inputs or {})
     _check_questions(eqs, names, motion, others)
     span = (float(t[0]), float(t[-1]))
-    driven = follower(eqs, *motion_laws(motion, span), given)
-    path = path_of(eqs, driven, given, dict(guess or {}), checked_scales(scales), t)
+    driven = continuation(eqs, *motion_laws(motion, span), given)
+    path = prescribe_motion(eqs, driven, given, dict(guess or {}), checked_scales(scales), t)
     laws = input_laws([name for name in eqs.input_names if name not in names], others, span)
-    solver = Unknowns(path, eqs, laws, names, influence(eqs, names))
+    solver = InputSolver(path, eqs, laws, names, influence(eqs, names))
     samples = path.samples(t)
-    inputs_found = solver.solved(samples)
+    inputs_found = solver.solve(samples)
     notes = tuple(_notes(eqs, names, others, laws, redundant=inputs_found.redundant))
     return _trajectory(solver, samples, inputs_found.values, notes, started)
 
 
 def _trajectory(
-    solver: Unknowns, samples: Samples, r: Floats, notes: tuple[str, ...], started: float
+    solver: InputSolver, samples: PrescribedStates, r: Floats, notes: tuple[str, ...], started: float
 ) -> Trajectory:
     """Return the motion with the inputs found, and what follows from both."""
     eqs, given = solver.eqs, solver.laws
-    laws = FoundLaws(given.formulas, given.callbacks, given.notes, given.tables, solver, {_key(samples): r})
+    laws = SolvedInputLaws(
+        given.formulas, given.callbacks, given.notes, given.tables, solver, {_key(samples): r}
+    )
     evaluate = Evaluator(SimulationProblem(eqs, solver.path.parameters, laws, solver.path.scales), None)
     power = evaluate("power", samples.t, samples.q, samples.u)
     count = samples.t.size
@@ -128,26 +130,26 @@ def _trajectory(
 
 
 @dataclass(frozen=True, slots=True)
-class FoundLaws(InputLaws):
+class SolvedInputLaws(InputLaws):
     """Laws of inputs, of which the unknown ones are solved for at each evaluation."""
 
-    solver: Unknowns
+    solver: InputSolver
     # Solved so far, by times and states.
     found: dict[bytes, Floats] = field(repr=False)
 
     def values(self, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the inputs at times (N,) with q (n_q, N) and u (n_u, N): (N, n)."""
         udot = np.zeros_like(u)
-        samples = Samples(t, q, u, udot)
+        samples = PrescribedStates(t, q, u, udot)
         key = _key(samples)
         if key not in self.found:
             columns = [self.solver.path.motion(float(s), x)[1] for s, x in zip(t, q.T, strict=True)]
             samples = samples._replace(udot=np.array(columns).T)
-            self.found[key] = self.solver.solved(samples).values
+            self.found[key] = self.solver.solve(samples).values
         return self.solver.arguments(samples, self.found[key])
 
 
-def _key(samples: Samples) -> bytes:
+def _key(samples: PrescribedStates) -> bytes:
     return samples.t.tobytes() + samples.q.tobytes() + samples.u.tobytes()
 
 

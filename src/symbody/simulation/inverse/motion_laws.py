@@ -16,7 +16,7 @@ from symbody.expr.graph import Graph
 from symbody.expr.language.formula import Formula
 from symbody.expr.printing.text import to_text
 from symbody.expr.sympy_bridge import SympyExpr, from_sympy, is_expression
-from symbody.model.door import plain
+from symbody.model.door import plain_value
 from symbody.simulation.inputs.tables import Table
 
 # A function of time returns the coordinate, its rate and its acceleration.
@@ -50,7 +50,7 @@ def motion_laws(
         elif callable(table):
             laws[name] = _wrap_function(name, table)
         else:
-            formulas[name] = Formula.of(plain(table))
+            formulas[name] = Formula.from_value(plain_value(table))
     if problems:
         raise UsageError(*problems)
     return formulas, laws
@@ -59,7 +59,7 @@ def motion_laws(
 def _formula_of(law: object) -> Formula:
     """Return a law that SymPy wrote as a formula."""
     graph = Graph()
-    return Formula.of(to_text(graph, from_sympy(law, graph)))
+    return Formula.from_value(to_text(graph, from_sympy(law, graph)))
 
 
 def _table_problems(name: str, table: Table, span: tuple[float, float]) -> list[Problem]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assemble
-from symbody.analysis.kinematics.follower import Follower
+from symbody.analysis.kinematics.follower import Continuation
 from symbody.analysis.kinematics.held import element_of
 from symbody.analysis.redundancy import redundancy
 from symbody.analysis.scales import Scales, mechanism_scales
@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 _CONSISTENT: Final = 1e-7  # of the largest term: positions are good to 1e-12 and times may be long
 
 
-class Samples(NamedTuple):
+class PrescribedStates(NamedTuple):
     """A motion at times: q (n_q, N), u and udot (n_u, N)."""
 
     t: Floats
@@ -33,16 +33,16 @@ class Samples(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Path:
+class PrescribedMotion:
     """A mechanism with a motion of its driven coordinates, and its first position."""
 
     eqs: EquationSet
-    follower: Follower
+    continuation: Continuation
     parameters: Mapping[str, Value]
     scales: Scales
     first: Floats
 
-    def samples(self, times: Floats) -> Samples:
+    def samples(self, times: Floats) -> PrescribedStates:
         """Return the motion at times.
 
         Raises
@@ -52,18 +52,18 @@ class Path:
         SimulationError
             If the motion contradicts the constraints, or leads out of reach, naming time and joint.
         """
-        first = self.follower.closed(float(times[0]), self.first)
+        first = self.continuation.correct(float(times[0]), self.first)
         q = self.first if first is None else first
         states = []
         for k, t in enumerate(times.tolist()):
             if k:
-                reached, q = self.follower.reached(float(times[k - 1]), q, t)
+                reached, q = self.continuation.follow(float(times[k - 1]), q, t)
                 if reached != t:
                     raise SimulationError(self._reach_problem(reached, t, q))
             u, udot = self.motion(t, q)
             states.append((q, u, udot))
         columns = [np.array([one[k] for one in states]).T for k in range(3)]
-        return Samples(times, *columns)
+        return PrescribedStates(times, *columns)
 
     def motion(self, t: float, q: Floats) -> tuple[Floats, Floats]:
         """Return speeds and accelerations at a position.
@@ -75,7 +75,7 @@ class Path:
         SimulationError
             If they contradict the constraints, or each other.
         """
-        follower = self.follower
+        follower = self.continuation
         still = np.zeros(len(self.eqs.speed_names))
         jacobian, rate, _ = follower.rows(t, q, still)
         basis = follower.freedoms(jacobian)
@@ -89,11 +89,11 @@ class Path:
         return u, udot
 
     def _check(self, t: float, what: str, error: float, demanded: Floats) -> None:
-        largest = float(np.abs(demanded / self.follower.scales).max(initial=0.0))
-        natural = self.follower.time ** (-2 if what == "accelerations" else -1)
+        largest = float(np.abs(demanded / self.continuation.scales).max(initial=0.0))
+        natural = self.continuation.time ** (-2 if what == "accelerations" else -1)
         if error <= _CONSISTENT * (natural + largest):
             return
-        driven = ", ".join(self.follower.driven)
+        driven = ", ".join(self.continuation.driven)
         raise SimulationError(
             Problem("inverse.motion_conflict", f"motion {driven}",
                     f"at t = {t:.9g} s no {what} of the mechanism have the prescribed motion; it misses by "
@@ -107,15 +107,15 @@ class Path:
         names, left = self.eqs.speed_names, basis.copy()
         speeds = []
         for _ in range(basis.shape[1]):
-            scaled = np.linalg.norm(left / self.follower.speed_sizes[:, np.newaxis], axis=1)
+            scaled = np.linalg.norm(left / self.continuation.speed_sizes[:, np.newaxis], axis=1)
             k = int(scaled.argmax())
             speeds.append(names[k])
             row = left[k] / np.linalg.norm(left[k])
             left = left - np.outer(left @ row, row)
-        count, driven = basis.shape[1], ", ".join(self.follower.driven) or "nothing"
+        count, driven = basis.shape[1], ", ".join(self.continuation.driven) or "nothing"
         near = dict(zip(self.eqs.coordinate_names, q, strict=True))
         generic = redundancy(self.eqs, self.parameters, near, scales=self.scales.sizes)
-        if len(self.follower.driven) >= generic.degrees_of_freedom:
+        if len(self.continuation.driven) >= generic.degrees_of_freedom:
             why = "the mechanism stands in a singular position, at which the driven coordinates do not tell"
             fix = "ask for times beside it, or drive another coordinate"
         else:
@@ -127,30 +127,32 @@ class Path:
 
     def _reach_problem(self, reached: float, t: float, q: Floats) -> Problem:
         """Return the refusal of a motion that cannot go on, with time and joint."""
-        joint = self.follower.stuck(reached, q)
+        joint = self.continuation.blocking_joint(reached, q)
         coordinates = dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
         try:
-            assemble(self.eqs, self.follower.asked(t), coordinates, self.parameters, None, t)
+            assemble(self.eqs, self.continuation.driven_values(t), coordinates, self.parameters, None, t)
             why = "at the next time the mechanism closes again, but no motion leads there"
         except AssemblyError as error:
             why = f"at t = {t:.9g} s {error.problems[0].what}"
         except SymbodyError:
             why = "no position farther on has these coordinates"
-        asked = ", ".join(f"{name} = {value:.6g}" for name, value in self.follower.asked(reached).items())
+        asked = ", ".join(
+            f"{name} = {value:.6g}" for name, value in self.continuation.driven_values(reached).items()
+        )
         return Problem("inverse.out_of_reach", element_of(self.eqs, joint),
                        f"at t = {reached:.9g} s the motion cannot go on; there {asked}", why,
                        "end the motion before this time, or ask for one within reach; "
                        "sb.trace_positions finds the limits")  # fmt: skip
 
 
-def path_of(
+def prescribe_motion(
     eqs: EquationSet,
-    follower: Follower,
+    follower: Continuation,
     parameters: Mapping[str, Value],
     guess: Mapping[str, Value],
     scales: Mapping[str, float],
     times: Floats,
-) -> Path:
+) -> PrescribedMotion:
     """Return the path of a motion, with scales of its own where the model has no length.
 
     Raises
@@ -159,8 +161,10 @@ def path_of(
         If the loops do not close at the first time.
     """
     t = float(times[0])
-    state = assemble(eqs, follower.asked(t), guess, parameters, None, t, scales=scales)
-    targets = [follower.asked(float(s)) for s in times]
+    state = assemble(eqs, follower.driven_values(t), guess, parameters, None, t, scales=scales)
+    targets = [follower.driven_values(float(s)) for s in times]
     farthest = {name: max(abs(one[name]) for one in targets) for name in follower.driven}
     mechanism = mechanism_scales(eqs, parameters, scales, {**state.q, **farthest})
-    return Path(eqs, follower.scaled(mechanism), parameters, mechanism, np.array(list(state.q.values())))
+    return PrescribedMotion(
+        eqs, follower.rescale(mechanism), parameters, mechanism, np.array(list(state.q.values()))
+    )

@@ -22,7 +22,7 @@ from symbody.expr.calculus import derivative
 from symbody.expr.expression import Expr
 from symbody.expr.rewrite import symbols_of
 from symbody.simulation.inputs.input_laws import InputLaws
-from symbody.simulation.inverse.path import Path, Samples
+from symbody.simulation.inverse.path import PrescribedMotion, PrescribedStates
 from symbody.tolerances import AT_REST, BEARING, CANCELLED, DIFFERENCE, TINY
 
 Floats = NDArray[np.float64]
@@ -32,7 +32,7 @@ _ROUNDS: Final = 30
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Found:
+class SolvedInputs:
     """Unknown inputs (n, N), and whether others would give the same motion."""
 
     values: Floats
@@ -40,7 +40,7 @@ class Found:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Unknowns:
+class InputSolver:
     """Solves for unknown inputs.
 
     Attributes
@@ -51,7 +51,7 @@ class Unknowns:
         The forcing of each is what a unit of one unknown adds.
     """
 
-    path: Path
+    path: PrescribedMotion
     eqs: EquationSet
     laws: InputLaws
     names: tuple[str, ...]
@@ -59,23 +59,23 @@ class Unknowns:
     _functions: list[CompiledFunction] = field(default_factory=list, repr=False)
 
     @property
-    def left(self) -> tuple[str, ...]:
+    def free_inputs(self) -> tuple[str, ...]:
         """Inputs that are arguments of compiled functions, in order: unknown ones and callables."""
         return tuple(name for name in self.eqs.input_names if name not in self.laws.formulas)
 
-    def arguments(self, samples: Samples, r: Floats) -> Floats:
+    def arguments(self, samples: PrescribedStates, r: Floats) -> Floats:
         """Return the inputs of compiled functions (N, n), from unknowns (n, N)."""
         t, q, u, _ = samples
         others = self.laws.values(t, q, u)
-        arguments = np.zeros((t.size, len(self.left)))
-        for k, name in enumerate(self.left):
+        arguments = np.zeros((t.size, len(self.free_inputs)))
+        for k, name in enumerate(self.free_inputs):
             if name in self.names:
                 arguments[:, k] = r[self.names.index(name)]
             else:
                 arguments[:, k] = others[:, list(self.laws.callbacks).index(name)]
         return arguments
 
-    def solved(self, samples: Samples) -> Found:
+    def solve(self, samples: PrescribedStates) -> SolvedInputs:
         """Return the unknown inputs of a motion.
 
         Raises
@@ -84,7 +84,7 @@ class Unknowns:
             If no values of the unknowns give the motion, naming the time and what they cannot move.
         """
         count = samples.t.size
-        sizes = self.path.follower.speed_sizes
+        sizes = self.path.continuation.speed_sizes
         mass = self._evaluate(self._compile()[0], samples, np.zeros((len(self.names), count)))
         needed = np.einsum("nij,jn->ni", mass, samples.udot) * sizes
         unit = [self._evaluate(f, samples, np.zeros((len(self.names), count))) * sizes
@@ -109,16 +109,16 @@ class Unknowns:
         forcing = self._forcing(samples, r)
         terms = [np.abs(needed), np.abs(forcing), np.abs(slopes * r.T[:, np.newaxis]).sum(axis=-1)]
         size = np.sum([term.max(axis=1, initial=0.0) for term in terms], axis=0)
-        still = AT_REST / _HELD / self.path.follower.time**2
+        still = AT_REST / _HELD / self.path.continuation.time**2
         size += still * np.abs(mass * sizes * sizes[:, np.newaxis]).max(axis=(1, 2), initial=0.0)
         self._check(samples, bases, needed - forcing, size, slopes)
-        return Found(r, redundant)
+        return SolvedInputs(r, redundant)
 
-    def _forcing(self, samples: Samples, r: Floats) -> Floats:
-        forcing: Floats = self._evaluate(self._compile()[1], samples, r) * self.path.follower.speed_sizes
+    def _forcing(self, samples: PrescribedStates, r: Floats) -> Floats:
+        forcing: Floats = self._evaluate(self._compile()[1], samples, r) * self.path.continuation.speed_sizes
         return forcing
 
-    def _with_friction(self, samples: Samples, r: Floats, forcing: Floats, slopes: Floats) -> Floats:
+    def _with_friction(self, samples: PrescribedStates, r: Floats, forcing: Floats, slopes: Floats) -> Floats:
         """Return the derivatives of the forcing by the unknowns, what friction makes of them included."""
         steepest = float(np.abs(slopes).max(initial=0.0))
         needed = float(np.abs(forcing).max(initial=0.0)) / steepest if steepest > 0.0 else 0.0
@@ -132,7 +132,7 @@ class Unknowns:
 
     def _allowed_motions(self, t: float, q: Floats, u: Floats) -> Floats:
         """Return the motions that the mechanism's own constraints allow, in scaled speeds."""
-        follower = self.path.follower
+        follower = self.path.continuation
         jacobian = follower.rows(float(t), q, u)[0]
         return follower.freedoms(jacobian[follower.own_rows])
 
@@ -145,11 +145,16 @@ class Unknowns:
                 self._functions.append(CompiledFunction(*sequence))
         return self._functions
 
-    def _evaluate(self, function: CompiledFunction, samples: Samples, r: Floats) -> Any:
+    def _evaluate(self, function: CompiledFunction, samples: PrescribedStates, r: Floats) -> Any:
         return function(samples.t, samples.q.T, samples.u.T, self.arguments(samples, r))
 
     def _check(
-        self, samples: Samples, bases: Sequence[Floats], missing: Floats, size: Floats, slopes: Floats
+        self,
+        samples: PrescribedStates,
+        bases: Sequence[Floats],
+        missing: Floats,
+        size: Floats,
+        slopes: Floats,
     ) -> None:
         """Refuse a motion that the unknowns cannot make, given what is missing and its scale.
 
@@ -165,9 +170,9 @@ class Unknowns:
             raise SimulationError(self._underactuated_problem(samples, k, basis, left, slopes[k]))
 
     def _underactuated_problem(
-        self, samples: Samples, k: int, basis: Floats, left: Floats, slopes: Floats
+        self, samples: PrescribedStates, k: int, basis: Floats, left: Floats, slopes: Floats
     ) -> Problem:
-        follower, t = self.path.follower, float(samples.t[k])
+        follower, t = self.path.continuation, float(samples.t[k])
         jacobian = follower.rows(t, samples.q[:, k], samples.u[:, k])[0]
         rows = follower.scaled_rows(jacobian)
         first = follower.n_h - len(follower.driven)

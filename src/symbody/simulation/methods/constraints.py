@@ -108,8 +108,8 @@ class Baumgarte:
         graph = eqs.formed.graph
         rows = []
         for row in eqs.formed.rows:
-            rate = row.rest
-            for u, slope in row.slopes.items():
+            rate = row.drift
+            for u, slope in row.jacobian.items():
                 rate = rate + slope * Expr(graph, u)
             pull = rate * (2 * self.zeta * self.omega) + row.value * self.omega**2  # no value: Phi' decays
             rows.append(replace(row, gamma=row.gamma - pull))

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.projection import velocity_residual
-from symbody.equations.solving.solution import solved
+from symbody.equations.solving.solution import substitute_solution
 from symbody.expr.expression import Expr
-from symbody.expr.graph import Kind, Symbol
+from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.rewrite import substitute
 from symbody.expr.sequence import Roots
 from symbody.simulation.events.event_watch import EventWatch
@@ -105,13 +105,13 @@ def _with_residual(eqs: EquationSet, integration: IntegrationProblem) -> Equatio
     """Return the equations with the residual and its derivatives; udot, lambda and mu become inputs."""
     formed, graph = eqs.formed, eqs.formed.graph
     m, m_positions = len(formed.rows), len(formed.holonomic)
-    udot = {f"ggl udot {k}": Symbol(f"ggl udot {k}", Kind.INPUT) for k in range(len(formed.u))}
-    first = {f"ggl lambda {k}": Symbol(f"ggl lambda {k}", Kind.INPUT) for k in range(m)}
-    second = {f"ggl mu {k}": Symbol(f"ggl mu {k}", Kind.INPUT) for k in range(m_positions)}
+    udot = {f"ggl udot {k}": Symbol(f"ggl udot {k}", SymbolKind.INPUT) for k in range(len(formed.u))}
+    first = {f"ggl lambda {k}": Symbol(f"ggl lambda {k}", SymbolKind.INPUT) for k in range(m)}
+    second = {f"ggl mu {k}": Symbol(f"ggl mu {k}", SymbolKind.INPUT) for k in range(m_positions)}
     accelerations, pulls, pushes = (formed.expressions(tuple(g.values())) for g in (udot, first, second))
     rows = formed.jacobian
     values = []
-    for i, force in enumerate(solved(formed, formed.dynamics.forcing)):
+    for i, force in enumerate(substitute_solution(formed, formed.dynamics.forcing)):
         total = -force
         for j, acceleration in enumerate(accelerations):
             total = total + formed.dynamics.mass_matrix[i][j] * acceleration

@@ -59,7 +59,7 @@ class LoopConstraints:
         self.problem, eqs = problem, problem.eqs
         self.sizes, self.speed_sizes = problem.scales.coordinates(eqs), problem.scales.displacements(eqs)
         self.places = slice(len(eqs.speed_names), len(eqs.state_names))  # of the coordinates in a state
-        self.is_driven = any(not row.rest.is_zero for row in eqs.formed.rows)
+        self.is_driven = any(not row.drift.is_zero for row in eqs.formed.rows)
         self._scales = problem.scales.constraints(eqs)
         names = eqs.coordinate_names
         self._quaternions = [[names.index(name) for name in four] for four in eqs.quaternions]

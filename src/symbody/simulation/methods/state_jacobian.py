@@ -22,7 +22,7 @@ def drop_idle_rows(eqs: EquationSet, parameters: Mapping[str, Value]) -> Equatio
         return eqs
     values = constant_values(eqs, {name: name for name in eqs.parameter_names}, parameters)
     formed = eqs.for_values(values).formed
-    moving = [any(not slope.is_zero for slope in row.slopes.values()) for row in formed.rows]
+    moving = [any(not slope.is_zero for slope in row.jacobian.values()) for row in formed.rows]
     kept = [k for k, is_moving in enumerate(moving) if is_moving]
     return EquationSet(eqs.model, formed.with_independent(kept), eqs.notes)
 

@@ -91,6 +91,6 @@ def provenance_of(
 def _trees(topology: Topology) -> Trees:
     joints = [joint.name for joint in topology.model.joints]
     return Trees(
-        [name for name in joints if name in topology.turning],
-        [name for name in joints if name in topology.sliding],
+        [name for name in joints if name in topology.rotation_branches],
+        [name for name in joints if name in topology.translation_branches],
     )

@@ -121,8 +121,8 @@ def provenance_for(model: Model, coordinate_names: Names, speed_names: Names) ->
         if (eqs.coordinate_names, eqs.speed_names) == (coordinate_names, speed_names):
             topology = eqs.formed.topology
             joints = [joint.name for joint in model.joints]
-            rotation = [name for name in joints if name in topology.turning]
-            trees = Trees(rotation, [name for name in joints if name in topology.sliding])
+            rotation = [name for name in joints if name in topology.rotation_branches]
+            trees = Trees(rotation, [name for name in joints if name in topology.translation_branches])
             return Provenance(model, {}, trees, inputs=dict.fromkeys(model.inputs, 0))
     check_names(form_equations(model), coordinate_names, speed_names)
     raise AssertionError("names that differ were refused")

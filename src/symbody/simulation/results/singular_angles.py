@@ -93,7 +93,7 @@ def _triples(eqs: EquationSet) -> Iterator[_Angles]:
     for use in eqs.formed.uses:
         turns = use.joint.turns()
         names = [turn.angle.text for turn in turns]
-        if use.turns and len(set(names)) == 3 and names[1] in places:
+        if use.has_angles and len(set(names)) == 3 and names[1] in places:
             is_proper = turns[0].axis == turns[2].axis
             yield _Angles(use.joint.name, places[names[1]], 0.0 if is_proper else np.pi / 2, _cure(use.joint))
 

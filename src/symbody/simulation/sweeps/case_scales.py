@@ -14,7 +14,7 @@ from symbody.analysis.scales import (
     are_lengths,
     checked_scales,
     geometry,
-    numbered,
+    number_formulas,
     own_equations,
     pose_share,
     state_tolerances,
@@ -92,7 +92,7 @@ def case_scales(
     lengths = np.where(lengths > 0.0, lengths, 1.0)
     if "length" in checked:
         lengths = np.full(table.count, checked["length"])
-    pulls = case_values(eqs, table, numbered(eqs.model.gravity))
+    pulls = case_values(eqs, table, number_formulas(eqs.model.gravity))
     gravity = np.sqrt(sum((pull**2 for pull in pulls.values()), np.zeros(table.count)))
     usual = TIME_OF_SPAN * abs(span[1] - span[0]) or 1.0
     falls = gravity > 0.0

@@ -161,7 +161,7 @@ class Evaluation:
         parameters, near = self.table.values(case)[0], dict.fromkeys(self.eqs.coordinate_names, 0.0)
         if t.size:
             near = dict(zip(self.eqs.coordinate_names, q[:, 0].tolist(), strict=True))
-        scales = mechanism_scales(self.eqs, parameters, self.scales, near).over(*self.span)
+        scales = mechanism_scales(self.eqs, parameters, self.scales, near).fit_span(*self.span)
         problem = SimulationProblem(self.eqs, parameters, self.laws, scales)
         if not self._has_modes(case):
             return Evaluator(problem, None)(name, t, q, u)

@@ -122,4 +122,4 @@ def cases_apart(eqs: EquationSet, table: CaseTable) -> list[int]:
 
 def _rows(eqs: EquationSet) -> list[tuple[int, ...]]:
     """Return the nodes of all constraints."""
-    return [(row.value.index, row.gamma.index, *row.slopes) for row in eqs.formed.rows]
+    return [(row.value.index, row.gamma.index, *row.jacobian) for row in eqs.formed.rows]

@@ -233,7 +233,7 @@ def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
     case, x = started[0], chunk.states[started[0]]
     values = job.table.values(case)[0]
     q = dict(zip(eqs.coordinate_names, x[len(eqs.speed_names) :].tolist(), strict=True))
-    scales = mechanism_scales(eqs, values, options.scales, q).over(*options.span)
+    scales = mechanism_scales(eqs, values, options.scales, q).fit_span(*options.span)
     problem = SimulationProblem(eqs, values, job.laws, scales)
     if options.constraints is None and is_overconstrained(problem, options.span[0], x):
         return "some constraints follow from others only where all loops are closed"

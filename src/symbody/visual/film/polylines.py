@@ -16,7 +16,7 @@ _STRAIGHT: Final = 0.03  # points: corners this near to a line are left out
 
 def join_lines(lines: Iterable[Floats]) -> tuple[Floats, ...]:
     """Return lines (N, 2) [pt] joined end to end where exactly two meet, without needless corners."""
-    pieces = list(_without_copies(lines))
+    pieces = list(_drop_copies(lines))
     ends: dict[tuple[int, int], list[int]] = defaultdict(list)
     for k, piece in enumerate(pieces):
         ends[_place(piece[0])].append(k)
@@ -41,7 +41,7 @@ def join_lines(lines: Iterable[Floats]) -> tuple[Floats, ...]:
     return tuple(chains)
 
 
-def _without_copies(lines: Iterable[Floats]) -> Iterable[Floats]:
+def _drop_copies(lines: Iterable[Floats]) -> Iterable[Floats]:
     seen: set[tuple[tuple[int, int], ...]] = set()
     for line in lines:
         places = tuple(_place(point) for point in line)

@@ -126,12 +126,12 @@ def _track(run: Trajectory, scene: Scene, shown: Floats, is_still: bool) -> Scen
 
 
 def _still_times(run: Trajectory, times: ArrayLike | None) -> Floats:
-    return _inside(run, [_range(run)[0]] if times is None else times, "0.5, or (0, 0.5, 1)")
+    return _check_times(run, [_range(run)[0]] if times is None else times, "0.5, or (0, 0.5, 1)")
 
 
 def _film_times(run: Trajectory, times: ArrayLike | None, fps: float, speed: float) -> Floats:
     """Return when the frames of a film are taken."""
-    ends = _inside(run, _range(run) if times is None else times, "(0, 2): where it begins and ends")
+    ends = _check_times(run, _range(run) if times is None else times, "(0, 2): where it begins and ends")
     first, last = float(ends[0]), float(ends[-1])
     count = max(1, round((last - first) / speed * fps))
     if count > _MOST_FRAMES:
@@ -142,7 +142,7 @@ def _film_times(run: Trajectory, times: ArrayLike | None, fps: float, speed: flo
     return np.asarray(np.minimum(first + np.arange(count) * (speed / fps), last), dtype=np.float64)
 
 
-def _inside(run: Trajectory, times: ArrayLike, example: str) -> Floats:
+def _check_times(run: Trajectory, times: ArrayLike, example: str) -> Floats:
     try:
         chosen = np.unique(np.asarray(times, dtype=np.float64))
     except (TypeError, ValueError):

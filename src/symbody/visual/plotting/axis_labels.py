@@ -9,7 +9,7 @@ from typing import Final
 from matplotlib.mathtext import MathTextParser
 
 from symbody.errors import ExpressionError
-from symbody.expr.graph import Graph, Kind, Symbol
+from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.language.formula import Formula, build
 from symbody.expr.printing.latex import latex_name, to_inline_latex
 
@@ -73,16 +73,16 @@ def _formula(text: str, states: Collection[str]) -> str:
         if name == "pi":
             return graph.pi()
         base, order = _split_name(name)
-        kind = Kind.COORDINATE if order or name in states else Kind.PARAMETER
+        kind = SymbolKind.COORDINATE if order or name in states else SymbolKind.PARAMETER
         return graph.symbol(Symbol(base, kind, order))
 
     def output(name: str, column: int) -> int:
-        named = Symbol(name, Kind.INPUT)
+        named = Symbol(name, SymbolKind.INPUT)
         names[named] = _quoted_symbol(name)
         return graph.symbol(named)
 
     try:
-        node = build(Formula.of(text, has_outputs=True), graph, symbol, outputs=output)
+        node = build(Formula.from_value(text, has_outputs=True), graph, symbol, outputs=output)
         label = f"${to_inline_latex(graph, node, names)}$"
         MathTextParser("path").parse(label)
     except (ExpressionError, ValueError):  # no expression, or more than mathtext has

@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from symbody.visual.plotting.axis_labels import plain, printed_length, shown_unit
-from symbody.visual.plotting.curves import Curve, Path, shared_label, shared_quantity
+from symbody.visual.plotting.curves import PlanePath, PlottedCurve, shared_label, shared_quantity
 from symbody.visual.plotting.picture_axes import axes_class
 
 SIZE: Final = (7.0, 4.2)  # inches: a column of text, and a slide
@@ -81,11 +81,11 @@ def is_in_space(axes: Axes) -> bool:
     return axes.name == "3d"
 
 
-def draw(axes: Axes, curves: Sequence[Curve], label: str, marks_start: bool) -> None:
+def draw(axes: Axes, curves: Sequence[PlottedCurve], label: str, marks_start: bool) -> None:
     """Draw the last curve over the others, with a dot at its start if that is asked for."""
     data = [curve.values for curve in curves]
     single = "o" if data[0].size == 1 else ""
-    beside = sum(len(_curves_in(each)) for each in _sharing(axes) if each is not axes)
+    beside = sum(len(_curves_in(each)) for each in _axes_at_same_place(axes) if each is not axes)
     # None is the next colour of these axes; a twin begins where the other ends
     colour = f"C{(beside + len(_curves_in(axes))) % 10}" if beside else None
     (line,) = axes.plot(*data, label=label, linewidth=1.6, marker=single, color=colour)
@@ -94,7 +94,7 @@ def draw(axes: Axes, curves: Sequence[Curve], label: str, marks_start: bool) -> 
         axes.plot(*start, "o", color=line.get_color(), markersize=4.5, label="_start")
 
 
-def _sharing(axes: Axes) -> list[Axes]:
+def _axes_at_same_place(axes: Axes) -> list[Axes]:
     """Return all axes that fill the same place, as twins do, in the order in which they were made."""
     bounds = axes.get_position(original=True).bounds
     return [each for each in axes.figure.axes if each.get_position(original=True).bounds == bounds]
@@ -104,7 +104,7 @@ def _curves_in(axes: Axes) -> list[str]:
     return list(axes.get_legend_handles_labels()[1])
 
 
-def label_curves(axes: Axes, across: Curve, title: str | None) -> None:
+def label_curves(axes: Axes, across: PlottedCurve, title: str | None) -> None:
     """Label what the axes now hold, curves of earlier calls included."""
     axes.set_xlabel(across.text)
     labels = list(dict.fromkeys(_curves_in(axes)))
@@ -112,18 +112,18 @@ def label_curves(axes: Axes, across: Curve, title: str | None) -> None:
     _finish(axes, title)
 
 
-def label_panels(panels: Sequence[Axes], across: Curve, title: str | None) -> None:
+def label_panels(panels: Sequence[Axes], across: PlottedCurve, title: str | None) -> None:
     """Label panels: what runs across at the lowest, the title over the highest, legends where needed."""
     letters = int(_LETTERS * _height(panels[0]))
     for axes in panels:
         _, labels = axes.get_legend_handles_labels()
-        axes.set_ylabel(_wrapped(shared_label(labels, letters), letters))
+        axes.set_ylabel(_wrap(shared_label(labels, letters), letters))
         _finish(axes, title if axes is panels[0] else None)
     panels[-1].set_xlabel(across.text)
     panels[0].figure.align_ylabels(panels)
 
 
-def label_paths(axes: Axes, paths: Sequence[Path], title: str | None) -> None:
+def label_paths(axes: Axes, paths: Sequence[PlanePath], title: str | None) -> None:
     """Label the two or three axes with what the paths have in common along each."""
     for letter, curves in zip("xyz", zip(*(path.curves for path in paths), strict=True), strict=False):
         texts = list(dict.fromkeys(curve.text for curve in curves))
@@ -131,7 +131,7 @@ def label_paths(axes: Axes, paths: Sequence[Path], title: str | None) -> None:
     _finish(axes, title)
 
 
-def _shared_component(curves: Sequence[Curve]) -> str:
+def _shared_component(curves: Sequence[PlottedCurve]) -> str:
     """Return ``"x [m]"`` for components x of several vectors, else what all measure."""
     ends = {curve.name[-1:] if curve.name[-2:-1] == " " else "" for curve in curves}
     units = {shown_unit(curve.shown_unit) for curve in curves}
@@ -141,7 +141,7 @@ def _shared_component(curves: Sequence[Curve]) -> str:
     return shared_quantity([curve.text for curve in curves])
 
 
-def _wrapped(text: str, letters: int) -> str:
+def _wrap(text: str, letters: int) -> str:
     """Return text in lines of about so many letters; formulas between dollar signs are not broken."""
     lines = [""]
     for word in re.findall(r"(?:[^\s$]|\$[^$]*\$)+", text):
@@ -152,7 +152,7 @@ def _wrapped(text: str, letters: int) -> str:
 
 
 def _finish(axes: Axes, title: str | None) -> None:
-    together = _sharing(axes)
+    together = _axes_at_same_place(axes)
     for each in together:
         old = each.get_legend()
         if old is not None:

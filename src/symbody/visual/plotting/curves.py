@@ -43,7 +43,7 @@ _WRENCH: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Curve:
+class PlottedCurve:
     """A name, a unit that may be unknown, one value a sample, and the name as matplotlib prints it."""
 
     name: str
@@ -64,30 +64,30 @@ class Curve:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Path:
+class PlanePath:
     """Curves that are drawn over each other: two in the plane, three in space."""
 
     name: str
-    curves: tuple[Curve, ...]
+    curves: tuple[PlottedCurve, ...]
     label: str
 
 
-Drawn = TypeVar("Drawn", Curve, Path)
+Drawn = TypeVar("Drawn", PlottedCurve, PlanePath)
 
 
-def curves_of(run: Trajectory, expression: str) -> list[Curve]:
+def curves_of(run: Trajectory, expression: str) -> list[PlottedCurve]:
     """Return the components of an output, under names that are short enough for a legend."""
     columns = run.columns(expression)
     wrench = len(columns) == len(_WRENCH) and expression.startswith("reaction ")
     names = [f"{expression} {word}" for word in _WRENCH] if wrench else list(columns)
     states = (*run.coordinate_names, *run.speed_names)
     return [
-        Curve(_short(name), _unit(run, expression, name), values, readable(_short(name), states))
+        PlottedCurve(_short(name), _unit(run, expression, name), values, readable(_short(name), states))
         for name, values in zip(names, columns.values(), strict=True)
     ]
 
 
-def single_curve(run: Trajectory, expression: str) -> Curve:
+def single_curve(run: Trajectory, expression: str) -> PlottedCurve:
     """Return the curve of what runs along the horizontal axis.
 
     Raises
@@ -96,7 +96,7 @@ def single_curve(run: Trajectory, expression: str) -> Curve:
         If the output has several components.
     """
     if expression == "t":
-        return Curve("time", "s", np.atleast_1d(run.t), "time")
+        return PlottedCurve("time", "s", np.atleast_1d(run.t), "time")
     found = curves_of(run, expression)
     if len(found) > 1:
         names = ", ".join(repr(name) for name in run.columns(expression))
@@ -106,7 +106,7 @@ def single_curve(run: Trajectory, expression: str) -> Curve:
     return found[0]
 
 
-def path_of(run: Trajectory, expressions: Sequence[str]) -> Path:
+def path_of(run: Trajectory, expressions: Sequence[str]) -> PlanePath:
     """Return the path through the components of some outputs.
 
     Raises
@@ -123,7 +123,9 @@ def path_of(run: Trajectory, expressions: Sequence[str]) -> Path:
         )  # fmt: skip
     stem = _common_stem([curve.name for curve in curves])
     name = stem or ", ".join(curve.name for curve in curves)
-    return Path(name, tuple(curves), readable(stem) if stem else ", ".join(curve.label for curve in curves))
+    return PlanePath(
+        name, tuple(curves), readable(stem) if stem else ", ".join(curve.label for curve in curves)
+    )
 
 
 def _common_stem(names: Sequence[str]) -> str:
@@ -132,7 +134,7 @@ def _common_stem(names: Sequence[str]) -> str:
     return stems.pop() if len(stems) == 1 else ""
 
 
-def named(drawn: list[Drawn], labels: Sequence[str] | None) -> list[Drawn]:
+def rename_curves(drawn: list[Drawn], labels: Sequence[str] | None) -> list[Drawn]:
     """Return curves or paths under the labels of the caller.
 
     Raises

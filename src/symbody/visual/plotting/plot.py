@@ -21,7 +21,14 @@ from symbody.visual.plotting.canvas import (
     new_panels,
     panels_beside,
 )
-from symbody.visual.plotting.curves import Curve, Path, curves_of, named, path_of, single_curve
+from symbody.visual.plotting.curves import (
+    PlanePath,
+    PlottedCurve,
+    curves_of,
+    path_of,
+    rename_curves,
+    single_curve,
+)
 from symbody.visual.plotting.event_marks import mark_events
 from symbody.visual.plotting.line_sampling import is_continuous, smooth_motion
 
@@ -78,18 +85,18 @@ def plot(
     chosen = expressions or run.coordinate_names
     curves = [item for item in chosen if isinstance(item, str)]
     if len(curves) == len(chosen):
-        across, drawn = _over(run, curves, x)
-        axes = _curves(across, named(drawn, labels), ax, x, title, bool(equal), panels)
+        across, drawn = _pair_with_abscissa(run, curves, x)
+        axes = _curves(across, rename_curves(drawn, labels), ax, x, title, bool(equal), panels)
         if events and x == "t":
             mark_events(axes, panels_beside(axes).values(), run)
         return axes
     if curves or x != "t":
         what, fix = "curves over an output and paths do not share axes", "draw them by two calls of plot"
         raise UsageError(Problem("plot.mixed", repr(curves[0] if curves else x), what, fix=fix))
-    return _paths(named(_along(run, chosen), labels), ax, title, equal)
+    return _paths(rename_curves(_make_paths(run, chosen), labels), ax, title, equal)
 
 
-def _along(run: Trajectory, chosen: Sequence[str | tuple[str, ...]]) -> list[Path]:
+def _make_paths(run: Trajectory, chosen: Sequence[str | tuple[str, ...]]) -> list[PlanePath]:
     words = [(item,) if isinstance(item, str) else item for item in chosen]
     return [path_of(motion, item) for motion, item in zip(_motions(run, words), words, strict=True)]
 
@@ -101,9 +108,11 @@ def _motions(run: Trajectory, groups: Sequence[Sequence[str]]) -> list[Trajector
     return [smooth if all(known[name] for name in group) else run for group in groups]
 
 
-def _over(run: Trajectory, names: Sequence[str], x: str) -> tuple[list[Curve], list[Curve]]:
+def _pair_with_abscissa(
+    run: Trajectory, names: Sequence[str], x: str
+) -> tuple[list[PlottedCurve], list[PlottedCurve]]:
     """Return for each curve what runs along the horizontal axis, and the curve."""
-    across, curves = list[Curve](), list[Curve]()
+    across, curves = list[PlottedCurve](), list[PlottedCurve]()
     for motion, name in zip(_motions(run, [(x, name) for name in names]), names, strict=True):
         several = curves_of(motion, name)
         across += [single_curve(motion, x)] * len(several)
@@ -112,8 +121,8 @@ def _over(run: Trajectory, names: Sequence[str], x: str) -> tuple[list[Curve], l
 
 
 def _curves(
-    across: Sequence[Curve],
-    curves: Sequence[Curve],
+    across: Sequence[PlottedCurve],
+    curves: Sequence[PlottedCurve],
     ax: Axes | None,
     x: str,
     title: str | None,
@@ -139,7 +148,7 @@ def _curves(
     return first
 
 
-def _paths(paths: Sequence[Path], ax: Axes | None, title: str | None, equal: bool | None) -> Axes:
+def _paths(paths: Sequence[PlanePath], ax: Axes | None, title: str | None, equal: bool | None) -> Axes:
     sizes = {len(path.curves) for path in paths}
     axes = new_axes(sizes == {3}) if ax is None else ax
     if sizes != {3 if is_in_space(axes) else 2}:

@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 
 from symbody.expr.language.formula import Formula
-from symbody.model.constraint import Contact
+from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints.rolling import Rolling
-from symbody.model.element import Address
+from symbody.model.element import FrameRef
 from symbody.model.joint import Joint
 from symbody.model.lengths import model_lengths
 from symbody.model.loads.forces import SpringDamper
@@ -37,7 +37,7 @@ _MOMENTS: Final = 16
 # Points nearer than this share of the size are one.
 SAME_POINT: Final = 1e-6
 
-Link = Joint | Contact | SpringDamper | TorsionSpring | Bushing
+Link = Joint | FrameConstraint | SpringDamper | TorsionSpring | Bushing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,7 +70,7 @@ class SceneBasis:
 
     model: Model
     numbers: ModelNumbers
-    frames: Mapping[Address, RigidTransform]
+    frames: Mapping[FrameRef, RigidTransform]
     joints: tuple[Joint, ...]
     freedoms: Mapping[str, JointFreedoms]
     coordinates: Mapping[str, float]
@@ -86,11 +86,11 @@ class SceneBasis:
         """Where bodies stand at the start."""
         return self.moments[0]
 
-    def frame(self, address: Address) -> RigidTransform:
+    def frame(self, address: FrameRef) -> RigidTransform:
         """Return where a frame stands in ground's axes at the start."""
         return self.bodies[address.body] @ self.frames[address]
 
-    def distance(self, start: Address, end: Address) -> float:
+    def distance(self, start: FrameRef, end: FrameRef) -> float:
         """Return the distance of two frames at the start [m]."""
         return float(np.linalg.norm(self.frame(start).at - self.frame(end).at))
 
@@ -99,7 +99,7 @@ class SceneBasis:
         points = [frame.at for address, frame in self.frames.items() if address.body == body != GROUND]
         return _largest_distance(points) if points else 0.0
 
-    def course(self, start: Address, end: Address) -> Floats:
+    def course(self, start: FrameRef, end: FrameRef) -> Floats:
         """Return the places (N, 3) of a frame's origin in another frame, at the moments [m]."""
         return np.array([
             (bodies[start.body] @ self.frames[start]).inverse().point(
@@ -125,7 +125,7 @@ class SceneBasis:
         return [
             frame.at
             for address, frame in self.frames.items()
-            if address.body == body and address.point and address not in linked
+            if address.body == body and address.frame and address not in linked
         ]
 
 
@@ -190,7 +190,7 @@ def _values_at(
 def _placed_bodies(
     model: Model,
     numbers: ModelNumbers,
-    frames: Mapping[Address, RigidTransform],
+    frames: Mapping[FrameRef, RigidTransform],
     doubtful: frozenset[str],
     values: Mapping[str, Formula | float],
 ) -> dict[str, RigidTransform]:
@@ -206,7 +206,7 @@ def _placed_bodies(
 
 def _links(model: Model, freedoms: Mapping[str, JointFreedoms]) -> tuple[Link, ...]:
     """Return the elements that connect two frames, except the joints of bodies that move freely."""
-    kinds = (Joint, Contact, SpringDamper, TorsionSpring, Bushing)
+    kinds = (Joint, FrameConstraint, SpringDamper, TorsionSpring, Bushing)
     return tuple(
         element
         for element in model.elements
@@ -220,7 +220,7 @@ def _is_known(joint: Joint, values: Mapping[str, object]) -> bool:
     return all(name in values or name in joint.motions for name in joint.coordinates)
 
 
-def _body_lengths(frames: Mapping[Address, RigidTransform]) -> list[float]:
+def _body_lengths(frames: Mapping[FrameRef, RigidTransform]) -> list[float]:
     """Return for each body the largest distance between two of its frames [m]."""
     points: dict[str, list[Floats]] = {}
     for address, transform in frames.items():

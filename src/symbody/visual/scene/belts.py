@@ -12,8 +12,8 @@ from symbody.visual.scene.fixed_shape import (
     MARK,
     RUBBER,
     FixedShape,
-    along,
     fixed_shape,
+    frame_along,
     mesh_shape,
     shift_frame,
 )
@@ -39,7 +39,7 @@ def belt_shapes(basis: SceneBasis, element: Belt) -> list[FixedShape]:
     for site, radius in zip(sites, radii, strict=True):
         plane = (first.centre - site.centre) @ first.axis
         back = site.placed.inverse()
-        where = along(back.point(site.centre + plane * first.axis), back.axes @ site.axis)
+        where = frame_along(back.point(site.centre + plane * first.axis), back.axes @ site.axis)
         shapes.append(fixed_shape(site.body, element.name, "cylinder", (radius, width), where))
         mark = shift_frame(where, x=0.7 * radius)
         size = (0.1 * radius, 1.06 * width)

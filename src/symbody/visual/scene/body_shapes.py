@@ -13,9 +13,9 @@ from symbody.visual.scene.basis import SAME_POINT, SceneBasis
 from symbody.visual.scene.fixed_shape import (
     MARK,
     FixedShape,
-    along,
     ball,
     fixed_shape,
+    frame_along,
     mesh_shape,
     rod,
     shift_frame,
@@ -104,7 +104,7 @@ def _solid_of_inertia(basis: SceneBasis, body: Body) -> FixedShape:
     name = body.name
     for first, second, length, k in ((a, b, c, 2), (b, c, a, 0), (c, a, b, 1)):
         if abs(first - second) < _OFF * first and abs(length - first) > _OFF * first:
-            where = along(np.zeros(3), axes.axes[:, k])
+            where = frame_along(np.zeros(3), axes.axes[:, k])
             return fixed_shape(name, name, "cylinder", (first / 3.0**0.5, length), where)
     if abs(a - b) < _OFF * a and abs(b - c) < _OFF * b:
         return ball(name, name, np.zeros(3), a * (5.0 / 12.0) ** 0.5)
@@ -144,7 +144,7 @@ def _pendulum(basis: SceneBasis, body: Body, point: Floats, mass: float, radius:
         shape = _limit_size(_solid_of_inertia(basis, body), length)
         if shape.solid.kind == "sphere":  # a disc shows how it spins
             size = (0.4 * length, 0.1 * length)
-            shape = fixed_shape(body.name, body.name, "cylinder", size, along(np.zeros(3), direction))
+            shape = fixed_shape(body.name, body.name, "cylinder", size, frame_along(np.zeros(3), direction))
         return [*shapes, *_with_marks(shape)]
     edge = max(edges)
     if sum(edge > 0.0 for edge in edges) == 1:  # a thin rod: shown as long as it is

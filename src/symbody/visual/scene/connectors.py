@@ -8,7 +8,7 @@ import numpy as np
 
 from symbody.expr.language.formula import Formula
 from symbody.model.constraints.points import Distance
-from symbody.model.element import Address
+from symbody.model.element import FrameRef
 from symbody.model.joint import Joint
 from symbody.model.loads.curve import Law
 from symbody.model.loads.forces import Drive, SpringDamper
@@ -19,9 +19,9 @@ from symbody.visual.scene.fixed_shape import (
     SPRING_COLOR,
     STEEL,
     FixedShape,
-    along,
     ball,
     fixed_shape,
+    frame_along,
     mesh_shape,
     shift_frame,
 )
@@ -39,7 +39,7 @@ _COIL_LENGTH: Final = 0.45
 _TURN_LENGTH, _FEWEST, _MOST = 1.1, 5, 14
 
 
-def anchor(basis: SceneBasis, address: Address) -> Anchor:
+def anchor(basis: SceneBasis, address: FrameRef) -> Anchor:
     """Return the origin of a frame as an anchor."""
     return anchor_at(basis, address.body, basis.frames[address])
 
@@ -69,7 +69,7 @@ def drive_connectors(basis: SceneBasis, joint: Joint) -> list[Connector]:
     slides = dict(zip(joint.translation_coordinates, freedoms.slides, strict=False))
     connectors = []
     for name, drive in joint.force.items():
-        kinds = _kinds(drive.stiffness, drive.damping, Formula.of(0), drive.law)
+        kinds = _kinds(drive.stiffness, drive.damping, Formula.from_value(0), drive.law)
         if name in slides and kinds:
             where, length = _foot(basis, joint, drive, slides[name], name)
             for kind, aside in zip(kinds, _aside(basis, joint, slides[name], len(kinds)), strict=True):
@@ -123,7 +123,7 @@ def distance_shapes(basis: SceneBasis, element: Distance) -> list[FixedShape]:
 def torsion_shapes(basis: SceneBasis, element: TorsionSpring) -> list[FixedShape]:
     """Return the spiral of a spring that turns."""
     frame = basis.frames[element.start]
-    where = along(frame.at, frame.axes @ basis.numbers.axis(element.axis))
+    where = frame_along(frame.at, frame.axes @ basis.numbers.axis(element.axis))
     return [_spiral(basis, element.start.body, element.name, where)]
 
 
@@ -134,8 +134,11 @@ def drive_shapes(basis: SceneBasis, joint: Joint) -> list[FixedShape]:
     frame = basis.frames[joint.start]
     driven = {name: drive for name, drive in joint.torque.items() if name in joint.angle_coordinates}
     if freedoms.rotations == 1 and freedoms.translations == 0:
-        where = along(frame.at, frame.axes @ freedoms.axes[0])
-        if any(_kinds(drive.stiffness, Formula.of(0), Formula.of(0), drive.law) for drive in driven.values()):
+        where = frame_along(frame.at, frame.axes @ freedoms.axes[0])
+        if any(
+            _kinds(drive.stiffness, Formula.from_value(0), Formula.from_value(0), drive.law)
+            for drive in driven.values()
+        ):
             shapes.append(_spiral(basis, joint.start.body, joint.name, where))
         if joint.motion or any(drive.applied.constant() != 0 for drive in driven.values()):
             motor = shift_frame(where, z=-4.2 * basis.rod)
@@ -151,8 +154,10 @@ def bushing_shapes(basis: SceneBasis, element: Bushing) -> list[FixedShape]:
     size = (3.0 * basis.rod, 4.0 * basis.rod)
     core = (1.4 * basis.rod, 6.0 * basis.rod)
     return [
-        fixed_shape(element.start.body, element.name, "cylinder", size, along(start.at, z), RUBBER, 0.6),
-        fixed_shape(element.end.body, element.name, "cylinder", core, along(end.at, end.axes[:, 2])),
+        fixed_shape(
+            element.start.body, element.name, "cylinder", size, frame_along(start.at, z), RUBBER, 0.6
+        ),
+        fixed_shape(element.end.body, element.name, "cylinder", core, frame_along(end.at, end.axes[:, 2])),
     ]
 
 
@@ -210,7 +215,7 @@ def _feet(basis: SceneBasis, joint: Joint) -> list[FixedShape]:
         if np.linalg.norm(at - basis.frames[joint.start].at) > basis.rod:
             wide = 12.0 if len(drive_connectors(basis, joint)) > 1 else 7.0
             edges = (wide * basis.rod, wide * basis.rod, basis.rod)
-            where = shift_frame(along(at, direction), z=-0.5 * basis.rod)
+            where = shift_frame(frame_along(at, direction), z=-0.5 * basis.rod)
             shapes.append(fixed_shape(joint.start.body, joint.name, "box", edges, where, STEEL))
     return shapes
 

@@ -63,7 +63,7 @@ def mesh_shape(
 def rod(body: str, element: str, start: Floats, end: Floats, radius: float, color: str = "") -> FixedShape:
     """Return a capsule whose axis ends in two points of a body."""
     length = float(np.linalg.norm(end - start))
-    where = along(0.5 * (start + end), (end - start) / length if length else np.array([0.0, 0.0, 1.0]))
+    where = frame_along(0.5 * (start + end), (end - start) / length if length else np.array([0.0, 0.0, 1.0]))
     return fixed_shape(body, element, "capsule", (radius, length), where, color)
 
 
@@ -74,7 +74,7 @@ def ball(
     return fixed_shape(body, element, "sphere", (radius,), RigidTransform(at), color, opacity)
 
 
-def along(at: Floats, direction: Floats, sideways: Floats | None = None) -> RigidTransform:
+def frame_along(at: Floats, direction: Floats, sideways: Floats | None = None) -> RigidTransform:
     """Return a frame on a body whose z axis has a direction."""
     return RigidTransform(at, axes_along(direction, sideways))
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.language.formula import Formula
-from symbody.model.constraint import Contact
+from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints import Rolling
-from symbody.model.element import Address
+from symbody.model.element import FrameRef
 from symbody.model.joint import Joint
 from symbody.model.loads.forces import Force, SpringDamper, Torque
 from symbody.model.model import Model
@@ -102,14 +102,14 @@ def _all_arrows(model: Model, scene: Scene) -> list[Arrow]:
     for element in model.elements:
         if isinstance(element, Force | Torque):
             kind: VectorKind = "force" if isinstance(element, Force) else "torque"
-            arrows.append(_applied_arrow(element, kind, anchors.at(element.on)))
+            arrows.append(_applied_arrow(element, kind, anchors.anchor_at(element.on)))
         elif isinstance(element, SpringDamper):
-            arrows.append(_spring_arrow(element, anchors.at(element.end)))
-    contacts = [part for part in model.constraints if isinstance(part, Contact)]
-    links: list[Joint | Contact] = [*model.joints, *contacts]
+            arrows.append(_spring_arrow(element, anchors.anchor_at(element.end)))
+    contacts = [part for part in model.constraints if isinstance(part, FrameConstraint)]
+    links: list[Joint | FrameConstraint] = [*model.joints, *contacts]
     for link in links:
         if not isinstance(link, Rolling):  # its point of contact is fixed on no body
-            arrows += _reactions(link.name, link.start, anchors.at(link.end))
+            arrows += _reactions(link.name, link.start, anchors.anchor_at(link.end))
     return arrows
 
 
@@ -121,12 +121,12 @@ def _element(arrow: Arrow) -> str:
 class _Anchors:
     scene: Scene
 
-    def at(self, address: Address) -> Anchor:
+    def anchor_at(self, address: FrameRef) -> Anchor:
         """Return where a frame is on its body."""
         names = [body.name for body in self.scene.bodies]
         place = 0 if address.body == "ground" else names.index(address.body)
         points = {frame.name: frame.at for frame in self.scene.bodies[place].frames}
-        return Anchor(place, points.get(address.point, (0.0, 0.0, 0.0)))
+        return Anchor(place, points.get(address.frame, (0.0, 0.0, 0.0)))
 
 
 def _applied_arrow(element: Force | Torque, kind: VectorKind, anchor: Anchor) -> Arrow:
@@ -140,7 +140,7 @@ def _applied_arrow(element: Force | Torque, kind: VectorKind, anchor: Anchor) ->
 
 
 def _spring_arrow(spring: SpringDamper, anchor: Anchor) -> Arrow:
-    line = f'frame r "{spring.end.frame}" "{spring.start.frame}" ground'
+    line = f'frame r "{spring.end.full_name}" "{spring.start.full_name}" ground'
     effort = f"effort {spring.name}"
 
     def values(outputs: Outputs) -> Floats:
@@ -151,7 +151,7 @@ def _spring_arrow(spring: SpringDamper, anchor: Anchor) -> Arrow:
     return Arrow(f"spring {spring.name}", "force", anchor, (line, effort), values)
 
 
-def _reactions(name: str, start: Address, anchor: Anchor) -> list[Arrow]:
+def _reactions(name: str, start: FrameRef, anchor: Anchor) -> list[Arrow]:
     axes, wrench = _axes(start), f'reaction "{name}"'
 
     def force(outputs: Outputs) -> Floats:
@@ -167,8 +167,8 @@ def _reactions(name: str, start: Address, anchor: Anchor) -> list[Arrow]:
     ]
 
 
-def _axes(address: Address) -> str:
-    return f'frame R "{address.frame}"'
+def _axes(address: FrameRef) -> str:
+    return f'frame R "{address.full_name}"'
 
 
 def _output(formula: Formula) -> str:

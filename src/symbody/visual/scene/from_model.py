@@ -20,7 +20,7 @@ from symbody.model.constraints.points import (
 )
 from symbody.model.constraints.rolling import KnifeEdge, Rolling
 from symbody.model.door import Value
-from symbody.model.element import Address
+from symbody.model.element import FrameRef
 from symbody.model.joint import Joint
 from symbody.model.loads.forces import SpringDamper
 from symbody.model.loads.springs import Bushing, TorsionSpring
@@ -178,8 +178,8 @@ def _bodies(basis: SceneBasis, solids: Mapping[str, list[Solid]]) -> tuple[Scene
     """Return ground and bodies with their frames."""
     frames: dict[str, list[SceneFrame]] = {}
     for address, transform in basis.frames.items():
-        if address != Address(GROUND):
-            frame = SceneFrame(address.point or CENTRE, transform.place, transform.quaternion)
+        if address != FrameRef(GROUND):
+            frame = SceneFrame(address.frame or CENTRE, transform.place, transform.quaternion)
             frames.setdefault(address.body, []).append(frame)
     masses = {body.name: basis.numbers.number(body.mass) for body in basis.model.bodies}
     return tuple(

@@ -15,9 +15,9 @@ from symbody.visual.scene.fixed_shape import (
     GLASS,
     STEEL,
     FixedShape,
-    along,
     ball,
     fixed_shape,
+    frame_along,
     mesh_shape,
     shift_frame,
 )
@@ -57,12 +57,12 @@ class JointSite:
     def on_start(self, direction: Floats, sideways: Floats | None = None) -> RigidTransform:
         """Return a frame on the start body at the joint, with z along a direction of the start frame."""
         across = None if sideways is None else self.start.axes @ sideways
-        return along(self.start.at, self.start.axes @ direction, across)
+        return frame_along(self.start.at, self.start.axes @ direction, across)
 
     def on_end(self, direction: Floats, sideways: Floats | None = None) -> RigidTransform:
         """Return a frame on the end body at the joint, with z along a direction of the end frame."""
         across = None if sideways is None else self.end.axes @ sideways
-        return along(self.end.at, self.end.axes @ direction, across)
+        return frame_along(self.end.at, self.end.axes @ direction, across)
 
     def range_of(self, number: int) -> tuple[float, float]:
         """Return the lowest and highest displacement of a guide along its slide of this number [m]."""
@@ -106,7 +106,7 @@ def _guide(site: JointSite) -> list[FixedShape]:
         return _pin_in_slot(site)
     slide = freedoms.slides[0]
     low, high = site.range_of(0)
-    sideways = _across(site, slide)
+    sideways = _direction_across(site, slide)
     rail = shift_frame(site.on_start(slide, sideways), z=0.5 * (low + high))
     block = site.on_end(slide, sideways)
     start, end = site.joint.start.body, site.joint.end.body
@@ -228,7 +228,7 @@ def _screw(site: JointSite) -> list[FixedShape]:
     ]
 
 
-def _across(site: JointSite, slide: Floats) -> Floats:
+def _direction_across(site: JointSite, slide: Floats) -> Floats:
     """Return the direction of the start frame across a guide that is nearest to a main axis."""
     return np.asarray(np.eye(3)[int(np.argmin(np.abs(slide)))])
 

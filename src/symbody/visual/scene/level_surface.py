@@ -40,7 +40,9 @@ def level_surface(
     values = numbers.samples((equation,), ("x", "y", "z"), points)[:, 0]
     values[~np.isfinite(values)] = np.nan
     corners = _cells(cells)
-    triangles = [_cut(corners[:, list(tetrahedron)], values, points) for tetrahedron in _TETRAHEDRA]
+    triangles = [
+        _cut_tetrahedra(corners[:, list(tetrahedron)], values, points) for tetrahedron in _TETRAHEDRA
+    ]
     soup = np.vstack(triangles)
     if not len(soup):
         return None
@@ -61,7 +63,7 @@ def _cells(count: int) -> NDArray[np.int64]:
     return np.stack([((x + a) * side + y + b) * side + z + c for a, b, c in bits], axis=1)
 
 
-def _cut(tetrahedra: NDArray[np.int64], values: Floats, points: Floats) -> Floats:
+def _cut_tetrahedra(tetrahedra: NDArray[np.int64], values: Floats, points: Floats) -> Floats:
     """Return triangles (N, 3, 3) in which a value of zero cuts tetrahedra (M, 4)."""
     inside = values[tetrahedra] < 0.0
     finite = np.all(np.isfinite(values[tetrahedra]), axis=1)

@@ -162,14 +162,14 @@ def _samples(
         return source.sample(_chosen_times(run, times))
     bodies = max(len(source.chain.names), 1)
     most = min(MOST_SAMPLES, max(_FEWEST, _MOST_POSES // bodies))
-    every = _inside(run, np.unique(np.atleast_1d(run.t)), span)
+    every = _clip_times(run, np.unique(np.atleast_1d(run.t)), span)
     if run.dense_output is None:
         return thin(source.sample(every), size, most)
     ends = [float(t) for _, t, _ in run.events if every[0] < t < every[-1]]
     return sample(source.sample, np.union1d(every, ends), size, most)
 
 
-def _inside(run: Trajectory, every: Floats, span: tuple[float, float] | None) -> Floats:
+def _clip_times(run: Trajectory, every: Floats, span: tuple[float, float] | None) -> Floats:
     """Return the times between two, and these themselves where the motion is known there."""
     if span is None:
         return every

@@ -14,9 +14,9 @@ from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Constant, Graph, Symbol
 from symbody.expr.language.formula import Formula, build
 from symbody.expr.sequence import Input, Roots, build_sequence
-from symbody.model.door import Door, Value
+from symbody.model.door import Arguments, Value
 from symbody.model.model import Model
-from symbody.model.numbers import as_float, value_of
+from symbody.model.numbers import as_float, formula_value
 from symbody.model.parameters import dependence_order
 from symbody.model.turn import LETTERS, Axis
 from symbody.visual.scene.scene import Floats
@@ -61,7 +61,7 @@ class ModelNumbers:
 
     def _value(self, formula: Formula, default: float, values: Mapping[str, Constant]) -> float:
         try:
-            value = value_of(formula, values)
+            value = formula_value(formula, values)
         except ExpressionError:
             return default
         number = default if value is None else as_float(value)
@@ -110,17 +110,17 @@ def model_numbers(model: Model, parameters: Mapping[str, Value]) -> ModelNumbers
         With all names that are not parameters, values that are not formulas, and formulas that depend on
         each other in a circle.
     """
-    door = Door("parameters")
+    door = Arguments("parameters")
     changed: dict[str, Formula | None] = dict(model.parameters)
     for name, value in parameters.items():
         if name in changed:
             changed[name] = door.angle(value, name)
         else:
-            door.refuse(
+            door.add(
                 "parameters.unknown", name, f"the model has no parameter {name!r}", "",
                 nearest(name, model.parameters),
             )  # fmt: skip
-    door.close()
+    door.raise_all()
     values: dict[str, Constant] = {"t": 0}
     assumed = []
     for name in dependence_order(changed):
@@ -140,7 +140,7 @@ def unit(vector: Floats) -> Floats:
 def _value(formula: Formula | None, values: Mapping[str, Constant]) -> Constant | None:
     """Return the finite value of a parameter's formula, or None."""
     try:
-        value = None if formula is None else value_of(formula, values)
+        value = None if formula is None else formula_value(formula, values)
     except ExpressionError:
         return None
     return value if value is None or math.isfinite(as_float(value)) else None

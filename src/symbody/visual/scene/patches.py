@@ -16,9 +16,9 @@ from symbody.visual.scene.fixed_shape import (
     GROUND_COLOR,
     STEEL,
     FixedShape,
-    along,
     ball,
     fixed_shape,
+    frame_along,
     mesh_shape,
     shift_frame,
 )
@@ -62,7 +62,7 @@ def _plane_frame(basis: SceneBasis, element: Rolling | PointOnPlane) -> RigidTra
     """Return a frame on start's body whose z axis is the normal."""
     normal = element.normal if isinstance(element, Rolling) else element.axis
     frame = basis.frames[element.start]
-    return along(frame.at, frame.axes @ basis.numbers.axis(normal))
+    return frame_along(frame.at, frame.axes @ basis.numbers.axis(normal))
 
 
 def _are_coplanar(plane: RigidTransform, other: RigidTransform, thickness: float) -> bool:
@@ -93,7 +93,9 @@ def line_shapes(basis: SceneBasis, element: PointOnLine) -> list[FixedShape]:
     direction = frame.axes @ basis.numbers.axis(element.axis)
     middle = frame.at + ((_seen_from_start(basis, element) - frame.at) @ direction) * direction
     size = (0.5 * basis.rod, _LINE * basis.size)
-    line = fixed_shape(element.start.body, element.name, "cylinder", size, along(middle, direction), STEEL)
+    line = fixed_shape(
+        element.start.body, element.name, "cylinder", size, frame_along(middle, direction), STEEL
+    )
     return [line, _point(basis, element)]
 
 

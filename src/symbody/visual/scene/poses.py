@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from symbody.expr.language.formula import Formula
-from symbody.model.element import Address
+from symbody.model.element import FrameRef
 from symbody.model.frame import Frame
 from symbody.model.joint import Joint
 from symbody.model.model import Model
@@ -149,14 +149,16 @@ def nearest_rotation(matrix: Floats) -> Floats:
     return rotation if sizes[-1] > 0.0 and np.linalg.det(rotation) > 0.0 else np.eye(3)
 
 
-def frame_transforms(model: Model, numbers: ModelNumbers) -> dict[Address, RigidTransform]:
+def frame_transforms(model: Model, numbers: ModelNumbers) -> dict[FrameRef, RigidTransform]:
     """Return where each frame stands on its body; those of centres of mass included."""
-    transforms = {Address(body): RigidTransform() for body in (GROUND, *(body.name for body in model.bodies))}
+    transforms = {
+        FrameRef(body): RigidTransform() for body in (GROUND, *(body.name for body in model.bodies))
+    }
     owners: list[tuple[str, Mapping[str, Frame]]] = [(GROUND, model.ground)]
     owners += [(body.name, body.frames) for body in model.bodies]
     for body, frames in owners:
         for name, frame in frames.items():
-            transforms[Address(body, name)] = frame_transform(frame, numbers)
+            transforms[FrameRef(body, name)] = frame_transform(frame, numbers)
     return transforms
 
 
@@ -188,7 +190,7 @@ def joint_coordinates(
 
 def body_transforms(
     joints: Iterable[Joint],
-    frames: Mapping[Address, RigidTransform],
+    frames: Mapping[FrameRef, RigidTransform],
     steps: Mapping[str, RigidTransform],
     doubtful: Collection[str] = (),
 ) -> dict[str, RigidTransform]:

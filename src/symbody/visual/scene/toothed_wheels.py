@@ -10,7 +10,14 @@ from typing import Final
 import numpy as np
 
 from symbody.visual.scene.basis import SceneBasis
-from symbody.visual.scene.fixed_shape import MARK, FixedShape, along, fixed_shape, mesh_shape, shift_frame
+from symbody.visual.scene.fixed_shape import (
+    MARK,
+    FixedShape,
+    fixed_shape,
+    frame_along,
+    mesh_shape,
+    shift_frame,
+)
 from symbody.visual.scene.gear_profile import gear_outline, ring_outlines
 from symbody.visual.scene.meshes import cone_prism, hollow_prism, prism
 from symbody.visual.scene.poses import axis_rotation
@@ -49,7 +56,7 @@ class ToothedWheel:
 
 def toothed_shapes(wheel: ToothedWheel) -> list[FixedShape]:
     """Return a wheel and a mark that shows how it turns."""
-    where = along(wheel.centre, wheel.axis, wheel.direction)
+    where = frame_along(wheel.centre, wheel.axis, wheel.direction)
     shapes = [mesh_shape(wheel.body, wheel.element, wheel_mesh(wheel), where)]
     at = wheel.radius * (1.0 + 4.0 / wheel.teeth if wheel.is_ring else 0.7)
     size = (0.07 * wheel.radius, 0.08 * wheel.radius if wheel.apex else 1.06 * wheel.width)

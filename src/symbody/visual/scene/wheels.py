@@ -13,9 +13,9 @@ from symbody.visual.scene.fixed_shape import (
     RUBBER,
     STEEL,
     FixedShape,
-    along,
     ball,
     fixed_shape,
+    frame_along,
     mesh_shape,
     rod,
 )
@@ -31,7 +31,7 @@ def rolling_shapes(basis: SceneBasis, element: Rolling) -> list[FixedShape]:
     radius = abs(basis.numbers.number(element.radius)) or 2.0 * basis.rod
     if element.axis is None:
         return ball_with_marks(element.end.body, element.name, frame, radius)
-    where = along(frame.at, frame.axes @ basis.numbers.axis(element.axis))
+    where = frame_along(frame.at, frame.axes @ basis.numbers.axis(element.axis))
     return _spoked_wheel(element.end.body, element.name, where, radius, basis.rod)
 
 
@@ -40,7 +40,7 @@ def knife_shapes(basis: SceneBasis, element: KnifeEdge) -> list[FixedShape]:
     frame = basis.frames[element.end]
     normal = basis.numbers.axis(element.axis)
     sideways = np.eye(3)[int(np.argmin(np.abs(normal)))]
-    where = along(frame.at, frame.axes @ normal, frame.axes @ sideways)
+    where = frame_along(frame.at, frame.axes @ normal, frame.axes @ sideways)
     size = (8.0 * basis.rod, 3.0 * basis.rod, 0.4 * basis.rod)
     return [fixed_shape(element.end.body, element.name, "box", size, where, STEEL)]
 

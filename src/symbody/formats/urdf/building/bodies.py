@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from symbody.expr.graph import Constant
 from symbody.formats.urdf.building.lumping import Lump, in_link_axes
-from symbody.formats.urdf.file.placement import Placement, numeral, total
+from symbody.formats.urdf.file.placement import FramePlacement, numeral, total
 from symbody.formats.urdf.file.robot import Robot
 from symbody.model.body import Body
 from symbody.model.door import Value
@@ -41,7 +41,7 @@ class BodyPlan:
     inertia: tuple[Value, ...]
     unphysical: bool
 
-    def frame(self, place: Placement) -> Frame:
+    def frame(self, place: FramePlacement) -> Frame:
         """Return the frame at a place given from the frame of the first link."""
         at = [_difference(x, c) for x, c in zip(place.at, self.centre, strict=True)]
         return Frame(at=at, rotate=rotation(place))
@@ -59,17 +59,17 @@ class BodyPlan:
         )
 
 
-def rotation(place: Placement) -> list[tuple[str, str]]:
+def rotation(place: FramePlacement) -> list[tuple[str, str]]:
     """Return the turns of a placement as a frame takes them."""
     return [(letter, angle.text) for letter, angle in place.turns]
 
 
-def ground_frame(place: Placement) -> Frame:
+def ground_frame(place: FramePlacement) -> Frame:
     """Return a frame fixed on the ground, which the root link is."""
     return Frame(at=[numeral(x) for x in place.at], rotate=rotation(place))
 
 
-def plan_of(robot: Robot, lump: Lump, name: str, symbols: Sequence[str] | None) -> BodyPlan:
+def plan_body(robot: Robot, lump: Lump, name: str, symbols: Sequence[str] | None) -> BodyPlan:
     """Return a body of a lump; `symbols` are the names of m, cx, cy, cz, Ixx .. Iyz, where they stay."""
     unphysical = not possible(lump.inertia)
     if symbols is None:

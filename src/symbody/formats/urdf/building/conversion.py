@@ -6,16 +6,22 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from symbody.errors import Problem, UsageError, nearest
-from symbody.formats.urdf.building.bodies import BodyPlan, ground_frame, plan_of, possible, symbol_names
-from symbody.formats.urdf.building.following import coupling, law_of
-from symbody.formats.urdf.building.lumping import Lump, lumps_of
-from symbody.formats.urdf.building.movable import Moving, coordinates_of, floating, normal_turn, speeds_of
+from symbody.formats.urdf.building.bodies import BodyPlan, ground_frame, plan_body, possible, symbol_names
+from symbody.formats.urdf.building.following import follow_leader, leader_law
+from symbody.formats.urdf.building.lumping import Lump, lump_links
+from symbody.formats.urdf.building.movable import (
+    Moving,
+    joint_coordinates,
+    joint_speeds,
+    make_free_joint,
+    normal_turn,
+)
 from symbody.formats.urdf.building.naming import Naming
 from symbody.formats.urdf.building.visuals import visual_shape
 from symbody.formats.urdf.building.weights import weight_notes
-from symbody.formats.urdf.file.placement import Placement
-from symbody.formats.urdf.file.robot import Link, Robot, UrdfJoint
-from symbody.model.element import Address, Element
+from symbody.formats.urdf.file.placement import FramePlacement
+from symbody.formats.urdf.file.robot import Robot, UrdfJoint, UrdfLink
+from symbody.model.element import Element, FrameRef
 from symbody.model.frame import Frame
 from symbody.model.joint import Joint
 from symbody.model.shapes import BodyShape
@@ -43,12 +49,12 @@ class Parts:
     parameters: Mapping[str, str]
     inputs: tuple[str, ...]
     notes: tuple[str, ...]
-    links: Mapping[str, Address]
-    homes: Mapping[str, tuple[BodyPlan | None, Placement]]
+    links: Mapping[str, FrameRef]
+    homes: Mapping[str, tuple[BodyPlan | None, FramePlacement]]
     lines: Mapping[str, int]
 
 
-def parts_of(robot: Robot, floating_base: bool, symbolic: Collection[str]) -> Parts:
+def convert_robot(robot: Robot, floating_base: bool, symbolic: Collection[str]) -> Parts:
     """Return the parts of the model of a robot.
 
     Raises
@@ -57,10 +63,10 @@ def parts_of(robot: Robot, floating_base: bool, symbolic: Collection[str]) -> Pa
         If `symbolic` names no link, or the base would float twice.
     """
     _check_symbolic(robot, symbolic)
-    lumps, joints = lumps_of(robot, set(symbolic))
+    lumps, joints = lump_links(robot, set(symbolic))
     _check_base(robot, lumps[0], joints, floating_base)
     draft = _Draft(robot, Naming(), floating_base)
-    draft.naming.take(*coordinates_of("floating", BASE), *speeds_of("floating", BASE))
+    draft.naming.take(*joint_coordinates("floating", BASE), *joint_speeds("floating", BASE))
     draft.place_links(lumps, set(symbolic))
     draft.name_joints(joints)
     elements = [*draft.bodies(), *draft.joints(), *draft.couplings()]
@@ -88,8 +94,8 @@ class _Draft:
     naming: Naming
     floats: bool
     plans: list[tuple[Lump, BodyPlan]] = field(default_factory=list)
-    homes: dict[str, tuple[BodyPlan | None, Placement]] = field(default_factory=dict)
-    links: dict[str, Address] = field(default_factory=dict)
+    homes: dict[str, tuple[BodyPlan | None, FramePlacement]] = field(default_factory=dict)
+    links: dict[str, FrameRef] = field(default_factory=dict)
     frames: dict[str, dict[str, Frame]] = field(default_factory=dict)
     shapes: dict[str, list[BodyShape]] = field(default_factory=dict)
     names: dict[str, str] = field(default_factory=dict)
@@ -105,7 +111,7 @@ class _Draft:
             plan = None
             if not grounded:
                 symbols = self._symbols(names[lump.root]) if lump.root in symbolic else None
-                plan = plan_of(self.robot, lump, names[lump.root], symbols)
+                plan = plan_body(self.robot, lump, names[lump.root], symbols)
                 self.plans.append((lump, plan))
             elif lump.root in symbolic:
                 self.notes.append(f"link {lump.root} stays symbolic in vain: it is the ground")
@@ -121,13 +127,13 @@ class _Draft:
             self.names[joint.name] = name
             self.symbols[joint.name] = self.naming.symbol(joint.name, "joint") if joint.moves else ""
         for joint in joints:
-            self.moving.append(self._moving(joint))
+            self.moving.append(self._movable_joint(joint))
 
     def inputs(self, joint: UrdfJoint) -> tuple[str, ...]:
         """Return the efforts of a joint: none where it follows another, floats or is fixed."""
         if joint.mimic is not None or joint.kind in ("floating", "fixed"):
             return ()
-        return tuple(f"tau_{name}" for name in coordinates_of(joint.kind, self.symbols[joint.name]))
+        return tuple(f"tau_{name}" for name in joint_coordinates(joint.kind, self.symbols[joint.name]))
 
     def bodies(self) -> list[Element]:
         """Return the bodies with their frames."""
@@ -138,7 +144,7 @@ class _Draft:
         found: list[Joint] = []
         if self.floats:
             name = self.naming.element(BASE, "_joint", "the joint")
-            found.append(floating(name, BASE, Address("ground"), self.links[self.robot.root]))
+            found.append(make_free_joint(name, BASE, FrameRef("ground"), self.links[self.robot.root]))
         return found + [moving.element() for moving in self.moving]
 
     def couplings(self) -> list[Element]:
@@ -147,13 +153,13 @@ class _Draft:
         for moving in self.moving:
             if moving.joint.mimic is None or moving.fixed is not None:
                 continue
-            leader, factor, offset = law_of(moving.joint, self.robot.joints)
+            leader, factor, offset = leader_law(moving.joint, self.robot.joints)
             name = self.naming.element(f"{moving.joint.name} mimic", "_2", "the coupling")
             pair = (moving.symbol, self.symbols[leader.name])
-            found.append(coupling(name, moving.joint, leader, pair, factor, offset))
+            found.append(follow_leader(name, moving.joint, leader, pair, factor, offset))
         return found
 
-    def _moving(self, joint: UrdfJoint) -> Moving:
+    def _movable_joint(self, joint: UrdfJoint) -> Moving:
         turn = normal_turn(joint)
         name = self.names[joint.name]
         plan, place = self.homes[joint.parent]
@@ -164,17 +170,17 @@ class _Draft:
             end = self._stand(self.homes[joint.child][0], own, turn)
         fixed = None
         if joint.mimic is not None:
-            _, factor, offset = law_of(joint, self.robot.joints)
+            _, factor, offset = leader_law(joint, self.robot.joints)
             fixed = None if factor else offset
         return Moving(joint, name, self.symbols[joint.name], self.inputs(joint), start, end, fixed)
 
-    def _stand(self, plan: BodyPlan | None, name: str, place: Placement) -> Address:
+    def _stand(self, plan: BodyPlan | None, name: str, place: FramePlacement) -> FrameRef:
         """Put a frame on a body, or on the ground."""
         frame = ground_frame(place) if plan is None else plan.frame(place)
         self.frames.setdefault("" if plan is None else plan.name, {})[name] = frame
-        return Address("ground" if plan is None else plan.name, name)
+        return FrameRef("ground" if plan is None else plan.name, name)
 
-    def _show(self, plan: BodyPlan | None, link: Link, place: Placement) -> None:
+    def _show(self, plan: BodyPlan | None, link: UrdfLink, place: FramePlacement) -> None:
         """Put the visuals of a link on its body, or on the ground."""
         shapes = self.shapes.setdefault("" if plan is None else plan.name, [])
         for visual in link.visuals:

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from symbody.expr.graph import Constant
 from symbody.formats.urdf.file.placement import numeral
 from symbody.formats.urdf.file.robot import UrdfJoint
-from symbody.model.constraint import Condition
+from symbody.model.constraint import ConstraintElement
 from symbody.model.constraints import Constraint, Gear, RackPinion
 
 
-def law_of(joint: UrdfJoint, joints: Mapping[str, UrdfJoint]) -> tuple[UrdfJoint, Constant, Constant]:
+def leader_law(joint: UrdfJoint, joints: Mapping[str, UrdfJoint]) -> tuple[UrdfJoint, Constant, Constant]:
     """Return (leader, k, o) with ``q = k leader + o``, where the leader follows no other joint.
 
     In a chain ``q = k1 p + o1``, ``p = k2 r + o2`` gives ``q = k1 k2 r + k1 o2 + o1``.
@@ -25,14 +25,14 @@ def law_of(joint: UrdfJoint, joints: Mapping[str, UrdfJoint]) -> tuple[UrdfJoint
     return joint, factor, offset
 
 
-def coupling(
+def follow_leader(
     name: str,
     joint: UrdfJoint,
     leader: UrdfJoint,
     symbols: tuple[str, str],
     factor: Constant,
     offset: Constant,
-) -> Condition:
+) -> ConstraintElement:
     """Return what ties a joint to its leader; `symbols` are their coordinates."""
     slides, led_slides = joint.kind == "prismatic", leader.kind == "prismatic"
     if not slides and not led_slides:

@@ -9,9 +9,9 @@ from typing import Final
 from symbody.arguments import checked_arguments
 from symbody.errors import ModelError, Problem
 from symbody.formats.lines import Path
-from symbody.formats.places import relocated
+from symbody.formats.places import relocate
 from symbody.formats.reading import read_text
-from symbody.formats.urdf.building.conversion import Parts, parts_of
+from symbody.formats.urdf.building.conversion import Parts, convert_robot
 from symbody.formats.urdf.building.loops import NO_LOOPS, Loops, read_loops
 from symbody.formats.urdf.file.reading import robot_from_text
 from symbody.formats.urdf.file.robot import Robot
@@ -91,11 +91,11 @@ def model_from_urdf(
     """
     robot = robot_from_text(text, where, snap_angles)
     named = [symbolic] if isinstance(symbolic, str) else list(symbolic)
-    parts = parts_of(robot, floating_base, named)
-    return _assembled(robot, parts, gravity, loops)
+    parts = convert_robot(robot, floating_base, named)
+    return _assemble(robot, parts, gravity, loops)
 
 
-def _assembled(
+def _assemble(
     robot: Robot, parts: Parts, gravity: Iterable[Value], loops: str | os.PathLike[str] | None
 ) -> Model:
     extra = NO_LOOPS if loops is None else read_loops(loops, parts)
@@ -109,15 +109,15 @@ def _assembled(
             parameters=parameters,
             inputs=(*parts.inputs, *extra.inputs),
             initial=extra.initial,
-            ground={**parts.ground, **extra.ground},
+            ground={**parts.ground, **extra.ground_frames},
             notes=parts.notes,
             ground_shapes=parts.ground_shapes,
         )
     except ModelError as error:
-        raise ModelError(*_placed(error.problems, robot, parts, elements, extra)) from None
+        raise ModelError(*_add_lines(error.problems, robot, parts, elements, extra)) from None
 
 
-def _placed(
+def _add_lines(
     problems: Iterable[Problem], robot: Robot, parts: Parts, elements: Sequence[Element], extra: Loops
 ) -> list[Problem]:
     """Return problems of the model with lines of the robot's file, or of the loops."""
@@ -133,4 +133,4 @@ def _placed(
         line = parts.lines.get(str(path[1])) if path else None
         return robot.where if line is None else f"{robot.where}:{line}"
 
-    return relocated(problems, bases, locate)
+    return relocate(problems, bases, locate)

@@ -10,21 +10,21 @@ from typing import Any, Final
 from symbody.errors import FormatError, ModelError, Problem, nearest
 from symbody.expr.graph import Constant
 from symbody.formats.checking import check_structure
-from symbody.formats.entries import element_from, ground_frames
+from symbody.formats.entries import ground_frames, read_element
 from symbody.formats.lines import Path
-from symbody.formats.places import Locate, lines_of, relocated
+from symbody.formats.places import Locate, line_locator, relocate
 from symbody.formats.reading import read_text
 from symbody.formats.toml_syntax import parse_toml
 from symbody.formats.urdf.building.bodies import BodyPlan, rotation
 from symbody.formats.urdf.building.conversion import Parts
-from symbody.formats.urdf.file.placement import Placement, numeral
+from symbody.formats.urdf.file.placement import FramePlacement, numeral
 from symbody.model.body import Body
 from symbody.model.door import Value
 from symbody.model.element import Element
 from symbody.model.frame import Frame
 from symbody.model.model import KINDS
 from symbody.model.naming import GROUND
-from symbody.model.table import Table
+from symbody.model.table import FrozenMapping
 
 _ADDRESSES: Final = ("on", "reaction_on", "resolved_in")
 _KINDS: Final = tuple(kind for kind in KINDS if kind != "body")
@@ -55,14 +55,14 @@ class Loops:
     locate: Locate = _nowhere
 
     @property
-    def ground(self) -> Mapping[str, Frame]:
+    def ground_frames(self) -> Mapping[str, Frame]:
         """Frames fixed on the ground."""
         return self.frames.get(GROUND, {})
 
     def with_frames(self, elements: Iterable[Element]) -> list[Element]:
         """Return elements of the robot, the bodies with the points on them."""
         return [
-            replace(element, frames=Table({**element.frames, **self.frames[element.name]}))
+            replace(element, frames=FrozenMapping({**element.frames, **self.frames[element.name]}))
             if isinstance(element, Body) and element.name in self.frames
             else element
             for element in elements
@@ -83,7 +83,7 @@ def read_loops(path: str | os.PathLike[str], parts: Parts) -> Loops:
     where = os.fsdecode(path)
     text = read_text(path)
     data = parse_toml(text, where)
-    locate = lines_of(text, where)
+    locate = line_locator(text, where)
     content = check_structure({"name": "loops", **data}, locate)
     problems = [
         Problem("urdf.loops_key", locate((key,)), f"{key!r} does not belong into a file of loops",
@@ -91,21 +91,21 @@ def read_loops(path: str | os.PathLike[str], parts: Parts) -> Loops:
         for key in ("gravity", "layout")
         if key in data
     ]  # fmt: skip
-    points = _Points(parts, locate, problems)
+    points = _LoopPoints(parts, locate, problems)
     points.read_bodies(content.get("body", []))
     faults: list[Problem] = []
     ground = ground_frames(content.get("ground", {}).get("frames", {}), faults)
-    problems += relocated(faults, {"model": ()}, locate)
+    problems += relocate(faults, {"model": ()}, locate)
     points.frames.setdefault(GROUND, {}).update(ground)
     elements: list[Element] = []
     paths: list[Path] = []
     for kind in _KINDS:
         for k, entry in enumerate(content.get(kind, [])):
             try:
-                elements.append(element_from(kind, points.readdressed(entry)))
+                elements.append(read_element(kind, points.translate_addresses(entry)))
                 paths.append((kind, k))
             except ModelError as error:
-                problems += relocated(error.problems, {f"{kind} {entry['name']}": (kind, k)}, locate)
+                problems += relocate(error.problems, {f"{kind} {entry['name']}": (kind, k)}, locate)
     if problems:
         raise FormatError(*problems)
     parameters = {name: None if v == "" else v for name, v in content.get("parameters", {}).items()}
@@ -115,7 +115,7 @@ def read_loops(path: str | os.PathLike[str], parts: Parts) -> Loops:
     )  # fmt: skip
 
 
-class _Points:
+class _LoopPoints:
     """Points on links, and what addresses mean; made for one file."""
 
     __slots__ = ("_known", "_locate", "_parts", "_problems", "frames")
@@ -147,7 +147,7 @@ class _Points:
                 for name, given in entry.get("frames", {}).items():
                     self._add(link, name, given, place)
 
-    def readdressed(self, entry: Mapping[str, Any]) -> dict[str, Any]:
+    def translate_addresses(self, entry: Mapping[str, Any]) -> dict[str, Any]:
         """Return the table of an element with its addresses in words of the model."""
         changed = dict(entry)
         if "between" in entry:
@@ -162,7 +162,7 @@ class _Points:
         if link not in self._parts.links:
             return text
         own = self._parts.links[link]
-        return f"{own.body}.{self._known.get((link, point), point)}" if point else own.frame
+        return f"{own.body}.{self._known.get((link, point), point)}" if point else own.full_name
 
     def _add(self, link: str, name: str, given: Mapping[str, Any], place: str) -> None:
         plan, home = self._parts.homes[link]
@@ -187,7 +187,7 @@ class _Points:
             self._problems += [replace(p, where=f"{place}, frames.{name}") for p in error.problems]
 
 
-def _on_body(plan: BodyPlan | None, home: Placement, at: Sequence[Value]) -> list[str]:
+def _on_body(plan: BodyPlan | None, home: FramePlacement, at: Sequence[Value]) -> list[str]:
     """Return a point of a link from the centre of mass of its body, as formulas."""
     centre: tuple[Constant | str, ...] = (0, 0, 0) if plan is None else plan.centre
     found = []

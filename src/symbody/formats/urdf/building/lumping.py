@@ -8,15 +8,15 @@ from dataclasses import dataclass
 from symbody.expr.graph import Constant
 from symbody.formats.urdf.file.placement import (
     HERE,
+    FramePlacement,
     Numbers,
-    Placement,
     Rows,
-    applied,
+    apply,
     product,
     total,
-    transposed,
+    transpose,
 )
-from symbody.formats.urdf.file.robot import Link, Robot, UrdfJoint
+from symbody.formats.urdf.file.robot import Robot, UrdfJoint, UrdfLink
 from symbody.formats.urdf.file.structure import outward
 
 
@@ -35,7 +35,7 @@ class Lump:
         xx, yy, zz, xy, xz, yz about the centre of mass.
     """
 
-    places: Mapping[str, Placement]
+    places: Mapping[str, FramePlacement]
     mass: Constant
     centre: Numbers
     inertia: tuple[Constant, ...]
@@ -46,7 +46,7 @@ class Lump:
         return next(iter(self.places))
 
 
-def lumps_of(robot: Robot, apart: Collection[str]) -> tuple[list[Lump], list[UrdfJoint]]:
+def lump_links(robot: Robot, apart: Collection[str]) -> tuple[list[Lump], list[UrdfJoint]]:
     """Return the lumps in outward order, and the joints between them.
 
     Parameters
@@ -54,7 +54,7 @@ def lumps_of(robot: Robot, apart: Collection[str]) -> tuple[list[Lump], list[Urd
     apart : collection of str
         Links that stay bodies of their own, whatever holds them.
     """
-    places: dict[str, dict[str, Placement]] = {robot.root: {robot.root: HERE}}
+    places: dict[str, dict[str, FramePlacement]] = {robot.root: {robot.root: HERE}}
     home = {robot.root: robot.root}
     between: list[UrdfJoint] = []
     for joint in outward(robot.joints.values(), robot.root):
@@ -69,23 +69,23 @@ def lumps_of(robot: Robot, apart: Collection[str]) -> tuple[list[Lump], list[Urd
     return [_lump(robot.links, group) for group in places.values()], between
 
 
-def in_link_axes(link: Link) -> Rows:
+def in_link_axes(link: UrdfLink) -> Rows:
     """Return the inertia of a link about its centre of mass, in the axes of its frame."""
     R = link.centre.rows
-    return product(product(R, _tensor(link.inertia)), transposed(R))
+    return product(product(R, _tensor(link.inertia)), transpose(R))
 
 
-def _lump(links: Mapping[str, Link], places: Mapping[str, Placement]) -> Lump:
+def _lump(links: Mapping[str, UrdfLink], places: Mapping[str, FramePlacement]) -> Lump:
     heavy = {name: place for name, place in places.items() if links[name].mass or any(links[name].inertia)}
     mass = total(links[name].mass for name in heavy)
-    centres = {name: place.then(Placement(links[name].centre.at)).at for name, place in heavy.items()}
+    centres = {name: place.then(FramePlacement(links[name].centre.at)).at for name, place in heavy.items()}
     x, y, z = (_mean([(links[name].mass, at[k]) for name, at in centres.items()], mass) for k in range(3))
     centre = (x, y, z)
     parts = []
     for name, place in heavy.items():
         R = place.rows
-        parts.append(product(product(R, in_link_axes(links[name])), transposed(R)))
-        parts.append(_shifted(links[name].mass, centres[name], centre))
+        parts.append(product(product(R, in_link_axes(links[name])), transpose(R)))
+        parts.append(_parallel_axis_term(links[name].mass, centres[name], centre))
     entries = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
     return Lump(places, mass, centre, tuple(total(part[i][j] for part in parts) for i, j in entries))
 
@@ -97,9 +97,9 @@ def _mean(weighted: Iterable[tuple[Constant, Constant]], mass: Constant) -> Cons
     return total(m * x for m, x in listed) / mass if mass else 0
 
 
-def _shifted(mass: Constant, at: Numbers, centre: Numbers) -> Rows:
+def _parallel_axis_term(mass: Constant, at: Numbers, centre: Numbers) -> Rows:
     """Return what a mass away from the centre adds to the inertia (parallel axis theorem)."""
-    d = applied(((1, 0, 0), (0, 1, 0), (0, 0, 1)), [a - c for a, c in zip(at, centre, strict=True)])
+    d = apply(((1, 0, 0), (0, 1, 0), (0, 0, 1)), [a - c for a, c in zip(at, centre, strict=True)])
     square = sum(x * x for x in d)
     x, y, z = (tuple(mass * ((square if i == j else 0) - d[i] * d[j]) for j in range(3)) for i in range(3))
     return ((x[0], x[1], x[2]), (y[0], y[1], y[2]), (z[0], z[1], z[2]))

@@ -10,9 +10,9 @@ from types import MappingProxyType
 from typing import Final
 
 from symbody.expr.graph import Constant
-from symbody.formats.urdf.file.placement import Angle, Numbers, Placement, exact_angle, numeral
+from symbody.formats.urdf.file.placement import FramePlacement, Numbers, PlacementAngle, exact_angle, numeral
 from symbody.formats.urdf.file.robot import UrdfJoint
-from symbody.model.element import Address
+from symbody.model.element import FrameRef
 from symbody.model.joint import Joint
 from symbody.model.joints import Free, Planar, Prismatic, Revolute, Weld
 from symbody.model.loads.forces import Drive
@@ -20,7 +20,7 @@ from symbody.model.loads.friction import Friction
 
 _LETTERS: Final = MappingProxyType[Numbers, str]({(1, 0, 0): "x", (0, 1, 0): "y", (0, 0, 1): "z"})
 # From the z axis to the opposites of the axes.
-_OPPOSITES: Final[Mapping[Numbers, tuple[str, Angle]]] = MappingProxyType(
+_OPPOSITES: Final[Mapping[Numbers, tuple[str, PlacementAngle]]] = MappingProxyType(
     {
         (-1, 0, 0): ("y", exact_angle(Fraction(-1, 2))),
         (0, -1, 0): ("x", exact_angle(Fraction(1, 2))),
@@ -51,8 +51,8 @@ class Moving:
     name: str
     symbol: str
     inputs: tuple[str, ...]
-    start: Address
-    end: Address
+    start: FrameRef
+    end: FrameRef
     fixed: Constant | None = None
 
     def element(self) -> Joint:
@@ -60,7 +60,7 @@ class Moving:
         return _MAKERS[self.joint.kind](self)
 
 
-def coordinates_of(kind: str, symbol: str) -> tuple[str, ...]:
+def joint_coordinates(kind: str, symbol: str) -> tuple[str, ...]:
     """Return the coordinates of a joint of the robot."""
     if kind == "floating":
         return tuple(f"{symbol}_{part}" for part in _POSITION)
@@ -69,33 +69,36 @@ def coordinates_of(kind: str, symbol: str) -> tuple[str, ...]:
     return () if kind == "fixed" else (symbol,)
 
 
-def speeds_of(kind: str, symbol: str) -> tuple[str, ...]:
+def joint_speeds(kind: str, symbol: str) -> tuple[str, ...]:
     """Return the speeds of a joint that are no rates of its coordinates."""
     return tuple(f"{symbol}_{part}" for part in _TWIST) if kind == "floating" else ()
 
 
-def floating(name: str, symbol: str, start: Address, end: Address) -> Free:
+def make_free_joint(name: str, symbol: str, start: FrameRef, end: FrameRef) -> Free:
     """Return a joint without any constraint, with its velocities along axes of its end."""
     return Free(
         name,
         start,
         end,
-        coordinates=coordinates_of("floating", symbol),
+        coordinates=joint_coordinates("floating", symbol),
         speeds="twist",
-        speed_names=speeds_of("floating", symbol),
+        speed_names=joint_speeds("floating", symbol),
     )
 
 
-def normal_turn(joint: UrdfJoint) -> Placement:
+def normal_turn(joint: UrdfJoint) -> FramePlacement:
     """Return how the frames of a planar joint are turned so that an axis of theirs is its normal."""
     axis = joint.axis
     if joint.kind != "planar" or axis in _LETTERS:
-        return Placement()
+        return FramePlacement()
     if axis in _OPPOSITES:
-        return Placement(turns=(_OPPOSITES[axis],))
+        return FramePlacement(turns=(_OPPOSITES[axis],))
     x, y, z = map(float, axis)
-    about_z, about_y = Angle(None, math.atan2(y, x)), Angle(None, math.atan2(math.hypot(x, y), z))
-    return Placement(turns=(("z", about_z), ("y", about_y)))
+    about_z, about_y = (
+        PlacementAngle(None, math.atan2(y, x)),
+        PlacementAngle(None, math.atan2(math.hypot(x, y), z)),
+    )
+    return FramePlacement(turns=(("z", about_z), ("y", about_y)))
 
 
 def _revolute(moving: Moving) -> Joint:
@@ -125,7 +128,7 @@ def _prismatic(moving: Moving) -> Joint:
 
 
 def _planar(moving: Moving) -> Joint:
-    names = coordinates_of("planar", moving.symbol)
+    names = joint_coordinates("planar", moving.symbol)
     drives = {name: Drive(applied=own) for name, own in zip(names, moving.inputs, strict=True)}
     return Planar(
         moving.name,
@@ -138,8 +141,8 @@ def _planar(moving: Moving) -> Joint:
     )
 
 
-def _floating(moving: Moving) -> Joint:
-    return floating(moving.name, moving.symbol, moving.start, moving.end)
+def _floating_joint(moving: Moving) -> Joint:
+    return make_free_joint(moving.name, moving.symbol, moving.start, moving.end)
 
 
 def _weld(moving: Moving) -> Joint:
@@ -152,7 +155,7 @@ _MAKERS: Final[Mapping[str, Callable[[Moving], Joint]]] = MappingProxyType(
         "continuous": _revolute,
         "prismatic": _prismatic,
         "planar": _planar,
-        "floating": _floating,
+        "floating": _floating_joint,
         "fixed": _weld,
     }
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from symbody.expr.language.tokens import MAX_NAME, normalize
-from symbody.model.naming import CENTRE, GROUND, RESERVED_SYMBOLS, symbol_from
+from symbody.model.naming import CENTRE, GROUND, RESERVED_SYMBOLS, make_symbol
 
 _MARKS = str.maketrans({".": "_", '"': "_", "'": "_"})
 _DERIVED = ("", "_dot", "_ddot")
@@ -36,7 +36,7 @@ class Naming:
 
     def symbol(self, name: str, what: str) -> str:
         """Return the name of a coordinate, so that it, its rate and its acceleration are free."""
-        plain = symbol_from(name[:_LONGEST])
+        plain = make_symbol(name[:_LONGEST])
         found, number = plain, 1
         while not self._symbols.isdisjoint(f"{found}{end}" for end in _DERIVED):
             number += 1

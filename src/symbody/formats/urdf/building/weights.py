@@ -21,7 +21,7 @@ def weight_notes(robot: Robot, lumps: Sequence[Lump], floats: bool) -> Iterator[
             yield f"body {lump.root} is massless: no link of it has mass"
     idle = _idle_joints(robot)
     if idle:
-        yield f"nothing that has mass resists the efforts of joints {_listed(idle)}"
+        yield f"nothing that has mass resists the efforts of joints {_list_names(idle)}"
 
 
 def _idle_joints(robot: Robot) -> list[str]:
@@ -33,5 +33,5 @@ def _idle_joints(robot: Robot) -> list[str]:
     return [joint.name for joint in joints if joint.moves and not below[joint.child]]
 
 
-def _listed(names: Sequence[str]) -> str:
+def _list_names(names: Sequence[str]) -> str:
     return ", ".join(names[:_SHOWN]) + (f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else "")

@@ -9,7 +9,13 @@ from typing import Final
 
 from symbody.errors import Problem
 from symbody.expr.graph import Constant
-from symbody.formats.urdf.file.placement import Angle, Numbers, Placement, angle_from, from_rpy
+from symbody.formats.urdf.file.placement import (
+    FramePlacement,
+    Numbers,
+    PlacementAngle,
+    from_rpy,
+    nearest_angle,
+)
 from symbody.formats.urdf.file.xml_tree import XmlNode
 
 EXACT: Final = 2e-11  # nearer to a multiple of pi/12 than this [rad], an angle is written with all its digits
@@ -90,7 +96,7 @@ class Attributes:
             return 0
         return self._values(node, attribute, text, label, 1)[0]
 
-    def given(self, node: XmlNode, attribute: str, label: str) -> Constant | None:
+    def optional_number(self, node: XmlNode, attribute: str, label: str) -> Constant | None:
         """Return a number that may be missing."""
         return self.number(node, attribute, label) if attribute in node.attributes else None
 
@@ -106,11 +112,11 @@ class Attributes:
         x, y, z = self.numbers(node, attribute, label, default)
         return (x, y, z)
 
-    def origin(self, node: XmlNode, label: str) -> Placement:
+    def origin(self, node: XmlNode, label: str) -> FramePlacement:
         """Return the placement in the <origin> of an element; without one, that of its link or parent."""
         origin = self.only(node, "origin", label)
         if origin is None:
-            return Placement()
+            return FramePlacement()
         at = self.triple(origin, "xyz", label)
         roll, pitch, yaw = (self._angle(origin, value) for value in self.triple(origin, "rpy", label))
         return from_rpy(at, roll, pitch, yaw)
@@ -135,8 +141,8 @@ class Attributes:
             )
         return (*self.remarks, *defaults, *angles)
 
-    def _angle(self, node: XmlNode, value: Constant) -> Angle:
-        angle, off = angle_from(value, self.snap)
+    def _angle(self, node: XmlNode, value: Constant) -> PlacementAngle:
+        angle, off = nearest_angle(value, self.snap)
         if angle.of_pi is not None and off > EXACT:
             self._snapped.append((off, node.line))
         elif angle.of_pi is None and off < _NEAR:

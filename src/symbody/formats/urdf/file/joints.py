@@ -64,15 +64,15 @@ def _axis(read: Attributes, node: XmlNode, label: str, kind: str) -> Numbers:
             read.remark(
                 element, f"{label}: the axis is taken as the coordinate axis it is {off:.2g} rad from"
             )
-        axis = _along(main, axis[main])
+        axis = _axis_vector(main, axis[main])
     if sum(bool(x) for x in axis) == 1:
         if abs(length - 1) > 1e-9:
             read.remark(element, f"{label}: the axis of length {length:g} is normalized")
-        return _along(main, axis[main])
+        return _axis_vector(main, axis[main])
     return axis
 
 
-def _along(k: int, sign: Constant) -> Numbers:
+def _axis_vector(k: int, sign: Constant) -> Numbers:
     x, y, z = ((1 if sign > 0 else -1) if i == k else 0 for i in range(3))
     return (x, y, z)
 
@@ -94,7 +94,7 @@ def _limit(read: Attributes, node: XmlNode, label: str, kind: str) -> Limit | No
             read.default("a revolute or prismatic joint has no <limit>")
         return None
     lower, upper, effort, velocity = (
-        read.given(found, word, label) for word in ("lower", "upper", "effort", "velocity")
+        read.optional_number(found, word, label) for word in ("lower", "upper", "effort", "velocity")
     )
     if lower is not None and upper is not None and lower > upper:
         read.remark(

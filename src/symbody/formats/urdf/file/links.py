@@ -8,7 +8,7 @@ from typing import Final
 
 from symbody.expr.graph import Constant
 from symbody.formats.urdf.file.attributes import Attributes
-from symbody.formats.urdf.file.robot import Link, Shape
+from symbody.formats.urdf.file.robot import Shape, UrdfLink
 from symbody.formats.urdf.file.xml_tree import XmlNode
 
 Color = tuple[Constant, ...]
@@ -24,7 +24,7 @@ _KINDS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
 )
 
 
-def read_link(read: Attributes, node: XmlNode, colors: Mapping[str, Color]) -> Link:
+def read_link(read: Attributes, node: XmlNode, colors: Mapping[str, Color]) -> UrdfLink:
     """Return a link; `colors` are those of the robot's materials."""
     name = read.name(node, "")
     label = f"link {name}"
@@ -32,7 +32,7 @@ def read_link(read: Attributes, node: XmlNode, colors: Mapping[str, Color]) -> L
     collisions = tuple(shape for part in node.all("collision") for shape in _shapes(read, part, label, {}))
     inertial = read.only(node, "inertial", label)
     if inertial is None:
-        return Link(name, node.line, visuals=visuals, collisions=collisions)
+        return UrdfLink(name, node.line, visuals=visuals, collisions=collisions)
     mass = read.only(inertial, "mass", label, needed=True)
     tensor = read.only(inertial, "inertia", label, needed=True)
     value = 0 if mass is None else read.number(mass, "value", label)
@@ -42,7 +42,7 @@ def read_link(read: Attributes, node: XmlNode, colors: Mapping[str, Color]) -> L
     entries: tuple[Constant, ...] = (0,) * 6
     if tensor is not None:
         entries = tuple(read.number(tensor, entry, label) for entry in _ENTRIES)
-    return Link(
+    return UrdfLink(
         name, node.line, value, read.origin(inertial, label), entries, True, visuals, collisions
     )  # fmt: skip
 

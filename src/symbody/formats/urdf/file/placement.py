@@ -20,7 +20,7 @@ _TWELFTHS: Final = 12
 
 
 @dataclass(frozen=True, slots=True)
-class Angle:
+class PlacementAngle:
     """An angle: a multiple of pi, exactly, or a number [rad]."""
 
     of_pi: Fraction | None
@@ -40,11 +40,11 @@ class Angle:
         """Whether it turns nothing."""
         return self.of_pi == 0
 
-    def plus(self, other: Angle) -> Angle:
+    def plus(self, other: PlacementAngle) -> PlacementAngle:
         """Return the sum, between -pi and pi where it is exact."""
         if self.of_pi is not None and other.of_pi is not None:
             return exact_angle((self.of_pi + other.of_pi + 1) % 2 - 1)
-        return Angle(None, self.radians + other.radians)
+        return PlacementAngle(None, self.radians + other.radians)
 
     def cosine_and_sine(self) -> tuple[Constant, Constant]:
         """Return both, exact for whole numbers of right angles."""
@@ -54,24 +54,24 @@ class Angle:
         return math.cos(self.radians), math.sin(self.radians)
 
 
-def exact_angle(of_pi: Fraction) -> Angle:
+def exact_angle(of_pi: Fraction) -> PlacementAngle:
     """Return a multiple of pi."""
-    return Angle(of_pi, float(of_pi) * math.pi)
+    return PlacementAngle(of_pi, float(of_pi) * math.pi)
 
 
-def angle_from(value: Constant, within: float) -> tuple[Angle, float]:
+def nearest_angle(value: Constant, within: float) -> tuple[PlacementAngle, float]:
     """Return an angle, the multiple of pi/12 if it is near enough, and how far it is from it [rad]."""
     plain = float(value)
     number = round(plain * _TWELFTHS / math.pi) if abs(plain) < 1e6 else 0
     off = abs(plain - number * math.pi / _TWELFTHS)
-    return (exact_angle(Fraction(number, _TWELFTHS)) if off <= within else Angle(None, plain)), off
+    return (exact_angle(Fraction(number, _TWELFTHS)) if off <= within else PlacementAngle(None, plain)), off
 
 
-Turns = tuple[tuple[str, Angle], ...]
+Turns = tuple[tuple[str, PlacementAngle], ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Placement:
+class FramePlacement:
     """A frame in another: where its origin is, and successive turns about its own axes.
 
     Attributes
@@ -93,22 +93,22 @@ class Placement:
             rows = product(rows, turn_rows(letter, angle))
         return rows
 
-    def then(self, inner: Placement) -> Placement:
+    def then(self, inner: FramePlacement) -> FramePlacement:
         """Return the placement of a frame that stands in this one."""
-        shift = applied(self.rows, inner.at)
+        shift = apply(self.rows, inner.at)
         x, y, z = (total((a, b)) for a, b in zip(self.at, shift, strict=True))
-        return Placement((x, y, z), _joined(self.turns, inner.turns))
+        return FramePlacement((x, y, z), _join(self.turns, inner.turns))
 
 
-HERE: Final = Placement()
+HERE: Final = FramePlacement()
 
 
-def from_rpy(at: Numbers, roll: Angle, pitch: Angle, yaw: Angle) -> Placement:
+def from_rpy(at: Numbers, roll: PlacementAngle, pitch: PlacementAngle, yaw: PlacementAngle) -> FramePlacement:
     """Return a placement by URDF's angles: about fixed x, then y, then z."""
-    return Placement(at, _joined((), (("z", yaw), ("y", pitch), ("x", roll))))
+    return FramePlacement(at, _join((), (("z", yaw), ("y", pitch), ("x", roll))))
 
 
-def turn_rows(letter: str, angle: Angle) -> Rows:
+def turn_rows(letter: str, angle: PlacementAngle) -> Rows:
     """Return the rotation matrix of a turn about a coordinate axis."""
     c, s = angle.cosine_and_sine()
     return {
@@ -128,13 +128,13 @@ def product(a: Rows, b: Rows) -> Rows:
     return (x, y, z)
 
 
-def transposed(a: Rows) -> Rows:
+def transpose(a: Rows) -> Rows:
     """Return a matrix with rows and columns exchanged."""
     x, y, z = zip(*a, strict=True)
     return (x, y, z)
 
 
-def applied(a: Rows, v: Sequence[Constant]) -> Numbers:
+def apply(a: Rows, v: Sequence[Constant]) -> Numbers:
     """Return a matrix times a vector."""
     x, y, z = (total(_times(p, q) for p, q in zip(row, v, strict=True)) for row in a)
     return (x, y, z)
@@ -183,7 +183,7 @@ def _times(p: Constant, q: Constant) -> Constant:
     return p * q
 
 
-def _joined(first: Turns, second: Turns) -> Turns:
+def _join(first: Turns, second: Turns) -> Turns:
     """Return turns one after the other; neighbours about one axis are one, and none is zero."""
     turns = list(first)
     for letter, angle in second:

@@ -15,7 +15,7 @@ from symbody.formats.urdf.file.attributes import Attributes
 from symbody.formats.urdf.file.joints import read_joint
 from symbody.formats.urdf.file.links import read_colors, read_link
 from symbody.formats.urdf.file.robot import Robot
-from symbody.formats.urdf.file.structure import root_of, tree_problems
+from symbody.formats.urdf.file.structure import find_root, tree_problems
 from symbody.formats.urdf.file.xml_tree import XmlNode, parse_xml
 
 _READ: Final = ("link", "joint", "material")
@@ -78,10 +78,10 @@ def robot_from_text(text: str, where: str = "robot", snap_angles: float = 0) -> 
     return Robot(
         name,
         where,
-        root_of(links, joints),
+        find_root(links, joints),
         MappingProxyType({link.name: link for link in links}),
         MappingProxyType({joint.name: joint for joint in joints}),
-        (*read.notes(), *_ignored(root)),
+        (*read.notes(), *_ignored_notes(root)),
     )
 
 
@@ -100,7 +100,7 @@ def _refuse_templates(read: Attributes, root: XmlNode) -> None:
             return
 
 
-def _ignored(root: XmlNode) -> Iterable[str]:
+def _ignored_notes(root: XmlNode) -> Iterable[str]:
     """Return a note for each kind of element that is not read."""
     first: dict[str, int] = {}
     count: Counter[str] = Counter()

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from symbody.expr.graph import Constant
-from symbody.formats.urdf.file.placement import HERE, Numbers, Placement
+from symbody.formats.urdf.file.placement import HERE, FramePlacement, Numbers
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class Shape:
     """
 
     name: str
-    origin: Placement
+    origin: FramePlacement
     kind: str
     sizes: tuple[Constant, ...]
     mesh: str = ""
@@ -34,7 +34,7 @@ class Shape:
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class UrdfLink:
     """A link.
 
     Attributes
@@ -52,7 +52,7 @@ class Link:
     name: str
     line: int
     mass: Constant = 0
-    centre: Placement = HERE
+    centre: FramePlacement = HERE
     inertia: tuple[Constant, ...] = (0,) * 6
     has_inertial: bool = False
     visuals: tuple[Shape, ...] = ()
@@ -87,7 +87,7 @@ class UrdfJoint:
     kind: str
     parent: str
     child: str
-    origin: Placement
+    origin: FramePlacement
     axis: Numbers
     damping: Constant = 0
     friction: Constant = 0
@@ -119,6 +119,6 @@ class Robot:
     name: str
     where: str
     root: str
-    links: Mapping[str, Link]
+    links: Mapping[str, UrdfLink]
     joints: Mapping[str, UrdfJoint]
     notes: tuple[str, ...]

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from symbody.errors import Problem, nearest
-from symbody.formats.urdf.file.robot import Link, UrdfJoint
+from symbody.formats.urdf.file.robot import UrdfJoint, UrdfLink
 
 
-def tree_problems(where: str, links: Sequence[Link], joints: Sequence[UrdfJoint]) -> list[Problem]:
+def tree_problems(where: str, links: Sequence[UrdfLink], joints: Sequence[UrdfJoint]) -> list[Problem]:
     """Return everything that keeps links and joints from being a tree."""
     problems = [*_duplicates(where, "link", links), *_duplicates(where, "joint", joints)]
     known = {link.name for link in links}
@@ -28,7 +28,7 @@ def tree_problems(where: str, links: Sequence[Link], joints: Sequence[UrdfJoint]
     return problems or _root_problems(where, links, joints)
 
 
-def root_of(links: Sequence[Link], joints: Iterable[UrdfJoint]) -> str:
+def find_root(links: Sequence[UrdfLink], joints: Iterable[UrdfJoint]) -> str:
     """Return the link of a tree that is no child."""
     children = {joint.child for joint in joints}
     return next(link.name for link in links if link.name not in children)
@@ -48,7 +48,7 @@ def outward(joints: Iterable[UrdfJoint], root: str) -> list[UrdfJoint]:
     return found
 
 
-def _duplicates(where: str, kind: str, entries: Sequence[Link | UrdfJoint]) -> list[Problem]:
+def _duplicates(where: str, kind: str, entries: Sequence[UrdfLink | UrdfJoint]) -> list[Problem]:
     lines: dict[str, list[int]] = {}
     for entry in entries:
         lines.setdefault(entry.name, []).append(entry.line)
@@ -75,7 +75,7 @@ def _two_parents(where: str, joints: Sequence[UrdfJoint]) -> list[Problem]:
     ]  # fmt: skip
 
 
-def _root_problems(where: str, links: Sequence[Link], joints: Sequence[UrdfJoint]) -> list[Problem]:
+def _root_problems(where: str, links: Sequence[UrdfLink], joints: Sequence[UrdfJoint]) -> list[Problem]:
     """Return cycles, and roots beside the first, of links with at most one parent each."""
     children = {joint.child for joint in joints}
     roots = [link for link in links if link.name not in children]

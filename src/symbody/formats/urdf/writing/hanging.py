@@ -14,8 +14,8 @@ from symbody.formats.urdf.file.placement import numeral
 from symbody.formats.urdf.writing.values import Values
 from symbody.model.body import Body
 from symbody.model.constraints import Gear, RackPinion
-from symbody.model.constraints.couplings import Coupling
-from symbody.model.element import Address
+from symbody.model.constraints.couplings import JointCoupling
+from symbody.model.element import FrameRef
 from symbody.model.joint import Joint
 from symbody.model.joints import Free, Planar, Prismatic, Revolute, Weld
 from symbody.model.model import Model
@@ -43,8 +43,8 @@ class Hung:
 
     name: str
     kind: str
-    start: Address
-    end: Address
+    start: FrameRef
+    end: FrameRef
     details: tuple[str, ...]
 
     @property
@@ -53,7 +53,7 @@ class Hung:
         return self.end.body
 
 
-def hung_joints(model: Model, values: Values) -> tuple[list[Hung], list[Problem]]:
+def hang_joints(model: Model, values: Values) -> tuple[list[Hung], list[Problem]]:
     """Return the joints of a tree, and what URDF cannot say of them."""
     problems: list[Problem] = []
     mimics = _mimics(model, values, problems)
@@ -75,7 +75,7 @@ def hung_joints(model: Model, values: Values) -> tuple[list[Hung], list[Problem]
     return written_joints, problems
 
 
-def refuse_rest(model: Model) -> list[Problem]:
+def unsupported_problems(model: Model) -> list[Problem]:
     """Return a problem for each element that is neither a body, a joint, nor a joint that follows another."""
     return [
         Problem("urdf.cannot_say", f"{element.kind} {element.name}",
@@ -98,7 +98,7 @@ def _joint_problems(joint: Joint, values: Values) -> Iterator[Problem]:
         yield _refusal(joint.name, "its motion is prescribed", "URDF says no motions", "leave motion out")
     if joint.armature:
         yield _refusal(joint.name, "it has a rotor", "URDF has no word for its inertia", "leave armature out")
-    for path, _, drive in joint.placed_drives():
+    for path, _, drive in joint.drives_with_paths():
         applied = drive.applied.names
         if not (drive.applied.constant() == 0 or (len(applied) == 1 and drive.applied.text == applied[0])):
             yield _refusal(joint.name, f"the effort {drive.applied} is a formula",
@@ -158,7 +158,7 @@ def _mimics(model: Model, values: Values, problems: list[Problem]) -> dict[str, 
     return mimics
 
 
-def _mimic(coupling: Coupling, leader: str, values: Values) -> str:
+def _mimic(coupling: JointCoupling, leader: str, values: Values) -> str:
     factor, offset = -values.number(coupling.factors[1]), values.number(coupling.offset)
     return f'<mimic joint={quoteattr(leader)} multiplier="{numeral(factor)}" offset="{numeral(offset)}"/>'
 

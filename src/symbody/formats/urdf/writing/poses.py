@@ -10,33 +10,33 @@ from symbody.formats.urdf.file.placement import (
     ONE,
     Numbers,
     Rows,
-    applied,
+    apply,
     numeral,
     product,
     total,
-    transposed,
+    transpose,
 )
 from symbody.formats.urdf.writing.values import Values
 from symbody.model.frame import Frame
 
 
 @dataclass(frozen=True, slots=True)
-class Pose:
+class UrdfPose:
     """A frame in another, by its rotation matrix."""
 
     at: Numbers = (0, 0, 0)
     rows: Rows = ONE
 
-    def then(self, inner: Pose) -> Pose:
+    def then(self, inner: UrdfPose) -> UrdfPose:
         """Return the pose of a frame that stands in this one."""
-        x, y, z = (total(pair) for pair in zip(self.at, applied(self.rows, inner.at), strict=True))
-        return Pose((x, y, z), product(self.rows, inner.rows))
+        x, y, z = (total(pair) for pair in zip(self.at, apply(self.rows, inner.at), strict=True))
+        return UrdfPose((x, y, z), product(self.rows, inner.rows))
 
-    def inverse(self) -> Pose:
+    def inverse(self) -> UrdfPose:
         """Return the pose of the other frame in this one."""
-        back = transposed(self.rows)
-        x, y, z = applied(back, self.at)
-        return Pose((-x, -y, -z), back)
+        back = transpose(self.rows)
+        x, y, z = apply(back, self.at)
+        return UrdfPose((-x, -y, -z), back)
 
     def origin(self) -> str:
         """Return the element of URDF."""
@@ -47,13 +47,13 @@ class Pose:
         return f"<origin{inside}/>"
 
 
-def pose_of(frame: Frame, values: Values) -> Pose:
+def frame_pose(frame: Frame, values: Values) -> UrdfPose:
     """Return where a frame stands on its body."""
     rows = ONE
     for turn in frame.turns():
-        rows = product(rows, _turned([values.number(x) for x in turn.axis], values.number(turn.angle)))
+        rows = product(rows, _rotation_rows([values.number(x) for x in turn.axis], values.number(turn.angle)))
     x, y, z = map(values.number, frame.at)
-    return Pose((x, y, z), rows)
+    return UrdfPose((x, y, z), rows)
 
 
 def roll_pitch_yaw(R: Rows) -> Numbers:
@@ -66,7 +66,7 @@ def roll_pitch_yaw(R: Rows) -> Numbers:
     return roll, math.copysign(math.pi / 2, pitch), 0
 
 
-def _turned(axis: Sequence[float], angle: float) -> Rows:
+def _rotation_rows(axis: Sequence[float], angle: float) -> Rows:
     """Return the rotation matrix about a unit vector (Rodrigues), exact for right angles about main axes."""
     c, s = math.cos(angle), math.sin(angle)
     quarters = round(angle * 2 / math.pi)

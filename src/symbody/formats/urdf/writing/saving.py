@@ -9,14 +9,14 @@ from xml.sax.saxutils import quoteattr
 
 from symbody.arguments import checked_arguments
 from symbody.errors import FormatError
-from symbody.formats.urdf.writing.hanging import Hung, hung_joints, refuse_rest
-from symbody.formats.urdf.writing.poses import Pose, pose_of
+from symbody.formats.urdf.writing.hanging import Hung, hang_joints, unsupported_problems
+from symbody.formats.urdf.writing.poses import UrdfPose, frame_pose
 from symbody.formats.urdf.writing.values import Values
 from symbody.formats.urdf.writing.visuals import visual_lines
 from symbody.formats.writing import write_text
 from symbody.model.body import Body
 from symbody.model.door import Value
-from symbody.model.element import Address
+from symbody.model.element import FrameRef
 from symbody.model.model import Model
 from symbody.model.shapes import BodyShape
 
@@ -61,15 +61,15 @@ def model_to_urdf(
     FormatError, ModelError
         See `save_urdf`.
     """
-    values = Values.of(model, parameters)
-    joints, problems = hung_joints(model, values)
-    problems += refuse_rest(model)
+    values = Values.from_model(model, parameters)
+    joints, problems = hang_joints(model, values)
+    problems += unsupported_problems(model)
     if problems:
         raise FormatError(*problems)
     homes = {joint.body: joint.end for joint in joints}
     links = _Links(model, values, homes)
     lines = ['<?xml version="1.0"?>', f"<robot name={quoteattr(model.name)}>"]
-    lines += links.written(folder)
+    lines += links.lines(folder)
     for joint in joints:
         lines += _joint_lines(links, joint)
     return "\n".join([*lines, "</robot>", ""])
@@ -80,7 +80,7 @@ class _Links:
 
     __slots__ = ("_homes", "_model", "_values", "names")
 
-    def __init__(self, model: Model, values: Values, homes: Mapping[str, Address]) -> None:
+    def __init__(self, model: Model, values: Values, homes: Mapping[str, FrameRef]) -> None:
         self._model = model
         self._values = values
         self._homes = homes
@@ -88,12 +88,12 @@ class _Links:
         self.names = {body: body for body in taken}
         self.names["ground"] = _free_name(_GROUND, taken)
 
-    def place(self, address: Address) -> Pose:
+    def place(self, address: FrameRef) -> UrdfPose:
         """Return a frame of a body from the frame of its link."""
-        home = self._own(self._homes[address.body]) if address.body in self._homes else Pose()
+        home = self._own(self._homes[address.body]) if address.body in self._homes else UrdfPose()
         return home.inverse().then(self._own(address))
 
-    def written(self, folder: str) -> Iterator[str]:
+    def lines(self, folder: str) -> Iterator[str]:
         """Return the lines of all links, and of the joints that fix frames on them."""
         world = f"  <link name={quoteattr(self.names['ground'])}"
         shown = [
@@ -111,26 +111,26 @@ class _Links:
             link = _free_name(name, taken)
             taken.add(link)
             yield f"  <link name={quoteattr(link)}/>"
-            pose = self.place(Address(body_name, name))
+            pose = self.place(FrameRef(body_name, name))
             yield f'  <joint name={quoteattr(f"{link} fixed")} type="fixed">'
             yield f"    <parent link={quoteattr(self.names[body_name])}/>"
             yield f"    <child link={quoteattr(link)}/>"
             yield f"    {pose.origin()}"
             yield "  </joint>"
 
-    def _own(self, address: Address) -> Pose:
+    def _own(self, address: FrameRef) -> UrdfPose:
         """Return a frame from the centre of mass of its body."""
-        if not address.point:
-            return Pose()
+        if not address.frame:
+            return UrdfPose()
         ground = address.body == "ground"
         frames = self._model.ground if ground else self._model.body(address.body).frames
-        return pose_of(frames[address.point], self._values)
+        return frame_pose(frames[address.frame], self._values)
 
     def _visual(self, body: str, shape: BodyShape, folder: str) -> Iterator[str]:
-        return visual_lines(shape, self.place(Address(body)), self._values, folder)
+        return visual_lines(shape, self.place(FrameRef(body)), self._values, folder)
 
     def _body_lines(self, body: Body, folder: str) -> Iterator[str]:
-        centre = self.place(Address(body.name))
+        centre = self.place(FrameRef(body.name))
         mass = self._values.text(body.mass)
         xx, yy, zz = map(self._values.text, body.inertia)
         xy, xz, yz = map(self._values.text, body.products)

@@ -10,7 +10,7 @@ from symbody.expr.language.formula import Formula
 from symbody.formats.urdf.file.placement import numeral
 from symbody.model.door import Value
 from symbody.model.model import Model, resolve_parameters
-from symbody.model.numbers import as_float, value_of
+from symbody.model.numbers import as_float, formula_value
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +20,7 @@ class Values:
     known: Mapping[str, Constant]
 
     @classmethod
-    def of(cls, model: Model, parameters: Mapping[str, Value]) -> Values:
+    def from_model(cls, model: Model, parameters: Mapping[str, Value]) -> Values:
         """Return the values of all parameters.
 
         Raises
@@ -32,13 +32,13 @@ class Values:
 
     def number(self, formula: Formula) -> float:
         """Return the value of a formula in parameters."""
-        value = value_of(formula, self.known)
+        value = formula_value(formula, self.known)
         assert value is not None, f"{formula} has names that are no parameters"
         return as_float(value)
 
     def is_known(self, formula: Formula) -> bool:
         """Return whether a formula contains parameters alone."""
-        return value_of(formula, self.known) is not None
+        return formula_value(formula, self.known) is not None
 
     def text(self, formula: Formula) -> str:
         """Return the value of a formula as text."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.sax.saxutils import quoteattr
 
-from symbody.formats.urdf.writing.poses import Pose, pose_of
+from symbody.formats.urdf.writing.poses import UrdfPose, frame_pose
 from symbody.formats.urdf.writing.values import Values
 from symbody.model.shapes import BodyShape, Box, Cone, Mesh, Sphere
 from symbody.model.shapes.colors import hex_color
 
 
-def visual_lines(shape: BodyShape, centre: Pose, values: Values, folder: str) -> Iterator[str]:
+def visual_lines(shape: BodyShape, centre: UrdfPose, values: Values, folder: str) -> Iterator[str]:
     """Return the element of a shape; none of a cone, which URDF has no word for.
 
     Parameters
@@ -24,7 +24,7 @@ def visual_lines(shape: BodyShape, centre: Pose, values: Values, folder: str) ->
     if isinstance(shape, Cone):
         return
     yield "    <visual>"
-    yield f"      {centre.then(pose_of(shape.frame, values)).origin()}"
+    yield f"      {centre.then(frame_pose(shape.frame, values)).origin()}"
     yield f"      <geometry>{_geometry(shape, values, folder)}</geometry>"
     opacity = values.text(shape.opacity)
     if shape.color or opacity != "1":
@@ -39,7 +39,7 @@ def _geometry(shape: BodyShape, values: Values, folder: str) -> str:
     """Return the form of a shape."""
     if isinstance(shape, Mesh):
         scale = " ".join(values.text(factor) for factor in shape.scale)
-        return f'<mesh filename={quoteattr(shape.path_from(folder))} scale="{scale}"/>'
+        return f'<mesh filename={quoteattr(shape.relative_path(folder))} scale="{scale}"/>'
     sizes = [values.text(formula) for _, formula in shape.lengths]
     if isinstance(shape, Box):
         return f'<box size="{" ".join(sizes)}"/>'
