@@ -221,7 +221,8 @@ def _stray_loads(mechanism: MechanismByHand) -> Iterator[Problem]:
         for body in (load.on, load.reaction_on):
             if body is not None and body not in mechanism.bodies:
                 yield Problem("by_hand.stray_load", _body_title(body),
-                              f"a {kind} acts on the body, which is not among the objects", "its power would be counted, its inertia not",
+                              f"a {kind} acts on the body, which is not among the objects",
+                              "its power would be counted, its inertia not",
                               "add the body to the objects, or leave the force out")  # fmt: skip
 
 
