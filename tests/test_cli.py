@@ -467,7 +467,7 @@ PAGE = '<title>symbody</title><script type="application/json" id="symbody-data">
 
 @pytest.fixture
 def small_page(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("symbody.visual.page.built_file", lambda name: PAGE)
+    monkeypatch.setattr("symbody.visual.viewer.page.built_file", lambda name: PAGE)
 
 
 @pytest.mark.usefixtures("small_page")
@@ -530,6 +530,6 @@ def test_animate_refuses(
 def test_without_pages_animate_ends_with_the_cure(
     model: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("symbody.visual.page._FOLDER", "no pages")
+    monkeypatch.setattr("symbody.visual.viewer.page._FOLDER", "no pages")
     assert run(["animate", str(model), "--end", "1"]) == 5
     assert "Node 20" in capsys.readouterr().err

@@ -20,8 +20,8 @@ from symbody.codegen import stored_sequence
 from symbody.codegen.compile import form_sequence
 from symbody.codegen.function import Signature
 from symbody.codegen.stored_sequence import read_sequence, store_sequence
+from symbody.equations import cache_key as known
 from symbody.equations import form as forming
-from symbody.equations import known
 from symbody.errors import CompileError, FormulationError
 from symbody.expr import opcodes as op
 from symbody.expr.graph import Constant

@@ -10,7 +10,7 @@ import pytest
 
 import symbody as sb
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.solving.projection import velocity_residual
+from symbody.equations.solving.drift_correction import velocity_residual
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.expression import Expr
 from symbody.expr.graph import SymbolKind

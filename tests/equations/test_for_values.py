@@ -7,7 +7,7 @@ from functools import cache
 import pytest
 
 import symbody as sb
-from symbody.equations.solving.noise import drop_negligible, magnitude_program
+from symbody.equations.solving.negligible_constraints import drop_negligible, magnitude_program
 
 # A tilt that no one means: what a direction typed with twelve digits leaves.
 TYPED = {"s": 1e-12, "c": 1.0}

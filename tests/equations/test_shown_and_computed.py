@@ -9,8 +9,8 @@ import pytest
 
 import symbody as sb
 from symbody.equations.formulations.formulation import Formulation
+from symbody.equations.outputs import textbook
 from symbody.equations.recursive import recursion
-from symbody.equations.showing import textbook
 from symbody.expr.graph import Graph
 from symbody.expr.opcodes import ADD, SUB
 from tests.equations.test_derivation import chain

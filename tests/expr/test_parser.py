@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from symbody.errors import ExpressionError, Problem
 from symbody.expr.language.formula import Formula
-from symbody.expr.language.program import FUNCTIONS
+from symbody.expr.language.instructions import FUNCTIONS
 from symbody.expr.language.tokens import MAX_LENGTH, is_name, normalize
 from symbody.expr.parser import parse, parse_angle
 from tests.effort import limited

@@ -35,8 +35,8 @@ from symbody.model import (
     Weld,
 )
 from symbody.simulation.simulate import simulate
-from symbody.vectors.frame import FrameTree
-from symbody.vectors.rotation import Rotation
+from symbody.spatial.frame import FrameTree
+from symbody.spatial.rotation import Rotation
 from tests.faults.refusals import refused, refused_file, refused_model
 
 

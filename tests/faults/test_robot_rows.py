@@ -15,7 +15,7 @@ import symbody as sb
 from symbody.errors import FormatError, ModelError, SymbodyError
 from symbody.formats import model_from_urdf
 from symbody.formats.urdf.file.meshes import find_mesh
-from symbody.formats.urdf.file.reading import read_urdf
+from symbody.formats.urdf.file.robot_reading import read_urdf
 from tests.effort import limited
 from tests.faults.refusals import refused
 from tests.formats.urdf.robots import arm, joint, link, robot

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.analysis.kinematics.held import free_coordinates
+from symbody.analysis.kinematics.driven import free_coordinates
 from tests.laws.consistent_states import consistent_state
 from tests.laws.evaluation import EPS, condition, equations
 from tests.laws.mechanisms import random_mechanism

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from symbody.errors import ModelError
 from symbody.model import Frame
 from symbody.model.numbers import as_float, formula_value
-from symbody.model.turn import SimpleRotation
+from symbody.model.simple_rotation import SimpleRotation
 
 Rows = list[list[float]]
 

@@ -7,7 +7,7 @@ import pickle
 
 import pytest
 
-from symbody.model.table import FrozenMapping
+from symbody.model.frozen_mapping import FrozenMapping
 
 
 def test_it_is_a_copy_in_order() -> None:

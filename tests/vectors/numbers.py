@@ -11,7 +11,7 @@ from symbody.expr.expression import Expr, number, symbol
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Input, Roots, build_sequence
-from symbody.vectors.matrix import Matrix, Triple
+from symbody.spatial.matrix import Matrix, Triple
 
 
 def named(graph: Graph, names: str) -> tuple[Expr, ...]:

@@ -8,12 +8,12 @@ import pytest
 from symbody.expr.expression import Expr, cos, number
 from symbody.expr.graph import Graph
 from symbody.expr.rewrite import operation_count
-from symbody.vectors.dyadic import Dyadic, gyroscopic, quadratic, symmetric_split, times_vector
-from symbody.vectors.euler_angles import euler_rotations
-from symbody.vectors.frame import FrameTree
-from symbody.vectors.matrix import Matrix, symmetric_tensor
-from symbody.vectors.rotation import AxisRotation, Rotation, compose_steps
-from symbody.vectors.vector import Vector, components, vector
+from symbody.spatial.dyadic import Dyadic, gyroscopic, quadratic, symmetric_split, times_vector
+from symbody.spatial.euler_angles import euler_rotations
+from symbody.spatial.frame import FrameTree
+from symbody.spatial.matrix import Matrix, symmetric_tensor
+from symbody.spatial.rotation import AxisRotation, Rotation, compose_steps
+from symbody.spatial.vector import Vector, components, vector
 from tests.vectors.numbers import matrix_of, matrix_values, named, names_in, triple, values
 
 EPS = np.finfo(float).eps

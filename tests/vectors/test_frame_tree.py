@@ -10,10 +10,10 @@ import pytest
 from symbody.errors import FrameError
 from symbody.expr.expression import Expr, number
 from symbody.expr.graph import Graph, Symbol, SymbolKind
-from symbody.vectors.euler_angles import euler_rotations
-from symbody.vectors.frame import FrameTree
-from symbody.vectors.matrix import Matrix3, Vector3, identity
-from symbody.vectors.rotation import (
+from symbody.spatial.euler_angles import euler_rotations
+from symbody.spatial.frame import FrameTree
+from symbody.spatial.matrix import Matrix3, Vector3, identity
+from symbody.spatial.rotation import (
     AxisRotation,
     DirectionCosines,
     EulerParameters,
@@ -21,7 +21,7 @@ from symbody.vectors.rotation import (
     compose_steps,
     rotation_matrix,
 )
-from symbody.vectors.vector import components, dot, express_near, vector
+from symbody.spatial.vector import components, dot, express_near, vector
 from tests.vectors.numbers import matrix_of, matrix_values, named, names_in, triple, values
 
 EPS = np.finfo(float).eps

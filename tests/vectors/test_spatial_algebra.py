@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symbody.vectors.inertia import RigidInertia, central_inertia, single_body
-from symbody.vectors.matrix import Matrix3, SymmetricTensor, Vector3, matrix3, skew
-from symbody.vectors.transform import CoordinateRotation, Transform
-from symbody.vectors.twist import Twist, Wrench
+from symbody.spatial.inertia import RigidInertia, central_inertia, single_body
+from symbody.spatial.matrix import Matrix3, SymmetricTensor, Vector3, matrix3, skew
+from symbody.spatial.transform import CoordinateRotation, Transform
+from symbody.spatial.twist import Twist, Wrench
 
 Number = Fraction
 fractions = st.fractions(-9, 9, max_denominator=7)

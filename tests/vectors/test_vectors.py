@@ -15,9 +15,9 @@ from symbody.expr.expression import Expr, number, symbol
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Input, Roots, build_sequence
-from symbody.vectors.frame import FrameTree
-from symbody.vectors.rotation import AxisRotation, Rotation, Triple, compose_steps, rotation_matrix
-from symbody.vectors.vector import Vector, components, cross, dot, express, vector
+from symbody.spatial.frame import FrameTree
+from symbody.spatial.rotation import AxisRotation, Rotation, Triple, compose_steps, rotation_matrix
+from symbody.spatial.vector import Vector, components, cross, dot, express, vector
 
 ANGLES = {"a": 0.3, "b": -1.1, "c": 2.4}
 # Entries are sums of at most 81 products of numbers below 1, each operation rounding once.

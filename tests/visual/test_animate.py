@@ -18,9 +18,9 @@ import pytest
 
 import symbody as sb
 from symbody.errors import EnvironmentFault, SymbodyError, UsageError
-from symbody.visual import animation as animation_module
-from symbody.visual import page as page_module
-from symbody.visual.animation import LiveAnimation
+from symbody.visual.viewer import animation as animation_module
+from symbody.visual.viewer import page as page_module
+from symbody.visual.viewer.animation import LiveAnimation
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TEMPLATE = (
@@ -35,7 +35,7 @@ def pages(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         page_module, "built_file", {"player.html": TEMPLATE, "widget.js": "export default {};"}.__getitem__
     )
-    for module in (page_module, sys.modules.get("symbody.visual.notebook_widget")):
+    for module in (page_module, sys.modules.get("symbody.visual.viewer.notebook_widget")):
         if module is not None:
             monkeypatch.setattr(module, "built_file", page_module.built_file)
 

@@ -15,7 +15,7 @@ from symbody.visual.scene import make_motion, make_scene
 from symbody.visual.scene.body_poses import Poses, angle_between, interpolate, of_one_sign, slerp
 from symbody.visual.scene.sampling import ANGLE, CURVE_SHARE, LENGTH_SHARE
 from symbody.visual.scene.scene import Scene, SceneMotion
-from symbody.visual.still import run_of_state
+from symbody.visual.viewer.still import run_of_state
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NAMES = ["bicycle", "four_bar", "projectile", "rr_robot", "slider_crank", "spatial_four_bar", "spinning_top",

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import ConstraintEvaluator
+from symbody.analysis.constraint_evaluator import ConstraintEvaluator
 from symbody.analysis.state import State
 from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.errors import AssemblyError, Problem, SimulationError

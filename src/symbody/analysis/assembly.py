@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state
-from symbody.analysis.closure import STARTS, ConstraintEvaluator, constraint_evaluator
-from symbody.analysis.least_open import minimum_gap
+from symbody.analysis.constraint_evaluator import STARTS, ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.minimum_gap import minimum_gap
 from symbody.analysis.named_values import check_mappings, check_pairs, named_values, unit_quaternions
 from symbody.analysis.ranges import (
     Ranges,

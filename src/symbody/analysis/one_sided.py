@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state
-from symbody.analysis.closure import ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.ropes import AT_LENGTH, slackness, with_taut
 from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet

@@ -11,7 +11,7 @@ from symbody.analysis.ropes import rope_assumptions
 from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.showing.frame_motion import frame_motion_entries
+from symbody.equations.outputs.frame_motion import frame_motion_entries
 from symbody.errors import AssemblyError, CompileError, FormulationError, ModelError, Problem, nearest
 from symbody.expr.calculus import jacobian
 from symbody.expr.closed_form import readable

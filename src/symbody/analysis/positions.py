@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assemble, consistent_positions
-from symbody.analysis.closure import ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.named_values import named_values
 from symbody.analysis.scales import mechanism_scales
 from symbody.codegen.compile import Value, constant_values

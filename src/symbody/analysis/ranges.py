@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import ConstraintEvaluator
+from symbody.analysis.constraint_evaluator import ConstraintEvaluator
 from symbody.errors import AssemblyError, Problem
 
 Floats = NDArray[np.float64]

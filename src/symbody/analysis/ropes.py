@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state
-from symbody.analysis.closure import ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.state import State
 from symbody.analysis.velocities import solve_speeds
 from symbody.codegen.compile import Value

@@ -28,7 +28,7 @@ from symbody.cli.written import equation_lines
 from symbody.codegen.compile import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
-from symbody.equations.showing.textbook import MOST_SPEEDS
+from symbody.equations.outputs.textbook import MOST_SPEEDS
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest, number_in_words
 from symbody.formats.model_files import example_names, example_text, examples_folder, load_model
 from symbody.model.model import Model

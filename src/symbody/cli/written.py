@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.showing.display import display_equations, latex_equations
+from symbody.equations.outputs.display import display_equations, latex_equations
 from symbody.expr.canonical import ZERO
 from symbody.expr.graph import Graph
 from symbody.expr.printing.latex import to_display_with_definitions, to_latex_with_definitions

@@ -17,8 +17,8 @@ from symbody.arguments import checked_arguments
 from symbody.codegen.function import CompiledFunction, Signature, source_text
 from symbody.codegen.massless import massless_problem, massless_speeds
 from symbody.codegen.stored_sequence import read_sequence, sequence_key, store_sequence
+from symbody.equations.cache_key import store_notes
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.known import store_notes
 from symbody.errors import CompileError, ExpressionError, Problem, nearest
 from symbody.expr.deadline import begin, in_time
 from symbody.expr.evaluate import evaluate_sequence
@@ -26,8 +26,8 @@ from symbody.expr.graph import TIME, Graph
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import substitute, substitute_into, symbols_of
 from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
+from symbody.model.arguments import plain_value
 from symbody.model.content import content_bytes
-from symbody.model.door import plain_value
 from symbody.model.model import Model, value_problems
 from symbody.model.numbers import as_float
 

@@ -26,8 +26,8 @@ from symbody.display.html import (
     table,
 )
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.showing.display import mathml_sides
-from symbody.equations.showing.parameter_units import symbol_units
+from symbody.equations.outputs.display import mathml_sides
+from symbody.equations.outputs.parameter_units import symbol_units
 from symbody.errors import SymbodyError
 from symbody.expr.printing.mathml_tables import math_element, mathml_equations, mathml_matrix
 from symbody.expr.rewrite import tree_sizes

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from symbody.dynaflexpro.stabilization import check_pair, stabilize
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.showing.textbook import Reaction
+from symbody.equations.outputs.textbook import Reaction
 from symbody.expr.closed_form import closed_forms
 from symbody.expr.graph import TIME, Symbol, SymbolKind
 from symbody.expr.printing.definitions import EXPAND_LIMIT

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Final
 
-from symbody.equations.constraints.closings import assembly_mode
+from symbody.equations.constraints.loop_closure import assembly_mode
+from symbody.equations.constraints.mechanism_constraints import form_constraints
 from symbody.equations.constraints.rolling import add_contact_frames
-from symbody.equations.constraints.rows import form_constraints
 from symbody.equations.dynamics.inertia import Rotor, form_inertia
 from symbody.equations.elimination.dependent_speeds import eliminate_speeds, elimination_notes
 from symbody.equations.elimination.elimination import SpeedElimination
@@ -16,14 +16,14 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.formulations.recursive import Recursive
 from symbody.equations.formulations.virtual_work import VirtualWork
-from symbody.equations.kinematics.measured import measure_coordinates
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
+from symbody.equations.kinematics.frame_placement import rotation_steps, translation_steps
+from symbody.equations.kinematics.joint_roles import is_read, joint_roles, names_read
+from symbody.equations.kinematics.measured_coordinates import measure_coordinates
 from symbody.equations.kinematics.mechanism_names import mechanism_names, rates_by_name, second_rates
 from symbody.equations.kinematics.motion import Kinematics, form_kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.placements import differentiate_constraints, differentiate_placements
-from symbody.equations.kinematics.placing import rotation_steps, translation_steps
-from symbody.equations.kinematics.row import ConstraintEquation
-from symbody.equations.kinematics.uses import is_read, joint_roles, names_read
 from symbody.equations.kinematics.variables import JointRole, Variables, form_variables
 from symbody.equations.loads.friction import form_friction
 from symbody.equations.loads.loads import form_loads

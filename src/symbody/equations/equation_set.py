@@ -8,16 +8,16 @@ from functools import partial
 from typing import Final
 
 from symbody.arguments import checked_arguments
+from symbody.equations.cache_key import DeferredEquations
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.freedoms.always_undetermined import find_always_undetermined
 from symbody.equations.freedoms.mobility import Mobility, mobility
-from symbody.equations.known import DeferredEquations
-from symbody.equations.showing.derivative_outputs import parse_derivative
-from symbody.equations.showing.outputs import code_roots, evaluable_roots
-from symbody.equations.showing.textbook import Reaction, Textbook
-from symbody.equations.showing.units import Units, output_units
-from symbody.equations.solving.idle import check_parameter_constraints
-from symbody.equations.solving.noise import drop_negligible, magnitude_program
+from symbody.equations.outputs.derivative_outputs import parse_derivative
+from symbody.equations.outputs.output_roots import code_roots, evaluable_roots
+from symbody.equations.outputs.textbook import Reaction, Textbook
+from symbody.equations.outputs.units import Units, output_units
+from symbody.equations.solving.negligible_constraints import drop_negligible, magnitude_program
+from symbody.equations.solving.parameter_constraints import check_parameter_constraints
 from symbody.errors import number_in_words
 from symbody.expr.graph import Symbol
 from symbody.expr.rewrite import operation_count

@@ -11,9 +11,9 @@ from symbody.equations.dynamics.balance import Wrench
 from symbody.equations.dynamics.reactions import row_wrenches, sum_wrenches
 from symbody.equations.elimination.elimination import SpeedElimination
 from symbody.equations.formulations.formulation import Dynamics, Formulation
-from symbody.equations.kinematics.measured import measure_coordinates
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
+from symbody.equations.kinematics.measured_coordinates import measure_coordinates
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.equations.loads.friction import Resistance
 from symbody.equations.measured_wrenches import coupling_wrenches, drive_wrenches
 from symbody.equations.system import MultibodySystem
@@ -23,7 +23,7 @@ from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.model.constraints import Rolling
 from symbody.model.element import FrameRef, make_frame_ref
-from symbody.model.lookup import frame_index
+from symbody.model.frame_index import frame_index
 from symbody.single_flight import SingleFlight
 
 

@@ -8,12 +8,12 @@ from functools import partial
 from typing import Final
 
 from symbody.arguments import checked_arguments
+from symbody.equations.cache_key import DeferredEquations, identity, load_notes
 from symbody.equations.derivation import default_formulation, derive
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.formulations.formulation import Formulation
 from symbody.equations.freedoms.chosen_speeds import choose_dependent_speeds
-from symbody.equations.known import DeferredEquations, identity, load_notes
 from symbody.errors import Problem, UsageError
 from symbody.expr.deadline import begin, check_limit, in_time
 from symbody.expr.graph import Graph

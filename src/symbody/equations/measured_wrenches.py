@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from symbody.equations.dynamics.balance import NO_WRENCH, Wrench, balance_wrenches
 from symbody.equations.dynamics.reactions import drive_wrench, row_wrenches, sum_wrenches
-from symbody.equations.kinematics.row import ConstraintEquation
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.variables import JointRole
 from symbody.equations.loads.loads import effort_name
 from symbody.equations.system import MultibodySystem

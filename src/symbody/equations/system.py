@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from symbody.equations.dynamics.inertia import Inertia, Rotor
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.equations.kinematics.variables import JointRole, Variables
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.loads.loads import Loads

@@ -1,9 +1,9 @@
 """Text of the expression language to formulas.
 
 The grammar: numbers, names, ``+ - * / ^ **``, signs, ``if(condition, a, b)`` with comparisons, ``and``,
-``or`` and ``not`` in the condition, and the functions of `symbody.expr.language.program.FUNCTIONS`. What has
-no value, such as ``1/0``, is refused but in a branch that a condition of numbers alone never takes. Names
-mean nothing here: whatever reads as an identifier is one, ``I``, ``lambda`` and ``max`` too.
+``or`` and ``not`` in the condition, and the functions of `symbody.expr.language.instructions.FUNCTIONS`.
+What has no value, such as ``1/0``, is refused but in a branch that a condition of numbers alone never takes.
+Names mean nothing here: whatever reads as an identifier is one, ``I``, ``lambda`` and ``max`` too.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Final
 from symbody.expr.language.caret import Source
 from symbody.expr.language.formula import Formula, FormulaLike
 from symbody.expr.language.grammar import read_program
-from symbody.expr.language.program import Instruction
+from symbody.expr.language.instructions import Instruction
 from symbody.expr.language.tokens import normalize
 
 # Digits are bounded so that a text that is not an angle costs one pass.

@@ -8,8 +8,8 @@ from .native import to_data as to_data
 from .urdf.building.loading import load_urdf as load_urdf
 from .urdf.building.loading import model_from_urdf as model_from_urdf
 from .urdf.file.meshes import find_mesh as find_mesh
-from .urdf.file.reading import read_urdf as read_urdf
-from .urdf.file.reading import robot_from_text as robot_from_text
 from .urdf.file.robot import Robot as Robot
+from .urdf.file.robot_reading import read_urdf as read_urdf
+from .urdf.file.robot_reading import robot_from_text as robot_from_text
 from .urdf.writing.saving import model_to_urdf as model_to_urdf
 from .urdf.writing.saving import save_urdf as save_urdf

@@ -12,6 +12,7 @@ from symbody.model.body import Body, Frames
 from symbody.model.declaration import Declared, Field
 from symbody.model.element import Element, FrameRef
 from symbody.model.frame import Frame
+from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.joint import InTrees, Joint
 from symbody.model.joint_fields import CoordinateDrive, CoordinateDrives, DryFriction
 from symbody.model.loads.curve import Curve
@@ -20,7 +21,6 @@ from symbody.model.loads.friction import Friction
 from symbody.model.registry import TYPED, element_types, shape_types, snake_case, type_word
 from symbody.model.shapes.mesh import Mesh
 from symbody.model.shapes.shape import BodyShape, Shapes
-from symbody.model.table import FrozenMapping
 
 T = TypeVar("T")
 

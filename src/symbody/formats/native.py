@@ -26,7 +26,7 @@ from symbody.formats.toml_syntax import parse_toml
 from symbody.formats.toml_text import write_layout, write_toml
 from symbody.formats.writing import write_text
 from symbody.model.element import Element
-from symbody.model.lookup import element_labels
+from symbody.model.frame_index import element_labels
 from symbody.model.model import KINDS, Model
 
 

@@ -1,5 +1,5 @@
-from .branch import ConfigurationBranch as ConfigurationBranch
-from .branch import explore_branch as explore_branch
+from .configuration_branch import ConfigurationBranch as ConfigurationBranch
+from .configuration_branch import explore_branch as explore_branch
 from .manifold import Configuration as Configuration
 from .manifold import ConstraintManifold as ConstraintManifold
 from .manifold import LinearConstraints as LinearConstraints

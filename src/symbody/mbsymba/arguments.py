@@ -19,8 +19,8 @@ from symbody.mbsymba.objects import (
     frame_of_matrix,
 )
 from symbody.mbsymba.workplace import triple
-from symbody.vectors.matrix import Triple
-from symbody.vectors.placed import GROUND_FRAME, PlacedFrame, PlacedPoint, PlacedVector
+from symbody.spatial.matrix import Triple
+from symbody.spatial.placed import GROUND_FRAME, PlacedFrame, PlacedPoint, PlacedVector
 
 
 def as_frame(given: object, where: str) -> PlacedFrame:

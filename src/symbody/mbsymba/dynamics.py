@@ -5,11 +5,11 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable, Mapping
 
-from symbody.equations.by_hand.balance import euler, is_weight, newton
-from symbody.equations.by_hand.energies import gravitational_energy as gravitational
-from symbody.equations.by_hand.energies import kinetic_energy as kinetic
-from symbody.equations.by_hand.energies import lagrange
-from symbody.equations.by_hand.form import equations_by_hand
+from symbody.equations.by_hand.balance_by_hand import euler, is_weight, newton
+from symbody.equations.by_hand.energies_by_hand import gravitational_energy as gravitational
+from symbody.equations.by_hand.energies_by_hand import kinetic_energy as kinetic
+from symbody.equations.by_hand.energies_by_hand import lagrange
+from symbody.equations.by_hand.equations_by_hand import equations_by_hand
 from symbody.equations.by_hand.mechanism import (
     MechanismByHand,
     PlacedForce,
@@ -24,7 +24,7 @@ from symbody.expr.sympy_bridge import SympyExpr
 from symbody.mbsymba.arguments import as_point, read_bodies, read_objects
 from symbody.mbsymba.objects import BODY, FRAME, OBJECT, POINT, VECTOR
 from symbody.mbsymba.workplace import WORKPLACE, function_names, to_sympy_expressions
-from symbody.model.door import Value
+from symbody.model.arguments import Value
 
 Objects = OBJECT | Iterable[OBJECT]
 

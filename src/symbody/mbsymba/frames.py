@@ -11,9 +11,9 @@ from symbody.expr.sympy_bridge import SympyExpr, SympyMatrix
 from symbody.mbsymba.arguments import as_frame
 from symbody.mbsymba.objects import FRAME, VECTOR
 from symbody.mbsymba.workplace import WORKPLACE, to_expressions, triple
-from symbody.vectors.matrix import Triple, Vector3
-from symbody.vectors.moving import axis_rotation_step
-from symbody.vectors.placed import GROUND_FRAME, PlacedFrame, Shift
+from symbody.spatial.matrix import Triple, Vector3
+from symbody.spatial.moving import axis_rotation_step
+from symbody.spatial.placed import GROUND_FRAME, PlacedFrame, Shift
 
 ground: Final = FRAME(GROUND_FRAME)
 """The frame in which everything stands."""

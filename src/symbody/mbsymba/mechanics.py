@@ -12,8 +12,8 @@ from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, nod
 from symbody.mbsymba.arguments import as_body, as_point, as_vector, reaction_body, read_vector
 from symbody.mbsymba.objects import BODY, CONSTRAINT, FORCE, FRAME, POINT, TORQUE, VECTOR
 from symbody.mbsymba.workplace import WORKPLACE, function_names, to_expressions
-from symbody.vectors.placed import PlacedFrame, PlacedPoint
-from symbody.vectors.rotation import AxisRotation
+from symbody.spatial.placed import PlacedFrame, PlacedPoint
+from symbody.spatial.rotation import AxisRotation
 
 Scalar = SympyExpr | float
 

@@ -12,8 +12,8 @@ from symbody.expr.expression import Expr, common_graph
 from symbody.expr.fingerprint import fingerprints
 from symbody.expr.sympy_bridge import SympyExpr, SympyMatrix, is_matrix
 from symbody.mbsymba.workplace import WORKPLACE, to_expressions, to_sympy_expressions
-from symbody.vectors.placed import PlacedFrame, PlacedPoint, PlacedVector, Shift, homogeneous
-from symbody.vectors.rotation import DirectionCosines
+from symbody.spatial.placed import PlacedFrame, PlacedPoint, PlacedVector, Shift, homogeneous
+from symbody.spatial.rotation import DirectionCosines
 
 
 def marks(values: Sequence[Expr]) -> tuple[tuple[int, int], ...]:

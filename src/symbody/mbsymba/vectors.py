@@ -7,10 +7,10 @@ from symbody.expr.sympy_bridge import SympyExpr, SympyMatrix
 from symbody.mbsymba.arguments import as_frame, as_point, as_vector
 from symbody.mbsymba.objects import BODY, FORCE, FRAME, POINT, TORQUE, VECTOR
 from symbody.mbsymba.workplace import WORKPLACE, to_sympy_expressions, triple
-from symbody.vectors.moving import acceleration as acceleration_of
-from symbody.vectors.moving import angular_velocity as angular_velocity_of
-from symbody.vectors.moving import velocity as velocity_of
-from symbody.vectors.placed import GROUND_FRAME, PlacedPoint, PlacedVector, vector_between
+from symbody.spatial.moving import acceleration as acceleration_of
+from symbody.spatial.moving import angular_velocity as angular_velocity_of
+from symbody.spatial.moving import velocity as velocity_of
+from symbody.spatial.placed import GROUND_FRAME, PlacedPoint, PlacedVector, vector_between
 
 Scalar = SympyExpr | float
 AnyFrame = FRAME | SympyMatrix

@@ -14,8 +14,8 @@ from symbody.expr.expression import Expr, common_graph
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.opcodes import SYMBOL
 from symbody.expr.sympy_bridge import SympyExpr, nodes_from_sympy, to_sympy
-from symbody.vectors.matrix import Triple
-from symbody.vectors.placed import PlacedVector
+from symbody.spatial.matrix import Triple
+from symbody.spatial.placed import PlacedVector
 
 
 class Workplace(local):

@@ -6,15 +6,15 @@ from collections.abc import Iterator, Mapping
 from typing import ClassVar, final
 
 from symbody.expr.language.tokens import normalize
+from symbody.model.arguments import Arguments
 from symbody.model.declaration import Field
-from symbody.model.door import Arguments
 from symbody.model.element import Element, FrameRef, make_frame_ref
 from symbody.model.fields import Flag, Quantity, VectorQuantity, part
+from symbody.model.formula_site import FormulaSite
 from symbody.model.frame import Frame
+from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.naming import CENTRE, element_problem
 from symbody.model.shapes.shape import Shapes
-from symbody.model.table import FrozenMapping
-from symbody.model.uses import FormulaSite
 
 
 class Frames(Field[Mapping[str, Frame] | None, FrozenMapping[Frame]]):

@@ -16,10 +16,10 @@ from types import MappingProxyType
 from typing import Any, ClassVar, Final, Generic, Never, Self, TypeVar, overload
 
 from symbody.errors import Problem, SymbodyError, UsageError
-from symbody.model.checker import NumericChecks
-from symbody.model.door import Arguments
-from symbody.model.turn import Axis
-from symbody.model.uses import FormulaSite
+from symbody.model.arguments import Arguments
+from symbody.model.formula_site import FormulaSite
+from symbody.model.numeric_checks import NumericChecks
+from symbody.model.simple_rotation import Axis
 
 Given = TypeVar("Given", contravariant=True)
 Kept = TypeVar("Kept", covariant=True)

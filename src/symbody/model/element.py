@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from symbody.model.checker import NumericChecks
 from symbody.model.declaration import Declared
 from symbody.model.fields import ElementName, part
+from symbody.model.formula_site import FormulaSite
 from symbody.model.naming import CENTRE, GROUND
-from symbody.model.uses import FormulaSite
+from symbody.model.numeric_checks import NumericChecks
 
 
 @part

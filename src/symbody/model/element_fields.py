@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, TypeVar, dataclass_transform
 
 from symbody.expr.language.formula import Formula
+from symbody.model.arguments import Arguments, Value
 from symbody.model.body import FrameLike, read_frame_ref
-from symbody.model.checker import NumericChecks, check_axis, positive_length
 from symbody.model.declaration import Declared, Field, declare
-from symbody.model.door import Arguments, Value
 from symbody.model.element import Element, FrameRef
 from symbody.model.fields import (
     AngleQuantity,
@@ -23,8 +22,9 @@ from symbody.model.fields import (
     VectorQuantity,
     read_list,
 )
-from symbody.model.turn import Axis, read_axis
-from symbody.model.uses import FormulaSite, Scope, Triple, component_sites
+from symbody.model.formula_site import FormulaSite, Scope, Triple, component_sites
+from symbody.model.numeric_checks import NumericChecks, check_axis, positive_length
+from symbody.model.simple_rotation import Axis, read_axis
 
 E = TypeVar("E", bound=Declared)
 

@@ -7,9 +7,9 @@ from fractions import Fraction
 from typing import Final
 
 from symbody.expr.language.formula import Formula
+from symbody.model.formula_site import Triple
 from symbody.model.numbers import formula_value
-from symbody.model.turn import LETTERS, SimpleRotation
-from symbody.model.uses import Triple
+from symbody.model.simple_rotation import LETTERS, SimpleRotation
 
 # A matrix typed with 10 digits of cos 30 deg means 30 deg.
 _SNAP: Final = 2e-11

@@ -8,11 +8,11 @@ from dataclasses import KW_ONLY, dataclass, field
 from typing import Any, ClassVar, Generic, TypeVar, dataclass_transform
 
 from symbody.expr.language.formula import Formula
-from symbody.model.checker import NumericChecks, check_axis
+from symbody.model.arguments import Arguments, Value
 from symbody.model.declaration import Declared, Field, declare
-from symbody.model.door import Arguments, Value
-from symbody.model.turn import Axis, read_axis
-from symbody.model.uses import FormulaSite, Scope, Triple, component_sites
+from symbody.model.formula_site import FormulaSite, Scope, Triple, component_sites
+from symbody.model.numeric_checks import NumericChecks, check_axis
+from symbody.model.simple_rotation import Axis, read_axis
 
 L = TypeVar("L", bound=str)
 D = TypeVar("D", bound=Declared)

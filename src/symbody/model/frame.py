@@ -6,12 +6,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import ClassVar
 
 from symbody.expr.language.formula import Formula
+from symbody.model.arguments import ZERO, Arguments, Value
 from symbody.model.declaration import ElementPart, Field
-from symbody.model.door import ZERO, Arguments, Value
 from symbody.model.euler_angles import euler_turns
 from symbody.model.fields import AxisLike, VectorQuantity, part
-from symbody.model.turn import Axis, SimpleRotation, read_axis, unit_axis
-from symbody.model.uses import FormulaSite, Scope, Triple, component_sites
+from symbody.model.formula_site import FormulaSite, Scope, Triple, component_sites
+from symbody.model.simple_rotation import Axis, SimpleRotation, read_axis, unit_axis
 
 Matrix = tuple[Triple, Triple, Triple]
 Rotation = tuple[tuple[Axis, Formula], ...]

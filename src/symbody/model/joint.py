@@ -8,16 +8,16 @@ from typing import ClassVar, Final, Literal
 
 from symbody.errors import nearest
 from symbody.expr.language.formula import Formula
-from symbody.model.checker import NumericChecks
-from symbody.model.door import ZERO, Arguments
+from symbody.model.arguments import ZERO, Arguments
 from symbody.model.element_fields import Connection, element
 from symbody.model.fields import Quantity
+from symbody.model.formula_site import Triple
+from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.loads.forces import Drive
 from symbody.model.loads.friction import Friction
 from symbody.model.naming import make_symbol
-from symbody.model.table import FrozenMapping
-from symbody.model.turn import SimpleRotation
-from symbody.model.uses import Triple
+from symbody.model.numeric_checks import NumericChecks
+from symbody.model.simple_rotation import SimpleRotation
 
 __all__ = ["ORIGIN", "RATES", "InTrees", "Joint", "QuasiSpeeds", "SimpleRotation"]
 

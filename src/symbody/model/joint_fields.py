@@ -7,18 +7,18 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Any, ClassVar, Final, TypeVar
 
 from symbody.expr.language.formula import Formula
-from symbody.model.checker import NumericChecks
+from symbody.model.arguments import Arguments, Value
 from symbody.model.declaration import Field, Given
-from symbody.model.door import Arguments, Value
 from symbody.model.element_fields import Directions
 from symbody.model.fields import Flag
+from symbody.model.formula_site import FormulaSite, Scope
+from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.joint import InTrees, Joint
 from symbody.model.loads.forces import Drive, read_drive
 from symbody.model.loads.friction import Friction, check_friction, read_friction
 from symbody.model.numbers import as_float, formula_value
-from symbody.model.table import FrozenMapping
-from symbody.model.turn import LETTERS, Axis, not_perpendicular, read_axis
-from symbody.model.uses import FormulaSite, Scope
+from symbody.model.numeric_checks import NumericChecks
+from symbody.model.simple_rotation import LETTERS, Axis, not_perpendicular, read_axis
 
 T = TypeVar("T")
 TreeChoice = InTrees | bool | Mapping[str, bool] | None

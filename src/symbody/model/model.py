@@ -10,20 +10,20 @@ from symbody.arguments import checked_arguments
 from symbody.errors import ModelError, Problem, nearest, number_in_words
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
+from symbody.model.arguments import Arguments, Value, plain_value
 from symbody.model.body import Body, frame_table
 from symbody.model.checks import physics
 from symbody.model.checks.structure import free_joints
 from symbody.model.checks.validation import Draft, check_draft
 from symbody.model.constraint import ConstraintElement
-from symbody.model.door import Arguments, Value, plain_value
 from symbody.model.element import Element
+from symbody.model.formula_site import Triple
 from symbody.model.frame import Frame
+from symbody.model.frame_index import element_labels, include_bodies
+from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.joint import Joint
-from symbody.model.lookup import element_labels, include_bodies
 from symbody.model.parameters import dependence_order, parameter_values, resolve
 from symbody.model.shapes.shape import BodyShape, read_shapes
-from symbody.model.table import FrozenMapping
-from symbody.model.uses import Triple
 from symbody.notebook import Displayed
 
 E = TypeVar("E", bound=Element)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state
 from symbody.analysis.assembly import assemble
-from symbody.analysis.closure import STARTS, ConstraintEvaluator, constraint_evaluator
-from symbody.analysis.equilibrium.search import examine_neighbourhood
+from symbody.analysis.constraint_evaluator import STARTS, ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.equilibrium.equilibrium_search import examine_neighbourhood
 from symbody.analysis.equilibrium.taut_search import Candidate, TautSearch
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.linearize import linearize

@@ -19,9 +19,9 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, minimize_scalar
 
 from symbody.analysis.assembly import assemble, assemble_taut
-from symbody.analysis.kinematics.curve import PathPoint, PositionCurve
-from symbody.analysis.kinematics.follower import Continuation, Law, continuation
-from symbody.analysis.kinematics.held import joint_of
+from symbody.analysis.kinematics.continuation import Continuation, Law, continuation
+from symbody.analysis.kinematics.driven import joint_of
+from symbody.analysis.kinematics.position_curve import PathPoint, PositionCurve
 from symbody.analysis.kinematics.velocity_ratios import VelocityRatios, velocity_ratios
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State

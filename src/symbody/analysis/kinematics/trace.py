@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.analysis.assembly import assemble
-from symbody.analysis.closure import ConstraintEvaluator, constraint_evaluator
-from symbody.analysis.kinematics.follower import Continuation, Law, continuation
-from symbody.analysis.kinematics.held import element_of
+from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.kinematics.continuation import Continuation, Law, continuation
+from symbody.analysis.kinematics.driven import element_of
 from symbody.analysis.ropes import LOOSE, equations_with_ropes, slackness
 from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assemble, assemble_taut
-from symbody.analysis.closure import ConstraintEvaluator, constraint_evaluator
-from symbody.analysis.kinematics.follower import Continuation, continuation
-from symbody.analysis.kinematics.held import element_of
+from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.kinematics.continuation import Continuation, continuation
+from symbody.analysis.kinematics.driven import element_of
 from symbody.analysis.redundancy import redundancy
 from symbody.analysis.ropes import equations_with_ropes, ropes_out_of_place
 from symbody.analysis.scales import mechanism_scales

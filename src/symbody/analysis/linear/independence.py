@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.linear.slopes import Slopes
-from symbody.analysis.linear.variations import (
+from symbody.analysis.linear.tangent_space import (
     Choice,
     Rotations,
     choose,

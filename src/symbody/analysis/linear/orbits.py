@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from symbody.analysis.linear.independence import Selection, basis
 from symbody.analysis.linear.matrices import Matrices, matrices, relative_error, scale_matrices, term_sizes
 from symbody.analysis.linear.slopes import SlopeFunction, Slopes
-from symbody.analysis.linear.variations import displace, rotations, solve_dependent
+from symbody.analysis.linear.tangent_space import displace, rotations, solve_dependent
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.rewrite import symbols_of
 from symbody.manifold import LinearConstraints, correct

@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.closure import ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.positions import PositionSolver
 from symbody.analysis.ropes import with_taut
 from symbody.builder.page_problems import page_problem, page_problems

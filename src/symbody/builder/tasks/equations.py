@@ -28,14 +28,14 @@ from symbody.equations.formulations.lagrange import Lagrange
 from symbody.equations.formulations.newton_euler import NewtonEuler
 from symbody.equations.formulations.recursive import Recursive
 from symbody.equations.formulations.virtual_work import VirtualWork
-from symbody.equations.showing.display import equation_sides
-from symbody.equations.showing.joint_outputs import reaction_axes, reaction_wrench
+from symbody.equations.outputs.display import equation_sides
+from symbody.equations.outputs.joint_outputs import reaction_axes, reaction_wrench
 from symbody.errors import SymbodyError
 from symbody.expr.canonical import ZERO
 from symbody.expr.closed_form import readable
 from symbody.expr.rewrite import tree_sizes
 from symbody.formats.native import to_data
-from symbody.vectors.vector import components
+from symbody.spatial.vector import components
 
 Answer = dict[str, Any]
 

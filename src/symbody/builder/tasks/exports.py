@@ -16,8 +16,8 @@ from symbody.codegen.compile import generate_code
 from symbody.equations.form import form_equations
 from symbody.formats.python_script import model_to_script
 from symbody.model.model import Model
-from symbody.visual.animation import make_animation
-from symbody.visual.page import page_data, page_text
+from symbody.visual.viewer.animation import make_animation
+from symbody.visual.viewer.page import page_data, page_text
 
 Answer = dict[str, str]
 

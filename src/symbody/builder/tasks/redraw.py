@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from symbody.analysis.closure import constraint_function
+from symbody.analysis.constraint_evaluator import constraint_function
 from symbody.analysis.positions import position_solver
 from symbody.builder.tasks.placement import placed_motion, scene_at, scene_bodies
 from symbody.builder.tasks.reading import Data, Latest, complete_model, model_key
@@ -20,7 +20,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.errors import SymbodyError
 from symbody.expr.language.formula import Formula
-from symbody.model.door import Arguments
+from symbody.model.arguments import Arguments
 from symbody.model.model import Model
 from symbody.visual.scene.json_form import motion_to_json, scene_to_json
 

@@ -14,7 +14,7 @@ from symbody.builder.tasks.reading import complete_model
 from symbody.builder.worker_process import Report
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
-from symbody.equations.showing.joint_outputs import effort_names
+from symbody.equations.outputs.joint_outputs import effort_names
 from symbody.errors import Problem, UsageError
 from symbody.simulation.progress import StagedProgress
 from symbody.simulation.results.trajectory import Trajectory

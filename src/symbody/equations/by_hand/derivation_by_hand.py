@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from symbody.equations.by_hand.energies import kinetic_energy
+from symbody.equations.by_hand.energies_by_hand import kinetic_energy
 from symbody.equations.by_hand.frames import Chain, frame_names, frame_steps
-from symbody.equations.by_hand.loads import loads_by_hand
+from symbody.equations.by_hand.loads_by_hand import loads_by_hand
 from symbody.equations.by_hand.mechanism import MechanismByHand
 from symbody.equations.by_hand.restated import Restatement
-from symbody.equations.by_hand.rows import rows_by_hand
+from symbody.equations.by_hand.rows_by_hand import rows_by_hand
 from symbody.equations.dynamics.inertia import Inertia
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.formulations.formulation import Dynamics, Formulation
@@ -29,8 +29,8 @@ from symbody.expr.trigonometry.whole_turns import turning_symbols
 from symbody.graph.spanning_tree import SpanningTree
 from symbody.graph.topology import Topology
 from symbody.model.model import Model
-from symbody.vectors.dyadic import symmetric_split
-from symbody.vectors.placed import homogeneous
+from symbody.spatial.dyadic import symmetric_split
+from symbody.spatial.placed import homogeneous
 
 
 def derive_by_hand(

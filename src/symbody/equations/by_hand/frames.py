@@ -8,10 +8,10 @@ from symbody.equations.by_hand.mechanism import MechanismByHand, PlacedBody, Pla
 from symbody.equations.kinematics.frame_steps import RotationStep, TranslationStep
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.expr.graph import Graph
-from symbody.vectors.moving import spin_of_step
-from symbody.vectors.placed import PlacedFrame, PlacedPoint, PlacedStep, PlacedVector, Shift
-from symbody.vectors.rotation import AxisRotation
-from symbody.vectors.vector import ZERO, Vector, vector
+from symbody.spatial.moving import spin_of_step
+from symbody.spatial.placed import PlacedFrame, PlacedPoint, PlacedStep, PlacedVector, Shift
+from symbody.spatial.rotation import AxisRotation
+from symbody.spatial.vector import ZERO, Vector, vector
 
 Chain = tuple[PlacedStep, ...]
 

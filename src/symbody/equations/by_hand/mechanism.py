@@ -9,8 +9,8 @@ from symbody.errors import ModelError, Problem, nearest
 from symbody.expr.expression import Expr, common_graph
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.rewrite import symbols_of
-from symbody.vectors.matrix import Matrix
-from symbody.vectors.placed import PlacedPoint, PlacedVector
+from symbody.spatial.matrix import Matrix
+from symbody.spatial.placed import PlacedPoint, PlacedVector
 
 
 @dataclass(frozen=True, slots=True, eq=False)

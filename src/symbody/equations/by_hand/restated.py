@@ -16,9 +16,9 @@ from symbody.equations.by_hand.mechanism import (
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph, Symbol, copy_nodes
 from symbody.expr.rewrite import substitute, symbols_of
-from symbody.vectors.matrix import Matrix, Triple
-from symbody.vectors.placed import PlacedFrame, PlacedPoint, PlacedStep, PlacedVector, Shift
-from symbody.vectors.rotation import AxisRotation, DirectionCosines
+from symbody.spatial.matrix import Matrix, Triple
+from symbody.spatial.placed import PlacedFrame, PlacedPoint, PlacedStep, PlacedVector, Shift
+from symbody.spatial.rotation import AxisRotation, DirectionCosines
 
 
 @dataclass(frozen=True, slots=True)

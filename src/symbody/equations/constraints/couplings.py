@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from symbody.equations.constraints.pairs import time_partial
+from symbody.equations.constraints.frame_constraints import time_partial
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation, scalar_equation
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.row import ConstraintEquation, scalar_equation
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from symbody.equations.constraints.pairs import pair_equation
+from symbody.equations.constraints.frame_constraints import pair_equation
 from symbody.equations.constraints.points import direction
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.joint_axes import perpendiculars
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.expr.expression import Expr, cos
 from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints import Angle, Parallel, Perpendicular
-from symbody.vectors.matrix import Triple
-from symbody.vectors.vector import cross, dot, vector
+from symbody.spatial.matrix import Triple
+from symbody.spatial.vector import cross, dot, vector
 
 
 def parallel_equations(

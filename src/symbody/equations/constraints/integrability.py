@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import combinations
 
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.motion import Kinematics
-from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr
 from symbody.expr.fingerprint import find_zeros

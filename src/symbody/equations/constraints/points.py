@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from symbody.equations.constraints.pairs import pair_equation, time_partial
+from symbody.equations.constraints.frame_constraints import pair_equation, time_partial
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation, scalar_equation
 from symbody.equations.kinematics.joint_axes import perpendiculars, unit_axes
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.row import ConstraintEquation, scalar_equation
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr, sqrt
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.rewrite import substitute
 from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints import Distance, PointOnCurve, PointOnLine, PointOnPlane, PointOnSurface
-from symbody.model.turn import Axis, unit_axis
-from symbody.vectors.matrix import Triple
-from symbody.vectors.vector import Vector, components, dot, vector
+from symbody.model.simple_rotation import Axis, unit_axis
+from symbody.spatial.matrix import Triple
+from symbody.spatial.vector import Vector, components, dot, vector
 
 
 def direction(names: Names, contact: FrameConstraint, axis: Axis) -> Triple:

@@ -9,19 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from symbody.equations.constraints.pairs import pair_equation
+from symbody.equations.constraints.frame_constraints import pair_equation
 from symbody.equations.constraints.points import direction
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.frame_steps import RotationStep, TranslationStep
 from symbody.equations.kinematics.joint_axes import perpendiculars
 from symbody.equations.kinematics.motion import Kinematics, add_frames
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.expr.expression import sqrt
 from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints import KnifeEdge, Rolling
-from symbody.vectors.matrix import matrix3
-from symbody.vectors.rotation import DirectionCosines
-from symbody.vectors.vector import Vector, components, cross, dot, vector
+from symbody.spatial.matrix import matrix3
+from symbody.spatial.rotation import DirectionCosines
+from symbody.spatial.vector import Vector, components, cross, dot, vector
 
 
 def blade_equations(names: Names, kinematics: Kinematics, blade: KnifeEdge) -> Iterator[ConstraintEquation]:

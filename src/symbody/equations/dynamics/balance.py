@@ -12,8 +12,8 @@ from collections.abc import Mapping
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.graph.spanning_tree import SpanningTree
 from symbody.graph.topology import Topology
-from symbody.vectors import twist
-from symbody.vectors.vector import ZERO, Vector, cross, express_near
+from symbody.spatial import twist
+from symbody.spatial.vector import ZERO, Vector, cross, express_near
 
 # A force in a point and a moment about it, as sums of terms in their own frames.
 Wrench = twist.Wrench[Vector]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from symbody.equations.kinematics.naming import Names
 from symbody.expr.expression import Expr
 from symbody.model.body import Body
-from symbody.vectors.dyadic import Dyadic, symmetric_split
+from symbody.spatial.dyadic import Dyadic, symmetric_split
 
 
 @dataclass(frozen=True, slots=True)

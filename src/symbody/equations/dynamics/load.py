@@ -9,7 +9,7 @@ from symbody.equations.kinematics.motion import Kinematics
 from symbody.expr.expression import Expr
 from symbody.expr.graph import SymbolKind
 from symbody.expr.rewrite import dependence
-from symbody.vectors.vector import ZERO, Vector, cross
+from symbody.spatial.vector import ZERO, Vector, cross
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,8 +11,9 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from symbody.equations.dynamics.balance import NO_WRENCH, Wrench, balance_wrenches
 from symbody.equations.dynamics.inertia import Inertia
+from symbody.equations.dynamics.inertial_wrenches import inertial_wrench, subtract_loads
 from symbody.equations.dynamics.load import Load
-from symbody.equations.dynamics.needs import inertial_wrench, subtract_loads
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.joint_axes import (
     coordinate_angular_velocity,
     coordinate_velocity,
@@ -20,13 +21,12 @@ from symbody.equations.kinematics.joint_axes import (
 )
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.equations.kinematics.variables import axis_rotations
 from symbody.equations.kinematics.velocity import Velocity
 from symbody.expr.expression import Expr, symbol
 from symbody.graph.topology import Topology
 from symbody.model.joint import Joint
-from symbody.vectors.vector import ZERO, Vector, cross, dot, vector
+from symbody.spatial.vector import ZERO, Vector, cross, dot, vector
 
 
 def joint_wrenches(

@@ -8,9 +8,9 @@ from typing import Final
 from symbody.equations.elimination.dependent_block import DependentBlock, Pivot, find_solution_order
 from symbody.equations.elimination.elimination import SpeedElimination
 from symbody.equations.formulations.formulation import Dynamics
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.placements import fold_zeros
-from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr, maximum, number, sqrt

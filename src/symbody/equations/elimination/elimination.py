@@ -15,10 +15,10 @@ from dataclasses import dataclass, replace
 from symbody.equations.elimination.dependent_block import DependentBlock
 from symbody.equations.formulations.formulation import Dynamics
 from symbody.equations.formulations.projection import projected_dynamics
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.placements import fold_zeros
-from symbody.equations.kinematics.row import ConstraintEquation
 from symbody.equations.kinematics.variables import Variables
 from symbody.equations.kinematics.velocity import Velocity
 from symbody.equations.system import MultibodySystem

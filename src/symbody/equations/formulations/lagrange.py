@@ -29,8 +29,8 @@ from symbody.expr.calculus import forward, gradient, jacobian
 from symbody.expr.expression import Expr, number
 from symbody.expr.graph import TIME
 from symbody.expr.rewrite import substitute
-from symbody.vectors.dyadic import quadratic
-from symbody.vectors.vector import vector
+from symbody.spatial.dyadic import quadratic
+from symbody.spatial.vector import vector
 
 
 @dataclass(frozen=True, slots=True)

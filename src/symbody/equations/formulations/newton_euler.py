@@ -16,11 +16,12 @@ from typing import ClassVar, Final, NamedTuple
 
 from symbody.equations.dynamics.balance import NO_WRENCH, Wrench, balance_wrenches
 from symbody.equations.dynamics.inertia import Rotor
+from symbody.equations.dynamics.inertial_wrenches import subtract_loads
 from symbody.equations.dynamics.load import GeneralizedForce
-from symbody.equations.dynamics.needs import subtract_loads
 from symbody.equations.dynamics.reactions import row_wrenches, sum_wrenches
 from symbody.equations.formulations.formulation import Dynamics, Formulation, ProjectedDynamics
 from symbody.equations.formulations.projection import project_bodies
+from symbody.equations.kinematics.frame_placement import joint_shift
 from symbody.equations.kinematics.placements import (
     differentiate,
     differentiate_matrix,
@@ -29,7 +30,6 @@ from symbody.equations.kinematics.placements import (
     spin,
     unit,
 )
-from symbody.equations.kinematics.placing import joint_shift
 from symbody.equations.kinematics.variables import JointRole
 from symbody.equations.kinematics.velocity import Velocity
 from symbody.equations.measured_wrenches import coupling_wrenches, unit_coupling_wrenches, unit_wrenches
@@ -37,9 +37,9 @@ from symbody.equations.system import MultibodySystem
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr, number, saddle_entry
 from symbody.expr.graph import KernelNode
-from symbody.vectors.dyadic import gyroscopic, times_vector
-from symbody.vectors.matrix import Triple
-from symbody.vectors.vector import ZERO, components, cross
+from symbody.spatial.dyadic import gyroscopic, times_vector
+from symbody.spatial.matrix import Triple
+from symbody.spatial.vector import ZERO, components, cross
 
 _AXES: Final = range(3)
 # Coefficients of the unknown accelerations by column; zeros may be left out.

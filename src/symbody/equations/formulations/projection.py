@@ -15,8 +15,8 @@ from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.system import MultibodySystem
 from symbody.expr.deadline import begin
 from symbody.expr.expression import Expr, number
-from symbody.vectors.dyadic import gyroscopic, quadratic, times_vector
-from symbody.vectors.vector import cross, dot
+from symbody.spatial.dyadic import gyroscopic, quadratic, times_vector
+from symbody.spatial.vector import cross, dot
 
 
 def project_bodies(system: MultibodySystem) -> ProjectedDynamics:

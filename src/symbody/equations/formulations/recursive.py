@@ -11,17 +11,17 @@ from symbody.equations.dynamics.balance import Wrench
 from symbody.equations.dynamics.linear_solve import LinearSolution
 from symbody.equations.dynamics.reactions import sum_wrenches
 from symbody.equations.formulations.formulation import Dynamics, Formulation
-from symbody.equations.recursive.energies import kinetic_energy, potential_energy
-from symbody.equations.recursive.reactions import joint_wrenches
 from symbody.equations.recursive.recursion import Recursion
 from symbody.equations.recursive.tree import base_tree, form_tree, ground_inertia
+from symbody.equations.recursive.tree_energies import kinetic_energy, potential_energy
+from symbody.equations.recursive.tree_reactions import joint_wrenches
 from symbody.equations.recursive.udot_derivatives import acceleration_slopes
 from symbody.equations.system import MultibodySystem
 from symbody.expr.deadline import begin
 from symbody.expr.expression import Expr, number, symbol
 from symbody.expr.graph import Symbol
 from symbody.graph.topology import Topology
-from symbody.vectors.matrix import Vector3
+from symbody.spatial.matrix import Vector3
 
 
 @checked_fields

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 from symbody.equations.dynamics.balance import NO_WRENCH, Wrench, balance_wrenches
 from symbody.equations.dynamics.inertia import Inertia
+from symbody.equations.dynamics.inertial_wrenches import inertial_wrench, subtract_loads
 from symbody.equations.dynamics.load import GeneralizedForce
-from symbody.equations.dynamics.needs import inertial_wrench, subtract_loads
 from symbody.equations.formulations.formulation import Dynamics, Formulation, ProjectedDynamics
 from symbody.equations.formulations.projection import add_rotor, project_bodies, projected_dynamics
 from symbody.equations.kinematics.motion import Kinematics
@@ -22,8 +22,8 @@ from symbody.equations.kinematics.variables import JointRole
 from symbody.equations.system import MultibodySystem
 from symbody.expr.expression import Expr, number
 from symbody.graph.topology import Topology
-from symbody.vectors.dyadic import times_vector
-from symbody.vectors.vector import ZERO, Vector, cross, dot
+from symbody.spatial.dyadic import times_vector
+from symbody.spatial.vector import ZERO, Vector, cross, dot
 
 
 @dataclass(frozen=True, slots=True)

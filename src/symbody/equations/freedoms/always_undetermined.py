@@ -9,7 +9,7 @@ from symbody.equations.derivation import derive
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.formulations.virtual_work import VirtualWork
 from symbody.equations.freedoms.mobility import values_when_assembled
-from symbody.equations.solving.noise import random_point
+from symbody.equations.solving.negligible_constraints import random_point
 from symbody.equations.solving.undetermined import (
     find_identically_undetermined,
     find_undetermined,

@@ -16,10 +16,10 @@ from random import Random
 from typing import Any, Final
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.showing.outputs import output_roots
-from symbody.equations.showing.units import output_units
-from symbody.equations.solving.idle import check_parameter_constraints
-from symbody.equations.solving.noise import drop_negligible
+from symbody.equations.outputs.output_roots import output_roots
+from symbody.equations.outputs.units import output_units
+from symbody.equations.solving.negligible_constraints import drop_negligible
+from symbody.equations.solving.parameter_constraints import check_parameter_constraints
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.sequence import Input, Roots, build_sequence

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.index_reduction.separation import to_readable_sympy
-from symbody.equations.solving.projection import velocity_residual
+from symbody.equations.solving.drift_correction import velocity_residual
 from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import time_derivative
 from symbody.expr.expression import Expr

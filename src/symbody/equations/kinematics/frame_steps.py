@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from symbody.vectors.euler_parameters import EulerParameters
-from symbody.vectors.rotation import AxisRotation, DirectionCosines
-from symbody.vectors.vector import Vector
+from symbody.spatial.euler_parameters import EulerParameters
+from symbody.spatial.rotation import AxisRotation, DirectionCosines
+from symbody.spatial.vector import Vector
 
 
 @dataclass(frozen=True, slots=True)

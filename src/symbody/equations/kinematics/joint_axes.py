@@ -11,10 +11,10 @@ from symbody.expr.calculus import derivative, gradient
 from symbody.expr.expression import Expr, number, sqrt
 from symbody.expr.graph import Graph
 from symbody.model.joint import Joint
-from symbody.vectors.frame import FrameTree
-from symbody.vectors.matrix import Triple, Vector3
-from symbody.vectors.rotation import AxisRotation, compose_steps, rotation_matrix
-from symbody.vectors.vector import ZERO, Vector, cross, vector
+from symbody.spatial.frame import FrameTree
+from symbody.spatial.matrix import Triple, Vector3
+from symbody.spatial.rotation import AxisRotation, compose_steps, rotation_matrix
+from symbody.spatial.vector import ZERO, Vector, cross, vector
 
 
 def free_directions(names: Names, joint: Joint) -> list[Triple]:

@@ -18,9 +18,9 @@ from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.opcodes import SYMBOL
 from symbody.expr.rewrite import substitute, symbols_of
-from symbody.vectors.frame import FrameTree
-from symbody.vectors.rotation import AxisRotation, DirectionCosines, Rotation, compose_steps
-from symbody.vectors.vector import ZERO, Vector, cross, express_near, in_simplest_frame, vector
+from symbody.spatial.frame import FrameTree
+from symbody.spatial.rotation import AxisRotation, DirectionCosines, Rotation, compose_steps
+from symbody.spatial.vector import ZERO, Vector, cross, express_near, in_simplest_frame, vector
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,17 +11,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation, scalar_equation
 from symbody.equations.kinematics.motion import Kinematics
-from symbody.equations.kinematics.row import ConstraintEquation, scalar_equation
 from symbody.equations.kinematics.velocity import Velocity
 from symbody.expr.calculus import forward, jacobian
 from symbody.expr.expression import Expr, number
 from symbody.expr.fingerprint import fingerprints
 from symbody.expr.graph import TIME, Graph
 from symbody.expr.rewrite import substitute
-from symbody.vectors.matrix import Matrix, Triple
-from symbody.vectors.rotation import spin as spin
-from symbody.vectors.vector import ZERO, Vector, components, vector
+from symbody.spatial.matrix import Matrix, Triple
+from symbody.spatial.rotation import spin as spin
+from symbody.spatial.vector import ZERO, Vector, components, vector
 
 
 @dataclass(frozen=True, slots=True)

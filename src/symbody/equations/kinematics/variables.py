@@ -9,10 +9,10 @@ from symbody.equations.kinematics.naming import Names
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.model.joint import Joint, QuasiSpeeds
-from symbody.model.turn import SimpleRotation as JointTurn
-from symbody.vectors.euler_angles import angle_rates
-from symbody.vectors.euler_parameters import EulerParameters, euler_parameter_rates
-from symbody.vectors.rotation import AxisRotation, compose_steps, rotation_matrix
+from symbody.model.simple_rotation import SimpleRotation as JointTurn
+from symbody.spatial.euler_angles import angle_rates
+from symbody.spatial.euler_parameters import EulerParameters, euler_parameter_rates
+from symbody.spatial.rotation import AxisRotation, compose_steps, rotation_matrix
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from symbody.vectors.vector import ZERO, Vector
+from symbody.spatial.vector import ZERO, Vector
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,8 @@ from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.expr.expression import Expr, atan2, number, sqrt
 from symbody.model.loads.springs import BUSHING_COORDINATES, Bushing, Row
-from symbody.vectors.matrix import Triple
-from symbody.vectors.vector import Vector, components, cross, dot, vector
+from symbody.spatial.matrix import Triple
+from symbody.spatial.vector import Vector, components, cross, dot, vector
 
 
 def bushing_law(names: Names, kinematics: Kinematics, bushing: Bushing) -> Law:

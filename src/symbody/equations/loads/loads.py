@@ -21,7 +21,7 @@ from symbody.model.joint import Joint
 from symbody.model.loads.forces import Drive, Force, Torque
 from symbody.model.loads.springs import Spring
 from symbody.model.model import Model
-from symbody.vectors.vector import cross, dot, vector
+from symbody.spatial.vector import cross, dot, vector
 
 
 @dataclass(frozen=True, slots=True)

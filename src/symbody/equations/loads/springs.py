@@ -16,10 +16,10 @@ from symbody.model.loads.curve import Curve
 from symbody.model.loads.curve import Law as LawValue
 from symbody.model.loads.forces import SpringDamper
 from symbody.model.loads.springs import Bushing, Spring, TorsionSpring
-from symbody.model.turn import unit_axis
-from symbody.vectors.matrix import Triple, Vector3
-from symbody.vectors.rotation import AxisRotation, Rotation, compose_steps
-from symbody.vectors.vector import dot, vector
+from symbody.model.simple_rotation import unit_axis
+from symbody.spatial.matrix import Triple, Vector3
+from symbody.spatial.rotation import AxisRotation, Rotation, compose_steps
+from symbody.spatial.vector import dot, vector
 
 
 def spring_law(names: Names, kinematics: Kinematics, uses: Sequence[JointRole], spring: Spring) -> Law:

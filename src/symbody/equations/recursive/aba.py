@@ -18,9 +18,9 @@ from symbody.equations.recursive.links import (
     MotionSubspaceColumn,
 )
 from symbody.expr.expression import Expr
-from symbody.vectors.inertia import single_body
-from symbody.vectors.matrix import zero_vector
-from symbody.vectors.twist import Twist, Wrench
+from symbody.spatial.inertia import single_body
+from symbody.spatial.matrix import zero_vector
+from symbody.spatial.twist import Twist, Wrench
 
 
 @dataclass(frozen=True, slots=True)

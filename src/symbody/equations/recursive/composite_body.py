@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 
 from symbody.equations.recursive.links import LinkInertia, LinkTransform, LinkTwist, LinkWrench
 from symbody.expr.expression import Expr
-from symbody.vectors.matrix import Matrix3, Vector3, matrix3
-from symbody.vectors.twist import Wrench
+from symbody.spatial.matrix import Matrix3, Vector3, matrix3
+from symbody.spatial.twist import Wrench
 
 
 class CompositeBody(NamedTuple):

@@ -11,8 +11,8 @@ from symbody.expr.expression import Expr, cos, number, sin
 from symbody.expr.graph import Graph
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequence import Roots, build_sequence
-from symbody.vectors.matrix import Matrix, Matrix3, Triple, matrix3
-from symbody.vectors.transform import CoordinateRotation
+from symbody.spatial.matrix import Matrix, Matrix3, Triple, matrix3
+from symbody.spatial.transform import CoordinateRotation
 
 # Sines and cosines of an angle typed as 1.570796 are not taken for 0 and 1; those of rounded products are.
 _ROUNDING: Final = 1e-13

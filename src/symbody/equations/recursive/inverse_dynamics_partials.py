@@ -23,10 +23,10 @@ from symbody.equations.recursive.item_programs import flatten, map_items, unflat
 from symbody.equations.recursive.links import LinkInertia, LinkTransform, LinkTwist, LinkWrench
 from symbody.expr.expression import Expr, number
 from symbody.expr.graph import Graph
-from symbody.vectors.inertia import RigidInertia
-from symbody.vectors.matrix import Matrix3, SymmetricTensor, Vector3, identity, matrix3, zero_vector
-from symbody.vectors.transform import Transform
-from symbody.vectors.twist import Twist
+from symbody.spatial.inertia import RigidInertia
+from symbody.spatial.matrix import Matrix3, SymmetricTensor, Vector3, identity, matrix3, zero_vector
+from symbody.spatial.transform import Transform
+from symbody.spatial.twist import Twist
 
 Entries = dict[tuple[int, int], Expr]
 

@@ -20,10 +20,10 @@ from symbody.equations.recursive.constants import (
 from symbody.equations.recursive.links import LinkTransform
 from symbody.equations.recursive.tree_joints import TreeJoint
 from symbody.expr.expression import Expr, cos, number, sin
-from symbody.vectors.euler_parameters import EulerParameters
-from symbody.vectors.matrix import Matrix3, Vector3, identity
-from symbody.vectors.rotation import AxisRotation
-from symbody.vectors.transform import CoordinateRotation, Step, Transform
+from symbody.spatial.euler_parameters import EulerParameters
+from symbody.spatial.matrix import Matrix3, Vector3, identity
+from symbody.spatial.rotation import AxisRotation
+from symbody.spatial.transform import CoordinateRotation, Step, Transform
 
 # Below this sine of the angle between them, axes count as parallel: their common normal is far away.
 _PARALLEL = 1e-3

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from symbody.expr.expression import Expr
-from symbody.vectors.inertia import RigidInertia
-from symbody.vectors.matrix import Vector3
-from symbody.vectors.transform import Transform
-from symbody.vectors.twist import Twist, Wrench
+from symbody.spatial.inertia import RigidInertia
+from symbody.spatial.matrix import Vector3
+from symbody.spatial.transform import Transform
+from symbody.spatial.twist import Twist, Wrench
 
 GROUND = -1
 

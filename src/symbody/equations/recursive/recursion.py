@@ -11,8 +11,8 @@ from symbody.equations.dynamics.linear_solve import LinearSolution, Rows, TreeFa
 from symbody.equations.dynamics.load import GeneralizedForce, Load
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.recursive.aba import JointInertia, accelerations, articulated_inertias
-from symbody.equations.recursive.applied import link_loads
 from symbody.equations.recursive.crba import mass_rows, row_numbers
+from symbody.equations.recursive.link_loads import link_loads
 from symbody.equations.recursive.links import KinematicTree, LinkWrench
 from symbody.equations.recursive.rnea import generalized_forces, inertial_wrenches, link_motions
 from symbody.expr.expression import Expr, number
@@ -20,8 +20,8 @@ from symbody.expr.graph import Graph
 from symbody.expr.rewrite import operation_count
 from symbody.graph.topology import Topology
 from symbody.single_flight import SingleFlight
-from symbody.vectors.matrix import Vector3, zero_vector
-from symbody.vectors.twist import Wrench
+from symbody.spatial.matrix import Vector3, zero_vector
+from symbody.spatial.twist import Wrench
 
 # Composite bodies are not even tried where their entries and elimination are estimated to cost this
 # many times what articulated bodies do.

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 from symbody.equations.recursive.links import GROUND, KinematicTree, LinkWrench
 from symbody.expr.expression import Expr
-from symbody.vectors.inertia import acceleration_tensor
-from symbody.vectors.matrix import Matrix3, Vector3, matrix3
+from symbody.spatial.inertia import acceleration_tensor
+from symbody.spatial.matrix import Matrix3, Vector3, matrix3
 
 
 class LinkMotion(NamedTuple):

@@ -25,13 +25,13 @@ from symbody.equations.recursive.tree_joints import TreeJoint, joints_and_groups
 from symbody.expr.graph import Graph
 from symbody.graph.topology import Topology
 from symbody.model.body import Body
-from symbody.vectors.euler_parameters import EulerParameters
-from symbody.vectors.inertia import RigidInertia, central_inertia, massless
-from symbody.vectors.matrix import SymmetricTensor, Triple, Vector3, identity, zero_vector
-from symbody.vectors.rotation import AxisRotation
-from symbody.vectors.transform import Transform
-from symbody.vectors.twist import Twist
-from symbody.vectors.vector import Vector, components, vector
+from symbody.spatial.euler_parameters import EulerParameters
+from symbody.spatial.inertia import RigidInertia, central_inertia, massless
+from symbody.spatial.matrix import SymmetricTensor, Triple, Vector3, identity, zero_vector
+from symbody.spatial.rotation import AxisRotation
+from symbody.spatial.transform import Transform
+from symbody.spatial.twist import Twist
+from symbody.spatial.vector import Vector, components, vector
 
 # The two frames of a joint's own kinematics.
 _NEAR, _FAR = "ground", "far"

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from symbody.equations.kinematics.frame_placement import frame_of, joint_ends, reverse_steps
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.kinematics.placing import frame_of, joint_ends, reverse_steps
 from symbody.equations.kinematics.variables import JointRole, axis_rotations, joint_steps
 from symbody.equations.recursive.constants import axes_with_z
 from symbody.equations.recursive.links import LinkTransform
@@ -16,10 +16,10 @@ from symbody.expr.expression import Expr
 from symbody.graph.spanning_tree import TreeBranch
 from symbody.graph.topology import Topology
 from symbody.model.element import FrameRef
-from symbody.vectors.euler_parameters import EulerParameters
-from symbody.vectors.matrix import Matrix3, Vector3, identity, zero_vector
-from symbody.vectors.rotation import AxisRotation, Rotation, compose_steps, rotation_matrix
-from symbody.vectors.transform import Transform
+from symbody.spatial.euler_parameters import EulerParameters
+from symbody.spatial.matrix import Matrix3, Vector3, identity, zero_vector
+from symbody.spatial.rotation import AxisRotation, Rotation, compose_steps, rotation_matrix
+from symbody.spatial.transform import Transform
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.kinematics.row import ConstraintEquation
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.expr.expression import number, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.model.constraints import Distance

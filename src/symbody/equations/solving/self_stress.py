@@ -18,10 +18,10 @@ from typing import NamedTuple
 
 from symbody.equations.dynamics.balance import Wrench
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.kinematics.row import ConstraintEquation
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.loads.loads import effort_name
 from symbody.equations.measured_wrenches import static_wrenches
-from symbody.equations.showing.joint_outputs import ENTRIES, prescribed_efforts, reaction_entries
+from symbody.equations.outputs.joint_outputs import ENTRIES, prescribed_efforts, reaction_entries
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr, maximum, number, saddle_entry
 from symbody.expr.fingerprint import find_zeros
@@ -32,7 +32,7 @@ from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints import Distance, Rolling
 from symbody.model.joint import Joint
 from symbody.single_flight import SingleFlight
-from symbody.vectors.vector import dot
+from symbody.spatial.vector import dot
 
 
 class Component(NamedTuple):

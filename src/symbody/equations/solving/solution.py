@@ -8,7 +8,7 @@ from functools import partial
 from symbody.equations.dynamics.inertia import Inertia
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.loads.friction import Resistance
-from symbody.equations.solving.friction import solve_with_friction, unknown_symbols
+from symbody.equations.solving.friction_solution import solve_with_friction, unknown_symbols
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr, saddle_entry
 from symbody.expr.fingerprint import find_zeros

@@ -8,7 +8,7 @@ from dataclasses import replace
 from symbody.equations.dynamics.balance import NO_WRENCH
 from symbody.equations.dynamics.reactions import drive_wrench
 from symbody.equations.equations_of_motion import EquationsOfMotion
-from symbody.equations.kinematics.row import ConstraintEquation
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.expr.expression import number
 

@@ -12,8 +12,8 @@ from typing import Final, NamedTuple
 from symbody.errors import Problem
 from symbody.expr.graph import Constant
 from symbody.expr.language.caret import Source
+from symbody.expr.language.instructions import COMPARISONS, CONNECTIVES
 from symbody.expr.language.literals import MAX_EXPONENT, fold
-from symbody.expr.language.program import COMPARISONS, CONNECTIVES
 
 _SIGNS: Final = {"div": "the division", "power": "the power", "add": "the sum", "mul": "the product"}
 

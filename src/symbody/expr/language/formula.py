@@ -15,9 +15,9 @@ from symbody.expr.canonical import constant
 from symbody.expr.graph import Constant, Graph
 from symbody.expr.language.caret import Source, printable
 from symbody.expr.language.grammar import read_program
+from symbody.expr.language.instructions import Instruction
 from symbody.expr.language.literals import MAX_DIGITS, fold
 from symbody.expr.language.lowering import applied_node
-from symbody.expr.language.program import Instruction
 from symbody.expr.language.tokens import is_name, normalize
 
 

@@ -12,8 +12,8 @@ from typing import Final, NamedTuple, NoReturn
 from symbody.errors import ExpressionError, Problem
 from symbody.expr.language.caret import Source
 from symbody.expr.language.checks import Value, check_operation, condition_problem
+from symbody.expr.language.instructions import FOLDED, FUNCTIONS, Instruction
 from symbody.expr.language.literals import read_number
-from symbody.expr.language.program import FOLDED, FUNCTIONS, Instruction
 from symbody.expr.language.syntax import (
     adjacent_problem,
     arguments_problem,

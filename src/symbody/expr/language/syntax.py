@@ -7,7 +7,7 @@ from typing import Final
 
 from symbody.errors import Problem, nearest
 from symbody.expr.language.caret import Source, printable
-from symbody.expr.language.program import FUNCTIONS
+from symbody.expr.language.instructions import FUNCTIONS
 from symbody.expr.language.tokens import Token
 
 # Functions of other languages -> what to write.

@@ -8,9 +8,9 @@ from typing import Final
 
 from symbody.errors import Problem, nearest
 from symbody.expr.language.formula import Formula
-from symbody.model.checker import NumericChecks
 from symbody.model.checks.symbols import Symbols
 from symbody.model.joint import Joint
+from symbody.model.numeric_checks import NumericChecks
 
 _WORDS: Final = ("coordinate", "rate", "speed")
 _NORM: Final = 1e-6

@@ -9,12 +9,12 @@ from typing import Final
 from symbody.errors import Problem
 from symbody.expr.graph import Constant
 from symbody.model.body import Body
-from symbody.model.checker import NumericChecks, check_angle, check_axis
 from symbody.model.element import Element
 from symbody.model.frame import Frame
+from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.inertia import determinant, is_possible_inertia, may_be_about
 from symbody.model.joint import Joint
-from symbody.model.table import FrozenMapping
+from symbody.model.numeric_checks import NumericChecks, check_angle, check_axis
 
 # What entries of an exact matrix leave that are off by 1e-9 each: 2 * 1e-9 times the sum of a row's entries.
 _ORTHONORMAL: Final = 4e-9

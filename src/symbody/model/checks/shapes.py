@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from symbody.model.checker import NumericChecks
 from symbody.model.checks.physics import check_frame
+from symbody.model.numeric_checks import NumericChecks
 from symbody.model.shapes.shape import BodyShape
 
 

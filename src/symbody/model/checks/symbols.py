@@ -10,9 +10,9 @@ from typing import Final, NamedTuple
 from symbody.errors import Problem, nearest
 from symbody.expr.language.formula import Formula
 from symbody.model.constraint import ConstraintElement
+from symbody.model.formula_site import FormulaSite, Scope
 from symbody.model.joint import Joint
 from symbody.model.naming import RESERVED_SYMBOLS
-from symbody.model.uses import FormulaSite, Scope
 
 
 class Meaning(NamedTuple):

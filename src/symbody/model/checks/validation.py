@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from symbody.errors import ModelError, Problem
 from symbody.expr.language.formula import Formula
 from symbody.model.body import Body
-from symbody.model.checker import NumericChecks
 from symbody.model.checks.initial import check_initial, initial_problems
 from symbody.model.checks.physics import check_body, check_frames
 from symbody.model.checks.shapes import check_shapes
@@ -31,13 +30,14 @@ from symbody.model.checks.symbols import (
 from symbody.model.constraint import ConstraintElement, FrameConstraint
 from symbody.model.constraints.couplings import JointCoupling
 from symbody.model.element import Element
+from symbody.model.formula_site import FormulaSite, Scope, Triple, component_sites
 from symbody.model.frame import Frame
+from symbody.model.frame_index import element_labels, frame_index, resolve_frames
+from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.joint import Joint
-from symbody.model.lookup import element_labels, frame_index, resolve_frames
+from symbody.model.numeric_checks import NumericChecks
 from symbody.model.parameters import cycle_problems, parameter_values
 from symbody.model.shapes.shape import BodyShape
-from symbody.model.table import FrozenMapping
-from symbody.model.uses import FormulaSite, Scope, Triple, component_sites
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,11 +6,11 @@ import math
 from typing import ClassVar, Final, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.checker import NumericChecks, check_angle
 from symbody.model.constraint import FrameConstraint
 from symbody.model.element_fields import Directions, element
 from symbody.model.fields import AngleQuantity
-from symbody.model.uses import Scope
+from symbody.model.formula_site import Scope
+from symbody.model.numeric_checks import NumericChecks, check_angle
 from symbody.tolerances import TYPED
 
 _BOTH: Final = "A direction in the start frame and one in the end frame."

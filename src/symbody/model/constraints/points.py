@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import ClassVar, final
 
-from symbody.model.checker import NumericChecks, positive_length
 from symbody.model.constraint import FrameConstraint
 from symbody.model.element_fields import CurvePoint, VanishingFormulas, element
 from symbody.model.fields import Direction, Flag, Quantity, SymbolName
-from symbody.model.uses import Scope
+from symbody.model.formula_site import Scope
+from symbody.model.numeric_checks import NumericChecks, positive_length
 
 
 @final

@@ -19,7 +19,7 @@ from symbody.model.joint_fields import (
     PrescribedMotions,
     TreeMembership,
 )
-from symbody.model.turn import LETTERS
+from symbody.model.simple_rotation import LETTERS
 
 # What a shaft is bent about at azimuth 0: the second axis in cyclic order.
 _BENDS: Final = MappingProxyType({"x": "z", "y": "x", "z": "y"})

@@ -7,6 +7,7 @@ from typing import ClassVar, final
 from symbody.expr.language.formula import Formula
 from symbody.model.element_fields import element
 from symbody.model.fields import Direction, Flag
+from symbody.model.formula_site import Triple
 from symbody.model.joint import Joint, SimpleRotation
 from symbody.model.joint_fields import (
     AS_CONSTRAINT,
@@ -19,8 +20,7 @@ from symbody.model.joint_fields import (
     PrescribedMotions,
     TreeMembership,
 )
-from symbody.model.turn import shift_along, unit_axis
-from symbody.model.uses import Triple
+from symbody.model.simple_rotation import shift_along, unit_axis
 
 
 @final

@@ -7,6 +7,7 @@ from typing import ClassVar, Final, final
 from symbody.expr.language.formula import Formula
 from symbody.model.element_fields import element
 from symbody.model.fields import Flag
+from symbody.model.formula_site import Triple
 from symbody.model.joint import RATES, Joint, QuasiSpeeds, SimpleRotation
 from symbody.model.joint_fields import (
     AS_CONSTRAINT,
@@ -27,7 +28,6 @@ from symbody.model.joints.orientation import (
     orientation_turns,
     quasi_speeds,
 )
-from symbody.model.uses import Triple
 
 _TWIST: Final = "twist"
 

@@ -6,6 +6,7 @@ from typing import ClassVar, final
 
 from symbody.model.element_fields import element
 from symbody.model.fields import Direction, Flag
+from symbody.model.formula_site import Triple
 from symbody.model.joint import Joint
 from symbody.model.joint_fields import (
     AS_CONSTRAINT,
@@ -18,8 +19,7 @@ from symbody.model.joint_fields import (
     PrescribedDisplacement,
     TreeMembership,
 )
-from symbody.model.turn import shift_along
-from symbody.model.uses import Triple
+from symbody.model.simple_rotation import shift_along
 
 
 @final

@@ -7,6 +7,7 @@ from typing import ClassVar, final
 from symbody.expr.language.formula import Formula
 from symbody.model.element_fields import element
 from symbody.model.fields import Flag
+from symbody.model.formula_site import Triple
 from symbody.model.joint import Joint
 from symbody.model.joint_fields import (
     AS_CONSTRAINT,
@@ -18,8 +19,7 @@ from symbody.model.joint_fields import (
     PrescribedMotions,
     TreeMembership,
 )
-from symbody.model.turn import in_plane
-from symbody.model.uses import Triple
+from symbody.model.simple_rotation import in_plane
 
 
 @final

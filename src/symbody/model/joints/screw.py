@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import ClassVar, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.checker import need_value
 from symbody.model.element_fields import element
 from symbody.model.fields import Direction, Flag, Quantity
+from symbody.model.formula_site import Triple
 from symbody.model.joint import Joint, SimpleRotation
 from symbody.model.joint_fields import (
     AS_CONSTRAINT,
@@ -19,8 +19,8 @@ from symbody.model.joint_fields import (
     PrescribedAngle,
     TreeMembership,
 )
-from symbody.model.turn import shift_along, unit_axis
-from symbody.model.uses import Triple
+from symbody.model.numeric_checks import need_value
+from symbody.model.simple_rotation import shift_along, unit_axis
 
 
 @final

@@ -6,6 +6,7 @@ from typing import ClassVar, Literal, final
 
 from symbody.model.element_fields import element
 from symbody.model.fields import Direction, Flag
+from symbody.model.formula_site import Triple
 from symbody.model.joint import Joint, SimpleRotation
 from symbody.model.joint_fields import (
     AS_CONSTRAINT,
@@ -17,8 +18,7 @@ from symbody.model.joint_fields import (
     TreeMembership,
 )
 from symbody.model.joints.orientation import THREE_ANGLES, ThreeAngles, orientation_turns
-from symbody.model.turn import shift_along
-from symbody.model.uses import Triple
+from symbody.model.simple_rotation import shift_along
 
 
 @final

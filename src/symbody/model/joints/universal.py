@@ -18,7 +18,7 @@ from symbody.model.joint_fields import (
     PrescribedMotions,
     TreeMembership,
 )
-from symbody.model.turn import unit_axis
+from symbody.model.simple_rotation import unit_axis
 
 
 @final

@@ -9,11 +9,11 @@ from itertools import pairwise
 from typing import ClassVar, Final, Literal, TypeAlias, cast, final
 
 from symbody.expr.language.formula import Formula
+from symbody.model.arguments import ZERO, Arguments, Value
 from symbody.model.declaration import ElementPart, Field
-from symbody.model.door import ZERO, Arguments, Value
 from symbody.model.fields import Numbers, WordChoice, part
+from symbody.model.formula_site import FormulaSite, Scope
 from symbody.model.numbers import as_float, formula_value
-from symbody.model.uses import FormulaSite, Scope
 
 KINDS: Final[tuple[Literal["linear", "pchip"], ...]] = ("linear", "pchip")
 OUTSIDE: Final[tuple[Literal["hold", "slope"], ...]] = ("hold", "slope")

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import ClassVar, Final, final
 
-from symbody.model.checker import note_negative
+from symbody.model.arguments import Arguments
 from symbody.model.declaration import ElementPart
-from symbody.model.door import Arguments
 from symbody.model.element import Element
 from symbody.model.element_fields import AttachedFrame, Connection, element
 from symbody.model.fields import AngleQuantity, Quantity, VectorQuantity, part
+from symbody.model.formula_site import Scope
 from symbody.model.loads.curve import Curve, SpringLaw
-from symbody.model.uses import Scope
+from symbody.model.numeric_checks import note_negative
 
 # What the law of a spring between points may read beside the names of loads.
 LENGTH: Final = ("length", "length_rate")

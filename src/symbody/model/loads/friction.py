@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Final, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.checker import NumericChecks
+from symbody.model.arguments import Arguments
 from symbody.model.declaration import ElementPart
-from symbody.model.door import Arguments
 from symbody.model.fields import OptionalQuantity, Quantity, part
-from symbody.model.uses import Scope
+from symbody.model.formula_site import Scope
+from symbody.model.numeric_checks import NumericChecks
 
 # Constants of the joint; the others may change with the motion.
 _CONSTANT: Final = ("radius", "v0")

@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import ClassVar, Final, TypeAlias, final
 
 from symbody.expr.language.formula import Formula
-from symbody.model.checker import NumericChecks, note_negative
+from symbody.model.arguments import ZERO, Arguments, Value
 from symbody.model.declaration import Field
-from symbody.model.door import ZERO, Arguments, Value
 from symbody.model.element_fields import Connection, element
 from symbody.model.fields import AngleQuantity, Direction, Quantity
+from symbody.model.formula_site import FormulaSite, Scope, component_sites
 from symbody.model.loads.curve import SpringLaw
 from symbody.model.loads.forces import SpringDamper
-from symbody.model.uses import FormulaSite, Scope, component_sites
+from symbody.model.numeric_checks import NumericChecks, note_negative
 
 # What the law of a torsion spring may read beside the names of loads.
 ANGLE: Final = ("angle", "angle_rate")

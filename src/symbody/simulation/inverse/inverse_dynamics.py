@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from symbody.analysis.kinematics.follower import continuation
+from symbody.analysis.kinematics.continuation import continuation
 from symbody.analysis.scales import checked_scales
 from symbody.arguments import checked_arguments
 from symbody.codegen.compile import Value
@@ -26,7 +26,7 @@ from symbody.errors import Problem, UsageError, nearest
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
 from symbody.simulation.inputs.tables import Table
 from symbody.simulation.inverse.motion_laws import Motion, motion_laws
-from symbody.simulation.inverse.path import PrescribedStates, prescribe_motion
+from symbody.simulation.inverse.prescribed_motion import PrescribedStates, prescribe_motion
 from symbody.simulation.inverse.unknowns import InputSolver, influence
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.provenance import provenance_of

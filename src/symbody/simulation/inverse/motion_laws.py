@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
-from symbody.analysis.kinematics.follower import Law
+from symbody.analysis.kinematics.continuation import Law
 from symbody.codegen.compile import Value
 from symbody.errors import Problem, UsageError
 from symbody.expr.graph import Graph
 from symbody.expr.language.formula import Formula
 from symbody.expr.printing.text import to_text
 from symbody.expr.sympy_bridge import SympyExpr, from_sympy, is_expression
-from symbody.model.door import plain_value
+from symbody.model.arguments import plain_value
 from symbody.simulation.inputs.tables import Table
 
 # A function of time returns the coordinate, its rate and its acceleration.

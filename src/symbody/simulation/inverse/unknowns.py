@@ -22,7 +22,7 @@ from symbody.expr.calculus import derivative
 from symbody.expr.expression import Expr
 from symbody.expr.rewrite import symbols_of
 from symbody.simulation.inputs.input_laws import InputLaws
-from symbody.simulation.inverse.path import PrescribedMotion, PrescribedStates
+from symbody.simulation.inverse.prescribed_motion import PrescribedMotion, PrescribedStates
 from symbody.tolerances import AT_REST, BEARING, CANCELLED, DIFFERENCE, TINY
 
 Floats = NDArray[np.float64]

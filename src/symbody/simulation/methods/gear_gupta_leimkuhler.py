@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.projection import velocity_residual
+from symbody.equations.solving.drift_correction import velocity_residual
 from symbody.equations.solving.solution import substitute_solution
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol, SymbolKind

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.arguments import fits
-from symbody.equations.showing.units import Units
+from symbody.equations.outputs.units import Units
 from symbody.errors import EnvironmentFault, FormatError, Problem
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.native.dense_output import DenseOutput

@@ -13,7 +13,7 @@ from symbody.codegen.compile import Value
 from symbody.expr.language.formula import Formula
 from symbody.formats.native import model_from_toml, model_to_toml
 from symbody.graph.trees import Trees
-from symbody.model.door import plain_value
+from symbody.model.arguments import plain_value
 from symbody.simulation.inputs.tables import Table
 from symbody.simulation.results.provenance import Provenance
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.assembly import consistent_start
-from symbody.analysis.closure import ConstraintEvaluator
+from symbody.analysis.constraint_evaluator import ConstraintEvaluator
 from symbody.analysis.named_values import positions_and_rates, refuse_unknown
 from symbody.codegen.compile import Value, form_sequence, form_values
 from symbody.codegen.function import CompiledFunction

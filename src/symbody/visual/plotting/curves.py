@@ -10,7 +10,7 @@ from typing import Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.equations.showing.units import Units
+from symbody.equations.outputs.units import Units
 from symbody.errors import Problem, UsageError
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.visual.plotting.axis_labels import plain, printed_length, readable, shown_unit, typed_unit

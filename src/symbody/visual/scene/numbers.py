@@ -14,11 +14,11 @@ from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Constant, Graph, Symbol
 from symbody.expr.language.formula import Formula, build
 from symbody.expr.sequence import Input, Roots, build_sequence
-from symbody.model.door import Arguments, Value
+from symbody.model.arguments import Arguments, Value
 from symbody.model.model import Model
 from symbody.model.numbers import as_float, formula_value
 from symbody.model.parameters import dependence_order
-from symbody.model.turn import LETTERS, Axis
+from symbody.model.simple_rotation import LETTERS, Axis
 from symbody.visual.scene.scene import Floats
 
 # Quantities without a value are drawn as if they had this one.

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from symbody.errors import Problem, UsageError, nearest
 from symbody.formats.urdf.building.bodies import BodyPlan, ground_frame, plan_body, possible, symbol_names
-from symbody.formats.urdf.building.following import follow_leader, leader_law
+from symbody.formats.urdf.building.leaders import follow_leader, leader_law
 from symbody.formats.urdf.building.lumping import Lump, lump_links
 from symbody.formats.urdf.building.movable import (
     Moving,

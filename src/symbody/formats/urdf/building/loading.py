@@ -13,11 +13,11 @@ from symbody.formats.places import relocate
 from symbody.formats.reading import read_text
 from symbody.formats.urdf.building.conversion import Parts, convert_robot
 from symbody.formats.urdf.building.loops import NO_LOOPS, Loops, read_loops
-from symbody.formats.urdf.file.reading import robot_from_text
 from symbody.formats.urdf.file.robot import Robot
-from symbody.model.door import Value
+from symbody.formats.urdf.file.robot_reading import robot_from_text
+from symbody.model.arguments import Value
 from symbody.model.element import Element
-from symbody.model.lookup import element_labels
+from symbody.model.frame_index import element_labels
 from symbody.model.model import Model
 
 _ROBOT: Final = "robot"

@@ -18,13 +18,13 @@ from symbody.formats.toml_syntax import parse_toml
 from symbody.formats.urdf.building.bodies import BodyPlan, rotation
 from symbody.formats.urdf.building.conversion import Parts
 from symbody.formats.urdf.file.placement import FramePlacement, numeral
+from symbody.model.arguments import Value
 from symbody.model.body import Body
-from symbody.model.door import Value
 from symbody.model.element import Element
 from symbody.model.frame import Frame
+from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.model import KINDS
 from symbody.model.naming import GROUND
-from symbody.model.table import FrozenMapping
 
 _ADDRESSES: Final = ("on", "reaction_on", "resolved_in")
 _KINDS: Final = tuple(kind for kind in KINDS if kind != "body")

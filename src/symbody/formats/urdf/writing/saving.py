@@ -9,13 +9,13 @@ from xml.sax.saxutils import quoteattr
 
 from symbody.arguments import checked_arguments
 from symbody.errors import FormatError
-from symbody.formats.urdf.writing.hanging import Hung, hang_joints, unsupported_problems
 from symbody.formats.urdf.writing.poses import UrdfPose, frame_pose
+from symbody.formats.urdf.writing.tree_joints import Hung, hang_joints, unsupported_problems
 from symbody.formats.urdf.writing.values import Values
-from symbody.formats.urdf.writing.visuals import visual_lines
+from symbody.formats.urdf.writing.visual_lines import visual_lines
 from symbody.formats.writing import write_text
+from symbody.model.arguments import Value
 from symbody.model.body import Body
-from symbody.model.door import Value
 from symbody.model.element import FrameRef
 from symbody.model.model import Model
 from symbody.model.shapes import BodyShape

@@ -1,0 +1,217 @@
+"""`Balance`: the forces on a mechanism at rest, as functions of its configuration, with derivatives.
+
+At rest ``F(q, 0, r) + J^T lambda = 0`` and ``Phi(q) = 0``. For each configuration the multipliers, and inputs
+that are unknown, are those that leave the least of the forces; what is left is a function of q alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.constraint_evaluator import ConstraintEvaluator
+from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
+from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.function import CompiledFunction
+from symbody.equations.equation_set import EquationSet
+from symbody.expr.canonical import ZERO
+from symbody.expr.expression import Expr
+from symbody.expr.graph import TIME, Symbol, SymbolKind
+from symbody.expr.rewrite import substitute, symbols_of
+from symbody.expr.sequence import Roots
+from symbody.tolerances import BALANCED, BEARING, TINY
+
+Floats = NDArray[np.float64]
+
+_FORCES: Final = "rest forces"
+_SLOPES: Final = "rest slopes"
+_SHARES: Final = "rest shares"
+_CROSSING: Final = 1e-7  # of the largest term, where branches cross: as well as the place is known
+_ROUNDING: Final = 1e-13  # of the largest term of all equations
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StaticResidual:
+    """Forces and constraints that do not vanish at a configuration.
+
+    Attributes
+    ----------
+    q, inputs, multipliers : arrays
+        Where; the inputs are those unknown.
+    left : (n_u,) array
+        Unbalanced forces as work on unit displacements, in units of the largest term.
+    values, slopes : arrays
+        All equations that are to vanish, and their derivatives by q in units of sizes.
+    terms : (n_u,) array
+        Sums of absolute terms, which the forces are compared with.
+    shares : (n,) array
+        Singular values of what unit multipliers and unknown inputs do, over the largest.
+    bearing : int or None
+        The number of these that bear loads, if that is given.
+    """
+
+    q: Floats
+    inputs: Floats
+    multipliers: Floats
+    unbalanced: Floats
+    values: Floats
+    slopes: Floats
+    terms: Floats
+    shares: Floats
+    bearing: int | None
+
+    @property
+    def largest_gap(self) -> float:
+        """By how much the constraints are open, in sizes."""
+        return float(np.abs(self.values[self.unbalanced.size :]).max(initial=0.0))
+
+    @property
+    def merit(self) -> float:
+        """Norm of all equations."""
+        return float(np.linalg.norm(self.values))
+
+    @property
+    def is_balanced(self) -> bool:
+        """Whether the forces are in balance up to rounding."""
+        rounding = _ROUNDING if self.bearing is None else _CROSSING
+        return bool((np.abs(self.unbalanced) <= BALANCED * self.terms + rounding).all())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StaticBalance:
+    """Forces at rest.
+
+    Attributes
+    ----------
+    evaluator : Closure
+        The constraints as numbers.
+    function : CompiledFunction
+        Forces and their derivatives.
+    unknowns : int
+        Number of unknown inputs.
+    sizes : (n_u,) array
+        Size of displacements along each speed.
+    scales : (n_c,) array
+        Sizes of the constraints.
+    timed : bool
+        Whether the forces depend on time.
+    """
+
+    evaluator: ConstraintEvaluator
+    function: CompiledFunction
+    unknowns: int
+    sizes: Floats
+    scales: Floats
+    timed: bool
+
+    def largest_term(self, q: Floats) -> float:
+        """Return the largest of the terms that are to balance, as work [J]; 1 if there are none."""
+        terms = self._evaluate(q, np.zeros(self.unknowns), np.zeros(len(self.evaluator.eqs.multiplier_names)))
+        slopes = np.abs(terms[1]) * self.evaluator.sizes * self.sizes[:, np.newaxis]
+        forces = np.abs(terms[0]) * self.sizes
+        return max(float(slopes.max(initial=0.0)), float(forces.max(initial=0.0))) or 1.0
+
+    def residual(
+        self, q: Floats, inputs: Floats, largest: float, bearing: int | None = None
+    ) -> StaticResidual:
+        """Return the residual at a configuration, with the best multipliers and unknown inputs.
+
+        Parameters
+        ----------
+        largest : float
+            The unit of work [J].
+        bearing : int, optional
+            Number of singular values of the loads that count, the largest first; by default all but rounding.
+        """
+        none = np.zeros(len(self.evaluator.eqs.multiplier_names))
+        scale = self.sizes / largest
+        first = self._evaluate(q, inputs, none)
+        shares = np.hstack([first[3].T, first[2]]) * scale[:, np.newaxis]
+        weights = np.linalg.norm(shares, axis=0)
+        # Rows of J are of order 1 in their scales: one that is less is nearly none, as where branches cross.
+        weights[: none.size] = self.scales / largest
+        weights[weights == 0.0] = 1.0
+        is_finite = bool(np.isfinite(shares).all())
+        loads = _Loads(shares / weights if is_finite else np.zeros_like(shares), bearing)
+        fit = loads.fit(-first[0] * scale) / weights
+        multipliers, inputs = fit[: none.size], inputs + fit[none.size :]
+        found = self._evaluate(q, inputs, multipliers)
+        left = found[0] * scale if is_finite else np.full_like(scale, np.nan)
+        slopes = found[1] * scale[:, np.newaxis]
+        _, open_values, open_rows = self.evaluator.manifold().constraints(q)
+        rows = np.vstack([loads.project_out(slopes) * self.evaluator.sizes, open_rows])
+        values = np.concatenate([left, open_values])
+        with np.errstate(invalid="ignore"):  # where forces or constraints are not finite
+            terms = np.abs(shares) @ np.abs(fit) + np.abs(slopes) @ self.evaluator.sizes
+        return StaticResidual(q, inputs, multipliers, left, values, rows, terms, loads.shares, bearing)
+
+    def _evaluate(self, q: Floats, inputs: Floats, multipliers: Floats) -> Any:
+        """Return forces, their derivatives by q and by unknown inputs, and J."""
+        still = np.zeros(len(self.evaluator.eqs.speed_names))
+        return self.function(self.evaluator.t, q, still, np.concatenate([inputs, multipliers]))
+
+
+def static_balance(evaluator: ConstraintEvaluator, unknowns: Sequence[str]) -> StaticBalance:
+    """Return the forces at rest of the equations of an evaluator; `unknowns` are inputs."""
+    eqs = evaluator.eqs
+    given: dict[str, Value] = {
+        name: evaluator.inputs.get(name, 0) for name in eqs.input_names if name not in unknowns
+    }
+    symbols = [symbol for symbol in eqs.formed.inputs if symbol.name in unknowns]
+    forces, pulls = _forces(eqs, given)
+    roots = [
+        Roots(_FORCES, (len(forces),), tuple(forces)),
+        partial_derivatives(eqs, _SLOPES, forces, eqs.formed.q),
+        partial_derivatives(eqs, _SHARES, forces, symbols),
+    ]
+    wider = with_outputs(eqs, roots, pulls)
+    words = (_FORCES, _SLOPES, _SHARES, "jacobian")
+    function = CompiledFunction(*form_sequence(wider, words, evaluator.parameters, (), given))
+    graph = eqs.formed.graph
+    timed = graph.symbol(TIME) in symbols_of(graph, [*forces, *eqs.roots("constraints").nodes])
+    return StaticBalance(
+        evaluator, function, len(symbols), evaluator.speed_sizes, evaluator.mechanism.constraints(eqs), timed
+    )
+
+
+def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], dict[str, Symbol]]:
+    """Return ``F + J^T lambda`` without friction, which is 0 at rest, and the symbols of the multipliers."""
+    formed, graph = eqs.formed, eqs.formed.graph
+    pulls = {
+        f"rest lambda {k}": Symbol(f"rest lambda {k}", SymbolKind.INPUT) for k in range(len(formed.rows))
+    }
+    rows, multipliers = formed.jacobian, formed.expressions(tuple(pulls.values()))
+    totals = []
+    for i, force in enumerate(formed.dynamics.forcing):
+        total = force
+        for row, pull in zip(rows, multipliers, strict=True):
+            total = total + row[i] * pull
+        totals.append(total.index)
+    quiet = {law.effort.index: ZERO for law in formed.friction}
+    quiet |= {Expr(graph, graph.symbol(speed)).index: ZERO for speed in formed.u}
+    return substitute(graph, with_laws(eqs, totals, given), quiet), pulls
+
+
+class _Loads:
+    """Generalized forces of unit multipliers and unknown inputs, as columns, by singular values."""
+
+    def __init__(self, columns: Floats, bearing: int | None) -> None:
+        self._left, singular, self._right = np.linalg.svd(columns, full_matrices=False)
+        self.shares = np.asarray(singular / singular.max(initial=TINY))
+        least = BEARING if bearing is None else _ROUNDING
+        self._count = min(int((self.shares > least).sum()), len(self.shares) if bearing is None else bearing)
+        self._singular = singular[: self._count]
+
+    def fit(self, forces: Floats) -> Floats:
+        """Return the least loads that come nearest to some forces."""
+        k = self._count
+        return np.asarray(self._right[:k].T @ ((self._left[:, :k].T @ forces) / self._singular))
+
+    def project_out(self, rows: Floats) -> Floats:
+        """Return the part of rows that no loads balance."""
+        kept = self._left[:, : self._count]
+        return np.asarray(rows - kept @ (kept.T @ rows))

@@ -1,0 +1,82 @@
+"""Motion of one frame relative to another: position, velocity, acceleration, orientation, angular motion."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from symbody.equations.equations_of_motion import EquationsOfMotion
+from symbody.equations.outputs.output_words import output_words
+from symbody.errors import FormulationError, Problem
+from symbody.expr.expression import Expr
+from symbody.spatial.vector import Vector, components, cross
+
+KINDS: Final = ("r", "v", "vdot", "R", "w", "wdot")
+
+
+def motion_vector(formed: EquationsOfMotion, kind: str, end: str, reference: str) -> Vector:
+    """Return a vector of the motion of `end` relative to `reference`, time derivatives as seen from it.
+
+    Parameters
+    ----------
+    kind : str
+        "r" position of the origin, "v" and "vdot" its first and second rate, "w" and "wdot" angular velocity
+        and its rate; with u' as symbols.
+    """
+    kinematics = formed.kinematics
+    w = kinematics.angular_velocities
+    if kind in ("w", "wdot"):
+        turning = w[end].value - w[reference].value
+        return turning if kind == "w" else kinematics.derivative(turning, reference)
+    arm = kinematics.position(reference, end)
+    if kind == "r":
+        return arm
+    velocity = kinematics.velocities[end].value - kinematics.velocities[reference].value
+    velocity = velocity - cross(kinematics.tree, w[reference].value, arm)
+    return velocity if kind == "v" else kinematics.derivative(velocity, reference)
+
+
+def frame_motion_entries(
+    formed: EquationsOfMotion, kind: str, end: str, reference: str = "ground", resolved_in: str = "ground"
+) -> tuple[tuple[int, ...], list[Expr]]:
+    """Return the shape and entries of a motion; "R" is the rotation matrix from `end` to `reference`.
+
+    Raises
+    ------
+    FormulationError
+        If the kind or a frame is unknown.
+    """
+    if kind not in KINDS:
+        raise FormulationError(
+            Problem("equations.unknown_motion", f"frame {kind}", f"{kind!r} is no kind of motion", "",
+                    f"write one of {', '.join(KINDS)}")
+        )  # fmt: skip
+    end, reference, resolved_in = (formed.frame(name) for name in (end, reference, resolved_in))
+    tree = formed.kinematics.tree
+    if kind == "R":
+        return (3, 3), [entry for row in tree.matrix(reference, end) for entry in row]
+    return (3,), list(components(tree, motion_vector(formed, kind, end, reference), resolved_in))
+
+
+def frame_output(formed: EquationsOfMotion, text: str) -> tuple[tuple[int, ...], list[Expr]]:
+    """Return the output "frame KIND END REF IN" or "frame R END IN"; with " x" or " xy" behind, one entry."""
+    frames = formed.kinematics.velocities
+    words = output_words(text, frames)
+    is_entry = len(words) > 2 and set(words[-1]) <= set("xyz") and words[-1] not in frames
+    entry = words.pop() if is_entry else ""
+    if not 2 <= len(words) <= (3 if words[0] == "R" else 4):
+        raise FormulationError(
+            Problem("equations.frame_words", f"frame {text}", f"{text!r} does not name a motion",
+                    "a motion is named by its kind and its frames",
+                    'write "frame r END REFERENCE RESOLVED_IN" or "frame R END REFERENCE"')
+        )  # fmt: skip
+    shape, values = frame_motion_entries(formed, *words)
+    if not entry:
+        return shape, values
+    places = ["xyz".index(letter) for letter in entry]
+    if len(places) != len(shape):
+        raise FormulationError(
+            Problem("equations.frame_entry", f"frame {text}", f"{entry!r} names no entry",
+                    f"the motion has {len(shape)} ind{'ex' if len(shape) == 1 else 'ices'}",
+                    'end with "x" for a vector, "xy" for a matrix')
+        )  # fmt: skip
+    return (), [values[places[0] if len(places) == 1 else 3 * places[0] + places[1]]]

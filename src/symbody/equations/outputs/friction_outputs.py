@@ -1,0 +1,61 @@
+"""Outputs about friction: its effort, the reaction it comes from, how far sticking is from its end."""
+
+from __future__ import annotations
+
+from symbody.equations.equations_of_motion import EquationsOfMotion
+from symbody.equations.loads.friction import FrictionLaw
+from symbody.equations.outputs.output_words import output_words
+from symbody.equations.solving.solution import resistance
+from symbody.errors import FormulationError, Problem, nearest
+from symbody.expr.expression import Expr, symbol
+from symbody.expr.graph import Symbol, SymbolKind
+from symbody.expr.opcodes import ABS
+
+
+def friction_effort(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+    """Return the output "friction J": the effort on the end body along the positive coordinate."""
+    _, law = _find_law(formed, rest)
+    return (), [_effort(law)]
+
+
+def friction_normal(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+    """Return the output "friction_normal J": the magnitude of the reaction that friction comes from."""
+    k, _ = _find_law(formed, rest)
+    return (), [resistance(formed).normals[k]]
+
+
+def friction_reserve(formed: EquationsOfMotion, rest: str) -> tuple[tuple[int, ...], list[Expr]]:
+    """Return the output "friction_reserve J": the effort up to which it sticks, less the present one."""
+    k, law = _find_law(formed, rest)
+    return (), [law.limit * resistance(formed).normals[k] - _effort(law).apply(ABS)]
+
+
+def friction_names(formed: EquationsOfMotion) -> tuple[str, ...]:
+    """Return the joints with friction."""
+    return tuple(law.joint.name for law in formed.friction)
+
+
+def _effort(law: FrictionLaw) -> Expr:
+    return (
+        symbol(law.rate.graph, Symbol(law.holding_effort, SymbolKind.MULTIPLIER))
+        if law.sticks
+        else law.effort
+    )
+
+
+def _find_law(formed: EquationsOfMotion, text: str) -> tuple[int, FrictionLaw]:
+    """Return the law that a name means, and its place.
+
+    Raises
+    ------
+    FormulationError
+        If there is none, with the nearest names.
+    """
+    names = friction_names(formed)
+    words = output_words(text, names)
+    if len(words) == 1 and words[0] in names:
+        return names.index(words[0]), formed.friction[names.index(words[0])]
+    raise FormulationError(
+        Problem("equations.unknown_friction", f"friction {text}", f"there is no joint {text!r} with friction",
+                "", nearest(text, names))
+    )  # fmt: skip

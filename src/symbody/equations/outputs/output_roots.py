@@ -1,0 +1,246 @@
+"""Outputs by name: the roots behind every word that compile, generate_code and results accept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Final
+
+from symbody.equations.equations_of_motion import EquationsOfMotion
+from symbody.equations.outputs.derivative_outputs import (
+    derivative_roots,
+    differentiate_output,
+    parse_derivative,
+)
+from symbody.equations.outputs.frame_motion import frame_output
+from symbody.equations.outputs.friction_outputs import (
+    friction_effort,
+    friction_names,
+    friction_normal,
+    friction_reserve,
+)
+from symbody.equations.outputs.joint_outputs import effort_names, joint_effort, reaction_output, total_power
+from symbody.equations.outputs.rope_outputs import ROPE_OUTPUTS
+from symbody.equations.solving.drift_correction import (
+    position_move,
+    position_residual,
+    velocity_move,
+    velocity_residual,
+)
+from symbody.equations.solving.ropes import ropes
+from symbody.equations.solving.self_stress import substitute_shares
+from symbody.equations.solving.slopes import inverse_dynamics
+from symbody.equations.solving.solution import resistance, solve, substitute_solution
+from symbody.errors import ExpressionError, FormulationError, Problem, nearest
+from symbody.expr.expression import Expr
+from symbody.expr.graph import Symbol, SymbolKind
+from symbody.expr.language.formula import Formula
+from symbody.expr.rewrite import symbols_of
+from symbody.expr.sequence import Roots
+
+
+def output_roots(formed: EquationsOfMotion, name: str) -> Roots:
+    """Return the roots of the output `name`.
+
+    Reserved words come first, then derivatives, "effort J", then symbols and expressions in them;
+    parentheses reach a symbol that bears a reserved word's name. In expressions, outputs stand in single
+    quotes: ``sqrt('reaction A Fx'^2 + 'reaction A Fy'^2)``.
+
+    Raises
+    ------
+    FormulationError
+        If the name means nothing, with the nearest names.
+    """
+    maker = OUTPUTS.get(name)
+    if maker is not None:
+        return maker(formed)
+    asked = parse_derivative(name)
+    if asked is not None:
+        return derivative_roots(formed, name, asked, evaluable_roots(formed, asked.output))
+    measured = formed.loads.measures.get(name.replace('"', ""))
+    if measured is not None:
+        return _roots(name, (), [measured])
+    first, _, rest = name.partition(" ")
+    if first in OUTPUTS_BY_NAME and rest:
+        shape, values = OUTPUTS_BY_NAME[first](formed, rest)
+        return _roots(name, shape, substitute_solution(formed, substitute_shares(formed, values)))
+    try:
+        formula = Formula.from_value(name, has_outputs=True)
+        value = formed.readable_names.expression(formula, outputs=partial(_quoted_output, formed, formula))
+    except (ExpressionError, FormulationError) as error:
+        words = [*output_names(formed), *formed.names.symbols]
+        fault = error.problems[0]
+        cure = fault.fix if fault.code == "equations.quoted_output" else nearest(name, words)
+        raise FormulationError(
+            Problem("equations.unknown_output", name, f"{name!r} is neither an output nor an expression",
+                    fault.what, cure)
+        ) from error  # fmt: skip
+    _check_is_measured(formed, name, value)
+    return _roots(name, (), substitute_solution(formed, [value]))
+
+
+def _quoted_output(formed: EquationsOfMotion, formula: Formula, name: str, column: int) -> int:
+    """Return the node of an output that stands in quotes in a formula.
+
+    Raises
+    ------
+    ExpressionError
+        If there is no such output, or it is not a number.
+    """
+    try:
+        roots = output_roots(formed, name)
+    except FormulationError as error:
+        fault = error.problems[0]
+        raise ExpressionError(
+            formula.problem("equations.quoted_output", column, fault.what, fault.why, fault.fix)
+        ) from error
+    if roots.shape:
+        raise ExpressionError(
+            formula.problem(
+                "equations.quoted_output", column, f"{name!r} is no number: its shape is {roots.shape}", "",
+                "name one component, such as 'reaction A Fx' or 'frame r P ground ground x'",
+            )
+        )  # fmt: skip
+    return roots.nodes[0]
+
+
+def _check_is_measured(formed: EquationsOfMotion, name: str, value: Expr) -> None:
+    """Refuse a coordinate that is neither a variable nor measured: a quaternion of a cut joint."""
+    graph = formed.graph
+    known = {symbol.name for symbol in (*formed.q, *formed.u)}
+    symbols = (graph.symbols[graph.left[node]] for node in symbols_of(graph, [value.index]))
+    unknown = [
+        s.name for s in symbols if s.kind in (SymbolKind.COORDINATE, SymbolKind.SPEED) and s.name not in known
+    ]
+    if unknown:
+        raise FormulationError(
+            Problem("equations.not_measured", name, f"{', '.join(unknown)} cannot be measured",
+                    "the joint is cut, and a quaternion or its speeds need a choice of sign and axes",
+                    "put the joint into the rotation tree, give it angles, or ask for frame R or w")
+        )  # fmt: skip
+
+
+def evaluable_roots(formed: EquationsOfMotion, name: str) -> Roots:
+    """Return the roots of an output without unknown friction efforts, which formulas for reading keep."""
+    roots = output_roots(formed, name)
+    if not formed.friction or parse_derivative(name) is not None:
+        return roots
+    found = substitute_solution(formed, [Expr(formed.graph, node) for node in roots.nodes])
+    return _roots(name, roots.shape, found)
+
+
+def code_roots(formed: EquationsOfMotion, name: str) -> Roots:
+    """Return the roots of an output to be compiled: derivatives of trees with many columns side by side."""
+    asked = parse_derivative(name)
+    if asked is None:
+        return evaluable_roots(formed, name)
+    return derivative_roots(formed, name, asked, evaluable_roots(formed, asked.output), side_by_side=True)
+
+
+def output_names(formed: EquationsOfMotion) -> tuple[str, ...]:
+    """Return the reserved output names of these equations; those of frames are made on demand."""
+    links = (*formed.topology.joints, *formed.topology.contacts.values())
+    reactions = (f"reaction {link.name}" for link in links)
+    efforts = (f"effort {name}" for name in effort_names(formed))
+    friction = (f"friction {name}" for name in friction_names(formed))
+    tensions = (f"rope_tension {name}" for name in ropes(formed))
+    return (*OUTPUTS, *efforts, *friction, *tensions, *reactions, *formed.loads.measures)
+
+
+def _udot(formed: EquationsOfMotion) -> list[Expr]:
+    return solve(formed)[0]
+
+
+def _qdot(formed: EquationsOfMotion) -> list[Expr]:
+    rates = formed.variables.rates
+    return [Expr(formed.graph, rates[q.index]) for q in formed.expressions(formed.q)]
+
+
+def _states(formed: EquationsOfMotion) -> tuple[Symbol, ...]:
+    return (*formed.u, *formed.q)
+
+
+def _slopes(formed: EquationsOfMotion, by: Sequence[Symbol]) -> list[list[Expr]]:
+    """Return the derivatives of x' = (u', q') by symbols, all others held fixed."""
+    return differentiate_output(formed, "xdot", [rate.index for rate in (*_udot(formed), *_qdot(formed))], by)
+
+
+def _roots(name: str, shape: tuple[int, ...], values: Sequence[Expr]) -> Roots:
+    return Roots(name, shape, tuple(value.index for value in values))
+
+
+def _vector(
+    name: str, compute: Callable[[EquationsOfMotion], Sequence[Expr]]
+) -> Callable[[EquationsOfMotion], Roots]:
+    def make(formed: EquationsOfMotion) -> Roots:
+        values = compute(formed)
+        return _roots(name, (len(values),), values)
+
+    return make
+
+
+def _scalar(name: str, compute: Callable[[EquationsOfMotion], Expr]) -> Callable[[EquationsOfMotion], Roots]:
+    return lambda formed: _roots(name, (), [compute(formed)])
+
+
+def _matrix(
+    name: str,
+    compute: Callable[[EquationsOfMotion], Sequence[Sequence[Expr]]],
+    columns: Callable[[EquationsOfMotion], Sequence[Symbol]] = lambda formed: formed.u,
+) -> Callable[[EquationsOfMotion], Roots]:
+    def make(formed: EquationsOfMotion) -> Roots:
+        rows = compute(formed)
+        return _roots(name, (len(rows), len(columns(formed))), [entry for row in rows for entry in row])
+
+    return make
+
+
+def _bias(formed: EquationsOfMotion) -> list[Expr]:
+    return [-force for force in formed.dynamics.forcing]
+
+
+# Outputs about constraints are empty for a tree without any, but they exist, with their shapes.
+OUTPUTS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
+    "udot": _vector("udot", _udot),
+    "qdot": _vector("qdot", _qdot),
+    "xdot": _vector("xdot", lambda formed: [*_udot(formed), *_qdot(formed)]),
+    "A": _matrix("A", lambda formed: _slopes(formed, _states(formed)), lambda formed: _states(formed)),
+    "B": _matrix("B", lambda formed: _slopes(formed, formed.inputs), lambda formed: formed.inputs),
+    "lambda": _vector("lambda", lambda formed: solve(formed)[1]),
+    "mass_matrix": _matrix("mass_matrix", lambda formed: formed.dynamics.mass_matrix),
+    "forcing": _vector("forcing", lambda formed: formed.dynamics.forcing),
+    "bias": _vector("bias", _bias),
+    "inverse_dynamics": _vector("inverse_dynamics", inverse_dynamics),
+    "kinetic_energy": _scalar("kinetic_energy", lambda formed: formed.kinetic_energy),
+    "potential_energy": _scalar("potential_energy", lambda formed: formed.potential_energy),
+    "energy": _scalar("energy", lambda formed: formed.kinetic_energy + formed.potential_energy),
+    "power": _scalar("power", lambda formed: substitute_solution(formed, [total_power(formed)])[0]),
+    "constraints": _vector("constraints", lambda formed: [row.value for row in formed.holonomic]),
+    "velocity_constraints": _vector("velocity_constraints", velocity_residual),
+    "gamma": _vector("gamma", lambda formed: [row.gamma for row in formed.rows]),
+    "jacobian": _matrix("jacobian", lambda formed: formed.jacobian),
+    "position_jacobian": _matrix(
+        "position_jacobian", lambda formed: formed.position_jacobian, lambda formed: formed.q
+    ),
+    # for integrators of a user's own: the drift, and the move that takes it back
+    "position_residual": _vector("position_residual", position_residual),
+    "position_move": _vector("position_move", position_move),
+    "velocity_residual": _vector("velocity_residual", velocity_residual),
+    "velocity_move": _vector("velocity_move", velocity_move),
+    # joint by joint: the residual is 0 where friction fits the reactions, the margin positive where both are
+    # determined
+    "friction_residual": _vector("friction_residual", lambda formed: resistance(formed).residuals),
+    "friction_margin": _vector("friction_margin", lambda formed: resistance(formed).margins),
+    "alignment": _vector("alignment", lambda formed: list(formed.alignments)),
+}
+
+# Words followed by names.
+OUTPUTS_BY_NAME: Final[dict[str, Callable[[EquationsOfMotion, str], tuple[tuple[int, ...], list[Expr]]]]] = {
+    "friction": friction_effort,
+    "friction_normal": friction_normal,
+    "friction_reserve": friction_reserve,
+    **ROPE_OUTPUTS,
+    "effort": lambda formed, rest: ((), [joint_effort(formed, rest)]),
+    "reaction": reaction_output,
+    "frame": frame_output,
+}

@@ -1,0 +1,197 @@
+"""The equations as formulas: SymPy matrices in the form in which books print them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Final, NamedTuple
+
+from symbody.equations.equations_of_motion import EquationsOfMotion
+from symbody.equations.outputs.agreement import check_dynamics, check_rewriting
+from symbody.equations.outputs.frame_motion import frame_motion_entries
+from symbody.equations.outputs.joint_outputs import reaction_axes, reaction_wrench
+from symbody.equations.outputs.output_roots import output_roots
+from symbody.errors import FormulationError, Problem
+from symbody.expr.closed_form import ClosedForms, closed_forms, equations_between, readable
+from symbody.expr.expression import Expr
+from symbody.expr.graph import Graph
+from symbody.expr.printing.definitions import EXPAND_LIMIT
+from symbody.expr.rewrite import tree_sizes
+from symbody.expr.sequence import Roots
+from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
+from symbody.single_flight import SingleFlight
+from symbody.spatial.vector import components
+
+# Equations in more speeds than this are printed on request only.
+MOST_SPEEDS: Final = 8
+
+# The outputs that properties show as formulas.
+_SHOWN: Final = (
+    "mass_matrix", "forcing", "constraints", "velocity_constraints", "jacobian", "position_jacobian",
+    "kinetic_energy", "potential_energy", "qdot",
+)  # fmt: skip
+# The two sides of the equations of motion, and q' itself.
+_SIDES: Final = ("inertial", "driving", "rates")
+
+
+class Reaction(NamedTuple):
+    """A reaction as (3, 1) matrices: force [N], moment [N m]."""
+
+    force: SympyMatrix
+    moment: SympyMatrix
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Textbook:
+    """Formulas of one set of equations; all entries share one list of definitions.
+
+    Attributes
+    ----------
+    formed : EquationsOfMotion
+        The equations in the expression graph.
+    """
+
+    formed: EquationsOfMotion
+    # Made on first request; pure functions of `formed`, so they cannot go stale.
+    _roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
+    _agreement: SingleFlight[None, None] = field(default_factory=SingleFlight, repr=False)
+    _matrices: SingleFlight[str, SympyMatrix] = field(default_factory=SingleFlight, repr=False)
+    _closed: SingleFlight[None, ClosedForms] = field(default_factory=SingleFlight, repr=False)
+
+    def matrix(self, name: str) -> SympyMatrix:
+        """Return an output; written out if it is short, else in the symbols of `definitions`."""
+
+        def write() -> SympyMatrix:
+            if self._is_long(name):
+                return self._long.matrices[name]
+            return closed_forms(self.formed.graph, [self.side(name)], EXPAND_LIMIT).matrices[name]
+
+        return self._matrices.get(name, write).copy()
+
+    def derivatives(self, name: str) -> SympyMatrix:
+        """Return an output that is not among those shown together.
+
+        Raises
+        ------
+        FormulationError
+            If it is too long to be written out.
+        """
+        if self._is_long(name):
+            raise FormulationError(
+                Problem("equations.too_long", name, f"{name} takes more than {EXPAND_LIMIT} operations", "",
+                        f"compile(eqs, {name!r}) computes it, generate_code(eqs, {name!r}) writes it")
+            )  # fmt: skip
+        return self.matrix(name)
+
+    def equations(self, left: str, right: str) -> list[SympyEquation]:
+        """Return ``left = right``, entry by entry, unevaluated."""
+        return equations_between(self.matrix(left), self.matrix(right))
+
+    @property
+    def definitions(self) -> tuple[tuple[SympyExpr, SympyExpr], ...]:
+        """Pairs (z1, expression), ... that long formulas are written in, each by earlier ones."""
+        return self._long.definitions if any(map(self._is_long, _SHOWN + _SIDES)) else ()
+
+    @property
+    def _long(self) -> ClosedForms:
+        """All long formulas together, so that they share one list of definitions."""
+
+        def write() -> ClosedForms:
+            names = [name for name in _SHOWN + _SIDES if self._is_long(name)]
+            outputs = [self.side(name) for name in names]
+            return closed_forms(self.formed.graph, outputs, EXPAND_LIMIT)
+
+        return self._closed.get(None, write)
+
+    def _is_long(self, name: str) -> bool:
+        return max(tree_sizes(self.formed.graph, self.side(name).nodes), default=0) > EXPAND_LIMIT
+
+    def side(self, name: str) -> Roots:
+        """Return an output, or a side of the equations, in the form in which people read it."""
+        if name in _SIDES:
+            graph = self.formed.graph
+            rates = tuple(graph.symbol(symbol.derivative) for symbol in self.formed.q)
+            return {"inertial": self.inertial_side, "driving": self.forcing_side}.get(
+                name, Roots(name, (len(rates),), rates)
+            )
+        return self.readable(name)
+
+    def readable(self, name: str) -> Roots:
+        """Return the roots of an output in the form in which people read it; the same values.
+
+        Raises
+        ------
+        FormulationError
+            If it is not what is computed; see `agreement`.
+        """
+
+        def rewrite() -> Roots:
+            if name in ("mass_matrix", "forcing"):
+                self._agreement.get(None, partial(check_dynamics, self.formed))
+            roots = output_roots(self.formed, name)
+            return self._rewrite(name, roots.shape, roots.nodes)
+
+        return self._roots.get(name, rewrite)
+
+    def _rewrite(self, name: str, shape: tuple[int, ...], nodes: Sequence[int]) -> Roots:
+        formulas = readable(self.formed.graph, nodes, self.formed.variables.quaternions)
+        check_rewriting(self.formed, name, nodes, formulas)
+        return Roots(name, shape, tuple(formulas))
+
+    @property
+    def inertial_side(self) -> Roots:
+        """``M u'`` in the expression graph, one root a speed."""
+        graph, n = self.formed.graph, len(self.formed.u)
+        accelerations = self.formed.expressions(tuple(symbol.derivative for symbol in self.formed.u))
+        mass = [Expr(graph, node) for node in self.readable("mass_matrix").nodes]
+        rows = [_sum_of_products(graph, mass[i * n : i * n + n], accelerations).index for i in range(n)]
+        return Roots("inertial", (n,), tuple(rows))
+
+    @property
+    def forcing_side(self) -> Roots:
+        """``F + J^T lambda`` in the expression graph, one root a speed."""
+        graph, n = self.formed.graph, len(self.formed.u)
+        multipliers = self.formed.expressions(self.formed.multipliers)
+        jacobian = [Expr(graph, node) for node in self.readable("jacobian").nodes]
+        forcing = self.readable("forcing").nodes
+        rows = [
+            (Expr(graph, forcing[i]) + _sum_of_products(graph, jacobian[i::n], multipliers)).index
+            for i in range(n)
+        ]
+        return Roots("driving", (n,), tuple(rows))
+
+    @property
+    def norms(self) -> tuple[SympyExpr, ...]:
+        """The squared norms of the quaternions."""
+        graph = self.formed.graph
+        quaternions = self.formed.variables.quaternions
+        values = [[Expr(graph, node) for node in nodes] for nodes in quaternions]
+        return tuple(to_sympy(graph, [_sum_of_products(graph, four, four).index for four in values]))
+
+    def frame_motion(self, kind: str, end: str, reference: str, resolved_in: str) -> SympyMatrix:
+        """Return a motion as a matrix; see `EquationSet.frame_motion`."""
+        shape, values = frame_motion_entries(self.formed, kind, end, reference, resolved_in)
+        return self._matrix(f"frame {kind}", (3, 1) if shape == (3,) else shape, values)
+
+    def reaction(self, joint: str, on: str, at: str, frame: str) -> Reaction:
+        """Return a reaction as matrices; see `EquationSet.reaction`."""
+        wrench = reaction_wrench(self.formed, joint, on, at)
+        tree = self.formed.kinematics.tree
+        axes = self.formed.frame(frame) if frame else reaction_axes(self.formed, joint)
+        entries = [*components(tree, wrench.force, axes), *components(tree, wrench.moment, axes)]
+        force = self._matrix("force", (3, 1), entries[:3])
+        moment = self._matrix("moment", (3, 1), entries[3:])
+        return Reaction(force, moment)
+
+    def _matrix(self, name: str, shape: tuple[int, ...], values: Sequence[Expr]) -> SympyMatrix:
+        graph = self.formed.graph
+        roots = self._rewrite(name, shape, [value.index for value in values])
+        return closed_forms(graph, [roots], EXPAND_LIMIT).matrices[name]
+
+
+def _sum_of_products(graph: Graph, row: Sequence[Expr], column: Sequence[Expr]) -> Expr:
+    total = Expr(graph, 0)
+    for a, b in zip(row, column, strict=True):
+        total = total + a * b
+    return total

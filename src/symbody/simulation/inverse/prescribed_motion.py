@@ -1,0 +1,170 @@
+"""The prescribed motion: positions by continuation, speeds and accelerations exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.assembly import assemble
+from symbody.analysis.kinematics.continuation import Continuation
+from symbody.analysis.kinematics.driven import element_of
+from symbody.analysis.redundancy import redundancy
+from symbody.analysis.scales import Scales, mechanism_scales
+from symbody.codegen.compile import Value
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import AssemblyError, Problem, SimulationError, SymbodyError, UsageError
+
+Floats = NDArray[np.float64]
+
+_CONSISTENT: Final = 1e-7  # of the largest term: positions are good to 1e-12 and times may be long
+
+
+class PrescribedStates(NamedTuple):
+    """A motion at times: q (n_q, N), u and udot (n_u, N)."""
+
+    t: Floats
+    q: Floats
+    u: Floats
+    udot: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PrescribedMotion:
+    """A mechanism with a motion of its driven coordinates, and its first position."""
+
+    eqs: EquationSet
+    continuation: Continuation
+    parameters: Mapping[str, Value]
+    scales: Scales
+    first: Floats
+
+    def samples(self, times: Floats) -> PrescribedStates:
+        """Return the motion at times.
+
+        Raises
+        ------
+        UsageError
+            If the motion leaves freedoms.
+        SimulationError
+            If the motion contradicts the constraints, or leads out of reach, naming time and joint.
+        """
+        first = self.continuation.correct(float(times[0]), self.first)
+        q = self.first if first is None else first
+        states = []
+        for k, t in enumerate(times.tolist()):
+            if k:
+                reached, q = self.continuation.follow(float(times[k - 1]), q, t)
+                if reached != t:
+                    raise SimulationError(self._reach_problem(reached, t, q))
+            u, udot = self.motion(t, q)
+            states.append((q, u, udot))
+        columns = [np.array([one[k] for one in states]).T for k in range(3)]
+        return PrescribedStates(times, *columns)
+
+    def motion(self, t: float, q: Floats) -> tuple[Floats, Floats]:
+        """Return speeds and accelerations at a position.
+
+        Raises
+        ------
+        UsageError
+            If the driven coordinates leave freedoms.
+        SimulationError
+            If they contradict the constraints, or each other.
+        """
+        follower = self.continuation
+        still = np.zeros(len(self.eqs.speed_names))
+        jacobian, rate, _ = follower.rows(t, q, still)
+        basis = follower.freedoms(jacobian)
+        if basis.shape[1]:
+            raise UsageError(self._freedoms_left(t, q, basis * follower.speed_sizes[:, np.newaxis]))
+        u, error = follower.solve(jacobian, rate)
+        self._check(t, "speeds", error, rate)
+        jacobian, _, acceleration = follower.rows(t, q, u)
+        udot, error = follower.solve(jacobian, acceleration)
+        self._check(t, "accelerations", error, acceleration)
+        return u, udot
+
+    def _check(self, t: float, what: str, error: float, demanded: Floats) -> None:
+        largest = float(np.abs(demanded / self.continuation.scales).max(initial=0.0))
+        natural = self.continuation.time ** (-2 if what == "accelerations" else -1)
+        if error <= _CONSISTENT * (natural + largest):
+            return
+        driven = ", ".join(self.continuation.driven)
+        raise SimulationError(
+            Problem("inverse.motion_conflict", f"motion {driven}",
+                    f"at t = {t:.9g} s no {what} of the mechanism have the prescribed motion; it misses by "
+                    f"{error:.3g} of the mechanism's size",
+                    "the driven coordinates depend on each other, or the mechanism stands in a singular "
+                    "position", "drive fewer coordinates, or motions that fit the constraints")
+        )  # fmt: skip
+
+    def _freedoms_left(self, t: float, q: Floats, basis: Floats) -> Problem:
+        """Return the refusal of a motion that leaves freedoms, with their number and speeds."""
+        names, left = self.eqs.speed_names, basis.copy()
+        speeds = []
+        for _ in range(basis.shape[1]):
+            scaled = np.linalg.norm(left / self.continuation.speed_sizes[:, np.newaxis], axis=1)
+            k = int(scaled.argmax())
+            speeds.append(names[k])
+            row = left[k] / np.linalg.norm(left[k])
+            left = left - np.outer(left @ row, row)
+        count, driven = basis.shape[1], ", ".join(self.continuation.driven) or "nothing"
+        near = dict(zip(self.eqs.coordinate_names, q, strict=True))
+        generic = redundancy(self.eqs, self.parameters, near, scales=self.scales.sizes)
+        if len(self.continuation.driven) >= generic.degrees_of_freedom:
+            why = "the mechanism stands in a singular position, at which the driven coordinates do not tell"
+            fix = "ask for times beside it, or drive another coordinate"
+        else:
+            why = f"it has {generic.degrees_of_freedom} freedoms, and driven are {driven}"
+            fix = "give motions of further coordinates, or sb.simulate with the inputs"
+        word = "freedom is" if count == 1 else "freedoms are"
+        return Problem("inverse.freedoms_left", "motion",
+                       f"at t = {t:.9g} s {count} {word} left: {', '.join(speeds)}", why, fix)  # fmt: skip
+
+    def _reach_problem(self, reached: float, t: float, q: Floats) -> Problem:
+        """Return the refusal of a motion that cannot go on, with time and joint."""
+        joint = self.continuation.blocking_joint(reached, q)
+        coordinates = dict(zip(self.eqs.coordinate_names, q.tolist(), strict=True))
+        try:
+            assemble(self.eqs, self.continuation.driven_values(t), coordinates, self.parameters, None, t)
+            why = "at the next time the mechanism closes again, but no motion leads there"
+        except AssemblyError as error:
+            why = f"at t = {t:.9g} s {error.problems[0].what}"
+        except SymbodyError:
+            why = "no position farther on has these coordinates"
+        asked = ", ".join(
+            f"{name} = {value:.6g}" for name, value in self.continuation.driven_values(reached).items()
+        )
+        return Problem("inverse.out_of_reach", element_of(self.eqs, joint),
+                       f"at t = {reached:.9g} s the motion cannot go on; there {asked}", why,
+                       "end the motion before this time, or ask for one within reach; "
+                       "sb.trace_positions finds the limits")  # fmt: skip
+
+
+def prescribe_motion(
+    eqs: EquationSet,
+    follower: Continuation,
+    parameters: Mapping[str, Value],
+    guess: Mapping[str, Value],
+    scales: Mapping[str, float],
+    times: Floats,
+) -> PrescribedMotion:
+    """Return the path of a motion, with scales of its own where the model has no length.
+
+    Raises
+    ------
+    AssemblyError
+        If the loops do not close at the first time.
+    """
+    t = float(times[0])
+    state = assemble(eqs, follower.driven_values(t), guess, parameters, None, t, scales=scales)
+    targets = [follower.driven_values(float(s)) for s in times]
+    farthest = {name: max(abs(one[name]) for one in targets) for name in follower.driven}
+    mechanism = mechanism_scales(eqs, parameters, scales, {**state.q, **farthest})
+    return PrescribedMotion(
+        eqs, follower.rescale(mechanism), parameters, mechanism, np.array(list(state.q.values()))
+    )
