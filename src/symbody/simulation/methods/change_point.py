@@ -156,7 +156,7 @@ class _BranchEnd:
 def _end_of_branch(problem: SimulationProblem, t: float, x: Floats, run: Integration) -> _BranchEnd | None:
     """Return where a motion leaves its branch, or breaks off for constraints that follow from others."""
     raw, _, watch = run
-    passages = _passages(problem, raw)
+    passages = _passages(problem, raw, motion_branch(LoopConstraints(problem), t, x).speeds)
     if passages is not None:
         happened = [] if watch is None else [event.t for event in watch.occurrences]
         for at in passages.times():
@@ -220,8 +220,14 @@ def _end_run(run: Integration, end: _BranchEnd, constraints: Constraints) -> Int
     return Integration(cut, notes, watch)
 
 
-def _passages(problem: SimulationProblem, raw: RawRun) -> _Passages | None:
-    """Return what finds the change points of a motion; None if it has no constraints that count."""
+def _passages(problem: SimulationProblem, raw: RawRun, most: int | None = None) -> _Passages | None:
+    """Return what finds the change points of a motion; None if it has no constraints that count.
+
+    Parameters
+    ----------
+    most : int, optional
+        How many constraints are independent on the branch of the start, above which a motion has left it.
+    """
     eqs, dense = problem.eqs, raw.dense_output
     if not eqs.multiplier_names or not eqs.speed_names or dense is None:
         return None
@@ -230,6 +236,7 @@ def _passages(problem: SimulationProblem, raw: RawRun) -> _Passages | None:
     if not np.isfinite(sizes).all():
         return None
     rank = int((sizes > _INDEPENDENT * sizes.max()).sum(axis=1).max())
+    rank = min(rank, most or rank)
     if rank == 0:
         return None
     largest = float(sizes[:, rank - 1].max())
@@ -270,9 +277,11 @@ class _Passages:
         before, after = self._time_beside(at, float(breaks[0])), self._time_beside(at, float(breaks[-1]))
         if before is None and after is not None:  # the motion starts there
             return float(breaks[0]) if self._differs(after, float(breaks[0]), happened) else None
-        if before is None or after is None or not self._differs(before, after, happened):
+        if before is None:
             return None
-        return before
+        if after is None:  # it never came away: compared as far behind as before, or at its end
+            after = min(2.0 * at - before, float(breaks[-1]), key=lambda t: abs(t - at))
+        return before if self._differs(before, after, happened) else None
 
     def last_clear(self) -> float | None:
         """Return the last time before the change point at which a motion ends; None if it came to none."""
