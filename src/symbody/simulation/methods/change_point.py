@@ -186,18 +186,27 @@ def _end_beside_change_point(
     loops = LoopConstraints(problem)
     branch = motion_branch(loops, t, x)
     q = raw.dense_output(raw.reached)[loops.places]
-    rows, drift = loops.speeds(raw.reached, q)
-    if not (branch.speeds and np.isfinite(rows).all()):
+    if (
+        not branch.speeds
+        or not loops.singular_values(raw.reached, q)[branch.speeds - 1] < _STUCK * branch.reference
+    ):
         return None
-    left, sizes, _ = np.linalg.svd(rows)
-    lost = left[:, : branch.speeds][:, sizes[: branch.speeds] < _STUCK * branch.reference]
-    # A prescribed motion that asks for what is lost locks up: that is the end of its branch.
-    if not lost.size or np.linalg.norm(lost.T @ drift) > _DEMANDED * np.linalg.norm(drift):
+    if _locks_up(loops, raw.reached, q, branch.speeds, branch.reference):
         return None
     apart = np.abs((q - x[loops.places]) / loops.sizes).max()
     if apart < _BESIDE and is_change_point(problem, t, x):
         return _BranchEnd(None, _STARTS)
     return _BranchEnd(None if passages is None else passages.last_clear(), _ENDS)
+
+
+def _locks_up(loops: LoopConstraints, t: float, q: Floats, rank: int, reference: float) -> bool:
+    """Return whether prescribed motions ask for what is lost at a configuration: there their branch ends."""
+    rows, drift = loops.speeds(t, q)
+    if not loops.is_driven or not np.isfinite(rows).all():
+        return False
+    left, sizes, _ = np.linalg.svd(rows)
+    lost = left[:, :rank][:, sizes[:rank] < _STUCK * reference]
+    return bool(np.linalg.norm(lost.T @ drift) > _DEMANDED * np.linalg.norm(drift))
 
 
 def _end_run(run: Integration, end: _BranchEnd, constraints: Constraints) -> Integration:
@@ -279,8 +288,11 @@ class _Passages:
             return float(breaks[0]) if self._differs(after, float(breaks[0]), happened) else None
         if before is None:
             return None
-        if after is None:  # it never came away: compared as far behind as before, or at its end
-            after = min(2.0 * at - before, float(breaks[-1]), key=lambda t: abs(t - at))
+        if after is None:  # it never came away
+            end = float(breaks[-1])
+            if _locks_up(self.loops, end, self.dense(end)[self.loops.places], self.rank, self.largest):
+                return None
+            after = min(2.0 * at - before, end, key=lambda t: abs(t - at))
         return before if self._differs(before, after, happened) else None
 
     def last_clear(self) -> float | None:
