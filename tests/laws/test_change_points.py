@@ -82,8 +82,9 @@ def test_linkages_pass_their_flat_poses(seed: int) -> None:
 
 
 # In 0 steps become ever smaller before a flat pose; 6 starts at one, from which `GGL` does not come away.
+# In 18 five wheels on a rod stand still at a flat pose, after 9000 small steps.
 @pytest.mark.parametrize("constraints", [sb.Projection(), sb.GGL(), sb.Baumgarte()])
-@pytest.mark.parametrize("seed", [0, 4, 6, 7])
+@pytest.mark.parametrize("seed", [0, 4, 6, 7, 18])
 def test_other_ways_pass_or_say_why_not(seed: int, constraints: Constraints) -> None:
     check(seed, constraints)
 

@@ -156,7 +156,7 @@ class _BranchEnd:
 def _end_of_branch(problem: SimulationProblem, t: float, x: Floats, run: Integration) -> _BranchEnd | None:
     """Return where a motion leaves its branch, or breaks off for constraints that follow from others."""
     raw, _, watch = run
-    passages = _passages(problem, raw)
+    passages = _passages(problem, raw, motion_branch(LoopConstraints(problem), t, x).speeds)
     if passages is not None:
         happened = [] if watch is None else [event.t for event in watch.occurrences]
         for at in passages.times():
@@ -186,18 +186,27 @@ def _end_beside_change_point(
     loops = LoopConstraints(problem)
     branch = motion_branch(loops, t, x)
     q = raw.dense_output(raw.reached)[loops.places]
-    rows, drift = loops.speeds(raw.reached, q)
-    if not (branch.speeds and np.isfinite(rows).all()):
+    if (
+        not branch.speeds
+        or not loops.singular_values(raw.reached, q)[branch.speeds - 1] < _STUCK * branch.reference
+    ):
         return None
-    left, sizes, _ = np.linalg.svd(rows)
-    lost = left[:, : branch.speeds][:, sizes[: branch.speeds] < _STUCK * branch.reference]
-    # A prescribed motion that asks for what is lost locks up: that is the end of its branch.
-    if not lost.size or np.linalg.norm(lost.T @ drift) > _DEMANDED * np.linalg.norm(drift):
+    if _locks_up(loops, raw.reached, q, branch.speeds, branch.reference):
         return None
     apart = np.abs((q - x[loops.places]) / loops.sizes).max()
     if apart < _BESIDE and is_change_point(problem, t, x):
         return _BranchEnd(None, _STARTS)
     return _BranchEnd(None if passages is None else passages.last_clear(), _ENDS)
+
+
+def _locks_up(loops: LoopConstraints, t: float, q: Floats, rank: int, reference: float) -> bool:
+    """Return whether prescribed motions ask for what is lost at a configuration: there their branch ends."""
+    rows, drift = loops.speeds(t, q)
+    if not loops.is_driven or not np.isfinite(rows).all():
+        return False
+    left, sizes, _ = np.linalg.svd(rows)
+    lost = left[:, :rank][:, sizes[:rank] < _STUCK * reference]
+    return bool(np.linalg.norm(lost.T @ drift) > _DEMANDED * np.linalg.norm(drift))
 
 
 def _end_run(run: Integration, end: _BranchEnd, constraints: Constraints) -> Integration:
@@ -220,8 +229,14 @@ def _end_run(run: Integration, end: _BranchEnd, constraints: Constraints) -> Int
     return Integration(cut, notes, watch)
 
 
-def _passages(problem: SimulationProblem, raw: RawRun) -> _Passages | None:
-    """Return what finds the change points of a motion; None if it has no constraints that count."""
+def _passages(problem: SimulationProblem, raw: RawRun, most: int | None = None) -> _Passages | None:
+    """Return what finds the change points of a motion; None if it has no constraints that count.
+
+    Parameters
+    ----------
+    most : int, optional
+        How many constraints are independent on the branch of the start, above which a motion has left it.
+    """
     eqs, dense = problem.eqs, raw.dense_output
     if not eqs.multiplier_names or not eqs.speed_names or dense is None:
         return None
@@ -230,6 +245,7 @@ def _passages(problem: SimulationProblem, raw: RawRun) -> _Passages | None:
     if not np.isfinite(sizes).all():
         return None
     rank = count_significant(sizes)
+    rank = min(rank, most or rank)
     if rank == 0:
         return None
     largest = float(sizes[:, rank - 1].max())
@@ -270,9 +286,14 @@ class _Passages:
         before, after = self._time_beside(at, float(breaks[0])), self._time_beside(at, float(breaks[-1]))
         if before is None and after is not None:  # the motion starts there
             return float(breaks[0]) if self._differs(after, float(breaks[0]), happened) else None
-        if before is None or after is None or not self._differs(before, after, happened):
+        if before is None:
             return None
-        return before
+        if after is None:  # it never came away
+            end = float(breaks[-1])
+            if _locks_up(self.loops, end, self.dense(end)[self.loops.places], self.rank, self.largest):
+                return None
+            after = min(2.0 * at - before, end, key=lambda t: abs(t - at))
+        return before if self._differs(before, after, happened) else None
 
     def last_clear(self) -> float | None:
         """Return the last time before the change point at which a motion ends; None if it came to none."""
