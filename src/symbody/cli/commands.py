@@ -56,7 +56,7 @@ def _version(asked: bool) -> None:
 
 
 @app.callback()
-def about(
+def print_about(
     version: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and exit.")
     ] = False,

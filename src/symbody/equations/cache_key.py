@@ -34,7 +34,7 @@ class DeferredEquations:
     _result: SingleFlight[None, EquationsOfMotion] = field(default_factory=SingleFlight, repr=False)
 
     @property
-    def formed(self) -> EquationsOfMotion:
+    def equations(self) -> EquationsOfMotion:
         """The equations; all threads get the same."""
         return self._result.get(None, self.form)
 

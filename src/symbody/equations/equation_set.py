@@ -87,7 +87,7 @@ class EquationSet(Displayed):
     @property
     def formed(self) -> EquationsOfMotion:
         """The equations in the expression graph."""
-        return self._given.formed if isinstance(self._given, DeferredEquations) else self._given
+        return self._given.equations if isinstance(self._given, DeferredEquations) else self._given
 
     @property
     def quaternions(self) -> tuple[tuple[str, ...], ...]:

@@ -67,7 +67,7 @@ def _argument(kind: str, key: str, node: Node) -> str:
         return _frames(node)
     part = _PARTS.get(key) if kind == "joint" else None
     if part == "Drive" and isinstance(node, dict) and not _is_drive(node):
-        return _mapping({name: _part(part, drive) for name, drive in node.items()})
+        return _dict_text({name: _part(part, drive) for name, drive in node.items()})
     return _part(part, node) if part and isinstance(node, dict) else _value(node, key)
 
 
@@ -87,7 +87,7 @@ def _part(name: str, node: Node) -> str:
 
 def _frames(node: Node) -> str:
     assert isinstance(node, dict)
-    return _mapping({name: _part("Frame", frame) for name, frame in node.items()})
+    return _dict_text({name: _part("Frame", frame) for name, frame in node.items()})
 
 
 def _shapes(node: Node) -> str:
@@ -101,7 +101,9 @@ def _shapes(node: Node) -> str:
 
 
 def _parameters(parameters: Mapping[str, Formula | None]) -> str:
-    return _mapping({name: "None" if value is None else _value(value) for name, value in parameters.items()})
+    return _dict_text(
+        {name: "None" if value is None else _value(value) for name, value in parameters.items()}
+    )
 
 
 def _value(node: Node, key: str = "") -> str:
@@ -111,7 +113,7 @@ def _value(node: Node, key: str = "") -> str:
     if isinstance(node, dict):
         if key == "law":
             return _part("Curve", node)
-        return _mapping({name: _value(item) for name, item in node.items()})
+        return _dict_text({name: _value(item) for name, item in node.items()})
     if isinstance(node, list):
         return "[" + ", ".join(_value(item) for item in node) + "]"
     return repr(node) if isinstance(node, bool) else _text(node)
@@ -131,7 +133,7 @@ def _text(value: str) -> str:
     return f'"{shown[1:-1]}"' if shown[0] == "'" and '"' not in shown else shown
 
 
-def _mapping(items: Mapping[str, str]) -> str:
+def _dict_text(items: Mapping[str, str]) -> str:
     return _break_lines("{", [f"{_text(name)}: {value}" for name, value in items.items()], "}")
 
 

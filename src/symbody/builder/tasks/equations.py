@@ -94,7 +94,7 @@ def equation_tabs(payload: Mapping[str, Any], report: Report) -> Answer:
 
 def _tab(eqs: EquationSet, name: str, make: Callable[[], list[FormulaBlock]]) -> Answer:
     try:
-        blocks = [_rendered(eqs, block) for block in make()]
+        blocks = [_render(eqs, block) for block in make()]
         return {"name": name, "blocks": blocks, "note": "" if blocks else _NOTHING.get(name, "")}
     except SymbodyError as error:  # too long to be written out, or not there for this mechanism
         blocks = _numbers(eqs) if name == "Linearization" else []
@@ -123,7 +123,7 @@ _NOTHING: Final[Mapping[str, str]] = MappingProxyType(
 )
 
 
-def _rendered(eqs: EquationSet, block: FormulaBlock) -> Answer:
+def _render(eqs: EquationSet, block: FormulaBlock) -> Answer:
     return render_block(eqs.formed.graph, block, partial(_c_code, eqs, block.output))
 
 
@@ -164,7 +164,7 @@ def _with_sources(eqs: EquationSet, data: Mapping[str, Any], folder: str) -> Ans
     rows = range(len(eqs.speed_names))
     spans = tuple({node: marks[i, node] for i, node in sources if i == row} for row in rows)
     block = _motion_block(eqs, spans if sources else ())
-    shown = _rendered(eqs, block)
+    shown = _render(eqs, block)
     listed = [{"span": marks[term], "elements": names} for term, names in sources.items()]
     return {**shown, "sources": listed}
 

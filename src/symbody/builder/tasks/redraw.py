@@ -61,7 +61,7 @@ def formed_count() -> int:
 def _redrawn(data: Data, folder: str) -> Answer:
     given = data.get("parameters") or {}
     structure = model_key({**data, "parameters": sorted(given)}, folder)
-    mechanism = _MECHANISMS.get(structure, lambda: _formed(data, folder))
+    mechanism = _MECHANISMS.get(structure, lambda: _form_mechanism(data, folder))
     eqs = mechanism.eqs
     changed = changed_parameters(eqs.model, given)
     if changed is None:
@@ -75,7 +75,7 @@ def _redrawn(data: Data, folder: str) -> Answer:
     }
 
 
-def _formed(data: Data, folder: str) -> _Mechanism:
+def _form_mechanism(data: Data, folder: str) -> _Mechanism:
     eqs = form_equations(complete_model(data, folder), time_limit=_FORMING)
     return _Mechanism(eqs, constraint_function(eqs, {}, {}, eqs.parameter_names))
 

@@ -14,7 +14,7 @@ from symbody.codegen.kernels.tree import (
     Call,
     Choose,
     Count,
-    Entry,
+    ArrayEntry,
     Expression,
     KernelTree,
     Leave,
@@ -24,7 +24,7 @@ from symbody.codegen.kernels.tree import (
     Repeat,
     Return,
     Statement,
-    Store,
+    StoreEntry,
     Type,
     Variable,
     walk,
@@ -177,7 +177,7 @@ class _KernelWriter:
         match statement:
             case Assign(name, value):
                 yield from self._assign(name, value)
-            case Store(array, index, value):
+            case StoreEntry(array, index, value):
                 yield d.store.format(value=self._text(value), **self._place_words(array, index))
             case Perform(call):
                 yield self._perform(call)
@@ -207,12 +207,12 @@ class _KernelWriter:
 
     def _assign_call(self, name: str, call: Call) -> str:
         """Return the assignment of all that a call returns, where arrays are copies."""
-        changed = self._changed(call)
+        changed = self._changed_arrays(call)
         targets = [name, *changed] if name else changed
         target = f"[{', '.join(targets)}]" if len(targets) > 1 else targets[0]
         return self._dialect.assign.format(name=target, value=self._text(call))
 
-    def _changed(self, call: Call) -> list[str]:
+    def _changed_arrays(self, call: Call) -> list[str]:
         parameters = self._kernels[call.kernel].parameters
         pairs = zip(call.arguments, parameters, strict=True)
         return [self._array(argument) for argument, parameter in pairs if parameter.is_changed]
@@ -308,7 +308,7 @@ class _KernelWriter:
                 return f"({text})" if text.startswith("-") and binding > BINDING["+"] else text
             case Variable(name):
                 return self._name(name)
-            case Entry(array, index):
+            case ArrayEntry(array, index):
                 return self._dialect.entry.format(**self._place_words(array, index))
             case Part():
                 return self._array(expression)

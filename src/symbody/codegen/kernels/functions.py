@@ -14,7 +14,7 @@ from symbody.codegen.kernels.tree import (
     Call,
     Choose,
     Count,
-    Entry,
+    ArrayEntry,
     Expression,
     KernelTree,
     Leave,
@@ -25,7 +25,7 @@ from symbody.codegen.kernels.tree import (
     Repeat,
     Return,
     Statement,
-    Store,
+    StoreEntry,
     Type,
     Variable,
     always_returns,
@@ -112,7 +112,7 @@ class FunctionReader:
                 return self._assign(node, name, value)
             case ast.Assign(targets=[ast.Subscript(value=array, slice=index)], value=value):
                 entry = self._entry(array, index)
-                return Store(entry.array, entry.index, self._convert(value, Type.REAL))
+                return StoreEntry(entry.array, entry.index, self._convert(value, Type.REAL))
             case ast.For(target=ast.Name(id=name), orelse=[]):
                 return self._count(node, name)
             case ast.While(orelse=[]):
@@ -245,11 +245,11 @@ class FunctionReader:
             return Literal(_CONSTANTS[name], Type.REAL)
         self._refuse(node, f"{name} has no value here", "assign it first")
 
-    def _entry(self, array: ast.expr, index: ast.expr) -> Entry:
+    def _entry(self, array: ast.expr, index: ast.expr) -> ArrayEntry:
         expression = self._expression(array)
         if expression.type != Type.ARRAY:
             self._refuse(array, "only arrays have entries", "declare it as Reals")
-        return Entry(expression, self._convert(index, Type.INTEGER))
+        return ArrayEntry(expression, self._convert(index, Type.INTEGER))
 
     def _number_type(self, node: ast.AST, *values: Expression) -> Type:
         kinds = {value.type for value in values}

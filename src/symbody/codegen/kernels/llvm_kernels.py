@@ -21,7 +21,7 @@ from symbody.codegen.kernels.tree import (
     Call,
     Choose,
     Count,
-    Entry,
+    ArrayEntry,
     Expression,
     KernelTree,
     Leave,
@@ -31,7 +31,7 @@ from symbody.codegen.kernels.tree import (
     Repeat,
     Return,
     Statement,
-    Store,
+    StoreEntry,
     Type,
     Variable,
     always_returns,
@@ -148,7 +148,7 @@ class _FunctionWriter:
         match statement:
             case Assign(name, value):
                 self._write(f"store {self._type(value)} {self._text(value)}, ptr %{name}")
-            case Store(array, index, value):
+            case StoreEntry(array, index, value):
                 text = self._text(value)
                 self._write(f"store {self._type(value)} {text}, ptr {self._address(array, index)}, align 8")
             case Perform(call):
@@ -240,7 +240,7 @@ class _FunctionWriter:
                 if name in self._parameters:
                     return f"%{name}"
                 return self._value(f"load {self._type(expression)}, ptr %{name}")
-            case Entry(array, index):
+            case ArrayEntry(array, index):
                 address = self._address(array, index)
                 return self._value(f"load {self._types[Type.REAL]}, ptr {address}, align 8")
             case Part(array, offset, _):

@@ -39,7 +39,7 @@ class Variable:
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class ArrayEntry:
     """One real of an array."""
 
     array: Expression
@@ -79,7 +79,7 @@ class Call:
     type: Type | None
 
 
-Expression = Literal | Variable | Entry | Part | Apply | Call
+Expression = Literal | Variable | ArrayEntry | Part | Apply | Call
 
 # Statements
 
@@ -93,7 +93,7 @@ class Assign:
 
 
 @dataclass(frozen=True, slots=True)
-class Store:
+class StoreEntry:
     """An entry of an array becomes a value."""
 
     array: Expression
@@ -148,7 +148,7 @@ class Perform:
     call: Call
 
 
-Statement = Assign | Store | Count | Repeat | Choose | Leave | Return | Perform
+Statement = Assign | StoreEntry | Count | Repeat | Choose | Leave | Return | Perform
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,7 +218,7 @@ def changed_arrays(body: tuple[Statement, ...], kernels: Mapping[str, KernelTree
     changed: set[str] = set()
     parts = {part.name: part.value for part in walk(body) if isinstance(part, Assign)}
     for part in walk(body):
-        if isinstance(part, Store):
+        if isinstance(part, StoreEntry):
             changed |= variable_names(_whole_array(part.array))
         elif isinstance(part, Call):
             for argument, parameter in zip(part.arguments, kernels[part.kernel].parameters, strict=True):

@@ -45,7 +45,7 @@ def check_operation(
     result = Value(start, is_condition, faults=faults)
     problem = _type_problem(source, name, operands)
     if problem is None and name == "if":
-        return _chosen(start, *operands), None
+        return _decide_branch(start, *operands), None
     if problem is None and not is_condition:
         problem = _operand_problem(source, operands, name)
     constants = [value.constant for value in operands if value.constant is not None]
@@ -60,7 +60,7 @@ def check_operation(
         return result._replace(faults=(*faults, _undefined_problem(source, name, column, fault))), None
 
 
-def _chosen(start: int, condition: Value, then: Value, otherwise: Value) -> Value:
+def _decide_branch(start: int, condition: Value, then: Value, otherwise: Value) -> Value:
     """Return what is known of a choice; where its condition has numbers alone, the other branch is out."""
     if condition.constant is None:
         return Value(start, faults=(*condition.faults, *then.faults, *otherwise.faults))
