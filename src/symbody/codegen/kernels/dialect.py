@@ -10,11 +10,11 @@ from typing import Final
 from symbody.codegen.kernels.reader import read_kernels
 from symbody.codegen.kernels.tree import (
     Apply,
+    ArrayEntry,
     Assign,
     Call,
     Choose,
     Count,
-    ArrayEntry,
     Expression,
     KernelTree,
     Leave,

@@ -10,11 +10,11 @@ from typing import Final, NoReturn
 from symbody.codegen.kernels.source import KernelSource
 from symbody.codegen.kernels.tree import (
     Apply,
+    ArrayEntry,
     Assign,
     Call,
     Choose,
     Count,
-    ArrayEntry,
     Expression,
     KernelTree,
     Leave,

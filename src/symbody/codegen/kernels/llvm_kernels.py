@@ -17,11 +17,11 @@ from typing import Final
 from symbody.codegen.kernels.dialect import PREFIX
 from symbody.codegen.kernels.tree import (
     Apply,
+    ArrayEntry,
     Assign,
     Call,
     Choose,
     Count,
-    ArrayEntry,
     Expression,
     KernelTree,
     Leave,
