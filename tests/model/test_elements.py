@@ -67,7 +67,7 @@ def test_the_recipe_for_a_joint_works(tmp_path: Path) -> None:
     kind = runpy.run_path(str(file))["PointOnCircle"]
     joint = kind("ring", "ground", "Bead", "r", axis="x", coordinates=["s", "a", "b", "c"])
     assert [component.text for component in joint.shift()] == ["0", "(r)*cos(s/(r))", "(r)*sin(s/(r))"]
-    assert joint.locked_directions == 2 and [site.path for site in joint.uses()] == ["radius"]
+    assert joint.locked_directions == 2 and [site.path for site in joint.formula_sites()] == ["radius"]
     with pytest.raises(sb.ModelError, match="model.no_length"):
         sb.Model("m", [sb.Body("Bead", mass=1), kind("ring", "ground", "Bead", -1)])
 
