@@ -19,7 +19,7 @@ from symbody.expr.expression import Expr, cos, sin
 from symbody.expr.graph import Graph
 from symbody.spatial.euler_angles import angle_rates, angles_of_matrix, euler_rotations, sequence_axes
 from symbody.spatial.rotation import AxisRotation, compose_steps, rotation_matrix
-from tests.vectors.numbers import matrix_of, matrix_values, named, names_in, triple, values
+from tests.spatial.numbers import matrix_of, matrix_values, named, names_in, triple, values
 
 WRITTEN = ["".join(s) for s in itertools.product("123", repeat=3) if s[0] != s[1] != s[2]]
 SEQUENCES = [prefix + written for prefix in ("", "space ") for written in WRITTEN]

@@ -22,7 +22,7 @@ from symbody.spatial.rotation import (
     rotation_matrix,
 )
 from symbody.spatial.vector import components, dot, express_near, vector
-from tests.vectors.numbers import matrix_of, matrix_values, named, names_in, triple, values
+from tests.spatial.numbers import matrix_of, matrix_values, named, names_in, triple, values
 
 EPS = np.finfo(float).eps
 

@@ -14,7 +14,7 @@ from symbody.spatial.frame import FrameTree
 from symbody.spatial.matrix import Matrix, symmetric_tensor
 from symbody.spatial.rotation import AxisRotation, Rotation, compose_steps
 from symbody.spatial.vector import Vector, components, vector
-from tests.vectors.numbers import matrix_of, matrix_values, named, names_in, triple, values
+from tests.spatial.numbers import matrix_of, matrix_values, named, names_in, triple, values
 
 EPS = np.finfo(float).eps
 # Sums of some 100 products of numbers below 10 * 3 * 3, through at most six turns.

@@ -25,7 +25,7 @@ from symbody.spatial.rotation import (
     rotation_matrix,
     transpose,
 )
-from tests.vectors.numbers import matrix_of, matrix_values, named, triple, values
+from tests.spatial.numbers import matrix_of, matrix_values, named, triple, values
 
 EPS = np.finfo(float).eps
 # Entries are sums of at most ten products of numbers below 1, and reference values as many.
