@@ -49,6 +49,7 @@ PUBLIC_PARTICIPLES = frozenset(
         "analysis/kinematics/velocity_ratios.py: at",
         "analysis/kinematics/velocity_ratios.py: holding",
         "equations/equation_set.py: formed",
+        "simulation/methods/constraints.py: applied",
         "simulation/results/trajectory.py: at",
         "simulation/sweeps/result.py: succeeded",
     }

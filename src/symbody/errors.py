@@ -159,7 +159,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 def number_in_words(number: int, word: str) -> str:
     """Return a number of things in words.
 
-    >>> counted(1, "body"), counted(2, "body"), counted(0, "joint")
+    >>> number_in_words(1, "body"), number_in_words(2, "body"), number_in_words(0, "joint")
     ('1 body', '2 bodies', '0 joints')
     """
     plural = f"{word[:-1]}ies" if word.endswith("y") else f"{word}s"

@@ -60,8 +60,7 @@ def test_inertia_about_the_centre_of_mass_reads_naturally_too() -> None:
     M = sb.form_equations(from_data(data)).mass_matrix
     whole = A + m * L**2
     assert M[1, 1] == whole and M[2, 2] == C and M[0, 2] == C * sp.cos(eta)
-    # of the same length as whole sin^2 + C cos^2
-    assert M[0, 0] == A - (A - C) * sp.cos(eta) ** 2 + m * L**2 * sp.sin(eta) ** 2
+    assert M[0, 0] == whole * sp.sin(eta) ** 2 + C * sp.cos(eta) ** 2
 
 
 def test_angular_velocity_in_the_top_makes_the_mass_matrix_constant() -> None:

@@ -68,15 +68,15 @@ async function renew(): Promise<boolean> {
   if (fresh === "" || fresh === token) return false;
   token = fresh;
   const { document: shown } = useStore.getState();
-  if (shown !== null && !(await adopt(shown.id, shown.path, shown.name))) {
+  if (shown !== null && !(await adopt(shown.id, shown.path, shown.name, shown.fingerprint))) {
     // the new run may not write there: the document goes on without a file
-    await adopt(shown.id, null, shown.name);
+    await adopt(shown.id, null, shown.name, null);
     useStore.setState({ document: { ...shown, path: null, fingerprint: null } });
   }
   return true;
 }
 
 /** Make a document known to the server that an earlier run opened; return whether its file is within reach. */
-export async function adopt(id: string, path: string | null, name: string): Promise<boolean> {
-  return (await post("adopt", { document: id, path, name })).ok;
+export async function adopt(id: string, path: string | null, name: string, fingerprint: string | null): Promise<boolean> {
+  return (await post("adopt", { document: id, path, name, fingerprint })).ok;
 }

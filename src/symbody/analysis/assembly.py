@@ -229,10 +229,18 @@ def find_configuration(
     """Return the configuration nearest to a guess that closes the loops, or None."""
     eqs = evaluator.eqs
     near = named_values(eqs, _all_guesses(eqs, guess), parameters, strict=set(guess))
-    assembly = _find_assembly(
-        evaluator, _measured_start(evaluator, evaluator.initial_coordinates(near), {}, near), {}
-    )
+    start = _measured_start(evaluator, evaluator.initial_coordinates(near), {}, near)
+    assembly = _find_assembly(evaluator, start, {})
+    if assembly is None:
+        _check_meeting_ends(evaluator, _newton(evaluator, start, {}).q)
     return None if assembly is None else assembly.q
+
+
+def _check_meeting_ends(evaluator: ConstraintEvaluator, q: Floats) -> None:
+    """Refuse ends of a rod of length 0, which meet without closing: the rod has no direction there."""
+    gaps, size = evaluator.gaps(q).values(), evaluator.mechanism.length
+    if all(distance <= _VISIBLE * size and angle <= _VISIBLE for distance, angle in gaps):
+        evaluator.velocity_rows(q, {})
 
 
 def _find_assembly(
@@ -335,6 +343,7 @@ def _open_joints(
         q, _ = min(trials, key=lambda trial: trial[1])
         (joint, gap), *others = evaluator.gaps(q).items() or [("", (0.0, 0.0))]
         size = evaluator.mechanism.length
+        _check_meeting_ends(evaluator, q)
         what = f"joint {joint} stays open by {_width(gap, size)}"
         wide = [(name, gap) for name, gap in others if gap[0] > _VISIBLE * size or gap[1] > _VISIBLE]
         if wide:

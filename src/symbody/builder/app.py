@@ -143,7 +143,7 @@ def _draft(request: asked.DraftRequest, builder: Builder) -> Answer:
 
 @api.post("/adopt")
 def _adopt(request: asked.AdoptRequest, builder: Builder) -> Answer:
-    return builder.documents.adopt(request.document, request.path, request.name)
+    return builder.documents.adopt(request.document, request.path, request.name, request.fingerprint)
 
 
 @api.post("/changed")

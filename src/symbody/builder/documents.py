@@ -237,8 +237,8 @@ class Documents:
             )
         return document
 
-    def adopt(self, identifier: str, path: str | None, name: str) -> Answer:
-        """Take on a document of a page that an earlier run of the server opened.
+    def adopt(self, identifier: str, path: str | None, name: str, mark: str | None = None) -> Answer:
+        """Take on a document of a page that an earlier run of the server opened, with its fingerprint.
 
         Raises
         ------
@@ -248,7 +248,7 @@ class Documents:
         UserState.check_identifier(identifier)
         real = None if path is None else str(contained_path(path, self._settings.roots))
         with self._lock:
-            self._open.setdefault(identifier, Document(real, name))
+            self._open.setdefault(identifier, Document(real, name, mark=mark))
         return {}
 
     def _examples(self) -> Iterator[Path]:

@@ -62,6 +62,7 @@ class AdoptRequest(PageRequest):
     document: str = Field(max_length=64)
     path: str | None = None
     name: str = Field(default="untitled", max_length=1000)
+    fingerprint: str | None = Field(default=None, max_length=64)
 
 
 class ChangedRequest(PageRequest):

@@ -144,7 +144,7 @@ class LocalOnly:
 def nesting_depth(content: bytes) -> int:
     """Return how many brackets are open at once in a JSON text.
 
-    >>> nesting(b'{"a": [[1], "[[[["]}')
+    >>> nesting_depth(b'{"a": [[1], "[[[["]}')
     3
     """
     depth = deepest = 0

@@ -69,7 +69,7 @@ def quote_name(name: str) -> str:
     It is a JSON string in which slashes and question marks are escaped too: no bracket of a comment, no
     trigraph, no line end and no character that changes the direction of writing can appear.
 
-    >>> print(quoted("θ */ \n"))
+    >>> print(quote_name("θ */ \n"))
     "\u03b8 *\u002f \n"
     """
     text = json.dumps(name)

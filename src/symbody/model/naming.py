@@ -82,7 +82,7 @@ def element_problem(name: object, where: str) -> Problem | None:
 def make_symbol(name: str) -> str:
     """Return the name of an element made fit for formulas: every other character becomes ``_``.
 
-    >>> symbol_from("upper arm")
+    >>> make_symbol("upper arm")
     'upper_arm'
     """
     text = normalize(name)

@@ -117,7 +117,7 @@ def _pose(
 ) -> SimulationProblem:
     """Return the equations to integrate, with all that they depend on besides the state."""
     sizes = mechanism_scales(eqs, dict(parameters), scales, first.q).fit_span(*span)
-    stabilized = constraints.stabilize(eqs) if isinstance(constraints, Baumgarte) else eqs
+    stabilized = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
     return SimulationProblem(stabilized, dict(parameters), laws, sizes)
 
 

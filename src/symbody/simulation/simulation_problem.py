@@ -83,7 +83,8 @@ class SimulationProblem:
     def interpret(self, output: str, t: float, q: Iterable[float], u: Iterable[float]) -> float:
         """Return a number at one state, without compiling for it."""
         sequence, _ = form_sequence(self.eqs, output, self.parameters, (), self.laws.formulas)
-        q, u = list(q), list(u)
+        # Numbers of Python overflow to infinity in silence, those of NumPy with a warning.
+        q, u = list(map(float, q)), list(map(float, u))
         inputs = self.laws.evaluate(t, np.array(q), np.array(u)) if self.laws.callbacks else []
         return float(evaluate_sequence(sequence, {"t": [t], "q": q, "u": u, "r": inputs})[0][0])
 

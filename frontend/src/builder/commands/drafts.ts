@@ -11,6 +11,7 @@ const PREFIX = "symbody-draft-";
 
 interface LocalDraft extends Draft {
   readonly data: Model;
+  readonly fingerprint: string | null;
 }
 
 /** Keep a draft of edits; return what ends it. */
@@ -49,8 +50,8 @@ function rememberEdits(): void {
   if (state.document !== null && isDirty(state)) remember(state.document, state.data);
 }
 
-function remember({ id, path, name }: OpenDocument, data: Model): void {
-  const draft: LocalDraft = { id, path, name, when: new Date().toISOString(), data };
+function remember({ id, path, name, fingerprint }: OpenDocument, data: Model): void {
+  const draft: LocalDraft = { id, path, name, when: new Date().toISOString(), data, fingerprint };
   try {
     localStorage.setItem(PREFIX + id, JSON.stringify(draft));
   } catch {
@@ -91,7 +92,8 @@ export async function openDraft({ id, when }: Draft): Promise<boolean> {
   const local = readLocal(PREFIX + id);
   if (local !== null && local.when === when) {
     try {
-      if (!(await adopt(id, local.path, local.name))) await adopt(id, null, local.name);
+      const isWithinReach = await adopt(id, local.path, local.name, local.fingerprint);
+      if (!isWithinReach) await adopt(id, null, local.name, null);
       await api.draft(id, local.data);
     } catch (error) {
       useStore.setState({ notice: problemsOf(error) });

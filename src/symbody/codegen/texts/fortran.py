@@ -136,7 +136,7 @@ def generate(
 def break_line(line: str) -> list[str]:
     """Return `line` broken at blanks, so that no part is longer than the standard allows.
 
-    >>> [len(part) for part in continued("    x = " + " + ".join(["y" * 60] * 3))]
+    >>> [len(part) for part in break_line("    x = " + " + ".join(["y" * 60] * 3))]
     [72, 131]
     """
     is_comment = line.lstrip().startswith("!")

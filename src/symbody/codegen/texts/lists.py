@@ -12,7 +12,7 @@ _WIDTH: Final = 100
 def fill_lines(words: Items[str], indent: str, end: str = "") -> list[str]:
     """Return lines of `words` separated by commas, each line with `indent` before and `end` behind it.
 
-    >>> filled(["a", "b"], "    ", " ...")
+    >>> fill_lines(["a", "b"], "    ", " ...")
     ['    a, b ...']
     """
     text = ", ".join(words)

@@ -103,7 +103,7 @@ class Baumgarte:
         """The root of their stiffness [1/s]: omega."""
         return self.omega
 
-    def stabilize(self, eqs: EquationSet) -> EquationSet:
+    def applied(self, eqs: EquationSet) -> EquationSet:
         """Return the equations with the stabilizing terms in gamma."""
         graph = eqs.formed.graph
         rows = []

@@ -91,7 +91,7 @@ def run_stiff(
     closing = integration.projection(constraints) if isinstance(constraints, Projection) else None
     eqs = drop_idle_rows(integration.eqs, integration.problem.parameters)
     if closing is not None and eqs.multiplier_names:
-        eqs = Baumgarte(zeta=1.0, omega=DRIFT / integration.problem.scales.time).stabilize(eqs)
+        eqs = Baumgarte(zeta=1.0, omega=DRIFT / integration.problem.scales.time).applied(eqs)
     laws = integration.problem.laws
     wider = with_state_jacobian(eqs, laws.formulas, laws.callbacks)
     rates = integration.compile_outputs(STATE_RATES, wider)

@@ -48,7 +48,7 @@ def prepare_loop(
     """
     constraints = options.constraints
     first = first_states(eqs, table, guess, laws.formulas, options.span, options.scales)
-    stabilized = constraints.stabilize(eqs) if isinstance(constraints, Baumgarte) else eqs
+    stabilized = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
     values = table.fixed_parameters, table.parameter_names, laws.formulas
     function = CompiledFunction(*form_sequence(stabilized, "xdot", *values))
     method = options.integrator if isinstance(options.integrator, Explicit | FixedStep) else DEFAULT
