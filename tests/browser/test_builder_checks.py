@@ -18,6 +18,8 @@ from .builder_plans import errors_of
 from .builder_visits import Visit, visits
 from .conftest import FLAGS, executable
 
+pytestmark = pytest.mark.exhaustive  # minutes; the fast tier builds and drags a mechanism
+
 CRANK = examples_folder() / "slider_crank" / "slider_crank.toml"
 DROP = """(text => {
   const data = new DataTransfer();
@@ -143,7 +145,8 @@ def test_deriving_names_its_stages_and_is_cancelled(visit: Visit) -> None:
     builder.wait("s.run !== null && s.run.state !== null && s.run.state.stages.length >= 3", 60)
     stages = builder.state("run.state.stages")
     assert "trees" in stages and "kinematics" in stages
-    assert any(stage in progress.inner_text() for stage in builder.state("run.state.stages"))
+    shown = "document.querySelector('[data-testid=progress]').innerText"
+    builder.wait(f"s.run.state.stages.some(stage => {shown}.includes(stage))", 20)
     page.get_by_test_id("node-Ground").click(position={"x": 12, "y": 12})  # the page stays usable
     assert builder.state("selection") == ["ground"]
     job = builder.state("run.job")

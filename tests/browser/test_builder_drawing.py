@@ -10,6 +10,8 @@ import pytest
 from .builder_page import BuilderPage, overlaps, running_builder
 from .builder_visits import visits
 
+pytestmark = pytest.mark.exhaustive  # minutes; the fast tier builds and drags a mechanism
+
 GRID = 10
 GEARS = """# Two wheels in mesh, and a third that a cam turns.
 

@@ -19,6 +19,8 @@ from .builder_page import BuilderPage
 from .builder_visits import HARMLESS, listen
 from .conftest import REPOSITORY
 
+pytestmark = pytest.mark.exhaustive  # minutes; the fast tier builds and drags a mechanism
+
 # What a browser says of a server that is gone, or of another run.
 ABSENT = (
     "ERR_CONNECTION_REFUSED",
