@@ -39,7 +39,7 @@ PREPOSITIONS = set(
 )
 # Nouns and verbs that end like a participle or gerund.
 NOUNS = set(
-    "bearing bed belongs bring damping embed exceed feed forcing heading need ping proceed ring rolling seed speed "
+    "bearing bed belongs bring damping embed exceed feed forcing heading mapping need ping proceed ring rolling seed speed "
     "spring string thing warning wing".split()
 )
 # "file: function" of public names, which stay.
@@ -49,6 +49,7 @@ PUBLIC_PARTICIPLES = frozenset(
         "analysis/kinematics/velocity_ratios.py: at",
         "analysis/kinematics/velocity_ratios.py: holding",
         "equations/equation_set.py: formed",
+        "simulation/inputs/tables.py: at",
         "simulation/methods/constraints.py: applied",
         "simulation/results/trajectory.py: at",
         "simulation/sweeps/result.py: succeeded",

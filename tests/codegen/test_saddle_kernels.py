@@ -19,7 +19,7 @@ from symbody.codegen.kernels.c_kernels import PREAMBLE, C
 from symbody.codegen.kernels.dialect import saddle_text
 from symbody.codegen.kernels.llvm_kernels import kernel_name, llvm_text
 from symbody.codegen.kernels.reader import read_kernels
-from symbody.codegen.llvm.loops import INTEGER, POINTER, REAL, Array, count, count_down, integer, loop, real
+from symbody.codegen.llvm.loops import INTEGER, POINTER, REAL, Array, count, integer
 from symbody.codegen.llvm.machine import optimized_code, target_machine
 from symbody.expr.saddle import solve_saddle
 from symbody.kernels.solve_saddle import work_size
@@ -222,34 +222,27 @@ def test_c_text_under_sanitizers(tmp_path: Path) -> None:
         assert bits([float.fromhex(value) for value in result]) == bits(expected)
 
 
-def test_loops_count_carry_and_leave() -> None:
-    """Returns the sum of the entries before the first negative one; writes where that was, all reversed"""
+def test_loops_count() -> None:
+    """Reverses entries, and writes their numbers behind them."""
     module = ir.Module()
     module.triple = llvm.get_default_triple()
-    function = ir.Function(module, ir.FunctionType(REAL, [INTEGER, POINTER, POINTER]), name="scan")
+    function = ir.Function(module, ir.FunctionType(INTEGER, [INTEGER, POINTER, POINTER]), name="scan")
     b = ir.IRBuilder(function.append_basic_block())
     n, given, out = function.args[0], Array(b, function.args[1]), Array(b, function.args[2])
-    with loop(b, integer(0), n, real(0.0)) as step:
-        entry = given.load(step.index)
-        step.leave_if(b.fcmp_ordered("<", entry, real(0.0)))
-        step.carry(b.fadd(step.value, entry))
-    out.store(integer(0), b.sitofp(step.index, REAL))
-    with count_down(b, integer(0), n) as j:
-        out.store(b.sub(n, j), given.load(j))
     with count(b, integer(0), n) as j:
-        out.offset_by(n).store(b.add(j, integer(1)), b.sitofp(j, REAL))
-    b.ret(step.value)
+        out.store(b.sub(b.sub(n, j), integer(1)), given.load(j))
+    with count(b, integer(0), n) as j:
+        out.offset_by(n).store(j, b.sitofp(j, REAL))
+    b.ret(n)
     engine = compiled_module(module)
     pointer = ctypes.POINTER(ctypes.c_double)
-    scan = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_int64, pointer, pointer)(
+    scan = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, pointer, pointer)(
         engine.get_function_address("scan")
     )
-    given_c, out_c = (ctypes.c_double * 3)(1.0, 2.0, -5.0), (ctypes.c_double * 7)()
-    assert scan(3, given_c, out_c) == 3.0
-    assert list(out_c) == [2.0, -5.0, 2.0, 1.0, 0.0, 1.0, 2.0]
-    assert scan(2, given_c, out_c) == 3.0
-    assert out_c[0] == 2.0
-    assert scan(0, given_c, out_c) == 0.0
+    given_c, out_c = (ctypes.c_double * 3)(1.0, 2.0, -5.0), (ctypes.c_double * 6)()
+    assert scan(0, given_c, out_c) == 0 and list(out_c) == [0.0] * 6
+    assert scan(3, given_c, out_c) == 3
+    assert list(out_c) == [-5.0, 2.0, 1.0, 0.0, 1.0, 2.0]
     engine.close()
 
 

@@ -82,7 +82,7 @@ def test_the_motion_does_not_see_shapes() -> None:
 def test_paths_of_meshes_lead_from_folders() -> None:
     mesh = sb.Mesh("parts/arm.stl", folder="/robots")
     assert mesh.place == "/robots/parts/arm.stl"
-    assert mesh.relative_path("/robots") == "parts/arm.stl"
-    assert mesh.relative_path("/robots/tables") == "../parts/arm.stl"
-    assert sb.Mesh("package://a/b.stl", folder="/robots").relative_path("/other") == "package://a/b.stl"
+    assert mesh.path_from("/robots") == "parts/arm.stl"
+    assert mesh.path_from("/robots/tables") == "../parts/arm.stl"
+    assert sb.Mesh("package://a/b.stl", folder="/robots").path_from("/other") == "package://a/b.stl"
     assert mesh == sb.Mesh("parts/arm.stl")

@@ -102,7 +102,7 @@ def shape_entries(shapes: Iterable[BodyShape], folder: str | None = None) -> lis
             if value is not None and (name in _required_arguments(shape) or value != getattr(plain, name)):
                 entry[name] = write_node(value)
         if isinstance(shape, Mesh):
-            entry["path"] = shape.path if folder is None else shape.relative_path(folder)
+            entry["path"] = shape.path if folder is None else shape.path_from(folder)
             if "scale" in entry and len(set(shape.scale)) == 1:
                 entry["scale"] = shape.scale[0]
         entries.append(entry)

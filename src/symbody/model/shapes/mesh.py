@@ -64,7 +64,7 @@ class Mesh(BodyShape):
         """The path of the file from the working directory."""
         return os.path.join(self.folder, self.path)
 
-    def relative_path(self, folder: str) -> str:
+    def path_from(self, folder: str) -> str:
         """Return the path from another folder, with slashes; absolute paths and addresses stay."""
         is_same = os.path.realpath(folder) == os.path.realpath(self.folder)
         if is_same or os.path.isabs(self.path) or "://" in self.path:

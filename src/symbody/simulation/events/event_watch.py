@@ -65,7 +65,7 @@ class EventFunctions:
         self._tolerances = tolerances
         self._values = problem.compile_outputs([str(event.expression) for event in events])
         self._check_shapes()
-        maps = {place: event.new_values for place, event in enumerate(events) if event.new_values}
+        maps = {place: event.mapping for place, event in enumerate(events) if event.mapping}
         self._maps = {
             k: problem.compile_outputs([str(value) for value in new.values()]) for k, new in maps.items()
         }
@@ -280,7 +280,7 @@ class EventWatch:
                     return Cut(t, x, None, Status.CHATTERING)
                 if event.action == "stop":
                     return Cut(t, x, None)
-                if event.new_values:
+                if event.mapping:
                     after = self._functions.apply_action(crossing.place, t, after)
             if acting:
                 self._just_happened = [c.place for c in group]

@@ -80,7 +80,7 @@ class Event:
         return str(self.expression) if self.name is None else self.name
 
     @property
-    def new_values(self) -> Mapping[str, Value]:
+    def mapping(self) -> Mapping[str, Value]:
         """New values by name; empty if the event only records or stops."""
         return {} if isinstance(self.action, str) else self.action
 
@@ -110,7 +110,7 @@ def check_events(events: Event | Sequence[Event], eqs: EquationSet) -> tuple[Eve
     problems += [
         Problem("simulation.event_action", f"event {event.label!r}", f"{name!r} is not a state",
                 "an action gives new values to coordinates and speeds", nearest(name, eqs.state_names))
-        for event in checked for name in event.new_values if name not in eqs.state_names
+        for event in checked for name in event.mapping if name not in eqs.state_names
     ]  # fmt: skip
     if problems:
         raise UsageError(*problems)

@@ -273,7 +273,7 @@ def _check(span: tuple[float, float], events: tuple[Event, ...]) -> None:
     problems = [
         Problem("simulation.stick_slip_event", f"event {event.label!r}", "it sets new values",
                 "joints that stick and slip, and ropes, would have to be looked at anew", cure)
-        for event in events if event.new_values
+        for event in events if event.mapping
     ]  # fmt: skip
     if span[1] < span[0]:
         problems.append(

@@ -124,7 +124,7 @@ class Table:
         times = np.asarray(self.t)
         return np.asarray(times[1:][np.diff(times) == 0.0], dtype=np.float64)
 
-    def interpolate(self, t: Floats) -> Floats:
+    def at(self, t: Floats) -> Floats:
         """Return the values (N,) at times (N,)."""
         x = np.clip(t, *np.asarray(self.t)[[0, -1]])
         k = np.maximum(np.searchsorted(self._starts, t, side="right") - 1, 0)
@@ -136,13 +136,13 @@ class Table:
     def bounds(self, start: Floats, end: Floats) -> tuple[Floats, Floats]:
         """Return the least and the largest value between times (N,) and (N,) without a jump between them."""
         times = np.unique(np.concatenate([self._starts, np.asarray(self.t)[[0, -1]], self._extrema()]))
-        corners = self.interpolate(times)
+        corners = self.at(times)
         first, stop = np.searchsorted(times, start, side="right"), np.searchsorted(times, end, side="left")
         ranges = np.stack([first, np.maximum(first, stop)], axis=1).ravel()
         found = []
         for function, beyond in ((np.minimum, np.inf), (np.maximum, -np.inf)):
             inside = function.reduceat(np.append(corners, beyond), ranges)[::2]
-            own = function(self.interpolate(start), self.interpolate(end))
+            own = function(self.at(start), self.at(end))
             found.append(np.where(first < stop, function(own, inside), own))
         return found[0], found[1]
 

@@ -96,9 +96,7 @@ class TimeFunctions:
                 code, operands, datum = self.operations[k]
                 if code == op.SYMBOL:
                     group, place = self.names[datum]
-                    rows[k] = (
-                        t if group == "t" else p[place] if group == "p" else self.tables[place].interpolate(t)
-                    )
+                    rows[k] = t if group == "t" else p[place] if group == "p" else self.tables[place].at(t)
                 elif code in op.LEAVES:
                     rows[k] = self.numbers[k]
                 else:

@@ -39,7 +39,7 @@ def _geometry(shape: BodyShape, values: Values, folder: str) -> str:
     """Return the form of a shape."""
     if isinstance(shape, Mesh):
         scale = " ".join(values.text(factor) for factor in shape.scale)
-        return f'<mesh filename={quoteattr(shape.relative_path(folder))} scale="{scale}"/>'
+        return f'<mesh filename={quoteattr(shape.path_from(folder))} scale="{scale}"/>'
     sizes = [values.text(formula) for _, formula in shape.lengths]
     if isinstance(shape, Box):
         return f'<box size="{" ".join(sizes)}"/>'
