@@ -16,9 +16,9 @@ import pytest
 from llvmlite import ir
 
 from symbody.codegen.kernels.c_kernels import PREAMBLE, C
-from symbody.codegen.kernels.dialect import saddle_text
 from symbody.codegen.kernels.llvm_kernels import kernel_name, llvm_text
 from symbody.codegen.kernels.reader import read_kernels
+from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.llvm.loops import INTEGER, POINTER, REAL, Array, count, integer
 from symbody.codegen.llvm.machine import optimized_code, target_machine
 from symbody.expr.saddle import solve_saddle

@@ -16,7 +16,7 @@ import llvmlite.binding as llvm
 import pytest
 
 from symbody.codegen.kernels.c_kernels import PREAMBLE, C
-from symbody.codegen.kernels.dialect import KernelDialect, kernel_text
+from symbody.codegen.kernels.dialect import KernelDialect
 from symbody.codegen.kernels.fortran_kernels import FORTRAN
 from symbody.codegen.kernels.javascript_kernels import JAVASCRIPT
 from symbody.codegen.kernels.llvm_kernels import kernel_name, llvm_text
@@ -24,6 +24,7 @@ from symbody.codegen.kernels.matlab_kernels import MATLAB
 from symbody.codegen.kernels.python_kernels import PYTHON
 from symbody.codegen.kernels.reader import read_text
 from symbody.codegen.kernels.rust_kernels import RUST
+from symbody.codegen.kernels.text_writer import kernel_text
 from symbody.codegen.llvm.machine import optimized_code, target_machine
 from symbody.kernels.language import Reals
 from tests.codegen.kernels.kernel_rules import rules

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.kernels.dialect import PREFIX, Arrays, KernelDialect, Names
+from symbody.codegen.kernels.dialect import BRACES, PREFIX, Arrays, KernelDialect, Names
 from symbody.codegen.kernels.tree import KernelTree, Parameter, Type
 
 _TYPES: Final = {Type.REAL: "double ", Type.INTEGER: "int ", Type.ARRAY: "double *"}
@@ -76,19 +76,6 @@ C: Final = KernelDialect(
     },
     entry="{array}[{index}]",
     part="{array} + {index}",
-    assign="{name} = {value};",
-    store="{array}[{index}] = {value};",
-    perform="{value};",
-    returns="return {value};",
-    returns_nothing="return;",
-    leave="break;",
-    count="for ({name} = {start}; {name} < {stop}; {name}++) {{",
-    count_down="for ({name} = {start}; {name} > {stop}; {name}--) {{",
-    repeat="while ({condition}) {{",
-    choose="if ({condition}) {{",
-    choose_next="}} else if ({condition}) {{",
-    otherwise="} else {",
-    close="}",
-    end="}",
+    statements=BRACES,
     helpers=_HELPERS,
 )  # fmt: skip

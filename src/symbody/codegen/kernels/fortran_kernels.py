@@ -6,7 +6,14 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.kernels.dialect import PREFIX, Arrays, KernelDialect, Names, offset_name
+from symbody.codegen.kernels.dialect import (
+    PREFIX,
+    Arrays,
+    KernelDialect,
+    Names,
+    StatementFormats,
+    offset_name,
+)
 from symbody.codegen.kernels.tree import KernelTree, Parameter, Type
 
 _TYPES: Final = {Type.REAL: "real(dp)", Type.INTEGER: "integer"}
@@ -85,21 +92,23 @@ FORTRAN: Final = KernelDialect(
     arrays=Arrays.ADDRESSES,
     entry="{array}({next})",
     part="{array}({next})",
-    assign="{name} = {value}",
-    store="{array}({next}) = {value}",
-    perform="call {value}",
-    returns=f"{_RESULT} = {{value}}; return",
-    returns_nothing="return",
-    leave="exit",
-    count="do {name} = {start}, {last}",
-    count_down="do {name} = {start}, {last}, -1",
-    repeat="do while ({condition})",
-    choose="if ({condition}) then",
-    choose_next="else if ({condition}) then",
-    otherwise="else",
-    close="end if",
-    close_loop="end do",
-    end="end",
+    statements=StatementFormats(
+        assign="{name} = {value}",
+        store="{array}({next}) = {value}",
+        perform="call {value}",
+        returns=f"{_RESULT} = {{value}}; return",
+        returns_nothing="return",
+        leave="exit",
+        count="do {name} = {start}, {last}",
+        count_down="do {name} = {start}, {last}, -1",
+        repeat="do while ({condition})",
+        choose="if ({condition}) then",
+        choose_next="else if ({condition}) then",
+        otherwise="else",
+        close="end if",
+        close_loop="end do",
+        end="end",
+    ),
     continuation=" &",
     helpers={
         "exponent": """\

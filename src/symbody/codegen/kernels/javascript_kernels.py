@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.kernels.dialect import PREFIX, Arrays, KernelDialect, Names, offset_name
+from symbody.codegen.kernels.dialect import BRACES, PREFIX, Arrays, KernelDialect, Names, offset_name
 from symbody.codegen.kernels.tree import KernelTree, Type
 
 _HELPERS: Final = {
@@ -55,19 +55,6 @@ JAVASCRIPT: Final = KernelDialect(
     arrays=Arrays.OFFSETS,
     entry="{array}[{index}]",
     part="{array}, {index}",
-    assign="{name} = {value};",
-    store="{array}[{index}] = {value};",
-    perform="{value};",
-    returns="return {value};",
-    returns_nothing="return;",
-    leave="break;",
-    count="for ({name} = {start}; {name} < {stop}; {name}++) {{",
-    count_down="for ({name} = {start}; {name} > {stop}; {name}--) {{",
-    repeat="while ({condition}) {{",
-    choose="if ({condition}) {{",
-    choose_next="}} else if ({condition}) {{",
-    otherwise="} else {",
-    close="}",
-    end="}",
+    statements=BRACES,
     helpers=_HELPERS,
 )  # fmt: skip

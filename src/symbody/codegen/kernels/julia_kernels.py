@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.kernels.dialect import PREFIX, Arrays, KernelDialect, Names
+from symbody.codegen.kernels.dialect import PREFIX, Arrays, KernelDialect, Names, StatementFormats
 from symbody.codegen.kernels.tree import KernelTree, Type
 
 
@@ -48,20 +48,22 @@ JULIA: Final = KernelDialect(
     arrays=Arrays.POINTERS,
     entry="{array}[{next}]",
     part="view({array}, {next}:length({array}))",
-    assign="{name} = {value}",
-    store="{array}[{next}] = {value}",
-    perform="{value}",
-    returns="return {value}",
-    returns_nothing="return nothing",
-    leave="break",
-    count="for {name} in {start}:{last}",
-    count_down="for {name} in {start}:-1:{last}",
-    repeat="while {condition}",
-    choose="if {condition}",
-    choose_next="elseif {condition}",
-    otherwise="else",
-    close="end",
-    end="end",
+    statements=StatementFormats(
+        assign="{name} = {value}",
+        store="{array}[{next}] = {value}",
+        perform="{value}",
+        returns="return {value}",
+        returns_nothing="return nothing",
+        leave="break",
+        count="for {name} in {start}:{last}",
+        count_down="for {name} in {start}:-1:{last}",
+        repeat="while {condition}",
+        choose="if {condition}",
+        choose_next="elseif {condition}",
+        otherwise="else",
+        close="end",
+        end="end",
+    ),
     helpers={
         "sqrt": "symbody_sqrt(x) = x >= 0 ? sqrt(x) : x * NaN\n",
         "min": "symbody_smaller(a, b) = b < a ? b : a\n",

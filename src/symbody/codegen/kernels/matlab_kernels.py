@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.kernels.dialect import PREFIX, Arrays, KernelDialect, Names
+from symbody.codegen.kernels.dialect import PREFIX, Arrays, KernelDialect, Names, StatementFormats
 from symbody.codegen.kernels.tree import KernelTree, Type
 
 _RESULT: Final = "outcome"
@@ -56,20 +56,22 @@ MATLAB: Final = KernelDialect(
     arrays=Arrays.COPIES,
     entry="{array}({next})",
     part="{array}({next}:{last})",
-    assign="{name} = {value};",
-    store="{array}({next}) = {value};",
-    perform="{value};",
-    returns=f"{_RESULT} = {{value}}; return",
-    returns_nothing="return",
-    leave="break",
-    count="for {name} = {start}:{last}",
-    count_down="for {name} = {start}:-1:{last}",
-    repeat="while {condition}",
-    choose="if {condition}",
-    choose_next="elseif {condition}",
-    otherwise="else",
-    close="end",
-    end="end",
+    statements=StatementFormats(
+        assign="{name} = {value};",
+        store="{array}({next}) = {value};",
+        perform="{value};",
+        returns=f"{_RESULT} = {{value}}; return",
+        returns_nothing="return",
+        leave="break",
+        count="for {name} = {start}:{last}",
+        count_down="for {name} = {start}:-1:{last}",
+        repeat="while {condition}",
+        choose="if {condition}",
+        choose_next="elseif {condition}",
+        otherwise="else",
+        close="end",
+        end="end",
+    ),
     continuation=" ...",
     result=_RESULT,
     helpers={

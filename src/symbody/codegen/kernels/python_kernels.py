@@ -6,7 +6,14 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.kernels.dialect import PREFIX, Arrays, KernelDialect, Names, offset_name
+from symbody.codegen.kernels.dialect import (
+    PREFIX,
+    Arrays,
+    KernelDialect,
+    Names,
+    StatementFormats,
+    offset_name,
+)
 from symbody.codegen.kernels.tree import KernelTree, Type
 
 
@@ -53,20 +60,22 @@ PYTHON: Final = KernelDialect(
     arrays=Arrays.OFFSETS,
     entry="{array}[{index}]",
     part="{array}, {index}",
-    assign="{name} = {value}",
-    store="{array}[{index}] = {value}",
-    perform="{value}",
-    returns="return {value}",
-    returns_nothing="return",
-    leave="break",
-    count="for {name} in range({start}, {stop}):",
-    count_down="for {name} in range({start}, {stop}, -1):",
-    repeat="while {condition}:",
-    choose="if {condition}:",
-    choose_next="elif {condition}:",
-    otherwise="else:",
-    close="",
-    end="",
+    statements=StatementFormats(
+        assign="{name} = {value}",
+        store="{array}[{index}] = {value}",
+        perform="{value}",
+        returns="return {value}",
+        returns_nothing="return",
+        leave="break",
+        count="for {name} in range({start}, {stop}):",
+        count_down="for {name} in range({start}, {stop}, -1):",
+        repeat="while {condition}:",
+        choose="if {condition}:",
+        choose_next="elif {condition}:",
+        otherwise="else:",
+        close="",
+        end="",
+    ),
     helpers={
         "sqrt": "def symbody_sqrt(x):\n    return math.sqrt(x) if x >= 0.0 else float('nan')\n\n",
         "exponent": """\

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.kernels.dialect import PREFIX, Arrays, KernelDialect, Names
+from symbody.codegen.kernels.dialect import PREFIX, Arrays, KernelDialect, Names, StatementFormats
 from symbody.codegen.kernels.tree import Count, KernelTree, Type, walk
 
 _TYPES: Final = {Type.REAL: "f64", Type.INTEGER: "isize", Type.ARRAY: "&[std::cell::Cell<f64>]"}
@@ -63,20 +63,22 @@ RUST: Final = KernelDialect(
     arrays=Arrays.POINTERS,
     entry="{array}[({index}) as usize].get()",
     part="&{array}[({index}) as usize..]",
-    assign="{name} = {value};",
-    store="{array}[({index}) as usize].set({value});",
-    perform="{value};",
-    returns="return {value};",
-    returns_nothing="return;",
-    leave="break;",
-    count="for {name} in {start}..{stop} {{",
-    count_down="for {name} in (({stop}) + 1..({start}) + 1).rev() {{",
-    repeat="while {condition} {{",
-    choose="if {condition} {{",
-    choose_next="}} else if {condition} {{",
-    otherwise="} else {",
-    close="}",
-    end="}",
+    statements=StatementFormats(
+        assign="{name} = {value};",
+        store="{array}[({index}) as usize].set({value});",
+        perform="{value};",
+        returns="return {value};",
+        returns_nothing="return;",
+        leave="break;",
+        count="for {name} in {start}..{stop} {{",
+        count_down="for {name} in (({stop}) + 1..({start}) + 1).rev() {{",
+        repeat="while {condition} {{",
+        choose="if {condition} {{",
+        choose_next="}} else if {condition} {{",
+        otherwise="} else {",
+        close="}",
+        end="}",
+    ),
     helpers={
         "min": "fn symbody_smaller<T: PartialOrd>(a: T, b: T) -> T { if b < a { b } else { a } }\n",
         "max": "fn symbody_larger<T: PartialOrd>(a: T, b: T) -> T { if b > a { b } else { a } }\n",

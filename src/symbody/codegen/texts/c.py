@@ -12,7 +12,7 @@ from typing import Final
 
 from symbody.codegen.identifiers import assign_identifiers, quote_name
 from symbody.codegen.kernels.c_kernels import PREAMBLE, C
-from symbody.codegen.kernels.dialect import saddle_text
+from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.lowering import integer_exponent, power_products
 from symbody.codegen.pieces import PIECE_SIZE, Piece, Plan, argument_places, plan_pieces
 from symbody.errors import CompileError, Problem

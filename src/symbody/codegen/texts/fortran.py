@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Final
 
-from symbody.codegen.kernels.dialect import saddle_text
 from symbody.codegen.kernels.fortran_kernels import FORTRAN, SADDLE_CALL
+from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.pieces import PIECE_SIZE
 from symbody.codegen.texts.layout import Arguments, Language, TextLayout
 from symbody.codegen.texts.statements import Dialect, Statements

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.kernels.dialect import saddle_text
 from symbody.codegen.kernels.julia_kernels import JULIA, SADDLE_CALL
+from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.pieces import PIECE_SIZE
 from symbody.codegen.texts.layout import Arguments, Language, TextLayout
 from symbody.codegen.texts.statements import Dialect, Statements

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from collections.abc import Sequence as Items
 from typing import Final
 
-from symbody.codegen.kernels.dialect import saddle_text
 from symbody.codegen.kernels.matlab_kernels import MATLAB, SADDLE_CALL
+from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.texts.layout import Arguments, Language, TextLayout
 from symbody.codegen.texts.lists import fill_lines
 from symbody.codegen.texts.statements import Dialect, Statements

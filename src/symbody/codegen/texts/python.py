@@ -13,8 +13,8 @@ from collections.abc import Iterator, Mapping
 from typing import Final
 
 from symbody.codegen.identifiers import assign_identifiers, quote_name
-from symbody.codegen.kernels.dialect import saddle_text
 from symbody.codegen.kernels.python_kernels import PYTHON, SADDLE_CALL
+from symbody.codegen.kernels.text_writer import saddle_text
 from symbody.codegen.lowering import integer_exponent, power_products
 from symbody.codegen.pieces import Plan, plan_pieces
 from symbody.errors import CompileError, Problem

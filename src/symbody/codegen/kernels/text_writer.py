@@ -1,0 +1,276 @@
+"""Kernel trees as text in a language: the walk over a tree."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Final
+
+from symbody.codegen.kernels.dialect import PREFIX, Arrays, KernelDialect, offset_name, size_name
+from symbody.codegen.kernels.reader import read_kernels
+from symbody.codegen.kernels.tree import (
+    Apply,
+    ArrayEntry,
+    Assign,
+    Call,
+    Choose,
+    Count,
+    Expression,
+    KernelTree,
+    Leave,
+    Literal,
+    Part,
+    Perform,
+    Repeat,
+    Return,
+    Statement,
+    StoreEntry,
+    Type,
+    Variable,
+    walk,
+)
+
+# How tightly an operator binds; a format of its own, such as a call, binds like a name.
+BINDING: Final = {
+    "or": 1, "and": 2, "<": 4, "<=": 4, ">": 4, ">=": 4, "==": 4, "!=": 4,
+    "+": 5, "-": 5, "*": 6, "/": 6, "neg": 7,
+}  # fmt: skip
+NAME: Final = 9
+WIDTH: Final = 110
+
+
+def kernel_text(kernels: Mapping[str, KernelTree], dialect: KernelDialect) -> str:
+    """Return kernels as text, each behind the kernels that it calls."""
+    nodes = (node for tree in kernels.values() for node in walk(tree.body))
+    words = {node.operator for node in nodes if isinstance(node, Apply)}
+    helpers = [text for word, text in dialect.helpers.items() if word in words]
+    written = ["\n".join(_KernelWriter(tree, kernels, dialect).lines()) + "\n" for tree in kernels.values()]
+    return "\n".join([*helpers, *written])
+
+
+def saddle_text(dialect: KernelDialect, call: str = "") -> str:
+    """Return `solve_saddle` and the kernels below it as text, and behind them what calls it."""
+    return kernel_text(read_kernels("solve_saddle"), dialect) + ("\n" + call if call else "")
+
+
+class _KernelWriter:
+    """Writes one kernel."""
+
+    def __init__(self, tree: KernelTree, kernels: Mapping[str, KernelTree], dialect: KernelDialect) -> None:
+        self._tree = tree
+        self._kernels = kernels
+        self._dialect = dialect
+        self._form = dialect.statements
+        self._names = dialect.rename(tree)
+        self._bases: dict[str, str] = {}  # of local parts, where these are places in another array
+
+    def lines(self) -> Iterator[str]:
+        """Yield the lines of the kernel."""
+        lines = [
+            *self._dialect.head(self._tree, self._names),
+            *self._block(self._tree.body),
+            self._form.end,
+        ]
+        for line in lines:
+            yield from _wrap(line, self._dialect.continuation)
+
+    # Statements
+
+    def _block(self, body: tuple[Statement, ...]) -> Iterator[str]:
+        for statement in body:
+            for line in self._statement(statement):
+                yield f"    {line}"
+
+    def _statement(self, statement: Statement) -> Iterator[str]:
+        d = self._dialect
+        match statement:
+            case Assign(name, value):
+                yield from self._assign(name, value)
+            case StoreEntry(array, index, value):
+                yield self._form.store.format(value=self._text(value), **self._place_words(array, index))
+            case Perform(call):
+                yield self._perform(call)
+            case Return(None):
+                yield self._form.returns_nothing
+            case Return(Call() as call) if d.arrays == Arrays.COPIES:
+                yield self._assign_call(d.result, call)
+                yield self._form.returns_nothing
+            case Return(value) if value is not None:
+                yield self._form.returns.format(value=self._text(value))
+            case Leave():
+                yield self._form.leave
+            case _:
+                yield from self._compound(statement)
+
+    def _assign(self, name: str, value: Expression) -> Iterator[str]:
+        d = self._dialect
+        if isinstance(value, Part) and d.arrays != Arrays.POINTERS:
+            self._bases[name], offset = self._place(value)
+            yield self._form.assign.format(name=offset_name(self._name(name)), value=self._text(offset))
+            if d.arrays == Arrays.COPIES:
+                yield self._form.assign.format(name=size_name(self._name(name)), value=self._text(value.size))
+        elif isinstance(value, Call) and d.arrays == Arrays.COPIES:
+            yield self._assign_call(self._name(name), value)
+        else:
+            yield self._form.assign.format(name=self._name(name), value=self._text(value))
+
+    def _assign_call(self, name: str, call: Call) -> str:
+        """Return the assignment of all that a call returns, where arrays are copies."""
+        changed = self._changed_arrays(call)
+        targets = [name, *changed] if name else changed
+        target = f"[{', '.join(targets)}]" if len(targets) > 1 else targets[0]
+        return self._form.assign.format(name=target, value=self._text(call))
+
+    def _changed_arrays(self, call: Call) -> list[str]:
+        parameters = self._kernels[call.kernel].parameters
+        pairs = zip(call.arguments, parameters, strict=True)
+        return [self._array(argument) for argument, parameter in pairs if parameter.is_changed]
+
+    def _perform(self, call: Call) -> str:
+        d = self._dialect
+        if d.arrays == Arrays.COPIES:
+            return self._assign_call(d.result if self._kernels[call.kernel].result else "", call)
+        return self._form.perform.format(value=self._text(call))
+
+    def _compound(self, statement: Statement) -> Iterator[str]:
+        match statement:
+            case Count(name, start, stop, is_downwards, body):
+                last = self._text(add(stop, 1 if is_downwards else -1))
+                words = {"start": self._text(start), "stop": self._text(stop, BINDING["<"] + 1), "last": last}
+                yield (self._form.count_down if is_downwards else self._form.count).format(
+                    name=self._name(name), **words
+                )
+                yield from self._block(body)
+            case Repeat(condition, body):
+                yield self._form.repeat.format(condition=self._text(condition))
+                yield from self._block(body)
+            case Choose():
+                yield from self._choose(statement, self._form.choose)
+        if (
+            end := self._form.close
+            if isinstance(statement, Choose)
+            else self._form.close_loop or self._form.close
+        ):
+            yield end
+
+    def _choose(self, statement: Choose, first: str) -> Iterator[str]:
+        yield first.format(condition=self._text(statement.condition))
+        yield from self._block(statement.body)
+        match statement.otherwise:
+            case (Choose() as following,):
+                yield from self._choose(following, self._form.choose_next)
+            case (_, *_):
+                yield self._form.otherwise
+                yield from self._block(statement.otherwise)
+
+    # Expressions
+
+    def _name(self, name: str) -> str:
+        return self._names.get(name, name)
+
+    def _place(self, array: Expression) -> tuple[str, Expression]:
+        """Return the array in which a part lies, and the index at which it begins."""
+        match array:
+            case Part(inner, offset, _):
+                base, first = self._place(inner)
+                return base, add(first, offset)
+            case Variable(name) if name in self._bases:
+                return self._bases[name], Variable(offset_name(self._name(name)), Type.INTEGER)
+            case Variable(name) if self._dialect.arrays == Arrays.OFFSETS:
+                return self._name(name), Variable(offset_name(self._name(name)), Type.INTEGER)
+            case Variable(name):
+                return self._name(name), Literal(0, Type.INTEGER)
+        raise AssertionError(array)
+
+    def _place_words(self, array: Expression, index: Expression) -> dict[str, str]:
+        if self._dialect.arrays == Arrays.POINTERS:
+            text = self._text(array, NAME)
+        else:
+            text, first = self._place(array)
+            index = add(first, index)
+        return {"array": text, "index": self._text(index), "next": self._text(add(index, 1))}
+
+    def _array(self, array: Expression) -> str:
+        """Return an array as an argument."""
+        d, last = self._dialect, ""
+        if d.arrays == Arrays.POINTERS:
+            if not isinstance(array, Part):
+                return self._text(array)
+            base, offset = self._text(array.array, NAME), array.offset
+        else:
+            base, offset = self._place(array)
+            if offset == Literal(0, Type.INTEGER) and not isinstance(array, Part):
+                return base
+        if d.arrays == Arrays.COPIES:
+            last = self._text(add(offset, self._size(array)))
+        return d.part.format(array=base, index=self._text(offset), next=self._text(add(offset, 1)), last=last)
+
+    def _size(self, array: Expression) -> Expression:
+        """Return the size of a part."""
+        match array:
+            case Part(size=size):
+                return size
+            case Variable(name):
+                return Variable(size_name(self._name(name)), Type.INTEGER)
+        raise AssertionError(array)
+
+    def _text(self, expression: Expression, binding: int = 0) -> str:
+        """Return an expression, in brackets if it binds less tightly than `binding`."""
+        match expression:
+            case Literal(value, kind):
+                text = self._dialect.literal(value, kind)
+                return f"({text})" if text.startswith("-") and binding > BINDING["+"] else text
+            case Variable(name):
+                return self._name(name)
+            case ArrayEntry(array, index):
+                return self._dialect.entry.format(**self._place_words(array, index))
+            case Part():
+                return self._array(expression)
+            case Call(kernel, arguments):
+                written = (self._array(a) if a.type == Type.ARRAY else self._text(a) for a in arguments)
+                return f"{PREFIX}{kernel}({', '.join(written)})"
+            case Apply(operator, operands, kind):
+                word = f"{operator} {kind.value}"  # one for integers goes first
+                if word in self._dialect.words or operator in self._dialect.words:
+                    text = self._dialect.words.get(word) or self._dialect.words[operator]
+                    return text.format(*(self._text(operand) for operand in operands))
+                return self._operation(expression, binding)
+
+    def _operation(self, expression: Apply, binding: int) -> str:
+        operator, operands = expression.operator, expression.operands
+        strength = BINDING[operator]
+        symbol = self._dialect.operators.get(operator, operator)
+        if len(operands) == 1:
+            text = f"{symbol}{self._text(operands[0], strength)}"
+        else:
+            # Of reals a + (b + c) is another number than a + b + c: right operands keep their brackets.
+            is_associative = operator == "+" and expression.type == Type.INTEGER
+            texts = (self._text(x, strength + (k > 0 and not is_associative)) for k, x in enumerate(operands))
+            text = f" {symbol} ".join(texts)
+        return f"({text})" if strength < binding else text
+
+
+def add(expression: Expression, step: Expression | int) -> Expression:
+    """Return the sum of two integers without needless terms."""
+    if isinstance(step, int):
+        step = Literal(step, Type.INTEGER)
+    if not isinstance(step, Literal):
+        zero = expression == Literal(0, Type.INTEGER)
+        return step if zero else Apply("+", (expression, step), Type.INTEGER)
+    match expression:
+        case Literal(value, kind):
+            return Literal(value + step.value, kind)
+        case Apply("+" | "-" as operator, (first, Literal(int() as value))):
+            return add(first, (value if operator == "+" else -value) + int(step.value))
+    if step.value == 0:
+        return expression
+    size = Literal(abs(step.value), Type.INTEGER)
+    return Apply("+" if step.value > 0 else "-", (expression, size), Type.INTEGER)
+
+
+def _wrap(line: str, continuation: str) -> Iterator[str]:
+    """Break a line that is too long behind commas."""
+    indent = " " * (len(line) - len(line.lstrip()) + 8)
+    while len(line) > WIDTH and (place := line.rfind(", ", len(indent), WIDTH)) > 0:
+        yield line[: place + 1] + continuation
+        line = indent + line[place + 2 :]
+    yield line
