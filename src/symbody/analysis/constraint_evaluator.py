@@ -1,4 +1,4 @@
-"""`Closure`: the constraints of a mechanism as numbers, with the scales they are measured by."""
+"""`ConstraintEvaluator`: the constraints of a mechanism as numbers, with the scales they are measured by."""
 
 from __future__ import annotations
 
@@ -256,7 +256,7 @@ def constraint_function(
     inputs: Mapping[str, Value],
     free: Iterable[str] = (),
 ) -> CompiledFunction:
-    """Return the constraints of a `Closure` as a function of t, q, u and the `free` parameters."""
+    """Return the constraints of a `ConstraintEvaluator` as a function of t, q, u and the `free` parameters."""
     given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
     program = form_sequence(eqs, ConstraintValues._fields, parameters, free, given)
     return CompiledFunction(*program, quick=True)

@@ -1,4 +1,4 @@
-"""`least_open`: the configuration with the smallest residual of loops that cannot close."""
+"""`minimum_gap`: the configuration with the smallest residual of loops that cannot close."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """Ropes of a configuration or a state: which of them are constraints, and which are slack.
 
-Kinematic analyses take ropes at their length as constraints (`equations_at`), assembly those that pull.
+Kinematic analyses take ropes at their length as constraints (`equations_with_ropes`); assembly takes those
+that pull.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""The door of the model: what users write becomes formulas and checked names, once, with all faults told.
+"""The arguments of one element while they are read: all faults are collected, and raised together.
 
-A constructor opens a `Door`, lets every argument through it, and closes it; `close` raises once with
+A constructor makes `Arguments`, reads every argument with it, and calls `raise_all`, which raises once with
 everything that was wrong.
 """
 

@@ -24,9 +24,9 @@ class Frames(Field[Mapping[str, Frame] | None, FrozenMapping[Frame]]):
     takes: ClassVar[str] = "mapping of name to Frame"
     annotation: ClassVar[str] = "Mapping[str, Frame] | None"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> FrozenMapping[Frame]:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> FrozenMapping[Frame]:
         """Return the frames."""
-        return frame_table(door, value or {}, path)
+        return frame_table(arguments, value or {}, path)
 
     def formula_sites(self, owner: object, value: FrozenMapping[Frame], path: str) -> Iterator[FormulaSite]:
         """Return where their formulas stand."""
@@ -76,14 +76,14 @@ class Body(Element):
 FrameLike = Body | FrameRef | str | tuple[Body | str, str]
 
 
-def read_frame_ref(door: Arguments, place: object, path: str) -> FrameRef:
+def read_frame_ref(arguments: Arguments, place: object, path: str) -> FrameRef:
     """Return the address of a place given as body, ``body["frame"]``, text or (body, frame name)."""
     if isinstance(place, FrameRef):
         return place
     if isinstance(place, Body):
         return make_frame_ref(place.name, "", place)
     if isinstance(place, str):
-        return _parse_frame_ref(door, place, path)
+        return _parse_frame_ref(arguments, place, path)
     if isinstance(place, tuple) and len(place) == 2 and isinstance(place[1], str):
         body, frame = place
         if isinstance(body, Body):
@@ -91,7 +91,7 @@ def read_frame_ref(door: Arguments, place: object, path: str) -> FrameRef:
         if isinstance(body, str):
             return make_frame_ref(normalize(body), normalize(frame))
     is_frame = isinstance(place, Frame)
-    door.add(
+    arguments.add(
         "model.not_a_place",
         path,
         f"{'a Frame' if is_frame else repr(place)} is not a place on a body",
@@ -101,11 +101,11 @@ def read_frame_ref(door: Arguments, place: object, path: str) -> FrameRef:
     return FrameRef("ground")
 
 
-def _parse_frame_ref(door: Arguments, text: str, path: str) -> FrameRef:
+def _parse_frame_ref(arguments: Arguments, text: str, path: str) -> FrameRef:
     body, dot, frame = (part.strip() for part in normalize(text).partition("."))
     if body and bool(frame) == bool(dot) and "." not in frame:
         return make_frame_ref(body, frame)
-    door.add(
+    arguments.add(
         "model.bad_address",
         path,
         f"{text!r} is not an address",
@@ -115,15 +115,15 @@ def _parse_frame_ref(door: Arguments, text: str, path: str) -> FrameRef:
     return FrameRef("ground")
 
 
-def frame_table(door: Arguments, frames: object, path: str) -> FrozenMapping[Frame]:
+def frame_table(arguments: Arguments, frames: object, path: str) -> FrozenMapping[Frame]:
     """Return named frames, checked."""
-    table = door.table(frames, path, lambda value, place: _frame(door, value, place))
+    table = arguments.table(frames, path, lambda value, place: _frame(arguments, value, place))
     for name in table:
-        problem = element_problem(name, door.where(f"{path}.{name}"))
+        problem = element_problem(name, arguments.where(f"{path}.{name}"))
         if problem is not None:
-            door.problems.append(problem)
+            arguments.problems.append(problem)
         if name == CENTRE:
-            door.add(
+            arguments.add(
                 "names.reserved",
                 f"{path}.{name}",
                 f"the name {CENTRE!r} is taken: every body has it",
@@ -133,8 +133,8 @@ def frame_table(door: Arguments, frames: object, path: str) -> FrozenMapping[Fra
     return table
 
 
-def _frame(door: Arguments, value: object, path: str) -> Frame:
+def _frame(arguments: Arguments, value: object, path: str) -> Frame:
     if isinstance(value, Frame):
         return value
-    door.add("model.not_a_frame", path, f"{value!r} is not a frame", "", "write Frame(at=(x, y, z))")
+    arguments.add("model.not_a_frame", path, f"{value!r} is not a frame", "", "write Frame(at=(x, y, z))")
     return Frame()

@@ -80,7 +80,7 @@ class Field(Generic[Given, Kept]):
     def __set__(self, owner: Never, value: Given) -> None:
         raise AttributeError(self.sentence)
 
-    def read(self, owner: Any, door: Arguments, value: object, path: str) -> Kept:
+    def read(self, owner: Any, arguments: Arguments, value: object, path: str) -> Kept:
         """Return what is kept of an argument; the owner holds what stands before it."""
         raise NotImplementedError(self.role)
 
@@ -131,18 +131,18 @@ class Declared:
         ModelError
             With everything that is wrong with them.
         """
-        door = Arguments(self.label())
+        arguments = Arguments(self.label())
         for name, field in self.fields.items():
             value = getattr(self, name)
             try:
-                kept = field.read(self, door, value, field.place or name)
+                kept = field.read(self, arguments, value, field.place or name)
             except SymbodyError:
                 raise
             except Exception as error:  # of a value that no reader thought of, such as an array of texts
                 raise UsageError(self._misfit(name, value)) from error
             object.__setattr__(self, name, kept)
-        self.check(door)
-        door.raise_all()
+        self.check(arguments)
+        arguments.raise_all()
 
     def __eq__(self, other: object) -> bool:
         return self._content() == other._content() if type(other) is type(self) else NotImplemented
@@ -167,7 +167,7 @@ class Declared:
         """Return what it is in words, the first part of the place of a fault."""
         return type(self).__name__.lower()
 
-    def check(self, door: Arguments) -> None:
+    def check(self, arguments: Arguments) -> None:
         """Note arguments that contradict each other."""
 
     def _formula_sites(self, before: str = "") -> Iterator[FormulaSite]:

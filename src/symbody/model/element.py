@@ -1,4 +1,4 @@
-"""`Element`: anything in a model that has a name; and `Address`: how it refers to frames."""
+"""`Element`: anything in a model that has a name; and `FrameRef`: how it refers to frames."""
 
 from __future__ import annotations
 

@@ -36,9 +36,9 @@ class AttachedFrame(Field[FrameLike, FrameRef]):
     takes: ClassVar[str] = "Body, frame or name"
     annotation: ClassVar[str] = "FrameLike"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> FrameRef:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> FrameRef:
         """Return the address."""
-        return read_frame_ref(door, value, path)
+        return read_frame_ref(arguments, value, path)
 
 
 class Directions(Field[Iterable[AxisLike], tuple[Axis, Axis]]):
@@ -49,11 +49,13 @@ class Directions(Field[Iterable[AxisLike], tuple[Axis, Axis]]):
     annotation: ClassVar[str] = "Axes"
     explanation: ClassVar[str] = "Each is a letter, or three components of any length."
 
-    def read(self, owner: Any, door: Arguments, value: object, path: str) -> tuple[Axis, Axis]:
+    def read(self, owner: Any, arguments: Arguments, value: object, path: str) -> tuple[Axis, Axis]:
         """Return two directions."""
         why = "the first is fixed in start, the second in end"
-        items = read_list(door, value, path, 2, "directions", why, 'write axes = ["z", "z"]')
-        first, second = (read_axis(door, item, f"{path}[{k}]") for k, item in enumerate(items or ("z", "z")))
+        items = read_list(arguments, value, path, 2, "directions", why, 'write axes = ["z", "z"]')
+        first, second = (
+            read_axis(arguments, item, f"{path}[{k}]") for k, item in enumerate(items or ("z", "z"))
+        )
         return (first, second)
 
     def formula_sites(self, owner: object, value: tuple[Axis, Axis], path: str) -> Iterator[FormulaSite]:
@@ -83,15 +85,15 @@ class VanishingFormulas(Field[Value | Iterable[Value], tuple[Formula, ...]]):
 
     scope: Scope = Scope.MOTION
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> tuple[Formula, ...]:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[Formula, ...]:
         """Return the formulas."""
         if isinstance(value, str | Mapping) or not isinstance(value, Iterable):
-            return (door.formula(value, path),)
-        items = door.items(value, path)
+            return (arguments.formula(value, path),)
+        items = arguments.items(value, path)
         if not items:
             why = "a constraint says what vanishes"
-            door.add("model.empty", path, "there is no equation", why, 'write equations = ["x - y"]')
-        return tuple(door.formula(item, f"{path}[{k}]") for k, item in enumerate(items))
+            arguments.add("model.empty", path, "there is no equation", why, 'write equations = ["x - y"]')
+        return tuple(arguments.formula(item, f"{path}[{k}]") for k, item in enumerate(items))
 
     def formula_sites(self, owner: object, value: tuple[Formula, ...], path: str) -> Iterator[FormulaSite]:
         """Return where the equations stand."""
@@ -108,15 +110,15 @@ class Coupled(Field[Iterable[str], tuple[str, ...]]):
 
     count: int = 2
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> tuple[str, ...]:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[str, ...]:
         """Return as many different names."""
         why = "each wheel, rack or shaft moves with one"
-        items = read_list(door, value, path, self.count, "coordinates", why, "name one for each")
-        names = tuple(door.symbol_name(item, f"{path}[{k}]") for k, item in enumerate(items or ()))
+        items = read_list(arguments, value, path, self.count, "coordinates", why, "name one for each")
+        names = tuple(arguments.symbol_name(item, f"{path}[{k}]") for k, item in enumerate(items or ()))
         for name in sorted({name for name in names if names.count(name) > 1 and name != "?"}):
             what = f"{name} stands {names.count(name)} times"
             why = "a coordinate coupled to itself stands still"
-            door.add("model.coupled_twice", path, what, why, "name different coordinates")
+            arguments.add("model.coupled_twice", path, what, why, "name different coordinates")
         return names if items else ("?",) * self.count
 
     def formula_sites(self, owner: object, value: tuple[str, ...], path: str) -> Iterator[FormulaSite]:
@@ -132,10 +134,10 @@ class Radii(Field[Iterable[Value], tuple[Formula, ...]]):
     takes: ClassVar[str] = "(2,) number or formula"
     annotation: ClassVar[str] = "Iterable[Value]"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> tuple[Formula, ...]:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[Formula, ...]:
         """Return two formulas."""
-        items = read_list(door, value, path, 2, "values", "there are two pulleys", "give one for each")
-        return tuple(door.formula(item, f"{path}[{k}]") for k, item in enumerate(items or (1, 1)))
+        items = read_list(arguments, value, path, 2, "values", "there are two pulleys", "give one for each")
+        return tuple(arguments.formula(item, f"{path}[{k}]") for k, item in enumerate(items or (1, 1)))
 
     def formula_sites(self, owner: object, value: tuple[Formula, ...], path: str) -> Iterator[FormulaSite]:
         """Return where the radii stand."""

@@ -27,9 +27,9 @@ class ElementName(Field[str, str]):
     takes: ClassVar[str] = "str"
     annotation: ClassVar[str] = "str"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> str:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> str:
         """Return the name in composed letters."""
-        return door.element_name(value, path)
+        return arguments.element_name(value, path)
 
 
 class SymbolName(Field[str, str]):
@@ -39,9 +39,9 @@ class SymbolName(Field[str, str]):
     takes: ClassVar[str] = "str"
     annotation: ClassVar[str] = "str"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> str:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> str:
         """Return the name as formulas contain it."""
-        return door.symbol_name(value, path)
+        return arguments.symbol_name(value, path)
 
 
 class Text(Field[str, str]):
@@ -51,7 +51,7 @@ class Text(Field[str, str]):
     takes: ClassVar[str] = "str"
     annotation: ClassVar[str] = "str"
 
-    def read(self, owner: object, door: Arguments, value: Any, path: str) -> str:
+    def read(self, owner: object, arguments: Arguments, value: Any, path: str) -> str:
         """Return the text as it is."""
         return str(value)
 
@@ -76,9 +76,9 @@ class Quantity(Field[Value, Formula]):
     scope: Scope = Scope.CONSTANT
     fits: NumberCheck | None = None
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> Formula:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Formula:
         """Return the formula."""
-        return door.formula(value, path)
+        return arguments.formula(value, path)
 
     def formula_sites(self, owner: object, value: Formula, path: str) -> Iterator[FormulaSite]:
         """Return where the formula stands."""
@@ -95,9 +95,9 @@ class AngleQuantity(Quantity):
 
     role: ClassVar[str] = "angle"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> Formula:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Formula:
         """Return the formula [rad]."""
-        return door.angle(value, path)
+        return arguments.angle(value, path)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -112,9 +112,9 @@ class OptionalQuantity(Field[Value | None, Formula | None]):
     default: Any = None
     scope: Scope = Scope.CONSTANT
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> Formula | None:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Formula | None:
         """Return the formula, or None for None."""
-        return door.optional_formula(value, path)
+        return arguments.optional_formula(value, path)
 
     def formula_sites(self, owner: object, value: Formula | None, path: str) -> Iterator[FormulaSite]:
         """Return where the formula stands."""
@@ -133,9 +133,9 @@ class VectorQuantity(Field[Iterable[Value], Triple]):
     _: KW_ONLY
     scope: Scope = Scope.CONSTANT
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> Triple:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Triple:
         """Return three formulas."""
-        return door.triple(value, path)
+        return arguments.triple(value, path)
 
     def formula_sites(self, owner: object, value: Triple, path: str) -> Iterator[FormulaSite]:
         """Return where the components stand."""
@@ -150,9 +150,9 @@ class Direction(Field[AxisLike, Axis]):
     annotation: ClassVar[str] = "str | Iterable[Value]"
     explanation: ClassVar[str] = '"x", "y", "z", or components of any length.'
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> Axis:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Axis:
         """Return a letter or three formulas."""
-        return read_axis(door, value, path)
+        return read_axis(arguments, value, path)
 
     def formula_sites(self, owner: object, value: Axis | None, path: str) -> Iterator[FormulaSite]:
         """Return where the components stand."""
@@ -180,9 +180,9 @@ class OptionalDirection(Field[AxisLike | None, Axis | None]):
     annotation: ClassVar[str] = "str | Iterable[Value] | None"
     explanation: ClassVar[str] = Direction.explanation
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> Axis | None:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Axis | None:
         """Return a letter or three formulas, or None for None."""
-        return None if value is None else read_axis(door, value, path)
+        return None if value is None else read_axis(arguments, value, path)
 
     def formula_sites(self, owner: object, value: Axis | None, path: str) -> Iterator[FormulaSite]:
         """Return where the components stand."""
@@ -209,11 +209,13 @@ class Flag(Field[bool, bool]):
     takes: ClassVar[str] = "bool"
     annotation: ClassVar[str] = "bool"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> bool:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> bool:
         """Return a truth value."""
         if isinstance(value, bool) or type(value).__name__ == "bool_":  # NumPy's
             return bool(value)
-        door.add("model.not_a_flag", path, f"{value!r} is neither true nor false", "", "write true or false")
+        arguments.add(
+            "model.not_a_flag", path, f"{value!r} is neither true nor false", "", "write true or false"
+        )
         return False
 
 
@@ -234,13 +236,13 @@ class WordChoice(Field[L, L], Generic[L]):
     _: KW_ONLY
     words: tuple[L, ...] = field(default=())
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> L:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> L:
         """Return the word."""
         for word in self.words:
             if isinstance(value, str) and value == word:
                 return word
         choices = " or ".join(repr(word) for word in self.words)
-        door.add("model.curve_kind", path, f"{path} = {value!r} means nothing", "", f"write {choices}")
+        arguments.add("model.curve_kind", path, f"{path} = {value!r} means nothing", "", f"write {choices}")
         return self.words[0]
 
 
@@ -251,13 +253,13 @@ class Numbers(Field[Iterable[Value], tuple[Formula, ...]]):
     takes: ClassVar[str] = "(N,) numbers"
     annotation: ClassVar[str] = "Iterable[Value]"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> tuple[Formula, ...]:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[Formula, ...]:
         """Return the numbers as formulas."""
-        items = door.items(value, path)
-        formulas = tuple(door.formula(item, f"{path}[{k}]") for k, item in enumerate(items))
+        items = arguments.items(value, path)
+        formulas = tuple(arguments.formula(item, f"{path}[{k}]") for k, item in enumerate(items))
         for k, formula in enumerate(formulas):
             if formula.names:
-                door.add(
+                arguments.add(
                     "model.curve_number",
                     f"{path}[{k}]",
                     f"{formula} is no number",
@@ -274,11 +276,11 @@ class FilePath(Field[str | os.PathLike[str], str]):
     takes: ClassVar[str] = "str or path"
     annotation: ClassVar[str] = "str | os.PathLike[str]"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> str:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> str:
         """Return the path as text."""
         text = os.fsdecode(value) if isinstance(value, str | os.PathLike) else ""
         if not text.strip() or not text.isprintable():
-            door.add(
+            arguments.add(
                 "model.mesh_path", path, f"{value!r} is not the path of a file", "",
                 'write the path of a file, such as "meshes/link.stl"',
             )  # fmt: skip
@@ -286,17 +288,17 @@ class FilePath(Field[str | os.PathLike[str], str]):
 
 
 def read_list(
-    door: Arguments, value: object, path: str, count: int, nouns: str, why: str, fix: str
+    arguments: Arguments, value: object, path: str, count: int, nouns: str, why: str, fix: str
 ) -> list[object] | None:
     """Return a list of `count` entries; None if it is another, or none, with a fault noted."""
     if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
-        door.items(value, path)  # notes that it is none
+        arguments.items(value, path)  # notes that it is none
         return None
-    items = door.items(value, path)
+    items = arguments.items(value, path)
     if len(items) == count:
         return items
     noun = nouns if len(items) != 1 else nouns.removesuffix("s")
-    door.add("model.wrong_number", path, f"{len(items)} {noun} instead of {count}", why, fix)
+    arguments.add("model.wrong_number", path, f"{len(items)} {noun} instead of {count}", why, fix)
     return None
 
 

@@ -24,9 +24,11 @@ class Turns(Field[Iterable[tuple[AxisLike, Value]], Rotation]):
     takes: ClassVar[str] = "iterable of (axis, angle)"
     annotation: ClassVar[str] = "Iterable[tuple[str | Iterable[Value], Value]]"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> Rotation:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Rotation:
         """Return pairs of an axis and an angle [rad]."""
-        return tuple(_turn(door, turn, f"{path}[{k}]") for k, turn in enumerate(door.items(value, path)))
+        return tuple(
+            _turn(arguments, turn, f"{path}[{k}]") for k, turn in enumerate(arguments.items(value, path))
+        )
 
     def formula_sites(self, owner: object, value: Rotation, path: str) -> Iterator[FormulaSite]:
         """Return where the formulas stand."""
@@ -43,9 +45,9 @@ class RotationMatrix(Field[Sequence[Iterable[Value]] | None, Matrix | None]):
     takes: ClassVar[str] = "(3, 3) number or formula"
     annotation: ClassVar[str] = "Sequence[Iterable[Value]] | None"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> Matrix | None:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Matrix | None:
         """Return three rows of formulas."""
-        return None if value is None else _matrix(door, value)
+        return None if value is None else _matrix(arguments, value)
 
     def formula_sites(self, owner: object, value: Matrix | None, path: str) -> Iterator[FormulaSite]:
         """Return where the entries stand."""
@@ -71,9 +73,9 @@ class Frame(ElementPart):
         "Rotation matrix instead of turns; takes components in the frame to the body.", default=None
     )
 
-    def check(self, door: Arguments) -> None:
+    def check(self, arguments: Arguments) -> None:
         """Note turns beside a matrix."""
-        check_rotation(door, self.rotate, self.matrix)
+        check_rotation(arguments, self.rotate, self.matrix)
 
     def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the simple rotations from the body's axes to this frame's."""
@@ -82,10 +84,10 @@ class Frame(ElementPart):
         return tuple(SimpleRotation(unit_axis(axis), angle) for axis, angle in self.rotate)
 
 
-def check_rotation(door: Arguments, rotate: Rotation, matrix: Matrix | None) -> None:
+def check_rotation(arguments: Arguments, rotate: Rotation, matrix: Matrix | None) -> None:
     """Note turns beside a matrix."""
     if matrix is not None and rotate:
-        door.add(
+        arguments.add(
             "model.two_rotations",
             "",
             "the frame has both turns and a matrix",
@@ -94,10 +96,10 @@ def check_rotation(door: Arguments, rotate: Rotation, matrix: Matrix | None) -> 
         )
 
 
-def _turn(door: Arguments, turn: object, path: str) -> tuple[Axis, Formula]:
-    pair = door.items(turn, path)
+def _turn(arguments: Arguments, turn: object, path: str) -> tuple[Axis, Formula]:
+    pair = arguments.items(turn, path)
     if len(pair) != 2:
-        door.add(
+        arguments.add(
             "model.not_a_turn",
             path,
             "a turn is an axis and an angle",
@@ -105,13 +107,13 @@ def _turn(door: Arguments, turn: object, path: str) -> tuple[Axis, Formula]:
             'write for instance ["z", "pi/2"]; several turns form a list of such pairs',
         )
         return "x", ZERO
-    return read_axis(door, pair[0], f"{path}[0]"), door.angle(pair[1], f"{path}[1]")
+    return read_axis(arguments, pair[0], f"{path}[0]"), arguments.angle(pair[1], f"{path}[1]")
 
 
-def _matrix(door: Arguments, rows: object) -> Matrix | None:
-    items = door.items(rows, "matrix")
+def _matrix(arguments: Arguments, rows: object) -> Matrix | None:
+    items = arguments.items(rows, "matrix")
     if len(items) != 3:
-        door.add(
+        arguments.add(
             "model.not_three",
             "matrix",
             f"{len(items)} rows instead of three",
@@ -119,5 +121,5 @@ def _matrix(door: Arguments, rows: object) -> Matrix | None:
             "give three rows of three entries",
         )
         return None
-    a, b, c = (door.triple(row, f"matrix[{k}]") for k, row in enumerate(items))
+    a, b, c = (arguments.triple(row, f"matrix[{k}]") for k, row in enumerate(items))
     return (a, b, c)

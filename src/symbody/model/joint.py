@@ -270,7 +270,7 @@ class Joint(Connection):
         if self.as_constraint and not self.motion:
             check.note(f"{label}: as_constraint says nothing, because no motion is prescribed")
 
-    def check(self, door: Arguments) -> None:
+    def check(self, arguments: Arguments) -> None:
         """Note drives and motions of coordinates that cannot have them."""
         if not (self.force or self.torque or self.motion):
             return
@@ -282,15 +282,15 @@ class Joint(Connection):
         ):
             for key in keys:
                 if key not in fitting:
-                    _refuse_key(self, door, word, key, fitting)
+                    _refuse_key(self, arguments, word, key, fitting)
         if not self.as_constraint:
-            _check_motions(self, door)
+            _check_motions(self, arguments)
 
 
-def _refuse_key(joint: Joint, door: Arguments, word: str, key: str, fitting: Iterable[str]) -> None:
+def _refuse_key(joint: Joint, arguments: Arguments, word: str, key: str, fitting: Iterable[str]) -> None:
     path = joint.coordinate_path(word, key)
     if key in (joint.quaternion or ()):
-        door.add(
+        arguments.add(
             "model.quaternion_component",
             path,
             f"{key} is a component of a quaternion, which nothing can drive by itself",
@@ -299,7 +299,7 @@ def _refuse_key(joint: Joint, door: Arguments, word: str, key: str, fitting: Ite
         )
     elif key in joint.coordinates:
         other = "torque" if word == "force" else "force"
-        door.add(
+        arguments.add(
             "model.wrong_drive",
             path,
             f"{key} is {'an angle' if word == 'force' else 'a displacement'}",
@@ -307,7 +307,7 @@ def _refuse_key(joint: Joint, door: Arguments, word: str, key: str, fitting: Ite
             f"write {other} instead of {word}",
         )
     else:
-        door.add(
+        arguments.add(
             "model.unknown_coordinate",
             path,
             f"the joint has no coordinate {key!r}",
@@ -316,7 +316,7 @@ def _refuse_key(joint: Joint, door: Arguments, word: str, key: str, fitting: Ite
         )
 
 
-def _check_motions(joint: Joint, door: Arguments) -> None:
+def _check_motions(joint: Joint, arguments: Arguments) -> None:
     """Note prescribed coordinates whose rates are no speeds, so that they cannot leave the unknowns."""
     for names, speeds in (
         (joint.rotation_coordinates, joint.rotation_speeds),
@@ -324,7 +324,7 @@ def _check_motions(joint: Joint, door: Arguments) -> None:
     ):
         for name in joint.motion:
             if name in names and speeds is not None and name not in (joint.quaternion or ()):
-                door.add(
+                arguments.add(
                     "model.motion_without_rate",
                     joint.coordinate_path("motion", name),
                     f"the rate of {name} is not among the speeds of the joint",

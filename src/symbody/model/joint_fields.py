@@ -35,7 +35,7 @@ class TreeMembership(Field[TreeChoice, InTrees]):
     _: KW_ONLY
     default: Any = None
 
-    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> InTrees:
+    def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> InTrees:
         """Return the choice from None, a bool, or a mapping rotation/translation to bool."""
         if isinstance(value, InTrees):
             return value
@@ -46,7 +46,7 @@ class TreeMembership(Field[TreeChoice, InTrees]):
         if isinstance(value, Mapping) and set(value) <= {"rotation", "translation"}:
             if all(isinstance(flag, bool) for flag in value.values()):
                 return InTrees(value.get("rotation"), value.get("translation"))
-        door.add(
+        arguments.add(
             "model.bad_tree",
             path,
             f"{value!r} is no choice of trees",
@@ -67,9 +67,9 @@ class Coordinate(Field[str | None, str | None]):
     _: KW_ONLY
     default: Any = None
 
-    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> str | None:
+    def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> str | None:
         """Return the name, or None for that of the joint."""
-        return None if value is None else _symbol(door, value, path, owner.default_coordinates[0])
+        return None if value is None else _symbol(arguments, value, path, owner.default_coordinates[0])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,9 +84,9 @@ class Coordinates(Field[Iterable[str] | None, tuple[str, ...]]):
     _: KW_ONLY
     default: Any = None
 
-    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> tuple[str, ...]:
+    def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> tuple[str, ...]:
         """Return the names."""
-        return read_names(door, value, path, owner.default_coordinates)
+        return read_names(arguments, value, path, owner.default_coordinates)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -96,10 +96,10 @@ class _Drives(Field[Given, FrozenMapping[Drive]]):
     _: KW_ONLY
     default: Any = None
 
-    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> FrozenMapping[Drive]:
+    def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> FrozenMapping[Drive]:
         """Return the drives by coordinate."""
         return _read_by_coordinate(
-            owner, door, value, path, lambda item, place: read_drive(door, item, place)
+            owner, arguments, value, path, lambda item, place: read_drive(arguments, item, place)
         )
 
     def formula_sites(self, owner: Joint, value: FrozenMapping[Drive], path: str) -> Iterator[FormulaSite]:
@@ -138,9 +138,9 @@ class _Motions(Field[Given, FrozenMapping[Formula]]):
     _: KW_ONLY
     default: Any = None
 
-    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> FrozenMapping[Formula]:
+    def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> FrozenMapping[Formula]:
         """Return the motions by coordinate."""
-        return _read_by_coordinate(owner, door, value, path, door.angle)
+        return _read_by_coordinate(owner, arguments, value, path, arguments.angle)
 
     def formula_sites(self, owner: Joint, value: FrozenMapping[Formula], path: str) -> Iterator[FormulaSite]:
         """Return where the motions stand."""
@@ -182,9 +182,9 @@ class Armature(Field[Value, FrozenMapping[Formula]]):
     takes: ClassVar[str] = "number or formula"
     annotation: ClassVar[str] = "Value"
 
-    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> FrozenMapping[Formula]:
+    def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> FrozenMapping[Formula]:
         """Return the inertia by coordinate; none if it is 0."""
-        inertias = _read_by_coordinate(owner, door, value, path, door.formula)
+        inertias = _read_by_coordinate(owner, arguments, value, path, arguments.formula)
         return FrozenMapping({name: inertia for name, inertia in inertias.items() if inertia.constant() != 0})
 
     def formula_sites(self, owner: Joint, value: FrozenMapping[Formula], path: str) -> Iterator[FormulaSite]:
@@ -220,12 +220,12 @@ class DryFriction(Field[Friction | None, Friction | None]):
     _: KW_ONLY
     default: Any = None
 
-    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> Friction | None:
+    def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> Friction | None:
         """Return the friction; it is refused where there are several free directions."""
-        friction = read_friction(door, value, path)
+        friction = read_friction(arguments, value, path)
         if friction is None or len(owner.coordinates) == 1:
             return friction
-        door.add(
+        arguments.add(
             "model.friction_directions",
             path,
             f"the joint has {len(owner.coordinates)} free directions",
@@ -252,11 +252,11 @@ class Letter(Field[str, str]):
     annotation: ClassVar[str] = "str"
     explanation: ClassVar[str] = '"x", "y" or "z".'
 
-    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> str:
+    def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> str:
         """Return the letter."""
         if isinstance(value, str) and value in LETTERS:
             return value
-        door.add(
+        arguments.add(
             "model.axis_letter",
             path,
             f"{value!r} is not an axis of the start frame",
@@ -269,11 +269,11 @@ class Letter(Field[str, str]):
 class PerpendicularAxes(Directions):
     """Two perpendicular directions."""
 
-    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> tuple[Axis, Axis]:
+    def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> tuple[Axis, Axis]:
         """Return two axes; those that are numbers are refused unless they are perpendicular."""
-        items = door.items(value, path)
+        items = arguments.items(value, path)
         if len(items) != 2:
-            door.add(
+            arguments.add(
                 "model.wrong_number",
                 path,
                 f"{len(items)} axes instead of two",
@@ -281,12 +281,12 @@ class PerpendicularAxes(Directions):
                 'write two perpendicular axes, such as ["x", "y"]',
             )
             return ("x", "y")
-        first, second = (read_axis(door, item, f"{path}[{k}]") for k, item in enumerate(items))
+        first, second = (read_axis(arguments, item, f"{path}[{k}]") for k, item in enumerate(items))
         values = _numbers(first), _numbers(second)
         if values[0] is not None and values[1] is not None:
             skew = not_perpendicular(values[0], values[1])
             if skew:
-                door.add("model.skew_axes", path, *skew)
+                arguments.add("model.skew_axes", path, *skew)
         return first, second
 
     def check_numbers(self, check: NumericChecks, owner: Any, value: tuple[Axis, Axis], where: str) -> None:
@@ -308,13 +308,13 @@ AS_CONSTRAINT: Final = Flag("Whether prescribed motions become constraints.", de
 FRICTION: Final = DryFriction("What holds the joint back.")
 
 
-def read_names(door: Arguments, value: object, path: str, default: tuple[str, ...]) -> tuple[str, ...]:
+def read_names(arguments: Arguments, value: object, path: str, default: tuple[str, ...]) -> tuple[str, ...]:
     """Return names of symbols, as many as `default` has, which stands where none or a bad one is given."""
     if value is None:
         return default
-    items = door.items(value, path)
+    items = arguments.items(value, path)
     if len(items) != len(default):
-        door.add(
+        arguments.add(
             "model.wrong_number",
             path,
             f"{len(items)} names instead of {len(default)}",
@@ -323,7 +323,7 @@ def read_names(door: Arguments, value: object, path: str, default: tuple[str, ..
         )
         return default
     pairs = zip(items, default, strict=True)
-    return tuple(_symbol(door, item, f"{path}[{k}]", other) for k, (item, other) in enumerate(pairs))
+    return tuple(_symbol(arguments, item, f"{path}[{k}]", other) for k, (item, other) in enumerate(pairs))
 
 
 def _numbers(axis: Axis) -> list[float] | None:
@@ -335,7 +335,7 @@ def _numbers(axis: Axis) -> list[float] | None:
 
 
 def _read_by_coordinate(
-    joint: Joint, door: Arguments, value: object, path: str, read: Callable[[object, str], T | None]
+    joint: Joint, arguments: Arguments, value: object, path: str, read: Callable[[object, str], T | None]
 ) -> FrozenMapping[T]:
     """Return what `read` makes of the value for each coordinate; a joint with one takes it without name."""
     names = joint.coordinates
@@ -346,7 +346,7 @@ def _read_by_coordinate(
     if value is None:
         return FrozenMapping()
     if not isinstance(value, Mapping):
-        door.add(
+        arguments.add(
             "model.not_by_coordinate",
             path,
             f"{value!r} does not say which coordinate it belongs to",
@@ -358,7 +358,7 @@ def _read_by_coordinate(
     return FrozenMapping({key: item for key, item in found.items() if item is not None})
 
 
-def _symbol(door: Arguments, value: object, path: str, default: str) -> str:
-    count = len(door.problems)
-    name = door.symbol_name(value, path)
-    return name if len(door.problems) == count else default
+def _symbol(arguments: Arguments, value: object, path: str, default: str) -> str:
+    count = len(arguments.problems)
+    name = arguments.symbol_name(value, path)
+    return name if len(arguments.problems) == count else default

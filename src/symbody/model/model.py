@@ -107,28 +107,29 @@ class Model(Displayed):
         notes: Iterable[str] = (),
         ground_shapes: Iterable[BodyShape] = (),
     ) -> None:
-        door = Arguments("model")
+        arguments = Arguments("model")
         draft = Draft(
-            elements=_sort_by_kind(include_bodies(_elements(door, elements))),
-            gravity=door.triple(gravity, "gravity"),
-            parameters=door.table(
+            elements=_sort_by_kind(include_bodies(_elements(arguments, elements))),
+            gravity=arguments.triple(gravity, "gravity"),
+            parameters=arguments.table(
                 parameters or {},
                 "parameters",
-                lambda value, path: None if value is None else door.angle(value, path),
+                lambda value, path: None if value is None else arguments.angle(value, path),
             ),
             inputs=tuple(
-                door.symbol_name(item, f"inputs[{k}]") for k, item in enumerate(door.items(inputs, "inputs"))
+                arguments.symbol_name(item, f"inputs[{k}]")
+                for k, item in enumerate(arguments.items(inputs, "inputs"))
             ),
-            initial=door.table(initial or {}, "initial", door.angle),
-            ground=frame_table(door, ground or {}, "ground.frames"),
-            ground_shapes=read_shapes(door, ground_shapes, "ground.shape"),
+            initial=arguments.table(initial or {}, "initial", arguments.angle),
+            ground=frame_table(arguments, ground or {}, "ground.frames"),
+            ground_shapes=read_shapes(arguments, ground_shapes, "ground.shape"),
         )
         title = name if isinstance(name, str) else "?"
         if title != name:
-            door.add("names.not_text", "name", f"{name!r} is not a name", "", "give a text")
+            arguments.add("names.not_text", "name", f"{name!r} is not a name", "", "give a text")
         for parameter in draft.parameters:
-            door.symbol_name(parameter, f"parameters.{parameter}")
-        placed, remarks = check_draft(draft, door.problems)
+            arguments.symbol_name(parameter, f"parameters.{parameter}")
+        placed, remarks = check_draft(draft, arguments.problems)
         object.__setattr__(self, "name", title)
         object.__setattr__(self, "elements", placed)
         object.__setattr__(self, "gravity", draft.gravity)
@@ -223,11 +224,11 @@ def value_problems(model: Model, given: Mapping[str, Value], free: Iterable[str]
     )
 
 
-def _elements(door: Arguments, elements: object) -> list[Element]:
-    items = door.items(elements, "elements")
+def _elements(arguments: Arguments, elements: object) -> list[Element]:
+    items = arguments.items(elements, "elements")
     for k, item in enumerate(items):
         if not isinstance(item, Element):
-            door.add(
+            arguments.add(
                 "model.not_an_element",
                 f"elements[{k}]",
                 f"{item!r} is not a part of a mechanism",

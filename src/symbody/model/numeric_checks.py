@@ -1,4 +1,4 @@
-"""`Checker`: formulas of a model as numbers, for checks that need values."""
+"""`NumericChecks`: formulas of a model as numbers, for checks that need values."""
 
 from __future__ import annotations
 

@@ -78,13 +78,13 @@ def resolve(parameters: Parameters, overrides: Mapping[str, Value]) -> dict[str,
     ModelError
         Listing all unknown names, all faulty formulas, or all parameters without value.
     """
-    door = Arguments("parameters")
+    arguments = Arguments("parameters")
     changed: dict[str, Formula | None] = dict(parameters)
     for name, value in overrides.items():
         if name in parameters:
-            changed[name] = door.angle(value, name)
+            changed[name] = arguments.angle(value, name)
         else:
-            door.add(
+            arguments.add(
                 "parameters.unknown",
                 name,
                 f"the model has no parameter {name!r}",
@@ -94,14 +94,14 @@ def resolve(parameters: Parameters, overrides: Mapping[str, Value]) -> dict[str,
     for name, formula in changed.items():
         for word in () if formula is None else formula.names:
             if word != "pi" and word not in changed:
-                door.add(
+                arguments.add(
                     "names.unknown",
                     name,
                     f"{formula} contains {word!r}, which is no parameter",
                     "",
                     nearest(word, changed),
                 )
-    door.raise_all()
+    arguments.raise_all()
     order = dependence_order(changed)
     values, problems = parameter_values(changed)
     if problems:

@@ -42,12 +42,12 @@ class SimpleRotation:
     angle: Formula
 
 
-def read_axis(door: Arguments, value: object, path: str) -> Axis:
+def read_axis(arguments: Arguments, value: object, path: str) -> Axis:
     """Return an axis from a letter or three components."""
     if isinstance(value, str):
         if value in LETTERS:
             return value
-        door.add(
+        arguments.add(
             "model.axis_letter",
             path,
             f"{value!r} is not an axis",
@@ -55,7 +55,7 @@ def read_axis(door: Arguments, value: object, path: str) -> Axis:
             'write "x", "y", "z", or three components such as ["0", "0", "-1"]',
         )
         return "x"
-    return door.triple(value, path)
+    return arguments.triple(value, path)
 
 
 def unit_axis(axis: Axis) -> Triple:

@@ -1,4 +1,4 @@
-"""`Search`: equilibria of one set of equations, from starts about a guess.
+"""`EquilibriumSearch`: equilibria of one set of equations, from starts about a guess.
 
 Newton steps of least length (Nocedal & Wright 2006, section 10.3) on the forces that multipliers cannot
 balance together with the constraints. About a configuration at which branches cross the constraints have

@@ -1,4 +1,4 @@
-"""`Balance`: the forces on a mechanism at rest, as functions of its configuration, with derivatives.
+"""`StaticBalance`: the forces on a mechanism at rest, as functions of its configuration, with derivatives.
 
 At rest ``F(q, 0, r) + J^T lambda = 0`` and ``Phi(q) = 0``. For each configuration the multipliers, and inputs
 that are unknown, are those that leave the least of the forces; what is left is a function of q alone.

@@ -53,7 +53,7 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TautSearch:
-    """Searches for equilibria with any of the ropes taut; fields as of `Search`."""
+    """Searches for equilibria with any of the ropes taut; fields as of `EquilibriumSearch`."""
 
     evaluator: ConstraintEvaluator
     unknowns: tuple[str, ...]

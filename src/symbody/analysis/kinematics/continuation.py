@@ -1,4 +1,4 @@
-"""`Follower`: positions, speeds and accelerations of a mechanism whose coordinates are driven.
+"""`Continuation`: positions, speeds and accelerations of a mechanism whose coordinates are driven.
 
 Positions by Newton's method from the tangent at the last ones, with steps halved where that does not lead
 on (continuation; Allgower & Georg 1990, chapter 2); speeds and accelerations by the differentiated

@@ -88,10 +88,10 @@ def changed_parameters(model: Model, given: Mapping[str, Any]) -> dict[str, Form
     given : mapping of name to number or text
         Of all parameters, as the model file holds them.
     """
-    door = Arguments("parameters")
-    values = {name: door.angle(value, name) for name, value in given.items() if value not in ("", None)}
+    arguments = Arguments("parameters")
+    values = {name: arguments.angle(value, name) for name, value in given.items() if value not in ("", None)}
     usable = {*given, "pi"}
-    if door.problems or values.keys() != model.parameters.keys():
+    if arguments.problems or values.keys() != model.parameters.keys():
         return None
     if any(not usable.issuperset(formula.names) for formula in values.values()):
         return None

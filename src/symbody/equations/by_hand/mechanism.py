@@ -1,4 +1,4 @@
-"""`HandPlaced`: bodies, forces and constraints by expressions in coordinates; frozen, without joints."""
+"""`MechanismByHand`: bodies, forces and constraints by expressions in coordinates; frozen, without joints."""
 
 from __future__ import annotations
 

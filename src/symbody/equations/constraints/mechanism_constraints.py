@@ -109,7 +109,7 @@ def _impossible_problems(
 ) -> Iterator[Problem]:
     """Return a problem for each row that no motion fulfils.
 
-    A constraint on parameters alone is left to those who know their values; see `check_idle`.
+    A constraint on parameters alone is checked with their values: `check_parameter_constraints`.
     """
     kinds = dependence(graph, [row.value.index for row in rows])
     driven = ", ".join(name for use in uses for name in use.prescribed_coordinates)

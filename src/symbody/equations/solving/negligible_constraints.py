@@ -33,7 +33,7 @@ def drop_negligible(
     parameters : mapping of name to float
         Those not named get random values.
     program : Sequence, optional
-        What `noise_program` returns for these equations, if it is there already.
+        What `magnitude_program` returns for these equations, if it is there already.
     """
     if not formed.rows:
         return formed

@@ -109,7 +109,7 @@ class SelfStress:
     components: tuple[Component, ...]
     blocks: tuple[StressBlock, ...]
     zero: Expr
-    # Made on first request, from the equations these belong to; the first by `identically_undetermined`.
+    # Made on first request, from the equations these belong to; the first by `find_identically_undetermined`.
     always: SingleFlight[None, tuple[str, ...]] = field(default_factory=SingleFlight, repr=False)
     _values: SingleFlight[None, list[Expr]] = field(default_factory=SingleFlight, repr=False)
     _shared: SingleFlight[None, dict[int, int]] = field(default_factory=SingleFlight, repr=False)

@@ -47,7 +47,7 @@ def resistance(formed: EquationsOfMotion) -> Resistance:
 def substitute_solution(formed: EquationsOfMotion, values: Sequence[Expr]) -> list[Expr]:
     """Return expressions with u', the multipliers and friction efforts replaced by the solution.
 
-    The multipliers of redundant rows are 0; `with_shares` puts those of least norm in their place.
+    The multipliers of redundant rows are 0; `substitute_shares` puts those of least norm in their place.
     """
     graph = formed.graph
     symbols = [

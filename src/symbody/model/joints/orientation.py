@@ -29,7 +29,7 @@ class AngleSequence(Field[str, str]):
     annotation: ClassVar[str] = "str"
     pattern: ClassVar[str] = "^((space )?[1-3xyz]{3}|quaternion)$"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> str:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> str:
         """Return ``"quaternion"`` or a sequence in digits, such as ``"313"`` or ``"space 123"``."""
         text = value if isinstance(value, str) else ""
         if text == QUATERNION:
@@ -39,7 +39,7 @@ class AngleSequence(Field[str, str]):
         is_known = len(digits) == len(axes) == 3
         if is_known and digits[0] != digits[1] != digits[2]:
             return f"{text[: -len(axes)]}{digits}"
-        door.add(
+        arguments.add(
             "model.angle_sequence",
             path,
             f"{value!r} is not a sequence of turns",
@@ -54,12 +54,12 @@ class ThreeAngles(AngleSequence):
 
     pattern: ClassVar[str] = "^(space )?[1-3xyz]{3}$"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> str:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> str:
         """Return a sequence in digits; a quaternion is refused."""
         if value != QUATERNION:
-            digits = super().read(owner, door, value, path)
+            digits = super().read(owner, arguments, value, path)
             return "123" if digits == QUATERNION else digits
-        door.add(
+        arguments.add(
             "model.angle_sequence",
             path,
             "the joint has three angles, no quaternion",
@@ -87,14 +87,14 @@ class SpeedChoice(Field[str | None, str]):
     default: Any = None
     words: tuple[str, ...] = ()
 
-    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> str:
+    def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> str:
         """Return the speeds, by default the rates of angles, and components in end axes with a quaternion."""
         default = "end" if owner.quaternion else RATES
         if value is None:
             return default
         if not isinstance(value, str) or value not in self.words:
             words = ", ".join(f'"{word}"' for word in self.words[:-1])
-            door.add(
+            arguments.add(
                 "model.speeds",
                 path,
                 f"{value!r} does not say what the speeds are",
@@ -103,7 +103,7 @@ class SpeedChoice(Field[str | None, str]):
             )
             return default
         if value == RATES and owner.quaternion:
-            door.add(
+            arguments.add(
                 "model.quaternion_rates",
                 path,
                 "the rates of a quaternion cannot be the speeds",
@@ -132,12 +132,12 @@ class SpeedNames(Field[Iterable[str] | None, tuple[str, ...] | None]):
     default: Any = None
     kinds: str = "w"
 
-    def read(self, owner: Joint, door: Arguments, value: object, path: str) -> tuple[str, ...] | None:
+    def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> tuple[str, ...] | None:
         """Return the names, or None for those after the joint's name."""
         if value is None:
             return None
         if owner.speeds == RATES:
-            door.add(
+            arguments.add(
                 "model.names_of_rates",
                 path,
                 "the speeds are rates of coordinates, which have names already",
@@ -146,7 +146,7 @@ class SpeedNames(Field[Iterable[str] | None, tuple[str, ...] | None]):
             )
             return None
         return read_names(
-            door, value, path, tuple(name for kind in self.kinds for name in _own_names(owner, kind))
+            arguments, value, path, tuple(name for kind in self.kinds for name in _own_names(owner, kind))
         )
 
 

@@ -39,10 +39,10 @@ class Curve(ElementPart):
         default="hold",
     )
 
-    def check(self, door: Arguments) -> None:
+    def check(self, arguments: Arguments) -> None:
         """Note places that do not increase, and lists of different lengths."""
-        if not door.problems:
-            _check_points(door, self.places, self.values)
+        if not arguments.problems:
+            _check_points(arguments, self.places, self.values)
 
     @property
     def places(self) -> tuple[float, ...]:
@@ -90,9 +90,9 @@ class SpringLaw(Field[LawValue, Law]):
     _: KW_ONLY
     own: tuple[str, ...] = ()
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> Law:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Law:
         """Return the formula or curve."""
-        return read_law(door, value, path)
+        return read_law(arguments, value, path)
 
     def formula_sites(self, owner: object, value: Law, path: str) -> Iterator[FormulaSite]:
         """Return where the formula stands; a curve has none."""
@@ -100,17 +100,17 @@ class SpringLaw(Field[LawValue, Law]):
             yield FormulaSite(path, value, Scope.LOAD, self.own)
 
 
-def read_law(door: Arguments, value: object, path: str) -> Law:
+def read_law(arguments: Arguments, value: object, path: str) -> Law:
     """Return a law from a formula, a curve, or the table of one as it stands in a file."""
     if isinstance(value, Curve):
         return value
     if not isinstance(value, Mapping):
-        return door.formula(value, path)
+        return arguments.formula(value, path)
     words = set(map(str, value))
     wrong = words - {"x", "y", "kind", "outside"} or {"x", "y"} - words
     if wrong:
         fault = "is missing" if wrong <= {"x", "y"} else "means nothing"
-        door.add(
+        arguments.add(
             "model.curve_words",
             path,
             f"{', '.join(sorted(wrong))} {fault} in a curve",
@@ -122,7 +122,9 @@ def read_law(door: Arguments, value: object, path: str) -> Law:
     made = inner.attempt(lambda: _make_curve(value))
     for problem in inner.problems:
         place = problem.where.partition(", ")[2]
-        door.add(problem.code, f"{path}.{place}" if place else path, problem.what, problem.why, problem.fix)
+        arguments.add(
+            problem.code, f"{path}.{place}" if place else path, problem.what, problem.why, problem.fix
+        )
     return ZERO if made is None else made
 
 
@@ -132,9 +134,9 @@ def _make_curve(table: Mapping[str, object]) -> Curve:
     return Curve(x, y, kind, cast("Literal['hold', 'slope']", table.get("outside", "hold")))
 
 
-def _check_points(door: Arguments, x: Sequence[float], y: Sequence[float]) -> None:
+def _check_points(arguments: Arguments, x: Sequence[float], y: Sequence[float]) -> None:
     if len(x) != len(y) or len(x) < 2:
-        door.add(
+        arguments.add(
             "model.curve_length",
             "",
             f"there are {len(x)} places and {len(y)} values",
@@ -144,7 +146,7 @@ def _check_points(door: Arguments, x: Sequence[float], y: Sequence[float]) -> No
         return
     for k, (left, right) in enumerate(pairwise(x)):
         if not left < right:
-            door.add(
+            arguments.add(
                 "model.curve_order",
                 f"x[{k + 1}]",
                 f"{right:g} follows {left:g}",

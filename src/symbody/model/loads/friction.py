@@ -44,9 +44,9 @@ class Friction(ElementPart):
         "Strength up to which it sticks.", unit="N, N m", scope=Scope.LOAD
     )
 
-    def check(self, door: Arguments) -> None:
+    def check(self, arguments: Arguments) -> None:
         """Note words of both laws together."""
-        _check_laws(self, door)
+        _check_laws(self, arguments)
 
     @property
     def reads_reaction(self) -> bool:
@@ -64,11 +64,11 @@ class Friction(ElementPart):
         return self.force is None and self.mu.constant() == 0 and self.mu_static is None
 
 
-def read_friction(door: Arguments, value: object, path: str) -> Friction | None:
+def read_friction(arguments: Arguments, value: object, path: str) -> Friction | None:
     """Return friction, or None where there is none."""
     if value is None or isinstance(value, Friction):
         return value
-    door.add(
+    arguments.add(
         "model.not_friction",
         path,
         f"{value!r} is not friction",
@@ -117,20 +117,20 @@ def _value(check: NumericChecks, friction: Friction, name: str, where: str) -> f
     return None if formula is None else check.value(formula, f"{where}.{name}")
 
 
-def _check_laws(friction: Friction, door: Arguments) -> None:
+def _check_laws(friction: Friction, arguments: Arguments) -> None:
     """Refuse words of both laws together."""
     if friction.force is None and friction.static is not None:
-        _refuse_mixture(door, "static", "force")
+        _refuse_mixture(arguments, "static", "force")
     if friction.force is not None:
         for name in ("mu_static", "radius"):
             if getattr(friction, name) is not None:
-                _refuse_mixture(door, name, "mu")
+                _refuse_mixture(arguments, name, "mu")
         if friction.mu.constant() != 0:
-            _refuse_mixture(door, "force", "mu = 0")
+            _refuse_mixture(arguments, "force", "mu = 0")
 
 
-def _refuse_mixture(door: Arguments, word: str, partner: str) -> None:
-    door.add(
+def _refuse_mixture(arguments: Arguments, word: str, partner: str) -> None:
+    arguments.add(
         "model.mixed_friction", word, f"{word} goes with {partner}, which is not what is given",
         "the strength of friction follows from the reaction, or it is given",
         "write mu, mu_static, radius; or force, static",

@@ -34,14 +34,14 @@ class SixOrMatrix(Field[Iterable[Value] | Iterable[Iterable[Value]], Coefficient
     annotation: ClassVar[str] = "Iterable[Value] | Iterable[Iterable[Value]]"
     explanation: ClassVar[str] = "Along x, y, z and about x, y, z; six rows of six couple them."
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> Coefficients:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Coefficients:
         """Return six formulas, or rows of them."""
-        items = door.items(value, path)
+        items = arguments.items(value, path)
         if not any(isinstance(item, Iterable) and not isinstance(item, str) for item in items):
-            return _row(door, items, path, door.formula)
+            return _row(arguments, items, path, arguments.formula)
         if len(items) != len(BUSHING_COORDINATES):
-            _refuse_length(door, path, len(items))
-        return tuple(_row(door, item, f"{path}[{k}]", door.formula) for k, item in enumerate(items))
+            _refuse_length(arguments, path, len(items))
+        return tuple(_row(arguments, item, f"{path}[{k}]", arguments.formula) for k, item in enumerate(items))
 
     def formula_sites(self, owner: object, value: Coefficients, path: str) -> Iterator[FormulaSite]:
         """Return where the coefficients stand."""
@@ -59,9 +59,9 @@ class Six(Field[Iterable[Value], Row]):
     takes: ClassVar[str] = "(6,) number or formula"
     annotation: ClassVar[str] = "Iterable[Value]"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> Row:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Row:
         """Return six formulas."""
-        return _row(door, value, path, door.angle)
+        return _row(arguments, value, path, arguments.angle)
 
     def formula_sites(self, owner: object, value: Row, path: str) -> Iterator[FormulaSite]:
         """Return where the values stand."""
@@ -157,16 +157,16 @@ class Bushing(Connection):
 Spring: TypeAlias = SpringDamper | TorsionSpring | Bushing
 
 
-def _row(door: Arguments, values: object, path: str, read: Callable[[object, str], Formula]) -> Row:
-    items = door.items(values, path)
+def _row(arguments: Arguments, values: object, path: str, read: Callable[[object, str], Formula]) -> Row:
+    items = arguments.items(values, path)
     if len(items) != len(BUSHING_COORDINATES):
-        _refuse_length(door, path, len(items))
+        _refuse_length(arguments, path, len(items))
         return (ZERO,) * len(BUSHING_COORDINATES)
     return tuple(read(item, f"{path}[{k}]") for k, item in enumerate(items))
 
 
-def _refuse_length(door: Arguments, path: str, length: int) -> None:
-    door.add(
+def _refuse_length(arguments: Arguments, path: str, length: int) -> None:
+    arguments.add(
         "model.not_six",
         path,
         f"{length} entries instead of six",

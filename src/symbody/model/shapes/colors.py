@@ -54,13 +54,13 @@ def hex_color(color: str) -> str:
     return CSS_COLORS.get(color, color)
 
 
-def read_color(door: Arguments, value: object, path: str) -> str:
+def read_color(arguments: Arguments, value: object, path: str) -> str:
     """Return a colour in lower case; "" stands for the usual one."""
     text = value.strip().lower() if isinstance(value, str) else None
     if text is not None and (not text or _HEX.fullmatch(text) or text in CSS_COLORS):
         return text
     similar = f"{nearest(text, CSS_COLORS)} " if text and not text.startswith("#") else ""
-    door.add(
+    arguments.add(
         "model.bad_color", path, f"{value!r} is not a colour", "",
         f'{similar}Write "#rrggbb" in hexadecimal, such as "#d55e00", or a name such as "orange"',
     )  # fmt: skip

@@ -23,9 +23,9 @@ class ScaleFactors(Field[Value | Iterable[Value], Triple]):
     takes: ClassVar[str] = "number, formula or three of them"
     annotation: ClassVar[str] = "Value | Iterable[Value]"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> Triple:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> Triple:
         """Return three formulas."""
-        return _scale(door, value, path)
+        return _scale(arguments, value, path)
 
     def formula_sites(self, owner: object, value: Triple, path: str) -> Iterator[FormulaSite]:
         """Return where the factors stand."""
@@ -75,9 +75,9 @@ class Mesh(BodyShape):
             return os.path.abspath(self.place)
 
 
-def _scale(door: Arguments, value: object, path: str) -> Triple:
+def _scale(arguments: Arguments, value: object, path: str) -> Triple:
     """Return three factors from three, or from one for all directions."""
     if isinstance(value, Iterable) and not isinstance(value, str):
-        return door.triple(value, path)
-    factor = door.formula(value, path)
+        return arguments.triple(value, path)
+    factor = arguments.formula(value, path)
     return (factor, factor, factor)

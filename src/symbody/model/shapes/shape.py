@@ -21,9 +21,9 @@ class Color(Field[str, str]):
     takes: ClassVar[str] = "str"
     annotation: ClassVar[str] = "str"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> str:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> str:
         """Return the colour in lower case."""
-        return read_color(door, value, path)
+        return read_color(arguments, value, path)
 
 
 # The last arguments of every shape.
@@ -60,17 +60,17 @@ class BodyShape(ElementPart):
         """Where it stands on the body."""
         return Frame(self.at, self.rotate, self.matrix)
 
-    def check(self, door: Arguments) -> None:
+    def check(self, arguments: Arguments) -> None:
         """Note turns beside a matrix."""
-        check_rotation(door, self.rotate, self.matrix)
+        check_rotation(arguments, self.rotate, self.matrix)
 
 
-def read_shapes(door: Arguments, values: object, path: str) -> tuple[BodyShape, ...]:
+def read_shapes(arguments: Arguments, values: object, path: str) -> tuple[BodyShape, ...]:
     """Return the shapes of a list."""
-    items = [values] if isinstance(values, BodyShape) else door.items(values, path)
+    items = [values] if isinstance(values, BodyShape) else arguments.items(values, path)
     for k, item in enumerate(items):
         if not isinstance(item, BodyShape):
-            door.add(
+            arguments.add(
                 "model.not_a_shape", f"{path}[{k}]", f"{item!r} is not a shape", "",
                 "give Box, Cylinder, Sphere, Capsule, Cone or Mesh",
             )  # fmt: skip
@@ -84,6 +84,6 @@ class Shapes(Field[Iterable[BodyShape], tuple[BodyShape, ...]]):
     takes: ClassVar[str] = "iterable of Box, Cylinder, Sphere, Capsule, Cone or Mesh"
     annotation: ClassVar[str] = "Iterable[BodyShape]"
 
-    def read(self, owner: object, door: Arguments, value: object, path: str) -> tuple[BodyShape, ...]:
+    def read(self, owner: object, arguments: Arguments, value: object, path: str) -> tuple[BodyShape, ...]:
         """Return the shapes."""
-        return read_shapes(door, value, path)
+        return read_shapes(arguments, value, path)

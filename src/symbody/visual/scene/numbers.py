@@ -110,17 +110,17 @@ def model_numbers(model: Model, parameters: Mapping[str, Value]) -> ModelNumbers
         With all names that are not parameters, values that are not formulas, and formulas that depend on
         each other in a circle.
     """
-    door = Arguments("parameters")
+    arguments = Arguments("parameters")
     changed: dict[str, Formula | None] = dict(model.parameters)
     for name, value in parameters.items():
         if name in changed:
-            changed[name] = door.angle(value, name)
+            changed[name] = arguments.angle(value, name)
         else:
-            door.add(
+            arguments.add(
                 "parameters.unknown", name, f"the model has no parameter {name!r}", "",
                 nearest(name, model.parameters),
             )  # fmt: skip
-    door.raise_all()
+    arguments.raise_all()
     values: dict[str, Constant] = {"t": 0}
     assumed = []
     for name in dependence_order(changed):
