@@ -256,7 +256,7 @@ def constraint_function(
     inputs: Mapping[str, Value],
     free: Iterable[str] = (),
 ) -> CompiledFunction:
-    """Return the constraints of a `ConstraintEvaluator` as a function of t, q, u and the `free` parameters."""
+    """Return the constraints of an evaluator as a function of t, q, u and the `free` parameters."""
     given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
     program = form_sequence(eqs, ConstraintValues._fields, parameters, free, given)
     return CompiledFunction(*program, quick=True)
