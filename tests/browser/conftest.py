@@ -12,6 +12,9 @@ from typing import Any
 
 import pytest
 
+from .builder_page import running_builder
+from .builder_visits import Visit, visits
+
 REPOSITORY = Path(__file__).parents[2]
 PAGES = REPOSITORY / "src" / "symbody" / "visual" / "pages"
 FIXTURES = REPOSITORY / "frontend" / "fixtures"
@@ -145,3 +148,17 @@ def four_bar() -> Any:
 @pytest.fixture(scope="session")
 def chain() -> Any:
     return json.loads((FIXTURES / "chain.json").read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def settings(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """A builder that runs, in an empty folder."""
+    with running_builder(tmp_path_factory.mktemp("builder")) as settings:
+        yield settings
+
+
+@pytest.fixture
+def visit(chromium: Any, settings: Any) -> Iterator[Visit]:
+    """Open pages; at the end none may have complained or asked for anything elsewhere."""
+    with visits(chromium, settings) as visit:
+        yield visit

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -11,49 +10,9 @@ import pytest
 import symbody as sb
 from symbody.formats.model_files import examples_folder
 
-from .builder_page import BuilderPage, overlaps, running_builder
+from .builder_page import BuilderPage, overlaps
 
 HARMLESS = ("GPU stall", "GroupMarkerNotSet")
-
-
-@pytest.fixture(scope="module")
-def settings(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    with running_builder(tmp_path_factory.mktemp("builder")) as settings:
-        yield settings
-
-
-@pytest.fixture
-def visit(chromium: Any, settings: Any) -> Iterator[Any]:
-    """Open pages; at the end none may have complained or asked for anything elsewhere."""
-    contexts: list[Any] = []
-    complaints: list[str] = []
-
-    def open_page(expected: tuple[str, ...] = (), **options: Any) -> BuilderPage:
-        context = chromium.new_context(viewport={"width": 1280, "height": 720}, **options)
-        contexts.append(context)
-        page = context.new_page()
-        ignored = (*HARMLESS, *expected)
-
-        def note(text: str) -> None:
-            if not any(each in text for each in ignored):
-                complaints.append(text)
-
-        page.on("pageerror", lambda error: note(str(error)))
-        page.on("console", lambda said: note(said.text) if said.type == "error" else None)
-        home = f"http://127.0.0.1:{settings.port}/"
-        page.on(
-            "request",
-            lambda sent: note(sent.url) if not sent.url.startswith((home, "data:", "blob:")) else None,
-        )
-        page.on("dialog", lambda dialog: dialog.accept())
-        page.goto(settings.address())
-        page.get_by_test_id("start").wait_for()
-        return BuilderPage(page)
-
-    yield open_page
-    for context in contexts:
-        context.close()
-    assert not complaints, complaints
 
 
 @pytest.mark.exhaustive

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ import symbody as sb
 from symbody.formats.model_files import examples_folder
 from symbody.formats.native import to_data
 
-from .builder_page import BuilderPage, running_builder
+from .builder_page import BuilderPage
 from .builder_plans import errors_of
 from .builder_visits import Visit, visits
 from .conftest import FLAGS, executable
@@ -36,18 +35,6 @@ ASK = """(async job => {
   const answer = await fetch("/api/job_state", { method: "POST", headers, body: JSON.stringify({ job, seen: -1 }) });
   return (await answer.json()).state;
 })"""
-
-
-@pytest.fixture(scope="module")
-def settings(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    with running_builder(tmp_path_factory.mktemp("builder")) as settings:
-        yield settings
-
-
-@pytest.fixture
-def visit(chromium: Any, settings: Any) -> Iterator[Visit]:
-    with visits(chromium, settings) as visit:
-        yield visit
 
 
 def open_path(builder: BuilderPage, path: Path) -> None:

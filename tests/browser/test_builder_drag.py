@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -11,8 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from symbody.formats.model_files import examples_folder
 
-from .builder_page import BuilderPage, running_builder
-from .builder_visits import visits
+from .builder_page import BuilderPage
 
 POSE = """(() => {
   const { source, player } = symbodyPicture.shown;
@@ -23,18 +21,6 @@ POSE = """(() => {
   return { names: bodies.map(b => b.name), at: Array.from(pose.positions), turned: Array.from(pose.quaternions),
            joints: joints.map(j => ({ type: j.type, start: j.start, end: j.end })) };
 })()"""
-
-
-@pytest.fixture(scope="module")
-def settings(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    with running_builder(tmp_path_factory.mktemp("builder")) as settings:
-        yield settings
-
-
-@pytest.fixture
-def visit(chromium: Any, settings: Any) -> Iterator[Any]:
-    with visits(chromium, settings) as visit:
-        yield visit
 
 
 def opened(visit: Any, name: str, **options: Any) -> BuilderPage:

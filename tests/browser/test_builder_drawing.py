@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
-from .builder_page import BuilderPage, overlaps, running_builder
-from .builder_visits import visits
+from .builder_page import BuilderPage, overlaps
 
 pytestmark = pytest.mark.exhaustive  # minutes; the fast tier builds and drags a mechanism
 
@@ -64,18 +62,6 @@ name = "cam"
 type = "equation"
 equations = ["gamma - sin(alpha)"]
 """
-
-
-@pytest.fixture(scope="module")
-def settings(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    with running_builder(tmp_path_factory.mktemp("builder")) as settings:
-        yield settings
-
-
-@pytest.fixture
-def visit(chromium: Any, settings: Any) -> Iterator[Any]:
-    with visits(chromium, settings) as visit:
-        yield visit
 
 
 @pytest.fixture

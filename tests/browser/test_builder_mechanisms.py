@@ -13,7 +13,7 @@ from symbody.cli.entry import run as run_command
 from symbody.formats.model_files import examples_folder
 from symbody.formats.native import model_from_toml
 
-from .builder_page import BuilderPage, running_builder
+from .builder_page import BuilderPage
 from .builder_plans import Plan, PlannedBody, PlannedJoint, build, errors_of, save_as, simulate_with
 from .builder_visits import visits
 
@@ -57,12 +57,6 @@ FOUR_BAR = Plan(
     initial={"theta": "60 deg", "beta": "-40 deg", "phi": "100 deg", "theta_dot": "12.0"},
     ground={"D": {"x": "L4"}},
 )  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def settings(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    with running_builder(tmp_path_factory.mktemp("builder")) as settings:
-        yield settings
 
 
 @pytest.fixture

@@ -18,11 +18,11 @@ from typing import Any, Final
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.outputs.output_roots import output_roots
 from symbody.equations.outputs.units import output_units
-from symbody.equations.solving.negligible_constraints import drop_negligible
+from symbody.equations.solving.negligible_constraints import drop_negligible, input_places
 from symbody.equations.solving.parameter_constraints import check_parameter_constraints
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.sequence import Input, Roots, build_sequence
+from symbody.expr.sequence import Roots, build_sequence
 from symbody.expr.sequence import Sequence as Program
 from symbody.manifold import (
     ConfigurationBranch,
@@ -210,7 +210,7 @@ class _Loops:
         formed, model = self.formed, self.formed.topology.model
         nodes = [formed.names.expression(x, "length").index for x in model_lengths(model)]
         program = build_sequence(
-            formed.graph, [Roots("lengths", (len(nodes),), tuple(nodes))], _places(formed)
+            formed.graph, [Roots("lengths", (len(nodes),), tuple(nodes))], input_places(formed)
         )
         (lengths,) = self.values(program, [0.0] * len(formed.q))
         units = output_units(formed)
@@ -234,16 +234,7 @@ def _assembly_error(formed: EquationsOfMotion) -> AssemblyError:
 
 def _program(formed: EquationsOfMotion, names: Sequence[str]) -> Program:
     roots = [output_roots(formed, name) for name in names]
-    return build_sequence(formed.graph, roots, _places(formed))
-
-
-def _places(formed: EquationsOfMotion) -> dict[int, Input]:
-    graph = formed.graph
-    places = {graph.symbol(q): Input(q.label, "q", k) for k, q in enumerate(formed.q)}
-    places |= {graph.symbol(p): Input(p.name, "p", k) for k, p in enumerate(formed.parameters)}
-    places |= {graph.symbol(r): Input(r.name, "r", k) for k, r in enumerate(formed.inputs)}
-    places[formed.names.value("t").index] = Input("t", "t", 0)
-    return places
+    return build_sequence(formed.graph, roots, input_places(formed))
 
 
 def _start(formed: EquationsOfMotion) -> list[float]:
