@@ -264,7 +264,9 @@ class _Passages:
             if _locks_up(self.loops, end, self.dense(end)[self.loops.places], self.rank, self.largest):
                 return None
             after = min(2.0 * at - before, end, key=lambda t: abs(t - at))
-        return before if self._differs(before, after, happened) else None
+        # Too short a motion before the change point is compared with where velocities beyond it come from.
+        sides = (before, after) if self._reaches(before, after) else (after, before)
+        return before if self._differs(*sides, happened) else None
 
     def last_clear(self) -> float | None:
         """Return the last time before the change point at which a motion ends; None if it came to none."""
@@ -276,14 +278,18 @@ class _Passages:
 
     def _differs(self, near: float, far: float, happened: list[float]) -> bool:
         """Return whether velocities at one time are not those to which they lead from beyond another one."""
-        times = near + (near - far) * np.array([0.5, 0.25, 0.0])
-        first, last = sorted(map(float, self.dense.breaks[[0, -1]]))
-        if not first <= times[0] <= last or any(min(near, far) <= t <= max(near, far) for t in happened):
+        if not self._reaches(near, far) or any(min(near, far) <= t <= max(near, far) for t in happened):
             return False
+        times = near + (near - far) * np.array([0.5, 0.25, 0.0])
         u = self.dense(np.array([*times, far])).T[:, : self.loops.speed_sizes.size] / self.loops.speed_sizes
         # The parabola through velocities at 0, 1 and 2, at 6.
         apart = np.abs(np.array([10.0, -24.0, 15.0]) @ u[:3] - u[3]).max()
         return bool(apart > _SAME_BRANCH * np.abs(u).max())
+
+    def _reaches(self, near: float, far: float) -> bool:
+        """Return whether there is enough motion on the far side of a time to lead to another one."""
+        first, last = sorted(map(float, self.dense.breaks[[0, -1]]))
+        return first <= near + 0.5 * (near - far) <= last
 
     def _time_beside(self, at: float, limit: float) -> float | None:
         """Return the nearest time towards a limit at which constraints are independent again."""
