@@ -26,7 +26,9 @@ Floats = NDArray[np.float64]
 
 # Relative singular value of rows that no longer follow from others a step beside the closed configurations.
 _STANDS: Final = 1e-7
-_BESIDE: Final = 1e-2  # rad, or share of the mechanism's size
+# How far beside, in rad or shares of the mechanism's size. Where cranks stand across their rod, what the rows
+# have of their own begins with the cube of this.
+_BESIDE: Final = (0.01, 0.1)
 # Where rows that are kept have a least singular value below this share of all rows', at so many places of a
 # step: there `Partition` chooses others.
 _LEAST_SHARE: Final = 0.1
@@ -58,8 +60,9 @@ def is_overconstrained(problem: SimulationProblem, t: float, x: Floats) -> bool:
     # Each coordinate that takes part goes on by an amount of its own: zeros stay, as across a plane.
     tangents = np.linalg.svd(loops.positions(branch.t, branch.q)[1])[2][branch.positions :]
     shares = np.linspace(0.5, 1.5, branch.q.size) * tangents.sum(axis=0)
-    sizes = loops.singular_values(branch.t, branch.q + _BESIDE * shares * loops.sizes)
-    return count_significant(sizes, _STANDS) > branch.speeds
+    moves = np.multiply.outer(_BESIDE, shares * loops.sizes)
+    beside = [loops.singular_values(branch.t, branch.q + move) for move in moves]
+    return any(count_significant(sizes, _STANDS) > branch.speeds for sizes in beside)
 
 
 def integrate_by_partition(plan: MotionPlan) -> Integration:
