@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from symbody.analysis.linear.linearize import linearize
+from symbody.builder.task_failure import Report
 from symbody.builder.tasks.formula_blocks import (
     LONG,
     FormulaBlock,
@@ -19,7 +20,6 @@ from symbody.builder.tasks.formula_blocks import (
 from symbody.builder.tasks.options import EquationOptions, read_options
 from symbody.builder.tasks.reading import complete_model
 from symbody.builder.tasks.term_sources import term_sources
-from symbody.builder.worker_process import Report
 from symbody.codegen.compile import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
