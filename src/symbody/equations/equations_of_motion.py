@@ -43,9 +43,9 @@ class EquationsOfMotion(MultibodySystem):
         Cosines that are 1, not -1, where the cut joints are closed as they should be.
     notes : tuple of str
         Rows that were dropped, and where the equations do not hold.
-    elimination : Elimination or None
+    elimination : SpeedElimination or None
         The elimination of dependent speeds; its rows are not among `rows`.
-    slack : tuple of Row
+    slack : tuple of ConstraintEquation
         Rows of ropes that are slack; they are not among `rows`.
     angles : frozenset of str
         Coordinates placed by hand that are angles; those of joints follow from the joints.

@@ -34,7 +34,7 @@ class Equations(list[SympyExpr]):
 
     Attributes
     ----------
-    mechanism : HandPlaced
+    mechanism : MechanismByHand
         What they are the equations of.
     coordinates : tuple of str
         Names of the coordinates.

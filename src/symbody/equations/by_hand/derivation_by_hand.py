@@ -47,7 +47,7 @@ def derive_by_hand(
     ----------
     model : Model
         Its bodies, parameters and inputs; see `form`.
-    mechanism : HandPlaced
+    mechanism : MechanismByHand
         In coordinates, inputs and parameters, each of its kind.
     coordinates : sequence of str
         In the order of q.

@@ -31,9 +31,9 @@ class MechanismConstraints(NamedTuple):
 
     Attributes
     ----------
-    rows : list of Row
+    rows : list of ConstraintEquation
         Without those that hold identically, holonomic ones first.
-    redundant : list of Row
+    redundant : list of ConstraintEquation
         Those that hold identically, without slopes: nothing follows from them, but they bear loads.
     notes : tuple of str
     """

@@ -23,9 +23,9 @@ class JointRole:
     ----------
     in_rotation, in_translation : bool
         Whether the joint is in the tree.
-    turns, slides : bool
+    has_angles, has_displacements : bool
         Whether its rotational, its translational coordinates are known, as unknowns or as functions of time:
-        in the tree always, elsewhere if something asks for them.
+        in the tree always, elsewhere where a formula reads them.
     """
 
     joint: Joint
