@@ -181,8 +181,8 @@ class EquationsOfMotion(MultibodySystem):
         values = {symbol.label: value for symbol, value in multipliers} | dict(self.eliminated_multipliers)
         pivots = {} if self.elimination is None else self.elimination.pivots
         names = self.names.with_values(values | dict(pivots))
-        for use in self.uses:
-            names = names.with_values(measure_coordinates(names, self.kinematics, use))
+        for role in self.joint_roles:
+            names = names.with_values(measure_coordinates(names, self.kinematics, role))
         return names
 
     def frame(self, name: str) -> str:

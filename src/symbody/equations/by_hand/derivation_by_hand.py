@@ -67,14 +67,14 @@ def derive_by_hand(
     system = MultibodySystem(
         names=model_names(graph, model.parameters, model.inputs, coordinates),
         topology=Topology(model, (), SpanningTree((), ()), SpanningTree((), ()), ()),
-        uses=(),
+        joint_roles=(),
         variables=variables,
         kinematics=kinematics,
         bodies=tuple(
             Inertia(body.name, body.mass, symmetric_split(body.name, body.tensor)) for body in placed.bodies
         ),
         loads=loads_by_hand(placed, kinematics, frames),
-        armatures={},
+        rotors={},
         rows=rows,
     )
     return EquationsOfMotion.of_system(

@@ -31,7 +31,7 @@ def project_bodies(system: MultibodySystem) -> ProjectedDynamics:
     for load in system.loads.loads:
         for u, work in generalized_force(kinematics, load).items():
             forcing[place[u]] = forcing[place[u]] + work
-    for rotor in system.armatures.values():
+    for rotor in system.rotors.values():
         add_rotor(kinematics, rotor, mass, forcing)
     return projected_dynamics(system, mass, forcing)
 
@@ -55,7 +55,7 @@ def kinetic_energy(system: MultibodySystem) -> Expr:
         v = kinematics.velocities[body.frame].value
         w = kinematics.angular_velocities[body.frame].value
         total = total + body.mass * dot(tree, v, v) + quadratic(tree, w, body.tensor, w)
-    for rotor in system.armatures.values():
+    for rotor in system.rotors.values():
         total = total + rotor.inertia * rotor.rate**2
     return total / 2
 
