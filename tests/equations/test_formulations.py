@@ -102,7 +102,7 @@ def test_random_mechanisms() -> None:
     tally.close("formulations")
 
 
-@pytest.mark.parametrize("formulation", [pytest.param(sb.VirtualWork(), id="virtual work"), *OTHERS])
+@pytest.mark.parametrize("formulation", [pytest.param(sb.VirtualWork(), id="virtual work"), *CASES])
 def test_two_links_in_closed_form(formulation: Formulation) -> None:
     """Two uniform arms in a vertical plane, relative angles; Craig, Introduction to Robotics, chapter 6."""
     eqs = sb.form_equations(two_links(), formulation)

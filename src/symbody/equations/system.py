@@ -23,7 +23,7 @@ class MultibodySystem:
 
     Attributes
     ----------
-    uses : tuple of JointRole
+    joint_roles : tuple of JointRole
         Every joint, with the parts of its law that are in use; none for mechanisms placed by hand.
     rotors : mapping of coordinate to Rotor
         Rotors that turn with the rates of joints.

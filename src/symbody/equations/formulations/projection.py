@@ -39,7 +39,18 @@ def project_bodies(system: MultibodySystem) -> ProjectedDynamics:
 def projected_dynamics(
     system: MultibodySystem, mass: list[list[Expr]], forcing: list[Expr]
 ) -> ProjectedDynamics:
-    """Return dynamics of a mass matrix and a forcing, with the energies of the system."""
+    """Return dynamics of a mass matrix and a forcing, with the energies of the system.
+
+    Parameters
+    ----------
+    mass : list of list of Expr
+        M, both halves, in the order of ``system.kinematics.speeds``.
+    forcing : list of Expr
+        F in the same order, free of u'.
+    """
+    n = len(system.kinematics.speeds)
+    assert len(forcing) == n, f"F has {len(forcing)} entries for {n} speeds"
+    assert [len(row) for row in mass] == [n] * n, f"M is not {n} by {n}"
     begin("energy")
     return ProjectedDynamics(
         tuple(map(tuple, mass)), tuple(forcing), kinetic_energy(system), system.loads.potential_energy
