@@ -44,7 +44,7 @@ class Grip:
 
     Attributes
     ----------
-    task : Closure
+    task : ConstraintEvaluator
         Without the ropes: which of them are taut is for assembly to say.
     """
 
