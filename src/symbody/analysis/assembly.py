@@ -33,7 +33,7 @@ from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.analysis.velocities import solve_speeds
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError, Problem

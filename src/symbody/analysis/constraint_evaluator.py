@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from symbody.analysis.constraint_values import ConstraintValues, Unconstrained
 from symbody.analysis.scales import Scales, mechanism_scales
-from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem

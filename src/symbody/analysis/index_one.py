@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.function import CompiledFunction, Signature
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.index_reduction.index_one_form import IndexOneForm, index_one_form

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
-from symbody.codegen.compile import Value, constant_values
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.values import constant_values
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, UsageError, nearest
 from symbody.expr.parser import parse_angle

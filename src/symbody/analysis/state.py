@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.notebook import Displayed

@@ -134,10 +134,13 @@ class SinglePoint(local):
         What is called.
     sizes : mapping of group to int
         Numbers in each group.
+    constants : (n_c,) array
+        The numbers c where they are known already.
     """
 
-    def __init__(self, call: NativeCall, sizes: Mapping[str, int]) -> None:
+    def __init__(self, call: NativeCall, sizes: Mapping[str, int], constants: Floats) -> None:
         self.groups = {group: np.zeros(sizes.get(group, 0)) for group in GROUPS}
+        self.groups["c"][: constants.size] = constants
         self.out = np.empty(call.sequence.output_size)
         self._work = np.empty(call.native.work_size)
         self._function = _SINGLE(call.native.address)

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.scales import Scales
-from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.function import CompiledFunction, Signature
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.evaluate import evaluate_sequence

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
-from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.canonical import ZERO

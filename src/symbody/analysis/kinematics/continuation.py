@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from symbody.analysis.kinematics.driven import DRIVEN, drive_coordinates, joint_of
 from symbody.analysis.scales import Scales, mechanism_scales
-from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.language.formula import Formula

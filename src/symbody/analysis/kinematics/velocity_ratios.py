@@ -23,7 +23,8 @@ from symbody.analysis.ropes import equations_with_ropes, ropes_out_of_place
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes

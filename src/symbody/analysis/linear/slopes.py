@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
 from symbody.analysis.scales import Scales
 from symbody.analysis.state import State
-from symbody.codegen.compile import Value, constant_values, form_sequence
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.sequences import form_sequence
+from symbody.codegen.formation.values import constant_values
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.state import State
-from symbody.codegen.compile import constant_values
+from symbody.codegen.formation.values import constant_values
 from symbody.codegen.massless import massless_speeds
 from symbody.manifold import null_space
 from symbody.model.model import Model

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.scales import Scales, mechanism_scales
-from symbody.codegen.compile import form_sequence
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.simulation.hybrid.concatenate import Piecewise, changing_shape
