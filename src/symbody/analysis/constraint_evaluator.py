@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from symbody.analysis.constraint_values import ConstraintValues, Unconstrained
 from symbody.analysis.scales import Scales, mechanism_scales
+from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
-from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
@@ -93,8 +93,7 @@ class ConstraintEvaluator:
 
         def compile_outputs() -> CompiledFunction:
             inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
-            sequence = form_sequence(self.eqs, outputs, self.parameters, (), inputs)
-            return CompiledFunction(*sequence, quick=True)
+            return bound_function(self.eqs, outputs, self.parameters, (), inputs, quick=True)
 
         return self.functions.get(key, compile_outputs)
 
@@ -259,8 +258,7 @@ def constraint_function(
 ) -> CompiledFunction:
     """Return the constraints of an evaluator as a function of t, q, u and the `free` parameters."""
     given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
-    program = form_sequence(eqs, ConstraintValues._fields, parameters, free, given)
-    return CompiledFunction(*program, quick=True)
+    return bound_function(eqs, ConstraintValues._fields, parameters, free, given, quick=True)
 
 
 def constraint_evaluator(

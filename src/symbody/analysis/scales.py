@@ -8,7 +8,7 @@ powers of two change no digit of them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from types import MappingProxyType
@@ -17,13 +17,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.codegen.formation.bound_function import evaluate_once
 from symbody.codegen.formation.names import Value
-from symbody.codegen.formation.sequences import form_sequence
-from symbody.codegen.formation.values import form_values
+from symbody.codegen.formation.parameter_set import parameter_set
+from symbody.codegen.formation.values import FormulaValues, form_values
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.language.formula import Formula
 from symbody.model.constraints.couplings import Constraint
 from symbody.model.constraints.points import PointOnSurface
 from symbody.model.lengths import model_lengths
@@ -151,8 +151,7 @@ def mechanism_scales(
         If a name in `given` is unknown, or a value is not positive.
     """
     chosen = checked_scales(given)
-    groups = {"length": model_lengths(eqs.model), "pull": eqs.model.gravity, "mass": _masses(eqs)}
-    lengths, pulls, masses = _values_of_groups(eqs, groups, parameters)
+    lengths, pulls, masses, moments = _quantities(eqs, parameters)
     length = chosen.get("length", largest_magnitude(lengths))
     if not length and near is None:
         initial = {name: value for name, value in eqs.model.initial.items() if _is_length(eqs, name)}
@@ -163,7 +162,9 @@ def mechanism_scales(
     gravity = math.hypot(*pulls)
     fallen = math.sqrt(scales.length / gravity) if gravity else 1.0
     scales = replace(scales, time=chosen.get("time", fallen), has_time="time" in chosen or gravity > 0.0)
-    mass = chosen.get("mass", largest_magnitude(masses) or _moment(eqs, parameters) / scales.length**2) or 1.0
+    mass = (
+        chosen.get("mass", largest_magnitude(masses) or largest_magnitude(moments) / scales.length**2) or 1.0
+    )
     return replace(scales, mass=mass, equations=_equations(eqs, parameters, scales))
 
 
@@ -249,25 +250,18 @@ def largest_magnitude(values: Iterable[float]) -> float:
     return max(map(abs, values), default=0.0)
 
 
-def _masses(eqs: EquationSet) -> Iterator[Formula]:
-    """Yield the masses of all bodies."""
-    return (body.mass for body in eqs.model.bodies)
+def _quantities(eqs: EquationSet, parameters: Mapping[str, Value]) -> list[list[float]]:
+    """Return the lengths, components of gravity, masses and moments of inertia of the model at t = 0."""
 
+    def plan() -> tuple[FormulaValues, list[int]]:
+        bodies = eqs.model.bodies
+        moments = [moment for body in bodies for moment in body.inertia]
+        groups = [[*model_lengths(eqs.model)], [*eqs.model.gravity], [body.mass for body in bodies], moments]
+        return FormulaValues(eqs, [formula for group in groups for formula in group]), [*map(len, groups)]
 
-def _moment(eqs: EquationSet, parameters: Mapping[str, Value]) -> float:
-    """Return the largest moment of inertia [kg m^2]."""
-    moments = number_formulas(moment for body in eqs.model.bodies for moment in body.inertia)
-    return largest_magnitude(values_at_start(eqs, moments, parameters).values())
-
-
-def _values_of_groups(
-    eqs: EquationSet, groups: Mapping[str, Iterable[Formula]], parameters: Mapping[str, Value]
-) -> list[list[float]]:
-    """Return the values of formulas at t = 0, group by group; all are computed at once, which is quicker."""
-    kept = {name: list(group) for name, group in groups.items()}
-    formulas = {f"{name} {k}": one for name, group in kept.items() for k, one in enumerate(group)}
-    values = iter(values_at_start(eqs, formulas, parameters).values())
-    return [list(islice(values, len(group))) for group in kept.values()]
+    formulas, sizes = eqs.plans.get("quantities of the model", plan)
+    values = iter(formulas.numbers(parameter_set(eqs, parameters)))
+    return [list(islice(values, size)) for size in sizes]
 
 
 def _equations(eqs: EquationSet, parameters: Mapping[str, Value], scales: Scales) -> dict[str, float]:
@@ -278,9 +272,10 @@ def _equations(eqs: EquationSet, parameters: Mapping[str, Value], scales: Scales
     written = own_equations(eqs)
     if not written:
         return {}
-    sequence, _ = form_sequence(eqs, "jacobian", parameters, (), dict.fromkeys(eqs.input_names, 0))
+    silent = dict.fromkeys(eqs.input_names, 0)
     q = (pose_share(eqs) * scales.coordinates(eqs)).tolist()
-    entries = evaluate_sequence(sequence, {"t": [0.0], "q": q, "u": [0.0] * len(eqs.speed_names), "r": []})[0]
+    point = {"t": [0.0], "q": q, "u": [0.0] * len(eqs.speed_names), "r": []}
+    entries = evaluate_once(eqs, "jacobian", parameters, silent, point)[0]
     rows = np.array([float(x) for x in entries]).reshape(len(eqs.formed.rows), -1)
     sizes = np.abs(rows * scales.displacements(eqs)).max(axis=1, initial=0.0)
     return {eqs.multiplier_names[k]: float(sizes[k]) for k in written if 0.0 < sizes[k] < math.inf}

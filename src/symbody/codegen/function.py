@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import Any, Final
@@ -102,6 +102,20 @@ class CompiledFunction:
     def outputs(self) -> tuple[Output, ...]:
         """Names and shapes of the results."""
         return self._code.sequence.outputs
+
+    @property
+    def shared_sequence(self) -> Sequence:
+        """What is computed, with all parameters as arguments p, the free ones first."""
+        return self._code.sequence
+
+    @property
+    def bound_values(self) -> Floats:
+        """The parameters of `shared_sequence` behind the free ones."""
+        return self._values
+
+    def kept_with_code(self, key: Hashable, make: Callable[[], Any]) -> Any:
+        """Return what `make` derives from `shared_sequence`, once for all functions that share it."""
+        return self._code.notes.get(key, make)
 
     @property
     def sequence(self) -> Sequence:

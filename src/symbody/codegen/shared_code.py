@@ -6,7 +6,8 @@ again and again reads c, and no parameter. Functions with different values of pa
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Hashable
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,10 @@ from symbody.codegen.native_call import GROUPS, NativeCall
 from symbody.expr.deadline import begin
 from symbody.expr.folding import fold_constants
 from symbody.expr.sequence import Sequence
+from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
+_MOST_NOTES: Final = 16
 _NOTHING: Final = np.zeros(0)
 
 
@@ -38,14 +41,17 @@ class SharedCode:
         Computes c from the parameters; None where nothing depends on them.
     tail : NativeCall
         Computes the outputs from t, q, u, r and c.
+    notes : SingleFlight
+        What others have learned from the sequence.
     """
 
-    __slots__ = ("head", "lanes", "quick", "sequence", "tail")
+    __slots__ = ("head", "lanes", "notes", "quick", "sequence", "tail")
 
     def __init__(self, sequence: Sequence, *, quick: bool = False, lanes: bool | None = None) -> None:
         self.sequence = sequence
         self.quick = quick
         self.lanes = lanes
+        self.notes: SingleFlight[Hashable, Any] = SingleFlight(_MOST_NOTES)
         begin("constants")
         head, tail = fold_constants(sequence).split("p")
         self.head = NativeCall(head, quick=True) if head.output_size else None

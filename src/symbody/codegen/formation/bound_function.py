@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Sequence as Items
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symbody.codegen.formation.names import Value, unknown_name
 from symbody.codegen.formation.parameter_set import ParameterSet, parameter_set
@@ -16,6 +18,7 @@ from symbody.codegen.stored_sequence import read_sequence, sequence_key, store_s
 from symbody.equations.cache_key import store_notes
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import CompileError, ExpressionError
+from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import Graph
 from symbody.expr.language.formula import Formula
 from symbody.expr.sequence import Sequence
@@ -23,8 +26,9 @@ from symbody.model.arguments import plain_value
 from symbody.model.content import content_bytes
 from symbody.model.numbers import as_float
 
+Floats = NDArray[np.float64]
 Choices = tuple[bool, bool | None]
-_SharedSequence = tuple[SharedCode, Signature]
+_Formed = tuple[Sequence, Signature]
 
 
 def bound_function(
@@ -46,18 +50,55 @@ def bound_function(
     CompileError, ExpressionError, FormulationError
         If names are unknown, parameters have no value, or values are impossible.
     """
+    choices = quick, lanes
+    request = _request(eqs, outputs, parameters, tuple(free), inputs)
+    key = choices, *request.key
+    return request.chosen.functions.get(key, lambda: request.function(choices))
+
+
+def evaluate_once(
+    eqs: EquationSet,
+    outputs: str | Iterable[str],
+    parameters: Mapping[str, Value] | None,
+    inputs: Mapping[str, Value],
+    point: Mapping[str, Items[float]],
+) -> list[list[float]]:
+    """Return the values of outputs at a point, row-major, without compiling for it.
+
+    Parameters
+    ----------
+    point : mapping of group to numbers
+        t, q, u and r, the inputs that `inputs` does not name.
+
+    Raises
+    ------
+    CompileError, ExpressionError, FormulationError
+        As `bound_function`.
+    """
+    request = _request(eqs, outputs, parameters, (), inputs)
+    try:
+        sequence, signature = request.shared_sequence()
+    except ExpressionError:
+        return evaluate_sequence(request.specialized_sequence(), point)
+    values = request.values(signature).tolist()
+    return evaluate_sequence(sequence, {**point, "p": values})
+
+
+def _request(
+    eqs: EquationSet,
+    outputs: str | Iterable[str],
+    parameters: Mapping[str, Value] | None,
+    free: tuple[str, ...],
+    inputs: Mapping[str, Value] | None,
+) -> _Request:
     names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
-    chosen = parameter_set(eqs, parameters, tuple(free))
-    formulas, numbers = _split_inputs(eqs, inputs or {})
-    key = names, tuple(formulas.items()), tuple(numbers.items()), quick, lanes
-    request = _Request(chosen, names, formulas, numbers, (quick, lanes))
-    return chosen.functions.get(key, request.function)
+    return _Request(parameter_set(eqs, parameters, free), names, *_split_inputs(eqs, inputs or {}))
 
 
 class _Request:
     """Outputs of equations with values, and how they are to be compiled."""
 
-    __slots__ = ("_choices", "_chosen", "_formulas", "_numbers", "_outputs")
+    __slots__ = ("_formulas", "_numbers", "_outputs", "chosen")
 
     def __init__(
         self,
@@ -65,57 +106,65 @@ class _Request:
         outputs: tuple[str, ...],
         formulas: Mapping[str, Value],
         numbers: Mapping[str, float],
-        choices: Choices,
     ) -> None:
-        self._chosen = chosen
+        self.chosen = chosen
         self._outputs = outputs
         self._formulas = formulas
         self._numbers = numbers
-        self._choices = choices
 
-    def function(self) -> CompiledFunction:
+    @property
+    def key(self) -> tuple[Hashable, ...]:
+        """What tells this from other requests with the same parameters."""
+        return self._outputs, tuple(self._formulas.items()), tuple(self._numbers.items())
+
+    def function(self, choices: Choices) -> CompiledFunction:
         """Return the function.
 
         Where numbers have no finite values in the code for all of them, as a quotient of two that are 0, the
         function has code of its own, in which such formulas are simplified.
         """
-        chosen = self._chosen
+        chosen, (quick, lanes) = self.chosen, choices
         try:
-            code, signature = self._shared_sequence()
+            sequence, signature = self.shared_sequence()
         except ExpressionError:
-            return self._specialized_function()
-        hidden = signature.p[len(chosen.free) :]
-        known = {**chosen.values, **self._numbers}
-        values = np.array([as_float(known[name]) for name in hidden], dtype=np.float64)
+            return self._specialized_function(choices)
+        key = "code", choices, *self._sequence_key()
+        code: SharedCode = chosen.original.plans.get(
+            key, lambda: SharedCode(sequence, quick=quick, lanes=lanes)
+        )
         function = CompiledFunction.from_code(
-            code, replace(signature, p=chosen.free), values, self._specialized_sequence
+            code, replace(signature, p=chosen.free), self.values(signature), self.specialized_sequence
         )
         if not chosen.free and not np.isfinite(function.bound_constants).all():
-            return self._specialized_function()
+            return self._specialized_function(choices)
         return function
 
-    def _shared_sequence(self) -> _SharedSequence:
-        """Return the code for all values of this kind, and its arguments."""
-        chosen, plans = self._chosen, self._chosen.original.plans
-        asked = self._outputs, tuple(self._formulas.items()), tuple(self._numbers), self._choices
-        key: Hashable
+    def values(self, signature: Signature) -> Floats:
+        """Return the values of all arguments p that are not free."""
+        known = {**self.chosen.values, **self._numbers}
+        return np.array([as_float(known[name]) for name in signature.p[len(self.chosen.free) :]])
+
+    def shared_sequence(self) -> _Formed:
+        """Return the sequence for all values of this kind, and its arguments."""
+        formed: _Formed = self.chosen.original.plans.get(self._sequence_key(), self._form_sequence)
+        return formed
+
+    def _sequence_key(self) -> tuple[Hashable, ...]:
+        chosen = self.chosen
         if not chosen.original.are_formed:  # an earlier process may have put the sequence on the disk
-            key = "code as stored", self._choices, self._stored_key()
-            stored: _SharedSequence | None = plans.peek(key)
-            if stored is None and (read := read_sequence(self._stored_key())) is not None:
-                stored = plans.get(key, lambda: self._compile(*read))
-            if stored is not None:
-                return stored
-        key = "code", *asked, chosen.pattern
-        shared: _SharedSequence = plans.get(key, lambda: self._compile(*self._form_sequence()))
-        return shared
+            key = "stored sequence", self._stored_key()
+            plans = chosen.original.plans
+            if plans.peek(key) is not None:
+                return key
+            read = read_sequence(self._stored_key())
+            if read is not None:
+                plans.get(key, lambda: read)
+                return key
+        numbers = tuple((name, x == 0.0) for name, x in self._numbers.items())
+        return "sequence", self._outputs, tuple(self._formulas.items()), numbers, chosen.pattern
 
-    def _compile(self, sequence: Sequence, signature: Signature) -> _SharedSequence:
-        quick, lanes = self._choices
-        return SharedCode(sequence, quick=quick, lanes=lanes), signature
-
-    def _form_sequence(self) -> tuple[Sequence, Signature]:
-        chosen, key = self._chosen, self._stored_key()
+    def _form_sequence(self) -> _Formed:
+        chosen, key = self.chosen, self._stored_key()
         known = read_sequence(key)
         if known is None:
             replacements = chosen.replacements()
@@ -131,7 +180,7 @@ class _Request:
 
     def _stored_key(self) -> bytes:
         """Return the key of the sequence on the disk: that of these values, which need not be looked at."""
-        chosen, identity = self._chosen, self._chosen.original.identity
+        chosen, identity = self.chosen, self.chosen.original.identity
         if not identity:
             return b""
         inputs = dict(self._formulas), {name: str(x) for name, x in self._numbers.items()}
@@ -139,16 +188,17 @@ class _Request:
             identity, content_bytes("arguments", self._outputs, dict(chosen.given), chosen.free, *inputs)
         )
 
-    def _specialized_sequence(self) -> Sequence:
+    def specialized_sequence(self) -> Sequence:
+        """Return the sequence with all values put in."""
         return self._form_specialized()[0]
 
-    def _form_specialized(self) -> tuple[Sequence, Signature]:
-        chosen = self._chosen
+    def _form_specialized(self) -> _Formed:
+        chosen = self.chosen
         inputs: dict[str, Value] = {**self._formulas, **self._numbers}
         return form_sequence(chosen.original, self._outputs, chosen.given, chosen.free, inputs)
 
-    def _specialized_function(self) -> CompiledFunction:
-        quick, lanes = self._choices
+    def _specialized_function(self, choices: Choices) -> CompiledFunction:
+        quick, lanes = choices
         return CompiledFunction(*self._form_specialized(), quick=quick, lanes=lanes)
 
 

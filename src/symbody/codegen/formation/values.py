@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 
 from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.parameter_set import ParameterSet
 from symbody.codegen.formation.sequences import input_places, parameter_nodes
 from symbody.codegen.function import Signature
 from symbody.equations.equation_set import EquationSet
@@ -43,6 +45,45 @@ def form_values(
     return build_sequence(graph, roots, input_places(eqs, signature, graph)), signature
 
 
+class FormulaValues:
+    """Formulas in parameters and t; ``numbers(parameters)`` gives their values at t = 0.
+
+    Parameters
+    ----------
+    formulas : iterable of number or formula
+
+    Raises
+    ------
+    ExpressionError
+        If a formula reads something else than parameters and time.
+    """
+
+    def __init__(self, eqs: EquationSet, formulas: Iterable[Value]) -> None:
+        read = [Formula.from_value(value) for value in formulas]
+        plain = [formula.constant() for formula in read]
+        self._numbers = [0.0 if number is None else as_float(number) for number in plain]
+        self._places = [k for k, number in enumerate(plain) if number is None]
+        self._names = tuple(eqs.model.parameters)
+        self._sequence = None
+        if self._places:
+            graph, names = eqs.formed.graph, eqs.formed.names
+            nodes = tuple(names.expression(read[k], read[k].text).index for k in self._places)
+            signature = Signature((), (), (), self._names)
+            places = input_places(eqs, signature, graph)
+            self._sequence = build_sequence(graph, [Roots("values", (len(nodes),), nodes)], places)
+
+    def numbers(self, parameters: ParameterSet) -> list[float]:
+        """Return the value of each formula."""
+        if self._sequence is None:
+            return self._numbers
+        known = parameters.floats
+        given = {"t": [0.0], "p": [known[name] for name in self._names]}
+        result = list(self._numbers)
+        for k, value in zip(self._places, evaluate_sequence(self._sequence, given)[0], strict=True):
+            result[k] = float(value)
+        return result
+
+
 def constant_values(
     eqs: EquationSet, formulas: Mapping[str, Value], parameters: Mapping[str, Value] | None = None
 ) -> dict[str, float]:
@@ -53,8 +94,9 @@ def constant_values(
     CompileError
         If a parameter has no value, or a formula reads something else than parameters.
     """
-    if not formulas:
-        return {}
+    plain = {name: value for name, value in formulas.items() if type(value) is float or type(value) is int}
+    if len(plain) == len(formulas) and all(map(math.isfinite, plain.values())):
+        return {name: float(value) for name, value in plain.items()}
     graph, names = eqs.formed.graph, eqs.formed.names
     replacements = parameter_nodes(eqs, parameters or {}, ())
     read = {name: Formula.from_value(value, where=name) for name, value in formulas.items()}
