@@ -10,9 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import islice
 from types import MappingProxyType
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +19,7 @@ from numpy.typing import NDArray
 from symbody.codegen.formation.bound_function import evaluate_once
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import parameter_set
-from symbody.codegen.formation.values import FormulaValues, form_values
+from symbody.codegen.formation.values import form_values
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.evaluate import evaluate_sequence
@@ -30,6 +29,7 @@ from symbody.model.lengths import model_lengths
 from symbody.tolerances import CLOSED
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 # Sizes of coordinates and speeds are at least this share of the largest first value in the same unit: the
 # rounding of that value, 1e-16 of it, is a hundredth of what is tolerated then.
@@ -79,21 +79,19 @@ class Scales:
 
     def coordinates(self, eqs: EquationSet) -> Floats:
         """Return the sizes of the coordinates (n_q,): 1 rad, or the length."""
-        units = eqs.units
-        return np.array([self.length if units.get(name) == "m" else 1.0 for name in eqs.coordinate_names])
+        return np.where(_unit_plan(eqs).lengths_of_coordinates, self.length, 1.0)
 
     def displacements(self, eqs: EquationSet) -> Floats:
         """Return the sizes of displacements along the speeds (n_u,): 1 rad, or the length."""
-        units = eqs.units
-        return np.array([self.length if units.get(name) == "m/s" else 1.0 for name in eqs.speed_names])
+        return np.where(_unit_plan(eqs).lengths_of_speeds, self.length, 1.0)
 
     def constraints(self, eqs: EquationSet) -> Floats:
         """Return the sizes of the constraints (n_c,): the length, or 1 for angles.
 
         Those on positions come first, as in ``eqs.formed.holonomic``.
         """
-        sizes = np.where(are_lengths(eqs), self.length, 1.0)
-        for k, name in enumerate(eqs.multiplier_names):
+        sizes = np.where(_unit_plan(eqs).lengths_of_constraints, self.length, 1.0)
+        for k, name in enumerate(eqs.multiplier_names if self.equations else ()):
             sizes[k] = self.equations.get(name, sizes[k])
         return sizes
 
@@ -151,7 +149,7 @@ def mechanism_scales(
         If a name in `given` is unknown, or a value is not positive.
     """
     chosen = checked_scales(given)
-    lengths, pulls, masses, moments = _quantities(eqs, parameters)
+    lengths, pulls, masses, moments = parameter_set(eqs, parameters).quantities
     length = chosen.get("length", largest_magnitude(lengths))
     if not length and near is None:
         initial = {name: value for name, value in eqs.model.initial.items() if _is_length(eqs, name)}
@@ -179,12 +177,10 @@ def state_tolerances(eqs: EquationSet, lengths: Floats, times: Floats, x: Floats
         Their first states.
     """
     sizes = np.ones_like(x)
-    units = np.array([eqs.units.get(name, "") for name in eqs.state_names], dtype=np.str_)
-    n_u = len(eqs.speed_names)
+    plan, n_u = _unit_plan(eqs), len(eqs.speed_names)
     sizes[:, :n_u] /= times[:, np.newaxis]
-    sizes[:, (units == "m/s") | (units == "m")] *= lengths[:, np.newaxis]
-    for unit in ("m/s", "rad/s", "m", "rad"):
-        places = units == unit
+    sizes[:, plan.lengths_of_states] *= lengths[:, np.newaxis]
+    for places in plan.alike:
         resolved = RESOLVED * np.abs(x[:, places]).max(axis=1, initial=0.0)
         sizes[:, places] = np.maximum(sizes[:, places], resolved[:, np.newaxis])
     return np.asarray(CLOSED * sizes)
@@ -245,23 +241,33 @@ def values_at_start(
     return {name: numbers[formula] for name, formula in formulas.items()}
 
 
+class _UnitPlan(NamedTuple):
+    """Masks of what is a length, or one over a time, and of states in the same unit, where there are any."""
+
+    lengths_of_coordinates: Flags
+    lengths_of_speeds: Flags
+    lengths_of_constraints: Flags
+    lengths_of_states: Flags
+    alike: tuple[Flags, ...]
+
+
+def _unit_plan(eqs: EquationSet) -> _UnitPlan:
+    def make() -> _UnitPlan:
+        units = np.array([eqs.units.get(name, "") for name in eqs.state_names], dtype=np.str_)
+        n_u = len(eqs.speed_names)
+        alike = [units == unit for unit in ("m/s", "rad/s", "m", "rad")]
+        return _UnitPlan(
+            units[n_u:] == "m", units[:n_u] == "m/s", np.array(are_lengths(eqs), dtype=np.bool_),
+            (units == "m/s") | (units == "m"), tuple(places for places in alike if places.any()),
+        )  # fmt: skip
+
+    plan: _UnitPlan = eqs.plans.get("units of sizes", make)
+    return plan
+
+
 def largest_magnitude(values: Iterable[float]) -> float:
     """Return the largest absolute value, 0 if there is none."""
     return max(map(abs, values), default=0.0)
-
-
-def _quantities(eqs: EquationSet, parameters: Mapping[str, Value]) -> list[list[float]]:
-    """Return the lengths, components of gravity, masses and moments of inertia of the model at t = 0."""
-
-    def plan() -> tuple[FormulaValues, list[int]]:
-        bodies = eqs.model.bodies
-        moments = [moment for body in bodies for moment in body.inertia]
-        groups = [[*model_lengths(eqs.model)], [*eqs.model.gravity], [body.mass for body in bodies], moments]
-        return FormulaValues(eqs, [formula for group in groups for formula in group]), [*map(len, groups)]
-
-    formulas, sizes = eqs.plans.get("quantities of the model", plan)
-    values = iter(formulas.numbers(parameter_set(eqs, parameters)))
-    return [list(islice(values, size)) for size in sizes]
 
 
 def _equations(eqs: EquationSet, parameters: Mapping[str, Value], scales: Scales) -> dict[str, float]:

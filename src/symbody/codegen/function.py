@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Sequence as Items
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import Any, Final
@@ -14,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from symbody.arguments import checked_arguments
 from symbody.codegen.direct_call import DirectCall
 from symbody.codegen.llvm.native import NativeFunction
-from symbody.codegen.native_call import GROUPS, SinglePoint
+from symbody.codegen.native_call import SinglePoint
 from symbody.codegen.shared_code import SharedCode
 from symbody.codegen.texts.languages import TEXTS
 from symbody.errors import CompileError, Problem, nearest
@@ -25,6 +26,8 @@ from symbody.single_flight import SingleFlight
 Floats = NDArray[np.float64]
 Specialize = Callable[[], Sequence]
 NOTHING: Final = np.zeros(0)
+# Calls at a point after which a function has its own way into machine code; it takes some 50 us to make.
+_FEW_CALLS: Final = 20
 _WORDS: Final = {"q": "coordinates", "u": "speeds", "r": "inputs", "p": "parameters", "t": "time"}
 
 
@@ -97,6 +100,14 @@ class CompiledFunction:
         # Made when they are first needed: what follows from the values, and calls at a point.
         self._made: SingleFlight[str, Any] = SingleFlight()
         self._at_point: Callable[..., Any] | None = None
+        self._calls = 0
+        self._sizes = [
+            ("t", 1),
+            ("q", len(signature.q)),
+            ("u", len(signature.u)),
+            ("r", len(signature.r)),
+            ("p", len(signature.p)),
+        ]
 
     @property
     def outputs(self) -> tuple[Output, ...]:
@@ -161,11 +172,10 @@ class CompiledFunction:
             result = self._at_point(t, q, u, r, p)
             if result is not None:
                 return result if self._result is None else self._taken_apart(result)
-        if self._fill_points(t, q, u, r, p):
+        points = self._points(t, q, u, r, p)
+        if points is not None:
             self._check_out(out, ())
-            if self._at_point is None:
-                self._at_point = self._made.get("direct", self._made_direct).call
-            return self._reshape_outputs(self._single.run().copy(), (), out)
+            return self._reshape_outputs(self._call_at_point(points), (), out)
         given = {group: self._check_shape(group, x) for group, x in zip("qurp", (q, u, r, p), strict=True)}
         given["t"] = self._check_shape("t", t)
         batch = _broadcast(given)
@@ -262,12 +272,20 @@ class CompiledFunction:
         return _remade, (code.sequence, self.signature, choices, self._values, specialized)
 
     def _made_direct(self) -> DirectCall:
-        outputs = self.outputs
-        shape = outputs[0].shape if len(outputs) == 1 else (self._code.tail.sequence.output_size,)
-        sizes = {group: len(self.signature.names(group)) for group in GROUPS if group != "c"}
+        sizes = {group: size for group, size in self._sizes if group != "c"}
         if sizes["p"]:
-            return DirectCall(self._code.tail, sizes, shape, head=self._code.head, values=self._values)
-        return DirectCall(self._code.tail, sizes, shape, constants=self.bound_constants)
+            head, values = self._code.head, self._values
+            return DirectCall(self._code.tail, sizes, self._result_shape, head=head, values=values)
+        return DirectCall(self._code.tail, sizes, self._result_shape, constants=self.bound_constants)
+
+    def _made_shared_direct(self) -> DirectCall:
+        sizes = {**dict(self._sizes), "p": len(self.signature.p) + self._values.size}
+        return DirectCall(self._code.tail, sizes, self._result_shape, head=self._code.head)
+
+    @property
+    def _result_shape(self) -> tuple[int, ...]:
+        outputs = self.outputs
+        return outputs[0].shape if len(outputs) == 1 else (self._code.tail.sequence.output_size,)
 
     def _taken_apart(self, flat: Floats) -> Any:
         """Return several outputs of one point, which lie one after the other."""
@@ -280,31 +298,41 @@ class CompiledFunction:
             start = stop
         return self._result(*results) if self._result is not None else results[0]
 
-    def _fill_points(self, *arguments: ArrayLike) -> bool:
-        """Put single points of floats in place; False if this is anything else."""
-        groups = self._single.groups
-        for group, value in zip("tqurp", arguments, strict=True):
-            place = groups[group]
-            array = _array(group, _WORDS[group], value)
+    def _points(self, *arguments: ArrayLike) -> list[Floats] | None:
+        """Return t, q, u, r, p as arrays (n,) of floats; None if this is anything but single points."""
+        points = []
+        for (group, size), value in zip(self._sizes, arguments, strict=True):
+            array = value if type(value) is np.ndarray else _array(group, _WORDS[group], value)
             if group == "t":
                 array = array.reshape(-1) if array.ndim == 0 else array[np.newaxis]
-            if array.shape != place.shape or (array.size and array.dtype.char != "d"):
-                return False
-            place[:] = array
-        if groups["p"].size:
-            groups["c"][:] = self._code.constants(self._all_parameters(groups["p"]))
-        return True
+            if array.shape != (size,) or (size and array.dtype.char != "d"):
+                return None
+            points.append(array)
+        return points
 
-    @property
-    def _single(self) -> SinglePoint:
-        """What calls at one point write into; each thread has its own."""
-        point: SinglePoint = self._made.get("single", self._made_single)
-        return point
+    def _call_at_point(self, points: Items[Floats]) -> Floats:
+        """Return the outputs at one point, one after the other.
+
+        First calls go through a way that all functions with this code share. It pays to have one's own only
+        where more follow.
+        """
+        self._calls += 1
+        if self._calls > _FEW_CALLS and self._at_point is None:
+            self._at_point = self._made.get("direct", self._made_direct).call
+        p = self._all_parameters(points[4])
+        direct = self._code.notes.get("direct", self._made_shared_direct).call
+        result: Floats | None = None if direct is None else direct(float(points[0][0]), *points[1:4], p)
+        if result is not None:
+            return result.reshape(-1)
+        single: SinglePoint = self._code.notes.get("single", self._made_single)
+        for group, array in zip("tqur", points, strict=False):
+            single.groups[group][:] = array
+        single.groups["c"][:] = self._code.constants(p)
+        return single.run().copy()
 
     def _made_single(self) -> SinglePoint:
-        sizes = {group: len(self.signature.names(group)) for group in "tqurp"}
-        sizes["c"] = self._code.constant_count
-        return SinglePoint(self._code.tail, sizes, NOTHING if sizes["p"] else self.bound_constants)
+        """Return what calls at one point write into; each thread has its own."""
+        return SinglePoint(self._code.tail, {**dict(self._sizes), "p": 0, "c": self._code.constant_count})
 
     def _check_shape(self, group: str, value: ArrayLike) -> Floats:
         given = _array(group, _WORDS[group], value)

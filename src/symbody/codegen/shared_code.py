@@ -72,5 +72,7 @@ class SharedCode:
         """
         if self.head is None:
             return _NOTHING
+        if p.ndim == 1:
+            return self.head.at_point(p=p)
         given = {group: _NOTHING for group in GROUPS} | {"p": p}
         return self.head(given, p.shape[:-1])

@@ -13,6 +13,7 @@ from symbody.equations.cache_key import DeferredEquations
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.freedoms.always_undetermined import find_always_undetermined
 from symbody.equations.freedoms.mobility import Mobility, mobility
+from symbody.equations.names import Names, names_of
 from symbody.equations.outputs.derivative_outputs import parse_derivative
 from symbody.equations.outputs.output_roots import code_roots, evaluable_roots
 from symbody.equations.outputs.textbook import Reaction, Textbook
@@ -70,6 +71,7 @@ class EquationSet(Displayed):
     _without_rows: SingleFlight[tuple[bool, ...], EquationSet] = field(
         default_factory=lambda: SingleFlight(_MOST_ROWS), repr=False
     )
+    _names: SingleFlight[None, Names] = field(default_factory=SingleFlight, repr=False)
     # What later stages compute from these equations and need again; each has keys of its own.
     plans: SingleFlight[Hashable, Any] = field(default_factory=lambda: SingleFlight(_MOST_PLANS), repr=False)
     identity: bytes = field(default=b"", repr=False)
@@ -100,11 +102,14 @@ class EquationSet(Displayed):
         return not isinstance(self._given, DeferredEquations) or self._given.are_formed
 
     @property
+    def names(self) -> Names:
+        """Names of all that has a place in an array."""
+        return self._names.get(None, lambda: names_of(self.formed))
+
+    @property
     def quaternions(self) -> tuple[tuple[str, ...], ...]:
         """Names of the four Euler parameters of each quaternion in q, scalar first."""
-        graph = self.formed.graph
-        names = {graph.symbol(symbol): symbol.label for symbol in self.formed.q}
-        return tuple(tuple(names[k] for k in nodes) for nodes in self.formed.variables.quaternions)
+        return self.names.quaternions
 
     @property
     def measured_angles(self) -> tuple[str, ...]:
@@ -119,37 +124,37 @@ class EquationSet(Displayed):
     @property
     def coordinate_names(self) -> tuple[str, ...]:
         """Names of q in order."""
-        return tuple(symbol.label for symbol in self.formed.q)
+        return self.names.coordinates
 
     @property
     def speed_names(self) -> tuple[str, ...]:
         """Names of u in order."""
-        return tuple(symbol.label for symbol in self.formed.u)
+        return self.names.speeds
 
     @property
     def acceleration_names(self) -> tuple[str, ...]:
         """Names of u' in order: ``<coordinate>_ddot``, ``<quasi-speed>_dot``."""
-        return tuple(symbol.derivative.label for symbol in self.formed.u)
+        return self.names.accelerations
 
     @property
     def state_names(self) -> tuple[str, ...]:
         """Names of the states: speeds, then coordinates."""
-        return self.speed_names + self.coordinate_names
+        return self.names.states
 
     @property
     def input_names(self) -> tuple[str, ...]:
         """Names of the inputs r in order."""
-        return tuple(symbol.name for symbol in self.formed.inputs)
+        return self.names.inputs
 
     @property
     def parameter_names(self) -> tuple[str, ...]:
         """Names of all parameters of the model."""
-        return tuple(symbol.name for symbol in self.formed.parameters)
+        return self.names.parameters
 
     @property
     def multiplier_names(self) -> tuple[str, ...]:
         """Names of the multipliers, one a constraint; none in a tree."""
-        return tuple(row.name for row in self.formed.rows)
+        return self.names.multipliers
 
     @property
     def units(self) -> Units:

@@ -22,6 +22,7 @@ from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 
+NOTHING: Final = np.zeros(0)
 # Outputs that are measured by the scales of a motion.
 VIOLATIONS: Final = ("constraint_violation", "velocity_violation")
 
@@ -73,6 +74,11 @@ class SimulationProblem:
     def evaluate(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
         """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""
         return function(t, q.T, u.T, self.laws.values(t, q, u))
+
+    def value(self, output: str, t: float, q: Floats, u: Floats) -> float:
+        """Return a number at one state."""
+        inputs = self.laws.evaluate(t, q, u) if self.laws.callbacks else NOTHING
+        return float(self.compile_outputs(output, quick=True)(t, q, u, inputs))
 
     def interpret(self, output: str, t: float, q: Iterable[float], u: Iterable[float]) -> float:
         """Return a number at one state, without compiling for it."""

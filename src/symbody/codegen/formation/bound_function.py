@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Iterable, Mapping
 from collections.abc import Sequence as Items
 from dataclasses import replace
@@ -211,8 +212,12 @@ def _split_inputs(
     problems = [unknown_name("input", x, eqs.input_names) for x in inputs if x not in eqs.input_names]
     if problems:
         raise CompileError(*problems)
-    formulas, numbers = {}, {}
+    formulas: dict[str, Formula] = {}
+    numbers: dict[str, float] = {}
     for name, value in inputs.items():
+        if type(value) is int or (type(value) is float and math.isfinite(value)):
+            numbers[name] = float(value)
+            continue
         formula = Formula.from_value(plain_value(value), where=f"input {name}")
         number = formula.constant()
         if number is None:

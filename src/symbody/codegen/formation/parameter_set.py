@@ -7,13 +7,14 @@ computed, and formulas, which keep what is exact about them: the cosine of pi/2 
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping, Set
+from collections.abc import Callable, Hashable, Mapping, Set
 from collections.abc import Sequence as Items
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from symbody.codegen.formation.names import Value, check_names, missing_value
+from symbody.codegen.formation.quantities import Quantities, quantity_plan
 from symbody.codegen.formation.rounding_rows import RoundingRows
 from symbody.codegen.formation.sequences import parameter_nodes
 from symbody.codegen.function import CompiledFunction
@@ -30,6 +31,7 @@ from symbody.single_flight import SingleFlight
 
 _MOST_SETS: Final = 16
 _MOST_FUNCTIONS: Final = 64
+_MOST_NOTES: Final = 64
 # Cosines and sines of so many parts of half a turn are roots of whole numbers, which formulas keep exact.
 _EXACT_PARTS: Final = 12
 _ROUNDING: Final = 1e-14
@@ -67,14 +69,30 @@ class ParameterSet:
     functions: SingleFlight[Hashable, CompiledFunction] = field(
         default_factory=lambda: SingleFlight(_MOST_FUNCTIONS), repr=False
     )
+    _notes: SingleFlight[Hashable, Any] = field(default_factory=lambda: SingleFlight(_MOST_NOTES), repr=False)
     _for_values: SingleFlight[None, tuple[tuple[bool, ...], EquationSet]] = field(
         default_factory=SingleFlight, repr=False
     )
 
     @property
-    def floats(self) -> dict[str, float]:
+    def floats(self) -> Mapping[str, float]:
         """The values as floats."""
-        return {name: as_float(value) for name, value in self.values.items()}
+        floats: Mapping[str, float] = self.kept(
+            "floats", lambda: {name: as_float(value) for name, value in self.values.items()}
+        )
+        return floats
+
+    @property
+    def quantities(self) -> Quantities:
+        """Lengths, gravity, masses and moments of inertia of the model; no parameter is free."""
+        numbers: Quantities = self.kept(
+            "quantities", lambda: quantity_plan(self.original).quantities(self.floats)
+        )
+        return numbers
+
+    def kept(self, key: Hashable, make: Callable[[], Any]) -> Any:
+        """Return what `make` derives from these values, made once."""
+        return self._notes.get(key, make)
 
     @property
     def eqs(self) -> EquationSet:
@@ -166,10 +184,6 @@ def _resolve_set(eqs: EquationSet, given: Mapping[str, Value], free: tuple[str, 
     model, own = eqs.model, eqs.plans.get("parameters of the model", partial(_model_entries, eqs))
     if not all(name in model.parameters for name in (*given, *free)):
         check_names(eqs, given, free)
-    if given and isinstance(model, Model):
-        impossible = value_problems(model, given, free)
-        if impossible:
-            raise CompileError(*impossible)
     replaced = {name: _entry(name, value) for name, value in given.items() if name in model.parameters}
     formulas = {name: entry for name, entry in replaced.items() if isinstance(entry, Formula)}
     order = model.parameter_order(formulas) if formulas else own.entries
@@ -186,7 +200,22 @@ def _resolve_set(eqs: EquationSet, given: Mapping[str, Value], free: tuple[str, 
     numbers = tuple(
         name for name, entry in entries.items() if not isinstance(entry, Formula) and name not in zeros
     )
-    return ParameterSet(eqs, dict(given), free, values, numbers, {**formulas, **zeros})
+    chosen = ParameterSet(eqs, dict(given), free, values, numbers, {**formulas, **zeros})
+    if given and isinstance(model, Model) and not (eqs.are_formed and _is_plainly_possible(chosen, own)):
+        impossible = value_problems(model, given, free)
+        if impossible:
+            raise CompileError(*impossible)
+    return chosen
+
+
+def _is_plainly_possible(chosen: ParameterSet, own: _ModelEntries) -> bool:
+    """Return whether values are possible at first sight, which is quicker than to look at all formulas."""
+    if chosen.free:
+        return False
+    given = chosen.given.keys()
+    changed = {*given, *(name for name, read in own.sources.items() if not read.isdisjoint(given))}
+    plan = quantity_plan(chosen.original)
+    return plan.judged.isdisjoint(changed) and chosen.quantities.are_plainly_possible
 
 
 def _values(entries: Mapping[str, Entry], own: _ModelEntries, changed: Set[str]) -> dict[str, Constant]:

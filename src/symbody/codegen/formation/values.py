@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from collections.abc import Sequence as Items
 
+from symbody.codegen.formation.formula_values import FormulaValues
 from symbody.codegen.formation.names import Value
-from symbody.codegen.formation.parameter_set import ParameterSet
+from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.formation.sequences import input_places, parameter_nodes
 from symbody.codegen.function import Signature
 from symbody.equations.equation_set import EquationSet
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import substitute
 from symbody.expr.sequence import Roots, Sequence, build_sequence
-from symbody.model.numbers import as_float
 
 
 def form_values(
@@ -45,45 +45,6 @@ def form_values(
     return build_sequence(graph, roots, input_places(eqs, signature, graph)), signature
 
 
-class FormulaValues:
-    """Formulas in parameters and t; ``numbers(parameters)`` gives their values at t = 0.
-
-    Parameters
-    ----------
-    formulas : iterable of number or formula
-
-    Raises
-    ------
-    ExpressionError
-        If a formula reads something else than parameters and time.
-    """
-
-    def __init__(self, eqs: EquationSet, formulas: Iterable[Value]) -> None:
-        read = [Formula.from_value(value) for value in formulas]
-        plain = [formula.constant() for formula in read]
-        self._numbers = [0.0 if number is None else as_float(number) for number in plain]
-        self._places = [k for k, number in enumerate(plain) if number is None]
-        self._names = tuple(eqs.model.parameters)
-        self._sequence = None
-        if self._places:
-            graph, names = eqs.formed.graph, eqs.formed.names
-            nodes = tuple(names.expression(read[k], read[k].text).index for k in self._places)
-            signature = Signature((), (), (), self._names)
-            places = input_places(eqs, signature, graph)
-            self._sequence = build_sequence(graph, [Roots("values", (len(nodes),), nodes)], places)
-
-    def numbers(self, parameters: ParameterSet) -> list[float]:
-        """Return the value of each formula."""
-        if self._sequence is None:
-            return self._numbers
-        known = parameters.floats
-        given = {"t": [0.0], "p": [known[name] for name in self._names]}
-        result = list(self._numbers)
-        for k, value in zip(self._places, evaluate_sequence(self._sequence, given)[0], strict=True):
-            result[k] = float(value)
-        return result
-
-
 def constant_values(
     eqs: EquationSet, formulas: Mapping[str, Value], parameters: Mapping[str, Value] | None = None
 ) -> dict[str, float]:
@@ -91,21 +52,24 @@ def constant_values(
 
     Raises
     ------
-    CompileError
-        If a parameter has no value, or a formula reads something else than parameters.
+    CompileError, ExpressionError
+        If a parameter has no value, a formula reads something else than parameters, or divides by zero.
     """
-    plain = {name: value for name, value in formulas.items() if type(value) is float or type(value) is int}
-    if len(plain) == len(formulas) and all(map(math.isfinite, plain.values())):
-        return {name: float(value) for name, value in plain.items()}
-    graph, names = eqs.formed.graph, eqs.formed.names
-    replacements = parameter_nodes(eqs, parameters or {}, ())
-    read = {name: Formula.from_value(value, where=name) for name, value in formulas.items()}
-    distinct = dict.fromkeys(formula for formula in read.values() if formula.constant() is None)
-    nodes = [names.expression(formula, formula.text).index for formula in distinct]
-    roots = [Roots(str(k), (), (node,)) for k, node in enumerate(substitute(graph, nodes, replacements))]
-    values = evaluate_sequence(build_sequence(graph, roots, {}), {}) if roots else []
-    numbers = {formula: float(value[0]) for formula, value in zip(distinct, values, strict=True)}
-    return {
-        name: numbers[formula] if formula in numbers else as_float(formula.constant() or 0)
-        for name, formula in read.items()
-    }
+    if all(
+        type(value) is int or (type(value) is float and math.isfinite(value)) for value in formulas.values()
+    ):
+        return {name: float(value) for name, value in formulas.items()}  # type: ignore[arg-type]
+    read = [Formula.from_value(value, where=name) for name, value in formulas.items()]
+    key = "values", tuple([formula.text for formula in read])
+    values: FormulaValues = eqs.plans.get(key, lambda: FormulaValues(eqs, read))
+    numbers = dict(zip(formulas, values.numbers(parameter_set(eqs, parameters).floats), strict=True))
+    if not all(map(math.isfinite, numbers.values())):
+        _check_exactly(eqs, read, parameters or {})
+    return numbers
+
+
+def _check_exactly(eqs: EquationSet, formulas: Items[Formula], parameters: Mapping[str, Value]) -> None:
+    """Refuse formulas that divide by zero, naming the operation."""
+    names, replacements = eqs.formed.names, parameter_nodes(eqs, parameters, ())
+    nodes = [names.expression(formula, formula.text).index for formula in formulas]
+    substitute(eqs.formed.graph, nodes, replacements)

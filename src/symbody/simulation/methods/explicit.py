@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -14,7 +15,7 @@ from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.native.interface import Goal, Projector, RightHandSide
+from symbody.simulation.native.interface import Goal, Method, Projector, RightHandSide
 from symbody.simulation.native.loop import EPSILON
 from symbody.simulation.native.run import NativeRun, drive, fresh_memory, fresh_record, method_arrays
 from symbody.simulation.native.run import Progress as Progress
@@ -142,9 +143,14 @@ def integrate(
     tableau = method.tableau
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
     rhs = RightHandSide(int(address), int(n_u), r, p, c, np.zeros(work_size), np.zeros(1))
-    run = NativeRun(rhs, projector, method_arrays(tableau), goal, fresh_memory(tableau, x, start))
+    run = NativeRun(rhs, projector, _method_arrays(method), goal, fresh_memory(tableau, x, start))
     record = fresh_record(run, check_times(times, start, end), dense)
     return drive(run, record, 0.0 if method.first_step is None else float(method.first_step), progress, watch)
+
+
+@lru_cache(maxsize=64)
+def _method_arrays(method: Explicit | FixedStep) -> Method:
+    return method_arrays(method.tableau)
 
 
 def _goal(
