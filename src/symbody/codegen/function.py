@@ -199,6 +199,8 @@ class CompiledFunction:
         """Return free parameters (..., n_p) with the others behind them."""
         if not self._values.size:
             return p
+        if p.shape == (0,):
+            return self._values
         return np.concatenate([p, np.broadcast_to(self._values, (*p.shape[:-1], self._values.size))], axis=-1)
 
     def of_state(self, t: ArrayLike, x: ArrayLike, r: ArrayLike = (), p: ArrayLike = ()) -> Any:

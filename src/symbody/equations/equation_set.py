@@ -71,7 +71,7 @@ class EquationSet(Displayed):
     _without_rows: SingleFlight[tuple[bool, ...], EquationSet] = field(
         default_factory=lambda: SingleFlight(_MOST_ROWS), repr=False
     )
-    _names: SingleFlight[None, Names] = field(default_factory=SingleFlight, repr=False)
+    _names: Names | None = field(default=None, repr=False)
     # What later stages compute from these equations and need again; each has keys of its own.
     plans: SingleFlight[Hashable, Any] = field(default_factory=lambda: SingleFlight(_MOST_PLANS), repr=False)
     identity: bytes = field(default=b"", repr=False)
@@ -104,7 +104,9 @@ class EquationSet(Displayed):
     @property
     def names(self) -> Names:
         """Names of all that has a place in an array."""
-        return self._names.get(None, lambda: names_of(self.formed))
+        if self._names is None:  # two threads may both make them
+            object.__setattr__(self, "_names", names_of(self.formed))
+        return self._names or names_of(self.formed)
 
     @property
     def quaternions(self) -> tuple[tuple[str, ...], ...]:

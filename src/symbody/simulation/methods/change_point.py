@@ -243,7 +243,7 @@ def _passages(problem: SimulationProblem, raw: RawRun, most: int | None = None) 
     if not eqs.multiplier_names or not eqs.speed_names or dense is None:
         return None
     loops = LoopConstraints(problem)
-    sizes = loops.singular_values(dense.breaks, dense(dense.breaks)[loops.places].T)
+    sizes = loops.singular_values(dense.breaks, dense.at_breaks()[loops.places].T)
     if not np.isfinite(sizes).all():
         return None
     rank = count_significant(sizes)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -30,6 +30,7 @@ from symbody.simulation.native.loop import project_row
 from symbody.simulation.native.run import Progress, RawRun
 from symbody.simulation.native.segments import Watch
 from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 
@@ -69,6 +70,7 @@ class IntegrationProblem:
     progress: Progress | None = None
     events: tuple[Event, ...] = ()
     before: RawRun | None = None
+    _kept: SingleFlight[str, Floats] = field(default_factory=SingleFlight, init=False, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "span", check_span(self.span))
@@ -84,7 +86,9 @@ class IntegrationProblem:
     @property
     def tolerances(self) -> Floats:
         """The absolute tolerance of each speed and coordinate (n_u + n_q,)."""
-        return self.problem.scales.tolerances(self.eqs, self.state, self.atol)
+        return self._kept.get(
+            "tolerances", lambda: self.problem.scales.tolerances(self.eqs, self.state, self.atol)
+        )
 
     @property
     def n_u(self) -> int:
