@@ -19,10 +19,9 @@ from symbody.analysis.scales import (
     pose_share,
     state_tolerances,
 )
+from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
-from symbody.codegen.formation.sequences import form_sequence
-from symbody.codegen.formation.values import form_values
-from symbody.codegen.function import CompiledFunction
+from symbody.codegen.formation.values import formula_function
 from symbody.equations.equation_set import EquationSet
 from symbody.simulation.sweeps.case_table import CaseTable
 
@@ -108,8 +107,8 @@ def case_values(eqs: EquationSet, table: CaseTable, formulas: Mapping[str, Value
     """Return the values (cases,) of each formula in parameters and t, at t = 0."""
     if not formulas:
         return {}
-    sequence = form_values(eqs, formulas, table.fixed_parameters, table.parameter_names)
-    found = CompiledFunction(*sequence, quick=True)(0.0, (), (), (), table.parameters)
+    function = formula_function(eqs, formulas, table.fixed_parameters, table.parameter_names)
+    found = function(0.0, (), (), (), table.parameters)
     columns = found if len(formulas) > 1 else (found,)
     return {
         name: np.broadcast_to(column, (table.count,)) for name, column in zip(formulas, columns, strict=True)
@@ -127,9 +126,8 @@ def _equations(eqs: EquationSet, table: CaseTable, lengths: Floats) -> dict[str,
     if not rows_of_users:
         return {}
     inputs: dict[str, Value] = dict.fromkeys(eqs.input_names, 0)
-    function = CompiledFunction(
-        *form_sequence(eqs, "jacobian", table.fixed_parameters, table.parameter_names, inputs), quick=True
-    )
+    values = table.fixed_parameters, table.parameter_names, inputs
+    function = bound_function(eqs, "jacobian", *values, quick=True)
     columns = lengths[:, np.newaxis]
     q = pose_share(eqs) * np.where([units.get(name) == "m" for name in eqs.coordinate_names], columns, 1.0)
     moves = np.where([units.get(name) == "m/s" for name in eqs.speed_names], columns, 1.0)

@@ -152,9 +152,7 @@ def _aligned_zeros(*shape: int) -> Floats:
 
 def _constants(function: CompiledFunction, parameters: Floats) -> Floats:
     found = function.constants(parameters)
-    if found.ndim == 1:  # nothing to compute beforehand
-        return np.zeros((parameters.shape[0], 0))
-    return _copy(np.broadcast_to(found, (parameters.shape[0], found.shape[1])))
+    return _copy(np.broadcast_to(found, (parameters.shape[0], found.shape[-1])))
 
 
 def _projector(job: LoopJob, cases: Cases) -> Projector:
@@ -175,7 +173,7 @@ def _projector(job: LoopJob, cases: Cases) -> Projector:
         job.limit,
         np.zeros(cases.sizes.shape[1]),
         job.rounding,
-        np.zeros((1, closing.sequence.output_size)),
+        np.zeros((1, sum(len(output.values) for output in closing.outputs))),
     )
 
 
