@@ -23,6 +23,9 @@ from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.values import formula_function
 from symbody.equations.equation_set import EquationSet
+from symbody.expr.language.formula import Formula
+from symbody.model.arguments import plain_value
+from symbody.model.numbers import as_float
 from symbody.simulation.sweeps.case_table import CaseTable
 
 Floats = NDArray[np.float64]
@@ -105,13 +108,18 @@ def case_scales(
 
 def case_values(eqs: EquationSet, table: CaseTable, formulas: Mapping[str, Value]) -> dict[str, Floats]:
     """Return the values (cases,) of each formula in parameters and t, at t = 0."""
-    if not formulas:
-        return {}
-    function = formula_function(eqs, formulas, table.fixed_parameters, table.parameter_names)
-    found = function(0.0, (), (), (), table.parameters)
-    columns = found if len(formulas) > 1 else (found,)
+    read = {name: Formula.from_value(plain_value(value), where=name) for name, value in formulas.items()}
+    numbers = {name: formula.constant() for name, formula in read.items()}
+    known = {name: as_float(number) for name, number in numbers.items() if number is not None}
+    others = {name: formula for name, formula in read.items() if name not in known}
+    columns: dict[str, Floats] = {}
+    if others:
+        function = formula_function(eqs, others, table.fixed_parameters, table.parameter_names)
+        values = function(0.0, (), (), (), table.parameters)
+        columns = dict(zip(others, values if len(others) > 1 else (values,), strict=True))
     return {
-        name: np.broadcast_to(column, (table.count,)) for name, column in zip(formulas, columns, strict=True)
+        name: np.broadcast_to(known[name] if name in known else columns[name], (table.count,))
+        for name in formulas
     }
 
 
