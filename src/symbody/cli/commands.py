@@ -24,10 +24,10 @@ from symbody.cli.settings import Settled, read_pairs
 from symbody.cli.small_motions import equilibrium_json, equilibrium_lines, linear_json, linear_lines
 from symbody.cli.stages import StageBar
 from symbody.cli.summary import summary
-from symbody.cli.written import equation_lines
 from symbody.codegen.compile import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
+from symbody.equations.outputs.equation_lines import equation_lines
 from symbody.equations.outputs.textbook import MOST_SPEEDS
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest, number_in_words
 from symbody.formats.model_files import example_names, example_text, examples_folder, load_model
@@ -71,7 +71,7 @@ def equations(
     tree: Tree = None,
 ) -> None:
     """Print the equations of motion, with the rates of coordinates and the constraints there are."""
-    _print(equation_lines(_form(load_model(model), tree), latex))
+    _print(equation_lines(_form(load_model(model), tree).textbook, latex))
 
 
 @command()
@@ -302,7 +302,7 @@ def _motion(
 
 def _introduction(eqs: EquationSet, model: Path) -> list[str]:
     """Return the equations if they fit a screen, otherwise where they are."""
-    lines = equation_lines(eqs) if len(eqs.speed_names) <= MOST_SPEEDS else []
+    lines = equation_lines(eqs.textbook) if len(eqs.speed_names) <= MOST_SPEEDS else []
     if lines and len(lines) <= _SCREEN:
         return lines
     numbers = {

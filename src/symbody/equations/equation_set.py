@@ -13,6 +13,7 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.freedoms.always_undetermined import find_always_undetermined
 from symbody.equations.freedoms.mobility import Mobility, mobility
 from symbody.equations.outputs.derivative_outputs import parse_derivative
+from symbody.equations.outputs.equation_lines import PrintedEquations
 from symbody.equations.outputs.output_roots import code_roots, evaluable_roots
 from symbody.equations.outputs.textbook import Reaction, Textbook
 from symbody.equations.outputs.units import Units, output_units
@@ -24,7 +25,6 @@ from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Roots, Sequence
 from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.model.model import Model
-from symbody.notebook import Displayed
 from symbody.single_flight import SingleFlight
 
 # Values of parameters for which equations are kept.
@@ -32,7 +32,7 @@ _MOST_VALUES: Final = 8
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class EquationSet(Displayed):
+class EquationSet(PrintedEquations):
     """Equations of motion ``M u' = F + J^T lambda``, ``J u' = gamma``, ``q' = N u + nu`` of a model.
 
     Every property that shows formulas returns SymPy objects in dynamicsymbols; the numbers come from

@@ -16,10 +16,12 @@ from types import MappingProxyType
 from typing import Any, ClassVar, Final, Generic, Never, Self, TypeVar, overload
 
 from symbody.errors import Problem, SymbodyError, UsageError
+from symbody.expr.language.formula import Formula
 from symbody.model.arguments import Arguments
 from symbody.model.formula_site import FormulaSite
 from symbody.model.numeric_checks import NumericChecks
 from symbody.model.simple_rotation import Axis
+from symbody.notebook import Displayed
 
 Given = TypeVar("Given", contravariant=True)
 Kept = TypeVar("Kept", covariant=True)
@@ -27,6 +29,7 @@ C = TypeVar("C", bound="Declared")
 
 REQUIRED: Final = object()
 _WIDTH: Final = 100
+_POSITIONAL: Final = frozenset(("name", "start", "end"))  # arguments without their names in `repr`
 _IN_WORDS: Final = MappingProxyType({"str": "a text", "bool": "true or false"})
 
 
@@ -95,6 +98,10 @@ class Field(Generic[Given, Kept]):
         """Return the directions of the value by the places where they stand."""
         return {}
 
+    def default_value(self, owner: object, name: str) -> object:
+        """Return what is kept of the default; REQUIRED if there is none."""
+        return REQUIRED if self.is_required else self.read(owner, Arguments(""), self.default, name)
+
     @property
     def is_required(self) -> bool:
         """Whether the argument has no default."""
@@ -109,7 +116,7 @@ class Field(Generic[Given, Kept]):
         return f"{first} [{self.unit}]{mark}{rest}."
 
 
-class Declared:
+class Declared(Displayed):
     """What declares its arguments.
 
     Attributes
@@ -151,8 +158,19 @@ class Declared:
         return hash(self._content())
 
     def __repr__(self) -> str:
-        arguments = ", ".join(f"{name}={getattr(self, name)!r}" for name in self.fields)
-        return f"{type(self).__qualname__}({arguments})"
+        texts = [
+            _argument_text(value) if name in _POSITIONAL else f"{name}={_argument_text(value)}"
+            for name, value in self.given_arguments().items()
+        ]
+        return f"{type(self).__qualname__}({', '.join(texts)})"
+
+    def given_arguments(self) -> dict[str, Any]:
+        """Return the arguments that differ from their defaults, as they are kept, by name."""
+        return {
+            name: value
+            for name, field in self.fields.items()
+            if (value := getattr(self, name)) != field.default_value(self, name)
+        }
 
     def _content(self) -> tuple[object, ...]:
         """Return what counts where elements are compared."""
@@ -190,6 +208,17 @@ class Declared:
             "call.argument", f"{type(self).__name__}, argument {name}",
             f"{shown}, of type {type(value).__name__}, does not fit", "", f"give {_IN_WORDS.get(fits, fits)}",
         )  # fmt: skip
+
+
+def _argument_text(value: object) -> str:
+    """Return what an element holds as it may be given to a constructor."""
+    if isinstance(value, Formula):
+        return value.text if value.is_number else repr(value.text)
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_argument_text, value))}{',' * (len(value) == 1)})"
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{name!r}: {_argument_text(item)}' for name, item in value.items())}}}"
+    return repr(value)
 
 
 class ElementPart(Declared):
