@@ -29,7 +29,7 @@ from typing import (
     get_type_hints,
 )
 
-from symbody.errors import Problem, SymbodyError, UsageError
+from symbody.errors import CallError, Problem, SymbodyError, UsageError, nearest
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -111,13 +111,13 @@ def _refuse(
 ) -> None:
     """Raise if an argument does not fit its annotation, of all or those with some names."""
     signature = inspect.signature(function)
-    try:
-        bound = signature.bind(*given, **named).arguments
-    except TypeError:  # one is missing, or there are too many: Python's own message names it
-        return
-    problems = []
     is_constructor = function.__name__ == "__init__" and bool(given)
     label = label or (type(given[0]).__name__ if is_constructor else function.__qualname__)
+    try:
+        bound = signature.bind(*given, **named).arguments
+    except TypeError as misfit:
+        raise CallError(call_problem(label, signature, given, named, str(misfit))) from None
+    problems = []
     for name, value in bound.items():
         if names is None or name in names:
             hint = _hint(function, name)
@@ -126,6 +126,39 @@ def _refuse(
                 problems.append(_problem(label, name, value, hint))
     if problems:
         raise UsageError(*problems) from error
+
+
+def call_problem(
+    label: str, signature: inspect.Signature, given: Sequence[object], named: Collection[str], misfit: str
+) -> Problem:
+    """Return what is wrong with a call whose arguments do not fit a signature.
+
+    Parameters
+    ----------
+    label : str
+        The function, or the class that is made.
+    misfit : str
+        Python's own words, for what is neither unknown nor missing nor too many.
+    """
+    kinds = inspect.Parameter
+    takes = [item for item in signature.parameters.values() if item.name not in ("self", "cls")]
+    names = [item.name for item in takes if item.kind not in (kinds.VAR_POSITIONAL, kinds.VAR_KEYWORD)]
+    unknown = [name for name in named if name not in names]
+    if unknown:
+        what = f"there is no argument {' or '.join(map(repr, unknown))}"
+        return Problem("call.unknown_argument", label, what, "", nearest(unknown[0], names))
+    placed = names[: len(given) - (len(signature.parameters) > len(takes))]
+    missing = [
+        item.name for item in takes
+        if item.name in names and item.default is kinds.empty and item.name not in (*placed, *named)
+    ]  # fmt: skip
+    if missing:
+        what = f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing"
+        return Problem("call.missing_argument", label, what, "", f"it takes ({', '.join(names)})")
+    return Problem(
+        "call.arguments", label, misfit.removeprefix(f"{label}.__init__() ").removeprefix(f"{label}() "), "",
+        f"it takes ({', '.join(names)})",
+    )  # fmt: skip
 
 
 def _problem(function: str, name: str, value: object, hint: object) -> Problem:

@@ -10,12 +10,14 @@ import dataclasses
 import inspect
 import reprlib
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass
+from functools import wraps
 from types import MappingProxyType
 from typing import Any, ClassVar, Final, Generic, Never, Self, TypeVar, overload
 
-from symbody.errors import Problem, SymbodyError, UsageError
+from symbody.arguments import call_problem
+from symbody.errors import CallError, Problem, SymbodyError, UsageError
 from symbody.expr.language.formula import Formula
 from symbody.model.arguments import Arguments
 from symbody.model.formula_site import FormulaSite
@@ -247,8 +249,29 @@ def declare(kind: type[C]) -> type[C]:
     made.fields = MappingProxyType(fields)
     hints = {name: field.annotation for name, field in fields.items()}
     made.__init__.__annotations__ = {**hints, "return": "None"}
+    constructor: Callable[..., None] = type.__getattribute__(made, "__init__")
+    type.__setattr__(made, "__init__", _checked_call(made, constructor))
     made.__doc__ = _documentation(made)
     return made
+
+
+def _checked_call(kind: type[Declared], constructor: Callable[..., None]) -> Callable[..., None]:
+    """Return a constructor whose calls with unknown, missing or too many arguments are faults of symbody."""
+
+    @wraps(constructor)
+    def construct(self: object, *given: object, **named: object) -> None:
+        try:
+            constructor(self, *given, **named)
+        except TypeError as error:
+            signature = inspect.signature(constructor)
+            try:
+                signature.bind(self, *given, **named)
+            except TypeError:
+                problem = call_problem(kind.__name__, signature, (self, *given), named, str(error))
+                raise CallError(problem) from None
+            raise
+
+    return construct
 
 
 def _documentation(kind: type[Declared]) -> str:
