@@ -12,7 +12,8 @@ import builtins
 import inspect
 import reprlib
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Set
-from functools import wraps
+from functools import lru_cache, wraps
+from importlib import import_module
 from numbers import Integral, Real
 from os import PathLike
 from types import NoneType, SimpleNamespace, UnionType
@@ -62,21 +63,71 @@ def checked_arguments(function: Callable[P, R]) -> Callable[P, R]:
     UsageError
         When it is called so.
     """
-    paths = [name for name, text in _texts(function).items() if "Path" in text]
+    texts = _texts(function)
+    paths = [name for name, text in texts.items() if "Path" in text]
+    textual = {name for name, text in texts.items() if "str" in text and "Sympy" not in text}
 
     @wraps(function)
     def call_with_checks(*given: P.args, **named: P.kwargs) -> R:
+        if textual and _hold_sympy((*given, *named.values())):
+            given, named = _with_texts(function, textual, given, named)
         if paths:
             _refuse(function, given, named, paths)
         try:
             return function(*given, **named)
-        except SymbodyError:
+        except SymbodyError as error:
+            if any(problem.code == "call.argument" for problem in error.problems):
+                # What it calls has other words for its arguments.
+                _refuse(function, given, named, None, error)
             raise
         except Exception as error:
             _refuse(function, given, named, None, error)
             raise
 
     return call_with_checks
+
+
+@lru_cache(maxsize=512)
+def _is_sympy_type(kind: type) -> bool:
+    return any(str(base.__module__).startswith("sympy.") for base in kind.__mro__)
+
+
+def is_sympy(value: object) -> bool:
+    """Return whether a value is of a class of SymPy; SymPy need not be there."""
+    return _is_sympy_type(type(value))
+
+
+def _hold_sympy(values: Iterable[object]) -> bool:
+    """Return whether an object of SymPy is among values, or among the keys or entries of one."""
+    for value in values:
+        if isinstance(value, dict | list | tuple):
+            if any(_is_sympy_type(type(entry)) for entry in value):
+                return True
+        elif _is_sympy_type(type(value)):
+            return True
+    return False
+
+
+def _with_texts(function: Callable[..., Any], textual: Set[str], given: Any, named: Any) -> Any:
+    """Return arguments with SymPy expressions as text where names and expressions are taken as text."""
+    write: Callable[[object], str] = import_module("symbody.expr.sympy_text").sympy_text
+
+    def convert(value: Any) -> Any:
+        if is_sympy(value):
+            return write(value)
+        if isinstance(value, dict):
+            return {write(key) if is_sympy(key) else key: item for key, item in value.items()}
+        if type(value) in (list, tuple):
+            return type(value)(map(convert, value))
+        return value
+
+    signature = inspect.signature(function)
+    try:
+        bound = signature.bind(*given, **named)
+    except TypeError:  # refused later, by name
+        return given, named
+    bound.arguments |= {name: convert(value) for name, value in bound.arguments.items() if name in textual}
+    return bound.args, bound.kwargs
 
 
 def checked_fields(kind: C) -> C:

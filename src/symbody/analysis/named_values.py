@@ -104,6 +104,12 @@ def _is_known(eqs: EquationSet, name: str) -> bool:
     return name in names.symbols or name in names.values
 
 
+def angle_names(eqs: EquationSet) -> frozenset[str]:
+    """Return the names of all coordinates that are angles."""
+    joints = (*eqs.model.joints, *eqs.model.free_joints)
+    return frozenset(name for joint in joints for name in joint.angle_coordinates)
+
+
 def named_values(
     eqs: EquationSet,
     formulas: Mapping[str, Value],
@@ -123,8 +129,7 @@ def named_values(
         return {}
     refuse_unknown(eqs, [name for name in formulas if name in strict])
     names = positions_and_rates(eqs)
-    joints = (*eqs.model.joints, *eqs.model.free_joints)
-    angles = {name for joint in joints for name in joint.angle_coordinates}
+    angles = angle_names(eqs)
     read = {
         name: parse_angle(value, where=name) if name in angles and isinstance(value, str) else value
         for name, value in formulas.items()

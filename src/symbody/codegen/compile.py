@@ -24,6 +24,7 @@ from symbody.expr.deadline import begin, in_time
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME, Graph
 from symbody.expr.language.formula import Formula
+from symbody.expr.parser import parse_angle
 from symbody.expr.rewrite import substitute, substitute_into, symbols_of
 from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
 from symbody.model.arguments import plain_value
@@ -241,7 +242,7 @@ def _parameter_nodes(eqs: EquationSet, given: Mapping[str, Value], free: Items[s
     nodes = {symbol_nodes[name]: symbol_nodes[name] for name in free}
     missing = []
     asked = {
-        name: Formula.from_value(plain_value(value), where=name)
+        name: parse_angle(plain_value(value), where=name)
         for name, value in given.items()
         if name in symbol_nodes
     }
@@ -299,7 +300,9 @@ def _missing_value(names: Items[str]) -> Problem:
     listed = ", ".join(names)
     return Problem(
         "compile.missing_value", "parameters", f"no value is given for {listed}",
-        "a number is needed to compute with", f"give parameters={{{names[0]!r}: ...}}, or name them in free=",
+        "a number is needed to compute with",
+        f"give parameters={{{names[0]!r}: ...}}; compile and generate_code take it as an argument by "
+        f"free=[{names[0]!r}]",
     )  # fmt: skip
 
 
