@@ -27,7 +27,7 @@ XYZ = [f"P $r_{{{letter}}}$ [m]" for letter in "xyz"]  # how the components of "
 
 
 def outputs(name: str, t: Floats, q: Floats, u: Floats) -> Floats:
-    known = {"v_dot": -q[0], "frame r P": np.array([q[0], u[0], 0.0 * t]), "pair": np.array([t, -t])}
+    known = {"v_dot": -q[0], "frame r P": np.array([q[0], u[0], 0.1 * t]), "pair": np.array([t, -t])}
     known |= {"frame r P x": q[0], "frame r P y": u[0], "frame r Q x": t}
     if name not in known:
         raise UsageError()

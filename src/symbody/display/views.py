@@ -106,6 +106,7 @@ def _trajectory(run: Trajectory) -> str:
     happened = ", ".join(f"{name} ({count} times)" if count > 1 else name for name, count in counts.items())
     return page(
         repr(run).strip("<>"),
+        *([] if run.success else [paragraph(run.status.value)]),
         table(("", "unit", "start", "end", "least", "greatest"), rows),
         paragraph(f"events: {happened}") if happened else Markup(),
         notes(run.notes),

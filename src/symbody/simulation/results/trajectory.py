@@ -325,6 +325,12 @@ class Trajectory(SampleTable):
         samples, coordinates, speeds = (f"{n} {word}" if n == 1 else f"{n} {word}s" for n, word in counts)
         return f"<Trajectory {name}{samples} ({span}), {coordinates}, {speeds}, {self.status.name}>"
 
+    def __str__(self) -> str:
+        """Return what `repr` returns; of a motion that failed with what to try, and its notes."""
+        if self.success:
+            return repr(self)
+        return "\n".join([repr(self), f"  {self.status.value}", *(f"  note: {note}" for note in self.notes)])
+
 
 def _no_model() -> UsageError:
     return UsageError(
