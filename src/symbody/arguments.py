@@ -12,7 +12,7 @@ import builtins
 import inspect
 import reprlib
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Set
-from functools import lru_cache, wraps
+from functools import wraps
 from importlib import import_module
 from numbers import Integral, Real
 from os import PathLike
@@ -87,23 +87,21 @@ def checked_arguments(function: Callable[P, R]) -> Callable[P, R]:
     return call_with_checks
 
 
-@lru_cache(maxsize=512)
-def _is_sympy_type(kind: type) -> bool:
-    return any(str(base.__module__).startswith("sympy.") for base in kind.__mro__)
-
-
 def is_sympy(value: object) -> bool:
     """Return whether a value is of a class of SymPy; SymPy need not be there."""
-    return _is_sympy_type(type(value))
+    kind = type(value)
+    if kind.__module__ == "builtins":  # most are
+        return False
+    return any(str(base.__module__).startswith("sympy.") for base in kind.__mro__)
 
 
 def _hold_sympy(values: Iterable[object]) -> bool:
     """Return whether an object of SymPy is among values, or among the keys or entries of one."""
     for value in values:
         if isinstance(value, dict | list | tuple):
-            if any(_is_sympy_type(type(entry)) for entry in value):
+            if any(is_sympy(entry) for entry in value):
                 return True
-        elif _is_sympy_type(type(value)):
+        elif is_sympy(value):
             return True
     return False
 
