@@ -42,8 +42,8 @@ def form_equations(
     ----------
     model : Model
         The mechanism.
-    formulation : VirtualWork, Recursive, NewtonEuler or Lagrange, optional
-        How the equations are formed; by default recursively where one tree gives all coordinates, else by
+    formulation : Formulation, optional
+        How the equations are formed, as ``sb.NewtonEuler()``; by default recursively where one tree gives all coordinates, else by
         virtual work. All give the same equations: Newton-Euler with every reaction an unknown, Lagrange from
         energies.
     tree : Trees, "joints", "absolute" or None
