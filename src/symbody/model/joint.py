@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Final, Literal
+from typing import Any, ClassVar, Final, Literal
 
 from symbody.errors import nearest
 from symbody.expr.language.formula import Formula
@@ -71,6 +71,18 @@ class Joint(Connection):
     kind: ClassVar[str] = "joint"
     letters: ClassVar[tuple[str, ...]] = ()
     law: ClassVar[str] = ""
+
+    def __str__(self) -> str:
+        names = ", ".join(self.coordinates)
+        return f"{type(self).__name__} {self.name}: {self.start} -> {self.end}, {names or 'rigid'}"
+
+    def given_arguments(self) -> dict[str, Any]:
+        """Return the arguments; of a joint with one coordinate what stands under its name, as it is given."""
+        given = Connection.given_arguments(self)
+        alone = {name for name, value in given.items() if isinstance(value, FrozenMapping)}
+        if len(self.coordinates) == 1:
+            given |= {name: given[name][self.coordinates[0]] for name in alone if len(given[name]) == 1}
+        return given
 
     # The law.
 
