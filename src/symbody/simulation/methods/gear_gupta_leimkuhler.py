@@ -22,9 +22,8 @@ from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.rewrite import substitute
 from symbody.expr.sequence import Roots
 from symbody.simulation.events.event_watch import EventWatch
+from symbody.simulation.methods.independent_rows import independent_rows, without_other_rows
 from symbody.simulation.methods.integration_problem import IntegrationProblem, StateFunction
-from symbody.simulation.methods.loop_constraints import LoopConstraints, motion_branch
-from symbody.simulation.methods.partition_states import partition_columns
 from symbody.simulation.methods.state_jacobian import drop_idle_rows, input_symbols
 from symbody.simulation.methods.stepping import march
 from symbody.simulation.methods.stiff import SHARE_OF_PIECE, Stiff
@@ -90,15 +89,13 @@ def run_ggl(
 
 def _independent(integration: IntegrationProblem, eqs: EquationSet) -> tuple[EquationSet, tuple[str, ...]]:
     """Return the equations without constraints that follow from the others on the branch of the motion."""
-    loops = LoopConstraints(replace(integration.problem, eqs=eqs))
-    branch = motion_branch(loops, integration.span[0], integration.state)
-    if branch.speeds == len(eqs.formed.rows):
-        return eqs, ()
-    kept = partition_columns(loops.speeds(branch.t, branch.q)[0], branch.speeds).rows.tolist()
+    kept = independent_rows(replace(integration.problem, eqs=eqs), integration.span[0], integration.state)
     dropped = [name for k, name in enumerate(eqs.multiplier_names) if k not in kept]
-    note = f"GGL: {', '.join(dropped)} follow from the other constraints and are left out"
-    formed = eqs.formed.with_independent(kept)
-    return EquationSet(eqs.model, formed, eqs.notes), (note,)
+    if not dropped:
+        return eqs, ()
+    return without_other_rows(eqs, kept), (
+        f"GGL: {', '.join(dropped)} follow from the other constraints and are left out",
+    )
 
 
 def _with_residual(eqs: EquationSet, integration: IntegrationProblem) -> EquationSet:
