@@ -6,19 +6,25 @@ import json
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from multiprocessing import parent_process
 from multiprocessing.connection import Connection, wait
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from symbody.builder.page_problems import page_problem, page_problems
 from symbody.errors import Problem, SymbodyError
 from symbody.expr.deadline import watch_stages
 
-Report = Callable[[str, int | None], None]
+
+class Report(Protocol):
+    """Takes the stage of a task, its percentage if there is one, and a part of the result if one is ready."""
+
+    def __call__(self, stage: str, percent: int | None, part: Any = None, /) -> None:
+        """Hand on what is new."""
+
 
 _SHARE: Final = 0.8  # of the memory, for the data of one process
 # Where each task is: modules that are loaded by workers only.
@@ -70,7 +76,11 @@ def run_worker(pipe: Connection) -> None:
             name, payload = pipe.recv()
         except (EOFError, OSError):
             return
-        pipe.send(_outcome(name, payload, lambda stage, percent: pipe.send(("stage", stage, percent))))
+
+        def report(stage: str, percent: int | None, part: Any = None, /) -> None:
+            pipe.send(("stage", stage, percent, part))
+
+        pipe.send(_outcome(name, payload, report))
 
 
 def _outcome(name: str, payload: dict[str, Any], report: Report) -> tuple[str, Any]:

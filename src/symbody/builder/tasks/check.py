@@ -126,8 +126,10 @@ def _picture(model: Model | None, checked: Checked, data: Data) -> tuple[Answer 
         return None, []
     eqs, positions = checked.eqs, checked.positions
     try:
-        unassembled = eqs is None or positions is None
-        scene, motion = draw_unassembled(model) if unassembled else drawn_at(eqs, positions)
+        if eqs is None or positions is None:
+            scene, motion = draw_unassembled(model)
+        else:
+            scene, motion = drawn_at(eqs, positions)
     except SymbodyError as error:
         return None, page_problems(error.problems, data)
     notes = page_notes(scene.notes, data, "builder.drawing")
