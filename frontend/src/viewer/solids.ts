@@ -5,7 +5,7 @@ import type { BufferGeometry } from "three";
 import type { Scene, Solid } from "./contract";
 import type { Instant, Layer } from "./layer";
 import { placeMatrix } from "./layer";
-import { bodyColor, HIGHLIGHT } from "./palette";
+import { bodyColor, HIGHLIGHT, LIGHT, NO_LIGHTS } from "./palette";
 import { makeGeometry, shapeOf } from "./shapes";
 
 export type Look = "solid" | "transparent" | "wire";
@@ -25,6 +25,7 @@ interface Batch {
 const MANY = 150; // solids; beyond, round ones have fewer sides
 const matrix = new Matrix4();
 const mixed = new Color();
+const glare = new Color(LIGHT);
 
 /** Geometries by their key, shared by the bodies and their ghosts, and by the next scene of the same mechanism. */
 export class GeometryStore {
@@ -130,14 +131,14 @@ export class Solids implements Layer {
     }
   }
 
-  /** Draw the selected element in the colour of selections, the one under the pointer lighter. */
-  paint(selected: string, hovered: string): void {
+  /** Draw the selected element in the colour of selections, lights in theirs, what is under the pointer lighter. */
+  paint(selected: string, hovered: string, lights = NO_LIGHTS): void {
     for (const { mesh, entries } of this.batches) {
       for (let index = 0; index < mesh.count; index += 1) {
-        const entry = entries[index % entries.length]!;
-        mixed.copy(entry.color);
-        if (selected !== "" && entry.element === selected) mixed.set(HIGHLIGHT);
-        else if (hovered !== "" && entry.element === hovered) mixed.offsetHSL(0, 0, 0.12);
+        const { element, color } = entries[index % entries.length]!;
+        mixed.copy(color).lerp(glare, lights.get(element) ?? 0);
+        if (selected !== "" && element === selected) mixed.set(HIGHLIGHT);
+        else if (hovered !== "" && element === hovered) mixed.offsetHSL(0, 0, 0.12);
         mesh.setColorAt(index, mixed);
       }
       if (mesh.instanceColor !== null) mesh.instanceColor.needsUpdate = true;

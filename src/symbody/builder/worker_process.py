@@ -55,7 +55,11 @@ def run_worker(pipe: Connection) -> None:
             name, payload = pipe.recv()
         except (EOFError, OSError):
             return
-        pipe.send(_outcome(name, payload, lambda stage, percent: pipe.send(("stage", stage, percent))))
+
+        def report(stage: str, percent: int | None, part: Any = None, /) -> None:
+            pipe.send(("stage", stage, percent, part))
+
+        pipe.send(_outcome(name, payload, report))
 
 
 def _outcome(name: str, payload: dict[str, Any], report: Report) -> tuple[str, Any]:

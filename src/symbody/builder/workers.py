@@ -15,7 +15,7 @@ from symbody.builder.task_failure import TaskFailure
 from symbody.builder.worker_process import run_worker
 from symbody.errors import Problem
 
-OnStage = Callable[[str, int | None], None]
+OnStage = Callable[[str, int | None, Any], None]
 Payload = dict[str, Any]
 
 _TICK: Final = 0.05
@@ -58,7 +58,8 @@ class Worker:
         Parameters
         ----------
         on_stage : callable, optional
-            Is called with the name of each stage and the percentage, None where there is none.
+            Is called with the name of each stage, the percentage and a part of the result, None where there
+            is none.
         is_over : callable
             Whether nobody waits for the result any more; the process is killed then.
 
