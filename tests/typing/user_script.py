@@ -27,9 +27,7 @@ def double_pendulum(lengths: tuple[float, float]) -> sb.Model:
     ]
     values: dict[str, float | str] = {"m1": 1.0, "m2": "m1/2", "d": 0.1}
     values |= {f"l{k}": length for k, length in enumerate(lengths, start=1)}
-    return sb.Model(
-        "double pendulum", [*links, *pins], (0, -9.81, 0), values, ["T"], {"theta1": "30 deg"}
-    )
+    return sb.Model("double pendulum", [*links, *pins], (0, -9.81, 0), values, ["T"], {"theta1": "30 deg"})
 
 
 def largest_speed(run: sb.Trajectory, name: str) -> float:

@@ -22,7 +22,7 @@ from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.analysis.value_lines import values_line
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.sticking import switching_joints
 from symbody.errors import AssemblyError, Problem, SimulationError, SymbodyError, nearest

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.analysis.named_values import angle_names
-from symbody.codegen.compile import Value, constant_values
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.values import constant_values
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
 from symbody.expr.parser import parse_angle

@@ -19,7 +19,7 @@ from scipy.interpolate import CubicSpline
 from symbody.analysis.kinematics.continuation import continuation
 from symbody.analysis.scales import checked_scales
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, UsageError, nearest
@@ -93,7 +93,8 @@ def inverse_dynamics(
     driven = continuation(eqs, *motion_laws(motion, span), given)
     path = prescribe_motion(eqs, driven, given, dict(guess or {}), checked_scales(scales), t)
     laws = input_laws([name for name in eqs.input_names if name not in names], others, span)
-    solver = InputSolver(path, eqs, laws, names, influence(eqs, names))
+    columns = eqs.plans.get(("influence", names), lambda: influence(eqs, names))
+    solver = InputSolver(path, eqs, laws, names, columns)
     samples = path.samples(t)
     inputs_found = solver.solve(samples)
     notes = tuple(_notes(eqs, names, others, laws, redundant=inputs_found.redundant))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.arguments import checked_fields, is_sympy
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.errors import ExpressionError, Problem, UsageError
 from symbody.expr.language.formula import Formula
 from symbody.expr.parser import parse_angle
