@@ -69,12 +69,12 @@ def _package_lines() -> Iterator[str]:
         elif package is not None and extra is not None and extra[1] != "test":
             extras.setdefault(extra[1], []).append(package[0])
     yield f"packages: {', '.join(map(_with_version, needed)) or 'not known'}"
-    for extra, names in extras.items():
+    for word, names in extras.items():
         missing = [name for name in names if _version(name) is None]
         if missing:
-            yield f"not installed: {', '.join(missing)}; pip install symbody[{extra}]"
+            yield f"not installed: {', '.join(missing)}; pip install symbody[{word}]"
         else:
-            yield f"extra {extra}: {', '.join(f'{name} {_version(name)}' for name in names)}"
+            yield f"extra {word}: {', '.join(f'{name} {_version(name)}' for name in names)}"
 
 
 def _with_version(name: str) -> str:
