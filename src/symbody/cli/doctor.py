@@ -62,19 +62,19 @@ def _package_lines() -> Iterator[str]:
     """Return the versions of all dependencies, and the extras that are not there."""
     needed, extras = list[str](), dict[str, list[str]]()
     for line in _requirements():
-        name = match(r"[A-Za-z0-9._-]+", line)
+        package = match(r"[A-Za-z0-9._-]+", line)
         extra = match(r".*extra\s*==\s*['\"](\w+)['\"]", line)
-        if name is not None and extra is None:
-            needed.append(name[0])
-        elif name is not None and extra is not None and extra[1] != "test":
-            extras.setdefault(extra[1], []).append(name[0])
+        if package is not None and extra is None:
+            needed.append(package[0])
+        elif package is not None and extra is not None and extra[1] != "test":
+            extras.setdefault(extra[1], []).append(package[0])
     yield f"packages: {', '.join(map(_with_version, needed)) or 'not known'}"
-    for title, names in extras.items():
-        missing = [each for each in names if _version(each) is None]
+    for word, names in extras.items():
+        missing = [name for name in names if _version(name) is None]
         if missing:
-            yield f"not installed: {', '.join(missing)}; pip install symbody[{title}]"
+            yield f"not installed: {', '.join(missing)}; pip install symbody[{word}]"
         else:
-            yield f"extra {title}: {', '.join(f'{each} {_version(each)}' for each in names)}"
+            yield f"extra {word}: {', '.join(f'{name} {_version(name)}' for name in names)}"
 
 
 def _with_version(name: str) -> str:
