@@ -23,7 +23,7 @@ from symbody.builder.refusal import refusal, status_of
 from symbody.builder.security import Application, LocalOnly
 from symbody.builder.services import Services
 from symbody.builder.settings import BuilderSettings
-from symbody.builder.worker_process import TaskFailure
+from symbody.builder.task_failure import TaskFailure
 from symbody.errors import Problem, SymbodyError
 
 Answer = dict[str, Any]

@@ -11,7 +11,7 @@ from typing import Any, Final
 from symbody.builder.page_problems import page_problem
 from symbody.builder.refusal import refusal
 from symbody.builder.settings import Limits
-from symbody.builder.worker_process import TaskFailure
+from symbody.builder.task_failure import TaskFailure
 from symbody.builder.workers import Reserve, Worker
 from symbody.errors import Problem, SymbodyError
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from multiprocessing import parent_process
@@ -14,10 +14,9 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from symbody.builder.page_problems import page_problem, page_problems
+from symbody.builder.task_failure import Report, TaskFailure
 from symbody.errors import Problem, SymbodyError
 from symbody.expr.deadline import watch_stages
-
-Report = Callable[[str, int | None], None]
 
 _SHARE: Final = 0.8  # of the memory, for the data of one process
 # Where each task is: modules that are loaded by workers only.
@@ -38,20 +37,6 @@ _TASKS: Final = MappingProxyType(
         "export": "symbody.builder.tasks.exports:export_model",
     }
 )
-
-
-class TaskFailure(Exception):
-    """What a task could not do, as problems of the page.
-
-    Attributes
-    ----------
-    problems : list of dict
-        For the page.
-    """
-
-    def __init__(self, problems: list[dict[str, Any]]) -> None:
-        Exception.__init__(self, problems)
-        self.problems = problems
 
 
 def run_worker(pipe: Connection) -> None:

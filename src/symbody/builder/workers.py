@@ -11,7 +11,8 @@ from typing import Any, Final
 
 from symbody.builder.page_problems import page_problem
 from symbody.builder.refusal import refusal
-from symbody.builder.worker_process import TaskFailure, run_worker
+from symbody.builder.task_failure import TaskFailure
+from symbody.builder.worker_process import run_worker
 from symbody.errors import Problem
 
 OnStage = Callable[[str, int | None], None]

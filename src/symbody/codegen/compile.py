@@ -212,12 +212,12 @@ def _undefined_formula(eqs: EquationSet, replacements: Mapping[int, int]) -> str
     """Return where the first formula of the model stands that has no value with these parameters."""
     names, graph = eqs.formed.names, eqs.formed.graph
     for element in eqs.model.elements:
-        for use in element.formula_sites():
-            where = f"{element.kind} {element.name}, {use.path}"
-            if use.local_names:
+        for site in element.formula_sites():
+            where = f"{element.kind} {element.name}, {site.path}"
+            if site.local_names:
                 continue
             try:
-                substitute(graph, [names.expression(use.formula, where).index], replacements)
+                substitute(graph, [names.expression(site.formula, where).index], replacements)
             except ExpressionError:
                 return where
     return ""

@@ -101,9 +101,9 @@ class EquationSet(Displayed):
         """Names of the angles of cut joints, which are outputs in (-pi, pi]."""
         return tuple(
             name
-            for use in self.formed.uses
-            for name in use.joint.rotation_coordinates
-            if name not in use.coordinates and use.joint.quaternion is None
+            for role in self.formed.joint_roles
+            for name in role.joint.rotation_coordinates
+            if name not in role.coordinates and role.joint.quaternion is None
         )
 
     @property

@@ -42,10 +42,10 @@ def form_equations(
     ----------
     model : Model
         The mechanism.
-    formulation : VirtualWork, Recursive, NewtonEuler or Lagrange, optional
-        How the equations are formed; by default recursively where one tree gives all coordinates, else by
-        virtual work. All give the same equations: Newton-Euler with every reaction an unknown, Lagrange from
-        energies.
+    formulation : Formulation, optional
+        How the equations are formed, as ``sb.NewtonEuler()``; by default recursively where one tree gives all
+        coordinates, else by virtual work. All give the same equations: Newton-Euler with every reaction an
+        unknown, Lagrange from energies.
     tree : Trees, "joints", "absolute" or None
         Which joints give the coordinates: those named; those of spanning trees, whatever the model's flags
         say; none, so that all bodies are free and all joints constraints; by default the flags of the

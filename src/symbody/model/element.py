@@ -51,9 +51,9 @@ class FrameRef:
     ----------
     body : str
         Name of the body, or ``"ground"``.
-    point : str
+    frame : str
         Name of the frame on it; ``""`` is the centre of mass, or the ground's origin.
-    carried : Element or None
+    body_object : Element or None
         The body itself, where a script gave the object; the model takes it over and clears this.
     """
 

@@ -9,10 +9,10 @@ from typing import Any, Final
 from symbody.analysis.positions import PositionSolver, position_solver
 from symbody.builder.formulas import model_formulas
 from symbody.builder.page_problems import PageProblem, page_notes, page_problem, page_problems
+from symbody.builder.task_failure import Report
 from symbody.builder.tasks.placement import one_sample, placed_motion, scene_at, scene_bodies
 from symbody.builder.tasks.reading import Data, Latest, ReadModel, model_key, read_model
 from symbody.builder.tasks.summary import equation_summary, tree_summary
-from symbody.builder.worker_process import Report
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.errors import Problem, SymbodyError

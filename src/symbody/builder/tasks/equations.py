@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from symbody.analysis.linear.linearize import linearize
+from symbody.builder.task_failure import Report
 from symbody.builder.tasks.formula_blocks import (
     LONG,
     FormulaBlock,
@@ -19,15 +20,10 @@ from symbody.builder.tasks.formula_blocks import (
 from symbody.builder.tasks.options import EquationOptions, read_options
 from symbody.builder.tasks.reading import complete_model
 from symbody.builder.tasks.term_sources import term_sources
-from symbody.builder.worker_process import Report
 from symbody.codegen.compile import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
-from symbody.equations.formulations.formulation import Formulation
-from symbody.equations.formulations.lagrange import Lagrange
-from symbody.equations.formulations.newton_euler import NewtonEuler
-from symbody.equations.formulations.recursive import Recursive
-from symbody.equations.formulations.virtual_work import VirtualWork
+from symbody.equations.formulations.registry import formulation_types
 from symbody.equations.outputs.display import equation_sides
 from symbody.equations.outputs.joint_outputs import reaction_axes, reaction_wrench
 from symbody.errors import SymbodyError
@@ -39,14 +35,6 @@ from symbody.spatial.vector import components
 
 Answer = dict[str, Any]
 
-_FORMULATIONS: Final[Mapping[str, Callable[[], Formulation]]] = MappingProxyType(
-    {
-        "virtual_work": VirtualWork,
-        "newton_euler": NewtonEuler,
-        "lagrange": Lagrange,
-        "recursive": Recursive,
-    }
-)
 _MOST_REACTIONS: Final = 12  # joints whose reactions are written
 _PARTS: Final = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z")
 
@@ -61,7 +49,7 @@ def equation_tabs(payload: Mapping[str, Any], report: Report) -> Answer:
     """
     options = read_options(EquationOptions, payload["options"])
     model = complete_model(payload["data"], payload["folder"])
-    chosen = _FORMULATIONS.get(options.formulation)
+    chosen = formulation_types().get(options.formulation)
     eqs = form_equations(model, chosen() if chosen else None)
     formed = eqs.formed
     report("formulas", None)

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from symbody.builder.page_problems import page_problems
+from symbody.builder.task_failure import Report, TaskFailure
 from symbody.builder.tasks.check import known_solver
 from symbody.builder.tasks.placement import placed_motion, scene_bodies
 from symbody.builder.tasks.reading import complete_model, model_key
-from symbody.builder.worker_process import Report, TaskFailure
 from symbody.errors import SymbodyError
 
 

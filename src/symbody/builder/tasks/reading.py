@@ -11,7 +11,7 @@ from threading import Lock
 from typing import Any, Final, Generic, TypeVar
 
 from symbody.builder.page_problems import PageProblem, page_problems, pointer_parts
-from symbody.builder.worker_process import TaskFailure
+from symbody.builder.task_failure import TaskFailure
 from symbody.errors import SymbodyError
 from symbody.formats.native import from_data
 from symbody.model.model import KINDS, Model

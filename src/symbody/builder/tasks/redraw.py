@@ -12,9 +12,9 @@ from typing import Any, Final
 
 from symbody.analysis.constraint_evaluator import constraint_function
 from symbody.analysis.positions import position_solver
+from symbody.builder.task_failure import Report, TaskFailure
 from symbody.builder.tasks.placement import placed_motion, scene_at, scene_bodies
 from symbody.builder.tasks.reading import Data, Latest, complete_model, model_key
-from symbody.builder.worker_process import Report, TaskFailure
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations

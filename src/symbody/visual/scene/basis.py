@@ -46,7 +46,7 @@ class SceneBasis:
 
     Attributes
     ----------
-    frames : mapping of Address to RigidTransform
+    frames : mapping of FrameRef to RigidTransform
         Every frame on its body.
     joints : tuple of Joint
         Those of the model and those that stand for bodies without one.

@@ -25,9 +25,9 @@ from symbody.visual.scene.fixed_shape import (
     mesh_shape,
     shift_frame,
 )
-from symbody.visual.scene.meshes import spiral, tube
 from symbody.visual.scene.poses import RigidTransform
 from symbody.visual.scene.scene import Anchor, Connector, ConnectorKind, Floats
+from symbody.visual.scene.shapes.meshes import spiral, tube
 
 # Sizes in radii of rods.
 _COIL, _DAMPER, _ROPE, _ROD = 2.4, 1.3, 0.35, 0.6

@@ -20,10 +20,10 @@ from symbody.visual.scene.fixed_shape import (
     rod,
     shift_frame,
 )
-from symbody.visual.scene.meshes import prism
 from symbody.visual.scene.poses import RigidTransform, rotation_matrix
 from symbody.visual.scene.scene import Floats, Solid
-from symbody.visual.scene.wheels import ball_with_marks
+from symbody.visual.scene.shapes.meshes import prism
+from symbody.visual.scene.shapes.wheels import ball_with_marks
 
 # Bodies without extent: the edge of the heaviest, and of the lightest, as shares of the size.
 _LARGEST, _SMALLEST = 0.17, 0.07
