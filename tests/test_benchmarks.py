@@ -338,3 +338,14 @@ def test_chain_of_mujoco_has_the_masses_of_ours() -> None:
     assert text.count("<body ") == text.count("</body>") == 3
     assert re.findall(r'axis="([01 ]+)"', text) == ["0 1 0", "0 0 1", "1 0 0"]
     assert set(re.findall(r'mass="([^"]+)"', text)) == {str(moving.parameters(3)["m2"])}
+
+
+def test_a_peer_that_cannot_be_used_is_left_out_with_a_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(links: int, end: float) -> moving.Engine:
+        raise ImportError("no Cython\nhere")
+
+    others = (("Broken", ("sys",), broken), ("Absent", ("no_such_package",), broken))
+    monkeypatch.setattr(moving, "ENGINES", (*moving.ENGINES[:1], *others))
+    notes = next(iter(trajectories.tables(Settings(rounds=1), 2, 0.2))).notes
+    assert any(note == "Broken: left out, ImportError: no Cython here" for note in notes)
+    assert any(note == "Absent: not installed" for note in notes)

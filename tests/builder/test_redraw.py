@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from symbody.builder.tasks import redraw
+from symbody.builder.tasks import mechanisms
 from symbody.builder.tasks.check import check_model
 from symbody.builder.tasks.redraw import redraw_model
 from symbody.formats.model_files import examples_folder
@@ -54,9 +54,9 @@ def numbers(value: Any) -> list[float]:
 def test_it_shows_what_the_check_shows(name: str) -> None:
     data = data_of(name)
     ask(redraw_model, data, str(FILES[name].parent))
-    before = redraw.formed_count()
+    before = mechanisms.formed_count()
     quick = ask(redraw_model, changed(data), str(FILES[name].parent))
-    assert redraw.formed_count() == before
+    assert mechanisms.formed_count() == before
     full = ask(check_model, changed(data), str(FILES[name].parent))
     if not any(each["severity"] == "error" for each in full["problems"]):
         assert quick["picture"] is not None

@@ -26,24 +26,52 @@ const MANY = 150; // solids; beyond, round ones have fewer sides
 const matrix = new Matrix4();
 const mixed = new Color();
 
-/** Geometries by their key, shared by the bodies and their ghosts. */
+/** Geometries by their key, shared by the bodies and their ghosts, and by the next scene of the same mechanism. */
 export class GeometryStore {
-  private readonly geometries = new Map<string, BufferGeometry>();
   private readonly coarse: boolean;
+  private readonly used = new Set<string>();
+  private readonly geometries: Map<string, BufferGeometry>;
 
-  constructor(private readonly scene: Scene) {
+  /** Takes over from `former` what does not belong to its scene. */
+  constructor(
+    private readonly scene: Scene,
+    former: GeometryStore | null = null,
+  ) {
     this.coarse = scene.bodies.reduce((sum, body) => sum + body.solids.length, 0) > MANY;
+    this.geometries = former === null || former.coarse !== this.coarse ? new Map<string, BufferGeometry>() : former.handOver();
   }
 
   get(key: string): BufferGeometry {
-    const geometry = this.geometries.get(key) ?? makeGeometry(key, this.scene.meshes, this.coarse);
+    return this.made(key, () => makeGeometry(key, this.scene.meshes, this.coarse));
+  }
+
+  /** Return the geometry of a key, made if there is none. */
+  made(key: string, make: () => BufferGeometry): BufferGeometry {
+    this.used.add(key);
+    const geometry = this.geometries.get(key) ?? make();
     this.geometries.set(key, geometry);
     return geometry;
+  }
+
+  /** Free what nothing of the scene uses. */
+  tidy(): void {
+    for (const [key, geometry] of this.geometries) {
+      if (this.used.has(key)) continue;
+      geometry.dispose();
+      this.geometries.delete(key);
+    }
   }
 
   dispose(): void {
     for (const geometry of this.geometries.values()) geometry.dispose();
     this.geometries.clear();
+  }
+
+  /** Give all but the meshes of the scene to the next one; what is given is not freed here. */
+  private handOver(): Map<string, BufferGeometry> {
+    const given = [...this.geometries].filter(([key]) => !key.startsWith("mesh"));
+    for (const [key] of given) this.geometries.delete(key);
+    return new Map(given);
   }
 }
 

@@ -141,7 +141,7 @@ export class Viewer {
     this.former?.dispose();
     this.former = this.contents;
     for (const layer of this.former.layers) layer.object.removeFromParent();
-    this.contents = new Contents(scene, source, this.counts);
+    this.contents = new Contents(scene, source, this.counts, this.former);
     for (const layer of this.contents.layers) this.stage.scene.add(layer.object);
     this.picker = new Picker(scene, this);
     const labels = new Labels(labelItems(scene, source, this));

@@ -19,7 +19,9 @@ OnStage = Callable[[str, int | None], None]
 Payload = dict[str, Any]
 
 _TICK: Final = 0.05
-_GRACE: Final = 1.0  # how long an older request may still compute when a newer one waits [s]
+# How long an older request may still compute when a newer one waits [s]: a new process takes as long to load,
+# and forms the mechanism anew.
+_GRACE: Final = 2.5
 
 
 class Worker:

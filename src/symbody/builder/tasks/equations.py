@@ -130,7 +130,7 @@ def _motion(eqs: EquationSet) -> list[FormulaBlock]:
 
 
 def _motion_block(eqs: EquationSet, spans: tuple[Mapping[int, str], ...]) -> FormulaBlock:
-    sides = equation_sides(eqs) if _is_short(eqs) else _plain_sides(eqs)
+    sides = equation_sides(eqs.textbook) if _is_short(eqs) else _plain_sides(eqs)
     left, right = tuple(a for a, _ in sides), tuple(b for _, b in sides)
     return FormulaBlock("Equations of motion", right, left, output="xdot", spans=spans)
 

@@ -185,7 +185,7 @@ class _Collector:
 def _common_factor(p: Polynomial, members: list[Monomial]) -> tuple[Monomial, Exact]:
     """Return the common factor of all `members`, and their coefficient if it is the same up to sign."""
     factors = set(members[0]).intersection(*members[1:])
-    size = abs(p[members[0]])
-    opposite = -size
-    same = all((c := p[monomial]) == size or c == opposite for monomial in members)
+    first = p[members[0]]
+    size = max(first, -first)
+    same = all((c := p[monomial]) == size or c == -size for monomial in members)
     return tuple(sorted(factors)), size if same else 1

@@ -14,13 +14,13 @@ from numpy.typing import ArrayLike
 
 from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.codegen.llvm import machine
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import SymbodyError
 from symbody.kernels import block as at
 from symbody.simulation.events.events import Event, check_events
-from symbody.simulation.inputs.input_laws import Law, input_laws
+from symbody.simulation.inputs.input_laws import Law, input_laws, silent_input_note
 from symbody.simulation.methods.change_point import is_overconstrained
 from symbody.simulation.methods.explicit import check_span
 from symbody.simulation.methods.integration import Constraints, Integrator
@@ -256,7 +256,7 @@ def _worth_another_try(job: SweepJob, records: Records) -> list[int]:
 
 def _notes(job: SweepJob, apart: Sequence[int]) -> tuple[str, ...]:
     silent = sorted(set(job.eqs.input_names).difference(job.inputs))
-    notes = [*job.laws.notes, *(f"input {name} has no value and is 0" for name in silent)]
+    notes = [*job.laws.notes, *(silent_input_note(job.eqs.units, name) for name in silent)]
     if job.eqs.multiplier_names and job.options.constraints is None:
         notes.append(
             "change points are not looked for in a sweep: where constraints become dependent on the way, "
