@@ -47,9 +47,9 @@ def to_sympy(graph: Graph, nodes: Iterable[int]) -> list[SympyExpr]:
     ExpressionError
         If two symbols in them would be the same symbol to SymPy.
     """
-    from symbody.expr import sympy_writer
+    from symbody.expr.sympy_writer import to_sympy as late
 
-    return sympy_writer.to_sympy(graph, nodes)
+    return late(graph, nodes)
 
 
 def to_sympy_with_definitions(
@@ -63,82 +63,82 @@ def to_sympy_with_definitions(
         Definitions are pairs of symbol and expression, each using earlier symbols only; all together are
         as long as the graph, however often its parts are shared.
     """
-    from symbody.expr import sympy_writer
+    from symbody.expr.sympy_writer import to_sympy_with_definitions as late
 
-    return sympy_writer.to_sympy_with_definitions(graph, nodes, limit)
+    return late(graph, nodes, limit)
 
 
 def from_sympy(expression: object, graph: Graph, lookup: Lookup | None = None) -> int:
     """Return the node of a SymPy expression, or of a number; see `sympy_reader.from_sympy`."""
-    from symbody.expr import sympy_reader
+    from symbody.expr.sympy_reader import from_sympy as late
 
-    return sympy_reader.from_sympy(expression, graph, lookup)
+    return late(expression, graph, lookup)
 
 
 def nodes_from_sympy(expressions: Iterable[object], graph: Graph, lookup: Lookup | None = None) -> list[int]:
     """Return the nodes of several expressions, which must agree on what their names are."""
-    from symbody.expr import sympy_reader
+    from symbody.expr.sympy_reader import nodes_from_sympy as late
 
-    return sympy_reader.nodes_from_sympy(expressions, graph, lookup)
+    return late(expressions, graph, lookup)
 
 
 def nodes_from_equations(
     equations: Iterable[object], graph: Graph, lookup: Lookup | None = None
 ) -> list[int]:
     """Return ``left - right`` of equations as nodes; expressions are meant = 0."""
-    from symbody.expr import sympy_writer
+    from symbody.expr.sympy_writer import nodes_from_equations as late
 
-    return sympy_writer.nodes_from_equations(equations, graph, lookup)
+    return late(equations, graph, lookup)
 
 
 def time_derivatives(functions: Iterable[SympyExpr]) -> list[SympyExpr]:
     """Return the derivatives of SymPy expressions by time."""
-    from symbody.expr import sympy_writer
+    from symbody.expr.sympy_writer import time_derivatives as late
 
-    return sympy_writer.time_derivatives(functions)
+    return late(functions)
 
 
 def sympy_matrix(graph: Graph, rows: int, columns: int, nodes: Sequence[int]) -> SympyMatrix:
     """Return nodes in row-major order as a matrix."""
-    from symbody.expr import sympy_writer
+    from symbody.expr.sympy_writer import sympy_matrix as late
 
-    return sympy_writer.sympy_matrix(graph, rows, columns, nodes)
+    return late(graph, rows, columns, nodes)
 
 
 def sympy_equations(graph: Graph, left: Sequence[int], right: Sequence[int]) -> list[SympyEquation]:
     """Return ``left = right``, entry by entry, unevaluated."""
-    from symbody.expr import sympy_writer
+    from symbody.expr.sympy_writer import sympy_equations as late
 
-    return sympy_writer.sympy_equations(graph, left, right)
+    return late(graph, left, right)
 
 
 def sympy_derivative(thing: object, variables: Sequence[SympyExpr]) -> object:
     """Return the derivative of a SymPy expression, matrix or equation; of anything else None."""
-    from symbody.expr import sympy_writer
+    from symbody.expr.sympy_writer import sympy_derivative as late
 
-    return sympy_writer.sympy_derivative(thing, variables)
+    return late(thing, variables)
 
 
 def symbol_to_sympy(symbol: Symbol) -> SympyExpr:
     """Return a symbol as SymPy writes it: a function of time, its derivative, or a plain symbol."""
-    from symbody.expr import sympy_writer
+    from symbody.expr.sympy_writer import symbol_to_sympy as late
 
-    return sympy_writer.symbol_to_sympy(symbol)
+    return late(symbol)
 
 
 def is_expression(thing: object) -> bool:
     """Return whether something is a scalar SymPy expression: nothing is before SymPy is imported."""
     if "sympy" not in sys.modules:
         return False
-    from symbody.expr import sympy_writer
+    from symbody.expr.sympy_writer import is_expression as late
 
-    return sympy_writer.is_expression(thing)
+    return late(thing)
 
 
 def is_matrix(thing: object) -> TypeGuard[SympyMatrix]:
     """Return whether something is a SymPy matrix, mutable or not."""
     if "sympy" not in sys.modules:
         return False
-    from symbody.expr import sympy_writer
+    from symbody.expr.sympy_writer import is_matrix as late
 
-    return sympy_writer.is_matrix(thing)
+    return late(thing)
