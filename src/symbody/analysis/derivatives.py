@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr

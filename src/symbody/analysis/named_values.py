@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
-from symbody.codegen.compile import Value, constant_values
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.values import constant_values
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, UsageError, nearest
 from symbody.expr.parser import parse_angle
@@ -50,6 +51,11 @@ def positions_and_rates(eqs: EquationSet) -> frozenset[str]:
 
     Coordinates of cut joints, their rates and their speeds are among them where they can be measured.
     """
+    names: frozenset[str] = eqs.plans.get("names of states", lambda: _positions_and_rates(eqs))
+    return names
+
+
+def _positions_and_rates(eqs: EquationSet) -> frozenset[str]:
     formed, topology = eqs.formed, eqs.formed.topology
     names = formed.readable_names
     coordinates = {name for joint in topology.joints for name in joint.coordinates}
@@ -123,14 +129,18 @@ def named_values(
         return {}
     refuse_unknown(eqs, [name for name in formulas if name in strict])
     names = positions_and_rates(eqs)
-    joints = (*eqs.model.joints, *eqs.model.free_joints)
-    angles = {name for joint in joints for name in joint.angle_coordinates}
+    angles: frozenset[str] = eqs.plans.get("names of angles", lambda: _angle_names(eqs))
     read = {
         name: parse_angle(value, where=name) if name in angles and isinstance(value, str) else value
         for name, value in formulas.items()
         if name in names
     }
     return constant_values(eqs, read, parameters)
+
+
+def _angle_names(eqs: EquationSet) -> frozenset[str]:
+    joints = (*eqs.model.joints, *eqs.model.free_joints)
+    return frozenset(name for joint in joints for name in joint.angle_coordinates)
 
 
 def unit_quaternions(

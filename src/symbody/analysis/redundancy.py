@@ -20,7 +20,8 @@ from symbody.analysis.named_values import named_values, refuse_unknown
 from symbody.analysis.ropes import rope_assumptions
 from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value, constant_values
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.values import constant_values
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.freedoms.mobility import count_freedoms, generic_point
 from symbody.equations.solving.undetermined import find_undetermined, generic, in_order

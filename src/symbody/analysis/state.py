@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.formation.bound_function import bound_function
+from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.notebook import Displayed
@@ -77,8 +78,7 @@ class State(Displayed):
 
         def compile_output() -> CompiledFunction:
             inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
-            sequence = form_sequence(self.eqs, name, self.parameters, (), inputs)
-            return CompiledFunction(*sequence, quick=True)
+            return bound_function(self.eqs, name, self.parameters, (), inputs, quick=True)
 
         function = self._functions.get(name, compile_output)
         value = np.asarray(function(self.t, list(self.q.values()), list(self.u.values())))

@@ -86,6 +86,19 @@ class NativeCall:
             check_status(next(filter(None, codes), 0))
         return out.reshape((*batch, out.shape[1]))
 
+    def at_point(self, **given: Floats) -> Floats:
+        """Return the outputs at one point; arrays of doubles, one after the other, of the groups it reads.
+
+        Raises
+        ------
+        SimulationError
+            If a kernel could not be solved.
+        """
+        out, work = np.empty(self.sequence.output_size), np.empty(self.native.work_size)
+        places = [given[group].ctypes.data if group in given else None for group in GROUPS]
+        check_status(_SINGLE(self.native.address)(*places, out.ctypes.data, work.ctypes.data))
+        return out
+
     def _lanes_for(self, count: int) -> NativeFunction | None:
         """Return the code in lanes if this batch is to use it, compiling it when it first is."""
         if count < widest():

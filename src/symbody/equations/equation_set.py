@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Sequence as Items
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Final
+from typing import Any, Final
 
 from symbody.arguments import checked_arguments
 from symbody.equations.cache_key import DeferredEquations
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.freedoms.always_undetermined import find_always_undetermined
 from symbody.equations.freedoms.mobility import Mobility, mobility
+from symbody.equations.names import Names, names_of
 from symbody.equations.outputs.derivative_outputs import parse_derivative
 from symbody.equations.outputs.output_roots import code_roots, evaluable_roots
 from symbody.equations.outputs.textbook import Reaction, Textbook
 from symbody.equations.outputs.units import Units, output_units
-from symbody.equations.solving.negligible_constraints import drop_negligible, magnitude_program
+from symbody.equations.solving.negligible_constraints import drop_rows, magnitude_program, negligible_rows
 from symbody.equations.solving.parameter_constraints import check_parameter_constraints
 from symbody.errors import number_in_words
 from symbody.expr.graph import Symbol
@@ -27,8 +29,10 @@ from symbody.model.model import Model
 from symbody.notebook import Displayed
 from symbody.single_flight import SingleFlight
 
-# Values of parameters for which equations are kept.
-_MOST_VALUES: Final = 8
+# Sets of rows without which equations are kept.
+_MOST_ROWS: Final = 8
+# Programs, machine code and the like that are kept with equations.
+_MOST_PLANS: Final = 512
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -64,9 +68,12 @@ class EquationSet(Displayed):
     _units: SingleFlight[None, Units] = field(default_factory=SingleFlight, repr=False)
     _undetermined: SingleFlight[None, tuple[str, ...]] = field(default_factory=SingleFlight, repr=False)
     _noise_program: SingleFlight[None, Sequence] = field(default_factory=SingleFlight, repr=False)
-    _for_values: SingleFlight[tuple[float | None, ...], EquationSet] = field(
-        default_factory=lambda: SingleFlight(_MOST_VALUES), repr=False
+    _without_rows: SingleFlight[tuple[bool, ...], EquationSet] = field(
+        default_factory=lambda: SingleFlight(_MOST_ROWS), repr=False
     )
+    _names: SingleFlight[None, Names] = field(default_factory=SingleFlight, repr=False)
+    # What later stages compute from these equations and need again; each has keys of its own.
+    plans: SingleFlight[Hashable, Any] = field(default_factory=lambda: SingleFlight(_MOST_PLANS), repr=False)
     identity: bytes = field(default=b"", repr=False)
     # Forms the same equations in another process, where that is less than to hand them over.
     _again: Callable[[], EquationSet] | None = field(default=None, repr=False)
@@ -90,11 +97,19 @@ class EquationSet(Displayed):
         return self._given.equations if isinstance(self._given, DeferredEquations) else self._given
 
     @property
+    def are_formed(self) -> bool:
+        """Whether `formed` has been read."""
+        return not isinstance(self._given, DeferredEquations) or self._given.are_formed
+
+    @property
+    def names(self) -> Names:
+        """Names of all that has a place in an array."""
+        return self._names.get(None, lambda: names_of(self.formed))
+
+    @property
     def quaternions(self) -> tuple[tuple[str, ...], ...]:
         """Names of the four Euler parameters of each quaternion in q, scalar first."""
-        graph = self.formed.graph
-        names = {graph.symbol(symbol): symbol.label for symbol in self.formed.q}
-        return tuple(tuple(names[k] for k in nodes) for nodes in self.formed.variables.quaternions)
+        return self.names.quaternions
 
     @property
     def measured_angles(self) -> tuple[str, ...]:
@@ -109,37 +124,37 @@ class EquationSet(Displayed):
     @property
     def coordinate_names(self) -> tuple[str, ...]:
         """Names of q in order."""
-        return tuple(symbol.label for symbol in self.formed.q)
+        return self.names.coordinates
 
     @property
     def speed_names(self) -> tuple[str, ...]:
         """Names of u in order."""
-        return tuple(symbol.label for symbol in self.formed.u)
+        return self.names.speeds
 
     @property
     def acceleration_names(self) -> tuple[str, ...]:
         """Names of u' in order: ``<coordinate>_ddot``, ``<quasi-speed>_dot``."""
-        return tuple(symbol.derivative.label for symbol in self.formed.u)
+        return self.names.accelerations
 
     @property
     def state_names(self) -> tuple[str, ...]:
         """Names of the states: speeds, then coordinates."""
-        return self.speed_names + self.coordinate_names
+        return self.names.states
 
     @property
     def input_names(self) -> tuple[str, ...]:
         """Names of the inputs r in order."""
-        return tuple(symbol.name for symbol in self.formed.inputs)
+        return self.names.inputs
 
     @property
     def parameter_names(self) -> tuple[str, ...]:
         """Names of all parameters of the model."""
-        return tuple(symbol.name for symbol in self.formed.parameters)
+        return self.names.parameters
 
     @property
     def multiplier_names(self) -> tuple[str, ...]:
         """Names of the multipliers, one a constraint; none in a tree."""
-        return tuple(row.name for row in self.formed.rows)
+        return self.names.multipliers
 
     @property
     def units(self) -> Units:
@@ -298,15 +313,22 @@ class EquationSet(Displayed):
         FormulationError
             If a constraint on parameters alone excludes these values.
         """
-        key = tuple(parameters.get(symbol.name) for symbol in self.formed.parameters)
+        check_parameter_constraints(self.formed, parameters)
+        return self.without_rows(negligible_rows(self.formed, parameters, self.noise_program))
 
-        def drop_negligible_rows() -> EquationSet:
-            check_parameter_constraints(self.formed, parameters)
-            program = self._noise_program.get(None, lambda: magnitude_program(self.formed))
-            formed = drop_negligible(self.formed, parameters, program)
-            return self if formed is self.formed else EquationSet(self.model, formed, self.notes)
+    @property
+    def noise_program(self) -> Sequence:
+        """What computes the slopes of all constraints and the motions they compare."""
+        return self._noise_program.get(None, lambda: magnitude_program(self.formed))
 
-        return self._for_values.get(key, drop_negligible_rows)
+    def without_rows(self, silent: Items[bool]) -> EquationSet:
+        """Return these equations with some constraints set to 0 = 0; those of equal rows are the same."""
+        if not any(silent):
+            return self
+        key = tuple(silent)
+        return self._without_rows.get(
+            key, lambda: EquationSet(self.model, drop_rows(self.formed, key), self.notes)
+        )
 
     @property
     def textbook(self) -> Textbook:

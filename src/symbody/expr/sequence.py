@@ -149,7 +149,7 @@ class Sequence:
         for k in range(len(self.operations) - 1, -1, -1):
             if k in wanted and self.operations[k].op in _NO_NUMBERS:
                 wanted.update(self.operations[k].operands)
-        whole = LEAVES | _NO_NUMBERS
+        whole = LEAVES - {SYMBOL} | _NO_NUMBERS
         cut = [k for k in sorted(wanted) if early[k] and self.operations[k].op not in whole]
         head = self._with_outputs((Output("c", (len(cut),), tuple(cut)),))
         return head, self._reading_from(cut)

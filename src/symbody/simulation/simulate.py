@@ -16,7 +16,7 @@ from symbody.analysis.redundancy import undetermined_outputs
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.undetermined import find_identically_undetermined, share_notes
 from symbody.errors import Problem, UsageError

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.codegen.compile import form_sequence
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Input, KernelNode, Operation, Output, Sequence
 from symbody.formats.native import from_data

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
-from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.formation.bound_function import bound_function
+from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.canonical import ZERO
@@ -170,7 +171,7 @@ def static_balance(evaluator: ConstraintEvaluator, unknowns: Sequence[str]) -> S
     ]
     wider = with_outputs(eqs, roots, pulls)
     words = (_FORCES, _SLOPES, _SHARES, "jacobian")
-    function = CompiledFunction(*form_sequence(wider, words, evaluator.parameters, (), given))
+    function = bound_function(wider, words, evaluator.parameters, (), given)
     graph = eqs.formed.graph
     timed = graph.symbol(TIME) in symbols_of(graph, [*forces, *eqs.roots("constraints").nodes])
     return StaticBalance(

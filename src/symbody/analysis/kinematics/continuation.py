@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from symbody.analysis.kinematics.driven import DRIVEN, drive_coordinates, joint_of
 from symbody.analysis.scales import Scales, mechanism_scales
-from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.formation.bound_function import bound_function
+from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.language.formula import Formula
@@ -89,7 +90,7 @@ class Continuation:
     @property
     def n_h(self) -> int:
         """Rows on positions, those of driven coordinates last."""
-        return len(self.positions.sequence.outputs[0].values)
+        return len(self.positions.outputs[0].values)
 
     @property
     def own_rows(self) -> NDArray[np.bool_]:
@@ -232,7 +233,7 @@ def continuation(
     def compile_outputs(*names: str) -> CompiledFunction:
         outputs = names if len(names) > 1 else names[0]
         silent = dict.fromkeys(eqs.input_names, 0)
-        return CompiledFunction(*form_sequence(driven, outputs, parameters, (), silent))
+        return bound_function(driven, outputs, parameters, (), silent)
 
     return Continuation(
         driven,

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.errors import ExpressionError, Problem, SymbodyError, UsageError, nearest

@@ -26,7 +26,7 @@ from symbody.analysis.kinematics.velocity_ratios import VelocityRatios, velocity
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError, Problem, UsageError

@@ -16,7 +16,7 @@ from symbody.analysis.kinematics.driven import element_of
 from symbody.analysis.ropes import LOOSE, equations_with_ropes, slackness
 from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
 

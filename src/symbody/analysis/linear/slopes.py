@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
 from symbody.analysis.scales import Scales
 from symbody.analysis.state import State
-from symbody.codegen.compile import Value, constant_values, form_sequence
+from symbody.codegen.formation.bound_function import bound_function, evaluate_once
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.values import constant_values
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.canonical import sub
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME, SymbolKind
 from symbody.expr.language.formula import Formula
 from symbody.expr.opcodes import ABS, EQ, LE, LT, MAX, MIN, NAMES, SIGN
@@ -153,11 +154,10 @@ def slope_function(
     words = ("xdot", _BY_STATE, _BY_INPUT, "jacobian", "position_jacobian", "mass_matrix", "constraints",
              "velocity_constraints", _KINKS)  # fmt: skip
     given = dict.fromkeys(eqs.input_names, 0) | dict(state.inputs)
-    function = CompiledFunction(*form_sequence(wider, words, parameters, (), given))
+    function = bound_function(wider, words, parameters, (), given)
     # Without the accelerations, as far as it goes: there need be none at a place that fits no constraint.
-    kinks_alone, _ = form_sequence(wider, _KINKS, parameters, (), given)
     far = {"t": [state.t], "r": [], **_far_state(eqs, mechanism, state)}
-    beside = np.array(evaluate_sequence(kinks_alone, far)[0], dtype=np.float64)
+    beside = np.array(evaluate_once(wider, _KINKS, parameters, given, far)[0], dtype=np.float64)
     graph, every = eqs.formed.graph, (*nodes, *eqs.roots("constraints").nodes)
     timed = graph.symbol(TIME) in symbols_of(graph, every)
     names = tuple(symbol.name for symbol in inputs)

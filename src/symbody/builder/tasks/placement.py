@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assemble
 from symbody.analysis.state import State
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.graph.topology import Topology
 from symbody.model.model import Model

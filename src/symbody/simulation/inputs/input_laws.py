@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.errors import Problem, SimulationError
 from symbody.expr.language.formula import Formula

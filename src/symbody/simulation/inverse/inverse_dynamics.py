@@ -19,7 +19,7 @@ from scipy.interpolate import CubicSpline
 from symbody.analysis.kinematics.continuation import continuation
 from symbody.analysis.scales import checked_scales
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, UsageError, nearest

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
-from symbody.codegen.compile import Value, constant_values
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.values import constant_values
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.graph import Symbol
 from symbody.expr.sequence import Roots

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.arguments import fits
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.expr.language.formula import Formula
 from symbody.formats.native import model_from_toml, model_to_toml
 from symbody.graph.trees import Trees

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.state import State
-from symbody.codegen.compile import constant_values
+from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.massless import massless_speeds
 from symbody.manifold import null_space
 from symbody.model.model import Model
@@ -114,14 +114,18 @@ def _has_rods(problem: SimulationProblem) -> bool:
     model = problem.eqs.model
     if not isinstance(model, Model):
         return False
-    spherical = {
-        body for joint in model.joints if len(joint.rotation_coordinates) > _TWO
-        for body in (joint.start.body, joint.end.body)
-    }  # fmt: skip
-    formulas = {f"{k} {i}": body.inertia[i] for k, body in enumerate(model.bodies) for i in range(3)}
-    values = constant_values(problem.eqs, formulas, problem.parameters)
+    moments = parameter_set(problem.eqs, problem.parameters).quantities.moments
+    if 0.0 not in moments:
+        return False
+    spherical: frozenset[str] = problem.eqs.plans.get("spherical bodies", lambda: _spherical_bodies(model))
     for k, body in enumerate(model.bodies):
-        zeros = sum(values[f"{k} {i}"] == 0.0 for i in range(3))
+        zeros = moments[3 * k : 3 * k + 3].count(0.0)
         if zeros == 1 or (zeros > 1 and body.name in spherical):
             return True
     return False
+
+
+def _spherical_bodies(model: Model) -> frozenset[str]:
+    """Return the bodies at joints that turn in all ways."""
+    joints = [joint for joint in model.joints if len(joint.rotation_coordinates) > _TWO]
+    return frozenset(body for joint in joints for body in (joint.start.body, joint.end.body))

@@ -19,7 +19,9 @@ from symbody.analysis.scales import (
     pose_share,
     state_tolerances,
 )
-from symbody.codegen.compile import Value, form_sequence, form_values
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.sequences import form_sequence
+from symbody.codegen.formation.values import form_values
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.simulation.sweeps.case_table import CaseTable

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.arguments import checked_fields
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.errors import Problem, UsageError
 from symbody.expr.language.formula import Formula
 

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from symbody.analysis.assembly import consistent_start
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator
 from symbody.analysis.named_values import positions_and_rates, refuse_unknown
-from symbody.codegen.compile import Value, form_sequence, form_values
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.sequences import form_sequence
+from symbody.codegen.formation.values import form_values
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import CompileError, SymbodyError

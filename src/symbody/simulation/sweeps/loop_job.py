@@ -8,7 +8,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.codegen.compile import Value, form_sequence, form_values
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.sequences import form_sequence
+from symbody.codegen.formation.values import form_values
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.kernels.step_bounds import EPSILON

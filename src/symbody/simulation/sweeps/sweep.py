@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.codegen.llvm import machine
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import SymbodyError

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.analysis.scales import checked_scales
-from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
