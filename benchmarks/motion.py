@@ -14,12 +14,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from symbody.simulation.native.interface import RightHandSide, call, compile_loop
 
 import symbody as sb
 from benchmarks.mechanisms import EXAMPLES
 from benchmarks.table import Table, seconds_text
 from benchmarks.timing import Settings, seconds
-from symbody.simulation.native.interface import RightHandSide, call, compile_loop
 
 Floats = NDArray[np.float64]
 

@@ -11,6 +11,7 @@ from .methods.stiff import Stiff as Stiff
 from .results.trajectory import Trajectory as Trajectory
 from .simulate import simulate as simulate
 from .status import Status as Status
+from .stepper.stepper import Stepper as Stepper
 from .sweeps.case_table import Samples as Samples
 from .sweeps.result import Sweep as Sweep
 from .sweeps.sweep import sweep as sweep
