@@ -16,6 +16,7 @@ from symbody.kernels import stepping
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.inputs.input_laws import CallbackFunction
+from symbody.simulation.inputs.time_functions import function_of_time
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration_problem import StateProjector
@@ -182,9 +183,17 @@ class CompiledSteps:
         """Return the shortest way to take a step."""
         if self._laws is not None:
             return self._go_on_with_laws
-        if self._breakpoints() is not NO_BREAKPOINTS:
+        if self._depends_on_time:
             return self._go_on_in_window
         return self._call
+
+    @property
+    def _depends_on_time(self) -> bool:
+        """Whether steps have to be bounded by what happens at certain times."""
+        if isinstance(self._problem.settings.method, FixedStep):
+            return False
+        functions = function_of_time(self._function, self._problem.problem.laws.tables)
+        return functions is not None and bool(functions.moves.any())
 
     def _go_on_in_window(self) -> int:
         """Take a step, and before it look ahead where nobody has looked yet."""

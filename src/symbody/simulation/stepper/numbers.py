@@ -75,8 +75,10 @@ class StepNumbers:
 
     def begin(self, t: float, duration: float, x: Floats) -> None:
         """Begin at a time [s] and a state (u, q), without inputs and without work done."""
-        self.array[at.NOW], self.array[at.DURATION] = t, duration
-        self.x[:-1], self.x[-1] = x, 0.0
+        inputs = self.array[at.INPUTS]
+        self.array[:] = 0.0
+        self.array[[at.NOW, at.DURATION, at.INPUTS]] = t, duration, inputs
+        self.x[:-1] = x
         self.inputs[:] = np.nan
         self.count_from(t)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ from symbody.simulation.status import Status
 from symbody.simulation.stepper.compiled_steps import Ending
 from symbody.simulation.stepper.numbers import StepNumbers
 from symbody.simulation.stepper.step_problem import StepProblem
-from symbody.simulation.stepper.watched_steps import OTHERWISE
+from symbody.simulation.stepper.watched_steps import OTHERWISE, just_happened
 
 Floats = NDArray[np.float64]
 
@@ -73,6 +74,10 @@ class SeparateMotions:
         self._problem.check_tables(start, end)
         x = np.append(numbers.x[:-1], 0.0)
         integration = self._problem.integration(x, (start, end), self._pose())
+        # An event that stopped the last step stands at zero: it is watched again from the next step on.
+        before = just_happened(settings.events, self.occurrences, start)
+        others = tuple(event for place, event in enumerate(settings.events) if place not in before)
+        integration = replace(integration, events=others)
         plan = MotionPlan(integration, settings.integrator, settings.constraints)
         run = run_switching(plan) if switches(settings.moving.formed) else run_with_jumps(plan)
         self._last, self.occurrences = run, run.events

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Final
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from symbody.kernels import block as at
 from symbody.kernels import stepping
 from symbody.simulation.events.event_watch import EventFunctions, EventWatch
+from symbody.simulation.events.events import Event, Occurrence
 from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.run import NativeRun, RawRun, drive, fresh_record
 from symbody.simulation.status import Status
@@ -19,6 +20,12 @@ from symbody.simulation.stepper.step_problem import StepProblem
 
 # What steps return that did not simply come to their end.
 OTHERWISE: Final = -1
+
+
+def just_happened(events: Sequence[Event], occurrences: Iterable[Occurrence], t: float) -> list[int]:
+    """Return the places of events that happened at a time."""
+    labels = {occurrence.name for occurrence in occurrences if occurrence.t == t}
+    return [place for place, event in enumerate(events) if event.label in labels]
 
 
 class WatchedSteps(CompiledSteps):
@@ -53,7 +60,10 @@ class WatchedSteps(CompiledSteps):
         self._problem.check_tables(start, start + float(numbers.array[stepping.DURATION]))
         self._look_ahead()
         end = numbers.next_end()
-        watch = EventWatch(self._problem.settings.events, self._functions, end - start)
+        events = self._problem.settings.events
+        watch = EventWatch(
+            events, self._functions, end - start, just_happened(events, self.occurrences, start)
+        )
         with python_laws(self._laws):
             raw = self._last = self._run(end, watch)
         self.occurrences, self._chattering = tuple(watch.occurrences), watch.chattering
