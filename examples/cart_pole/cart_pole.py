@@ -47,7 +47,7 @@ print(f"{(time.process_time() - began) / samples * 1e6:.1f} us a sample, control
 
 fig, (upper, lower) = plt.subplots(2, 1, sharex=True, figsize=(7, 5), layout="constrained")
 upper.plot(record[:, 0], record[:, 1], label="x [m]")
-upper.plot(record[:, 0], np.degrees(record[:, 2]) / 10, label=r"$\theta$ [10 deg]")
+upper.plot(record[:, 0], record[:, 2], label="theta [rad]")
 upper.legend()
 upper.set_title("Cart-pole under a linear-quadratic regulator, 1 kHz")
 lower.plot(record[:, 0], record[:, 3], color="C2")

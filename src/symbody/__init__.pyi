@@ -130,6 +130,7 @@ from .simulation import Projection as Projection
 from .simulation import Status as Status
 from .simulation import Table as Table
 from .simulation import Trajectory as Trajectory
+from .simulation import generate_simulation as generate_simulation
 from .simulation import simulate as simulate
 from .simulation import Samples as Samples
 from .simulation import Sweep as Sweep

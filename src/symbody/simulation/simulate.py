@@ -86,7 +86,7 @@ def simulate(
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     watched, laws = check_events(events, eqs), input_laws(eqs.input_names, inputs or {}, span)
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
-    problem = _pose(eqs, span, parameters or {}, laws, scales, constraints, first)
+    problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
     notes = (*_input_notes(eqs, inputs or {}, laws), *problem.scales.notes(eqs, atol))
     notes += start_notes(problem, first)
     x0 = np.array([*first.u.values(), *first.q.values(), 0.0])
@@ -106,7 +106,7 @@ def _annotate(
     return replace(run, notes=(*notes, *run.notes, *further), provenance=source)
 
 
-def _pose(
+def pose_problem(
     eqs: EquationSet,
     span: tuple[float, float],
     parameters: Mapping[str, Value],
