@@ -43,6 +43,8 @@ _LOW: Final = 0.5
 # Share of a motion below which the last of too many steps is one that became ever smaller.
 _SHORT: Final = 1e-3
 _TWO: Final = 2
+_PROJECTION: Final = Projection()
+_PARTITION: Final = Partition()
 # Share of the prescribed velocities that counts.
 _DEMANDED: Final = 1e-2
 _REFINEMENTS: Final = 12
@@ -84,12 +86,12 @@ _JUDGED: Final = (Status.SUCCESS, Status.STOPPED, *_COLLAPSES)
 
 def integrate_on_branch(plan: MotionPlan) -> Integration:
     """Return the run of a plan on its branch; without constraints given, `Projection` where that is safe."""
-    constraints = plan.constraints or Projection()
+    constraints = plan.constraints or _PROJECTION
     integration = plan.integration
     problem, eqs, t, x = integration.problem, integration.eqs, integration.span[0], integration.state
     if isinstance(constraints, Partition) or not eqs.multiplier_names or not eqs.speed_names:
         return integrate_plan(plan)
-    by_partition = replace(plan, constraints=Partition())
+    by_partition = replace(plan, constraints=_PARTITION)
     is_replaceable = isinstance(constraints, Projection) and isinstance(plan.integrator, Explicit | None)
     follows = is_overconstrained(problem, t, x)
     if follows and is_replaceable:
@@ -212,7 +214,7 @@ def _passages(problem: SimulationProblem, raw: RawRun, most: int | None = None) 
     if not eqs.multiplier_names or not eqs.speed_names or dense is None:
         return None
     loops = LoopConstraints(problem)
-    sizes = loops.singular_values(dense.breaks, dense(dense.breaks)[loops.places].T)
+    sizes = loops.singular_values(dense.breaks, dense.at_breaks()[loops.places].T)
     if not np.isfinite(sizes).all():
         return None
     rank = count_significant(sizes)

@@ -37,6 +37,7 @@ Constraints = Projection | Baumgarte | GGL | Partition
 Notes = tuple[str, ...]
 
 DEFAULT: Final = Explicit()
+_PROJECTION: Final = Projection()
 # So many explicit steps take less than a second, and they are more exact than what `Stiff` does.
 BEARABLE: Final = 20_000
 
@@ -71,7 +72,7 @@ def integrate_plan(plan: MotionPlan) -> Integration:
     integration, integrator = plan.integration, plan.integrator
     constraints = _fitting_constraints(plan)
     # Methods that do not project after steps do so after events, except `Baumgarte`.
-    projection = constraints if isinstance(constraints, Projection) else Projection()
+    projection = constraints if isinstance(constraints, Projection) else _PROJECTION
     closing = None if isinstance(constraints, Baumgarte) else integration.projection(projection)
     watch = integration.event_watch(closing)
     raw, notes = _run_method(integration, integrator, constraints, closing, watch)
@@ -81,7 +82,7 @@ def integrate_plan(plan: MotionPlan) -> Integration:
 
 def _fitting_constraints(plan: MotionPlan) -> Constraints:
     """Return how constraints are held: without any, all ways are `Projection`."""
-    constraints = plan.constraints or Projection()
+    constraints = plan.constraints or _PROJECTION
     fits: tuple[type, ...]
     if isinstance(constraints, GGL):
         fits, name, why, fix = (Stiff,), "sb.GGL()", "are implicit equations", "sb.Stiff()"
@@ -92,7 +93,7 @@ def _fitting_constraints(plan: MotionPlan) -> Constraints:
     if not (plan.integrator is None or isinstance(plan.integrator, fits)):
         what = f"this integrator cannot be combined with {name}"
         raise UsageError(Problem("simulation.combination", "integrator", what, f"{name} {why}", f"use {fix}"))
-    return constraints if plan.integration.eqs.multiplier_names else Projection()
+    return constraints if plan.integration.eqs.multiplier_names else _PROJECTION
 
 
 def _run_method(
@@ -155,7 +156,7 @@ def run_explicit(
         constants=function.constants(),
         times=integration.times,
         rtol=integration.rtol,
-        atol=[*integration.tolerances, _work_tolerance(integration)],
+        atol=[*integration.tolerances, work_tolerance(integration)],
         max_steps=integration.max_steps,
         stop_when_stiff=stop_when_stiff,
         progress=integration.progress,
@@ -174,14 +175,14 @@ def run_explicit(
     raise python_laws.error
 
 
-def _work_tolerance(integration: IntegrationProblem) -> float:
+def work_tolerance(integration: IntegrationProblem) -> float:
     """Return how large a local error of the work may be.
 
     Work starts at zero, but energies are known to `rtol` at best: `atol` alone for work done on a mechanism
     in fast motion would need steps without end.
     """
     problem, n_u, x = integration.problem, integration.n_u, integration.state
-    kinetic = problem.interpret("kinetic_energy", integration.span[0], x[n_u:], x[:n_u])
+    kinetic = problem.value("kinetic_energy", integration.span[0], x[n_u:], x[:n_u])
     usual = CLOSED * problem.scales.energy if integration.atol is None else integration.atol
     return min(max(usual, integration.rtol * kinetic), sys.float_info.max)
 
