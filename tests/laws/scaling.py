@@ -78,10 +78,8 @@ def scaled_sweep(
 
 
 def has_massless(eqs: sb.EquationSet) -> bool:
-    """Whether joints keep coordinates of their own beside those of bodies: these have no mass."""
-    bodies = tuple(f"{body.name}_" for body in eqs.model.bodies)
-    own = [name.startswith(bodies) for name in eqs.coordinate_names]
-    return any(own) and not all(own)
+    """Whether coordinates have no mass, as those of links without mass, or kept beside the ones of bodies."""
+    return any(row[k].is_zero for k, row in enumerate(eqs.formed.dynamics.mass_matrix))
 
 
 def formed(seed: int, tree: TreeChoice) -> sb.EquationSet:
