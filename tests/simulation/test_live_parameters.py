@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from symbody.simulation.native.loop import EPSILON
 
 import symbody as sb
 from symbody.codegen import shared_code
-from symbody.simulation.native.loop import EPSILON
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CALLS = 100

@@ -25,7 +25,7 @@ class PositionSolver:
 
     Attributes
     ----------
-    evaluator : Closure or None
+    evaluator : ConstraintEvaluator or None
         None where ropes decide what is closed.
     parameters : mapping of name to number or formula
         Take the place of the model's values.

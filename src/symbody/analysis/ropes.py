@@ -113,7 +113,7 @@ def ropes_out_of_place(eqs: EquationSet, evaluator: ConstraintEvaluator, q: Floa
     ----------
     eqs : EquationSet
         With taut ropes as constraints and without those that are slack.
-    evaluator : Closure
+    evaluator : ConstraintEvaluator
         Measures the ropes.
     """
     taut = {row.element for row in eqs.formed.rows}

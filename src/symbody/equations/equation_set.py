@@ -15,6 +15,7 @@ from symbody.equations.freedoms.always_undetermined import find_always_undetermi
 from symbody.equations.freedoms.mobility import Mobility, mobility
 from symbody.equations.names import OrderedNames, names_of
 from symbody.equations.outputs.derivative_outputs import parse_derivative
+from symbody.equations.outputs.equation_lines import PrintedEquations
 from symbody.equations.outputs.output_roots import code_roots, evaluable_roots
 from symbody.equations.outputs.textbook import Reaction, Textbook
 from symbody.equations.outputs.units import Units, output_units
@@ -26,12 +27,11 @@ from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Roots, Sequence
 from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.model.model import Model
-from symbody.notebook import Displayed
 from symbody.single_flight import SingleFlight
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class EquationSet(Displayed):
+class EquationSet(PrintedEquations):
     """Equations of motion ``M u' = F + J^T lambda``, ``J u' = gamma``, ``q' = N u + nu`` of a model.
 
     Every property that shows formulas returns SymPy objects in dynamicsymbols; the numbers come from

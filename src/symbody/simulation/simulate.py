@@ -23,7 +23,7 @@ from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.hybrid.rate_jumps import run_with_jumps
 from symbody.simulation.hybrid.switching import run_switching, switches
-from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
+from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, silent_input_note
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator, MotionPlan
 from symbody.simulation.methods.integration_problem import IntegrationProblem
@@ -82,13 +82,13 @@ def simulate(
         If names, values, times, tables or events make no sense, initial values do not fit, or a function
         given as input fails. Other failures on the way stand in `status`.
     """
-    _check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
+    check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     watched, laws = check_events(events, eqs), input_laws(eqs.input_names, inputs or {}, span)
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
-    problem = _pose(eqs, span, parameters or {}, laws, scales, constraints, first)
+    problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
     notes = (*_input_notes(eqs, inputs or {}, laws), *problem.scales.notes(eqs, atol))
-    notes += start_notes(problem, first)
+    notes += start_notes(problem, first, {**(guess or {}), **(initial or {})})
     x0 = np.array([*first.u.values(), *first.q.values(), 0.0])
     with show_progress(progress, "motion") as report:
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
@@ -106,7 +106,7 @@ def _annotate(
     return replace(run, notes=(*notes, *run.notes, *further), provenance=source)
 
 
-def _pose(
+def pose_problem(
     eqs: EquationSet,
     span: tuple[float, float],
     parameters: Mapping[str, Value],
@@ -123,7 +123,7 @@ def _pose(
 
 def _input_notes(eqs: EquationSet, inputs: Mapping[str, Law], laws: InputLaws) -> tuple[str, ...]:
     silent = sorted(set(eqs.input_names).difference(inputs))
-    notes = [f"input {name} has no value and is 0" for name in silent]
+    notes = [silent_input_note(eqs.units, name) for name in silent]
     if not eqs.speed_names:
         notes.append("every coordinate is prescribed: only efforts and reactions are computed")
     return (*notes, *laws.notes)
@@ -141,7 +141,7 @@ def _undetermined_notes(eqs: EquationSet, first: State, run: Trajectory) -> tupl
     return share_notes(eqs.formed, [name for name in names if name not in always], " in this motion")
 
 
-def _check_arguments(
+def check_arguments(
     eqs: object, t_end: object, integrator: object, constraints: object, **by_name: object
 ) -> None:
     """Refuse arguments of `simulate` of other kinds than it takes; those `by_name` are mappings.

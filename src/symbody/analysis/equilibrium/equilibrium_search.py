@@ -40,7 +40,7 @@ class EquilibriumSearch:
 
     Attributes
     ----------
-    balance : Balance
+    balance : StaticBalance
         The forces.
     start : (n_q,) array
         The guess.

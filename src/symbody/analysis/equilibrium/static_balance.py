@@ -44,7 +44,7 @@ class StaticResidual:
     ----------
     q, inputs, multipliers : arrays
         Where; the inputs are those unknown.
-    left : (n_u,) array
+    unbalanced : (n_u,) array
         Unbalanced forces as work on unit displacements, in units of the largest term.
     values, slopes : arrays
         All equations that are to vanish, and their derivatives by q in units of sizes.
@@ -89,7 +89,7 @@ class StaticBalance:
 
     Attributes
     ----------
-    evaluator : Closure
+    evaluator : ConstraintEvaluator
         The constraints as numbers.
     function : CompiledFunction
         Forces and their derivatives.

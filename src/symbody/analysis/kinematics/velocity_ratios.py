@@ -359,8 +359,8 @@ def _best(mechanism: Continuation, eqs: EquationSet, t: float, q: Floats, count:
 def _has_input(eqs: EquationSet, speed: str) -> bool:
     """Return whether a drive with an input works along the coordinate of a speed."""
     name = speed.removesuffix("_dot")
-    for use in eqs.formed.uses:
-        drive = use.joint.drives.get(name)
+    for role in eqs.formed.joint_roles:
+        drive = role.joint.drives.get(name)
         if drive is not None and set(drive.applied.names).intersection(eqs.input_names):
             return True
     return False

@@ -6,10 +6,12 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.kernels.dialect import BRACES, PREFIX, Arrays, KernelDialect, Names
+from symbody.codegen.kernels.dialect import BRACES, PREFIX, Arrays, KernelDialect, Names, library_words
 from symbody.codegen.kernels.tree import KernelTree, Parameter, Type
 
-_TYPES: Final = {Type.REAL: "double ", Type.INTEGER: "int ", Type.ARRAY: "double *"}
+_TYPES: Final = {
+    Type.REAL: "double ", Type.INTEGER: "int ", Type.ARRAY: "double *", Type.FUNCTION: "symbody_function ",
+}  # fmt: skip
 
 # Without contraction: a * b + c is rounded twice, so that all languages give the same bits. GCC does not know
 # the standard pragma and warns of it.
@@ -22,6 +24,11 @@ PREAMBLE: Final = """\
 #include <math.h>
 """
 _HELPERS: Final = {
+    "Function": """\
+typedef int (*symbody_function)(
+    const double *t, const double *q, const double *u, const double *r, const double *p, const double *c,
+    double *out, double *work);
+""",
     "min": "static double symbody_smaller(double a, double b) { return b < a ? b : a; }\n",
     "max": "static double symbody_larger(double a, double b) { return b > a ? b : a; }\n",
     "half": "static int symbody_half(int e) { return (e - (e & 1)) / 2; }\n",
@@ -67,7 +74,7 @@ C: Final = KernelDialect(
     head=_head,
     operators={"and": "&&", "or": "||", "neg": "-"},
     arrays=Arrays.POINTERS,
-    words={
+    words=library_words("") | {
         "not": "!({0})", "abs": "fabs({0})", "sqrt": "sqrt({0})", "min": "symbody_smaller({0}, {1})",
         "max": "symbody_larger({0}, {1})", "is_finite": "isfinite({0})", "exponent": "symbody_exponent({0})",
         "min int": "(({1}) < ({0}) ? ({1}) : ({0}))", "max int": "(({1}) > ({0}) ? ({1}) : ({0}))",

@@ -6,7 +6,15 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.kernels.dialect import BRACES, PREFIX, Arrays, KernelDialect, Names, offset_name
+from symbody.codegen.kernels.dialect import (
+    BRACES,
+    PREFIX,
+    Arrays,
+    KernelDialect,
+    Names,
+    library_words,
+    offset_name,
+)
 from symbody.codegen.kernels.tree import KernelTree, Type
 
 _HELPERS: Final = {
@@ -41,11 +49,20 @@ def _head(tree: KernelTree, names: Names) -> Iterator[str]:
         yield f"    let {', '.join(variables)};"
 
 
+# The arguments one after the other, the solution and scratch, all in one array.
+SADDLE_CALL: Final = """\
+function symbody_saddle(work, n, m, first, results, scratch) {
+    const jacobian = first + n * n, force = jacobian + m * n, gamma = force + n;
+    symbody_solve_saddle(
+        n, m, work, first, work, jacobian, work, force, work, gamma, work, results, work, scratch);
+}
+"""
+
 JAVASCRIPT: Final = KernelDialect(
     literal=literal,
     head=_head,
     operators={"and": "&&", "or": "||", "neg": "-", "==": "===", "!=": "!=="},
-    words={
+    words=library_words("Math.") | {
         "not": "!({0})", "abs": "Math.abs({0})", "sqrt": "Math.sqrt({0})",
         "is_finite": "Number.isFinite({0})", "exponent": "symbody_exponent({0})",
         "min": "({1} < {0} ? {1} : {0})", "max": "({1} > {0} ? {1} : {0})",

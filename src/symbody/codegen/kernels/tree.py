@@ -8,15 +8,24 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum
+from typing import Final
 
 
 class Type(Enum):
-    """The types of values: arrays hold reals."""
+    """The types of values: arrays hold reals, functions are parameters only, comparing lanes gives a mask."""
 
     REAL = "float"
     INTEGER = "int"
     TRUTH = "bool"
     ARRAY = "Reals"
+    FUNCTION = "Function"
+    LANES = "Lanes"
+    MASK = "mask"
+
+
+# What a function given as parameter takes: t, q, u, r, p, c, out, work. It returns an integer.
+FUNCTION_ARGUMENTS: Final = 8
+FUNCTION_RESULTS: Final = (6, 7)  # which of them it changes
 
 
 # Expressions
@@ -40,7 +49,7 @@ class Variable:
 
 @dataclass(frozen=True, slots=True)
 class ArrayEntry:
-    """One real of an array."""
+    """One real of an array, or as many as there are lanes."""
 
     array: Expression
     index: Expression
@@ -62,7 +71,7 @@ class Apply:
     """An operator or word of the language applied to operands.
 
     `operator` is one of ``+ - * / < <= > >= == != and or not neg``, or a word: ``abs sqrt min max is_finite
-    exponent power_of_two half real integer``.
+    exponent power_of_two half real integer``, and of lanes ``spread where lanes`` (how many there are).
     """
 
     operator: str
@@ -72,11 +81,12 @@ class Apply:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A call of another kernel."""
+    """A call of another kernel, or of a function that is a parameter."""
 
     kernel: str
     arguments: tuple[Expression, ...]
     type: Type | None
+    is_parameter: bool = False
 
 
 Expression = Literal | Variable | ArrayEntry | Part | Apply | Call
@@ -186,16 +196,31 @@ class KernelTree:
 
 # Contents
 
+# Names of fields by class, None for what is no node: finding them takes longer than all the rest.
+_FIELDS: Final[dict[type, tuple[str, ...] | None]] = {}
+
 
 def walk(node: object) -> Iterator[object]:
-    """Yield a node of a tree, or each of several, and all nodes below."""
-    if isinstance(node, tuple):
-        for item in node:
-            yield from walk(item)
-    elif is_dataclass(node):
-        yield node
-        for entry in fields(node):
-            yield from walk(getattr(node, entry.name))
+    """Yield a node of a tree, or each of several, and all nodes below, each before those below it."""
+    waiting = [node]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, tuple):
+            waiting.extend(reversed(node))
+            continue
+        kind = type(node)
+        if kind not in _FIELDS:
+            _FIELDS[kind] = _inner_fields(kind) if is_dataclass(kind) else None
+        names = _FIELDS[kind]
+        if names is not None:
+            yield node
+            waiting.extend(getattr(node, name) for name in names)
+
+
+def _inner_fields(kind: type) -> tuple[str, ...]:
+    """Return the fields of a class of nodes that may hold nodes, the last one first."""
+    leaves = {"str", "bool", "Type", "Type | None", "float | int"}
+    return tuple(entry.name for entry in reversed(fields(kind)) if entry.type not in leaves)
 
 
 def variable_names(node: object) -> set[str]:
@@ -210,7 +235,7 @@ def assigned_names(body: tuple[Statement, ...]) -> set[str]:
 
 def called_kernels(body: tuple[Statement, ...]) -> set[str]:
     """Return the names of the kernels that statements call."""
-    return {part.kernel for part in walk(body) if isinstance(part, Call)}
+    return {part.kernel for part in walk(body) if isinstance(part, Call) and not part.is_parameter}
 
 
 def changed_arrays(body: tuple[Statement, ...], kernels: Mapping[str, KernelTree]) -> set[str]:
@@ -221,13 +246,20 @@ def changed_arrays(body: tuple[Statement, ...], kernels: Mapping[str, KernelTree
         if isinstance(part, StoreEntry):
             changed |= variable_names(_whole_array(part.array))
         elif isinstance(part, Call):
-            for argument, parameter in zip(part.arguments, kernels[part.kernel].parameters, strict=True):
-                if parameter.is_changed:
-                    changed |= variable_names(_whole_array(argument))
+            for argument in changed_arguments(part, kernels):
+                changed |= variable_names(_whole_array(argument))
     for name, value in reversed(parts.items()):  # a part of an array is that array
         if name in changed and isinstance(value, Part):
             changed |= variable_names(_whole_array(value))
     return changed
+
+
+def changed_arguments(call: Call, kernels: Mapping[str, KernelTree]) -> list[Expression]:
+    """Return the arguments into which a call stores."""
+    if call.is_parameter:
+        return [call.arguments[place] for place in FUNCTION_RESULTS]
+    pairs = zip(call.arguments, kernels[call.kernel].parameters, strict=True)
+    return [argument for argument, parameter in pairs if parameter.is_changed]
 
 
 def _whole_array(array: Expression) -> Expression:

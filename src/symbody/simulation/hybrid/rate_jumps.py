@@ -149,7 +149,7 @@ def _sizes(problem: SimulationProblem, names: tuple[str, ...]) -> Floats:
 
 def _prescribed_names(eqs: EquationSet) -> tuple[str, ...]:
     """Return the names of the prescribed coordinates that are functions of time."""
-    return tuple(name for use in eqs.formed.uses for name in use.prescribed_coordinates)
+    return tuple(name for role in eqs.formed.joint_roles for name in role.prescribed_coordinates)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

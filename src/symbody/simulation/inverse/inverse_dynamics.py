@@ -13,8 +13,8 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline
 
 from symbody.analysis.kinematics.continuation import continuation
 from symbody.analysis.scales import checked_scales
@@ -23,7 +23,7 @@ from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, UsageError, nearest
-from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
+from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, silent_input_note
 from symbody.simulation.inputs.tables import Table
 from symbody.simulation.inverse.motion_laws import Motion, motion_laws
 from symbody.simulation.inverse.prescribed_motion import PrescribedStates, prescribe_motion
@@ -60,7 +60,7 @@ def inverse_dynamics(
     unknowns : str or sequence of str
         Inputs to find; more than freedoms get the values of least norm, with a note.
     times : (N,) array
-        Rising times [s]; positions are followed from each to the next.
+        Rising times [s]; positions are followed from each to the next. One number gives one sample.
     parameters, inputs : mapping
         As for `simulate`; inputs without a law are 0.
     guess : mapping of name to number or formula in parameters
@@ -97,6 +97,8 @@ def inverse_dynamics(
     samples = path.samples(t)
     inputs_found = solver.solve(samples)
     notes = tuple(_notes(eqs, names, others, laws, redundant=inputs_found.redundant))
+    if np.ndim(times) == 0:
+        notes += (f"times={t[0]:g} is one time; np.linspace(0, {t[0]:g}, 101) gives the motion up to it",)
     return _trajectory(solver, samples, inputs_found.values, notes, started)
 
 
@@ -228,7 +230,7 @@ def _notes(
     eqs: EquationSet, unknowns: Sequence[str], inputs: Mapping[str, Any], laws: InputLaws, *, redundant: bool
 ) -> list[str]:
     silent = [name for name in eqs.input_names if name not in inputs and name not in unknowns]
-    notes = [f"input {name} has no value and is 0" for name in silent]
+    notes = [silent_input_note(eqs.units, name) for name in silent]
     if redundant:
         notes.append(
             f"{', '.join(unknowns)} are more than the motion determines: of all values that give it, "
@@ -241,4 +243,4 @@ def _integral(t: Floats, power: Floats) -> Floats:
     """Return the integral of a power since the first time, by a cubic spline."""
     if t.size < 2:
         return np.zeros_like(t)
-    return np.asarray(CubicSpline(t, power).antiderivative()(t), dtype=np.float64)
+    return np.asarray(scipy.interpolate.CubicSpline(t, power).antiderivative()(t), dtype=np.float64)

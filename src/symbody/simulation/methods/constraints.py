@@ -14,8 +14,8 @@ from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
 from symbody.expr.expression import Expr
-from symbody.simulation.native.interface import Projector
-from symbody.simulation.native.loop import EPSILON
+from symbody.kernels.step_bounds import EPSILON
+from symbody.simulation.native.description import Projector
 from symbody.tolerances import CLOSED
 
 Floats = NDArray[np.float64]
@@ -140,14 +140,13 @@ def make_projector(
         empty,
         empty,
         function.constants(),
-        np.zeros(function.work_size),
-        np.zeros(1),
+        function.work_size,
         n_q,
         tolerance * ones,
         method.limit,
         sizes.coordinates(eqs),
         ROUNDED_PER_COORDINATE * n_q * EPSILON / tolerance,
-        np.zeros((1, sum(len(output.values) for output in function.outputs))),
+        sum(len(output.values) for output in function.outputs),
     )
 
 

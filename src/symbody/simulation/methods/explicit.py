@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -13,11 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
+from symbody.kernels.step_bounds import EPSILON
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.native.interface import Goal, Method, Projector, RightHandSide
-from symbody.simulation.native.loop import EPSILON
-from symbody.simulation.native.run import NativeRun, drive, fresh_memory, fresh_record, method_arrays
+from symbody.simulation.native.blocks import make_block
+from symbody.simulation.native.description import Goal, Projector, RightHandSide
+from symbody.simulation.native.run import NativeRun, drive, fresh_record
 from symbody.simulation.native.run import Progress as Progress
 from symbody.simulation.native.run import RawRun as RawRun
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8, Tableau
@@ -26,20 +25,9 @@ from symbody.simulation.native.segments import Watch
 Floats = NDArray[np.float64]
 
 _NOTHING: Final = np.zeros(0)
+NO_FUNCTION: Final = RightHandSide(0, 0, _NOTHING, _NOTHING, _NOTHING, 0)
 NOTHING_TO_PROJECT: Final = Projector(
-    0,
-    0,
-    _NOTHING,
-    _NOTHING,
-    _NOTHING,
-    _NOTHING,
-    np.zeros(1),
-    0,
-    _NOTHING,
-    math.inf,
-    _NOTHING,
-    0.0,
-    np.zeros((1, 0)),
+    0, 0, _NOTHING, _NOTHING, _NOTHING, 0, 0, _NOTHING, math.inf, _NOTHING, 0.0, 0
 )
 
 # An rtol below this is finer than rounding allows.
@@ -115,7 +103,7 @@ def integrate(
     Parameters
     ----------
     address, work_size : int
-        A function with the signature of all generated code, see `native.loop`, and its doubles of scratch.
+        A function of generated code, see `kernels.language.Function`, and its doubles of scratch.
     times : array, optional
         The samples to store, in the order of the motion; by default every step is stored.
     rtol, atol : float, float or (n_u + n_q,) array
@@ -138,60 +126,25 @@ def integrate(
         What does not fit: shapes, tolerances, times outside the span, more samples than the memory holds.
     """
     (start, end), x = check_span(t_span), _check_state(x0, n_u + n_q)
-    goal = _goal((start, end), method, check_rtol(rtol), check_atol(atol, x.size), breakpoints)
-    goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
-    tableau = method.tableau
-    r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
-    rhs = RightHandSide(int(address), int(n_u), r, p, c, np.zeros(work_size), np.zeros(1))
-    run = NativeRun(rhs, projector, _method_arrays(method), goal, fresh_memory(tableau, x, start))
-    record = fresh_record(run, check_times(times, start, end), dense)
-    return drive(run, record, 0.0 if method.first_step is None else float(method.first_step), progress, watch)
-
-
-@lru_cache(maxsize=64)
-def _method_arrays(method: Explicit | FixedStep) -> Method:
-    return method_arrays(method.tableau)
-
-
-def _goal(
-    span: tuple[float, float],
-    method: Explicit | FixedStep,
-    rtol: float,
-    atol: Floats,
-    breakpoints: Breakpoints,
-) -> Goal:
     bounds = NO_BREAKPOINTS if isinstance(method, FixedStep) else breakpoints
-    return make_goal(
-        span, rtol, atol, math.inf if method.max_step is None else float(method.max_step), [bounds]
-    )
+    goal = make_goal((start, end), check_rtol(rtol), check_atol(atol, x.size), method.max_step, bounds)
+    goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
+    r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
+    rhs = RightHandSide(int(address), int(n_u), r, p, c, work_size)
+    block = make_block(rhs, projector, method.tableau, goal, x, start, float(method.first_step or 0.0))
+    run = NativeRun(rhs.address, projector.address, block)
+    record = fresh_record(run, check_times(times, start, end), dense)
+    return drive(run, record, progress, watch)
 
 
 def make_goal(
-    span: tuple[float, float],
-    rtol: float,
-    atol: Floats,
-    max_step: float,
-    breakpoints: Sequence[Breakpoints],
+    span: tuple[float, float], rtol: float, atol: Floats, max_step: float | None, breakpoints: Breakpoints
 ) -> Goal:
-    """Return the goal of a motion over a span, with the breakpoints of each case."""
+    """Return the goal of a motion over a span; its steps are not limited in number."""
     direction = 1.0 if span[1] >= span[0] else -1.0
-    breaks, longest, jumps, margins = (
-        np.concatenate(parts)
-        for parts in zip(*(own.order_along(direction) for own in breakpoints), strict=True)
-    )
-    return Goal(
-        span[1],
-        direction,
-        rtol,
-        atol,
-        max_step,
-        0,
-        False,
-        breaks,
-        longest,
-        np.asarray(jumps, dtype=np.bool_),
-        margins,
-    )
+    longest = math.inf if max_step is None else float(max_step)
+    breaks = np.column_stack(breakpoints.order_along(direction)).astype(np.float64)
+    return Goal(span[1], direction, rtol, atol, longest, 0, False, breaks)
 
 
 def _usage(where: str, what: str, fix: str, why: str = "") -> UsageError:

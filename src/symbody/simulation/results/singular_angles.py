@@ -12,8 +12,8 @@ from functools import partial
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from symbody.equations.equation_set import EquationSet
 from symbody.model.joint import Joint
@@ -81,7 +81,7 @@ def _measure_at(angles: _Angles, dense: DenseOutput, n_u: int, t: float) -> floa
 def _least(measure: Callable[[float], float], between: tuple[float, float]) -> tuple[float, float]:
     """Return when something is least, and how large it is then."""
     low, high = sorted(between)
-    found = minimize_scalar(
+    found = scipy.optimize.minimize_scalar(
         measure, bounds=(low, high), method="bounded", options={"xatol": 1e-9 * (high - low)}
     )
     return float(found.x), float(found.fun)
@@ -90,12 +90,14 @@ def _least(measure: Callable[[float], float], between: tuple[float, float]) -> t
 def _triples(eqs: EquationSet) -> Iterator[_Angles]:
     """Return the joints in the rotation tree that have three angles."""
     places = {name: k for k, name in enumerate(eqs.coordinate_names)}
-    for use in eqs.formed.uses:
-        turns = use.joint.turns()
+    for role in eqs.formed.joint_roles:
+        turns = role.joint.turns()
         names = [turn.angle.text for turn in turns]
-        if use.has_angles and len(set(names)) == 3 and names[1] in places:
+        if role.has_angles and len(set(names)) == 3 and names[1] in places:
             is_proper = turns[0].axis == turns[2].axis
-            yield _Angles(use.joint.name, places[names[1]], 0.0 if is_proper else np.pi / 2, _cure(use.joint))
+            yield _Angles(
+                role.joint.name, places[names[1]], 0.0 if is_proper else np.pi / 2, _cure(role.joint)
+            )
 
 
 def _cure(joint: Joint) -> str:

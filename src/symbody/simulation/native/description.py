@@ -1,0 +1,116 @@
+"""What a run of the integrator takes: functions, a goal, and where the results go."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+class RightHandSide(NamedTuple):
+    """A compiled function and what stays the same for a whole run.
+
+    Attributes
+    ----------
+    address : int
+        Where the function lies.
+    n_u : int
+        Number of speeds, which come first in the state.
+    inputs, parameters, constants : arrays
+        The groups r, p and c.
+    work_size : int
+        How many numbers of scratch it needs.
+    """
+
+    address: int
+    n_u: int
+    inputs: Floats
+    parameters: Floats
+    constants: Floats
+    work_size: int
+
+
+class Projector(NamedTuple):
+    """A function that brings states back onto the constraints; the first fields as in `RightHandSide`.
+
+    It writes position residuals, position moves, velocity residuals, velocity moves.
+
+    Attributes
+    ----------
+    address : int
+        0 where there is nothing to project.
+    n_q : int
+        Number of coordinates.
+    scales : array (n,)
+        The largest position residuals that count as closed; velocity residuals have none, being linear.
+    limit : float
+        Moves above so many tolerated errors, or what rounding makes of the old state, reject the step.
+    sizes : array (n_q,)
+        What counts as a large coordinate: 1 rad, or the size of the mechanism [m].
+    rounding : float
+        How exactly residuals are known at coordinates that are not large, over what counts as closed.
+    out_size : int
+        How many numbers the function writes.
+    """
+
+    address: int
+    n_u: int
+    inputs: Floats
+    parameters: Floats
+    constants: Floats
+    work_size: int
+    n_q: int
+    scales: Floats
+    limit: float
+    sizes: Floats
+    rounding: float
+    out_size: int
+
+
+class Goal(NamedTuple):
+    """What a run is to reach, how carefully, and what bounds its steps.
+
+    Attributes
+    ----------
+    atol : (n,) array
+        Absolute tolerance of each state.
+    breaks : (m, 4) array
+        Where the pieces of `inputs.breakpoints` meet, in the order of the motion, the last at an infinite
+        time: when [s], how long a step may be that enters the piece before [s], whether what depends on time
+        jumps there, so that a step has to end before and another begin behind, and within what of its time
+        that happens [s].
+    """
+
+    t_end: float
+    direction: float
+    rtol: float
+    atol: Floats
+    max_step: float
+    max_trials: int
+    stop_when_stiff: bool
+    breaks: Floats
+
+
+class Record(NamedTuple):
+    """Where samples and dense outputs go.
+
+    Attributes
+    ----------
+    wanted : array
+        The times to store, in the order of the motion; every step is stored if `every_step`.
+    t, x : arrays (capacity,), (capacity, n)
+        The samples.
+    breaks, pieces : arrays (capacity + 1,), (capacity, 4 + d, n)
+        Ends and dense output of each step, if `keep_dense`.
+    """
+
+    wanted: Floats
+    t: Floats
+    x: Floats
+    breaks: Floats
+    pieces: Floats
+    every_step: bool
+    keep_dense: bool

@@ -1,0 +1,72 @@
+"""The integrator as machine code: `symbody.kernels.step_machine`, compiled once on a computer."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Mapping
+from typing import Any, Final, NamedTuple
+
+from symbody.codegen.llvm.kernel_library import load_kernels
+from symbody.simulation.native.description import Floats
+from symbody.single_flight import once
+
+_POINTER: Final = ctypes.c_void_p
+_INTEGER: Final = ctypes.c_int64
+_REAL: Final = ctypes.c_double
+_RECORD: Final = [_POINTER] * 5  # times, t, x, breaks, pieces
+
+# How many cases, of which size, in which rows; times, t, x, verdicts; how many steps.
+_CASES: Final = [_INTEGER, _INTEGER, *[_POINTER] * 5, _INTEGER]
+
+# Results and arguments, f and g and the block first.
+_SIGNATURES: Final[Mapping[str, tuple[Any, list[Any]]]] = {
+    "begin": (_INTEGER, [_POINTER, _POINTER, *_RECORD[:4]]),
+    "advance": (_INTEGER, [_POINTER, _POINTER, _POINTER, *_RECORD, _INTEGER]),
+    "project": (_REAL, [_POINTER, _POINTER, _REAL, _POINTER]),
+    "longest_step": (None, [_POINTER, _REAL, _POINTER]),
+    "run_cases": (_INTEGER, [*[_POINTER] * 3, *_CASES]),
+    "run_lanes": (_INTEGER, [*[_POINTER] * 4, *_CASES]),
+}
+
+
+class StepMachine(NamedTuple):
+    """The kernels of one motion as functions of addresses and numbers.
+
+    None of the functions of this file holds the interpreter's lock.
+    """
+
+    begin: Callable[..., int]
+    advance: Callable[..., int]
+    project: Callable[..., float]
+    longest_step: Callable[..., None]
+
+
+@once
+def step_machine() -> StepMachine:
+    """Return the integrator of one motion, ready to be called."""
+    return StepMachine(*_functions("step_machine", *StepMachine._fields))
+
+
+@once
+def many_motions() -> Callable[..., int]:
+    """Return `run_cases`, ready to be called."""
+    return _functions("many_motions", "run_cases")[0]
+
+
+@once
+def lane_motions() -> Callable[..., int]:
+    """Return `run_lanes`, ready to be called."""
+    return _functions("lane_motions", "run_lanes")[0]
+
+
+def _functions(module: str, *names: str) -> list[Callable[..., Any]]:
+    addresses = load_kernels(module, names)
+    kinds = [
+        ctypes.CFUNCTYPE(result, *arguments) for result, arguments in map(_SIGNATURES.__getitem__, names)
+    ]
+    return [kind(addresses[name]) for kind, name in zip(kinds, names, strict=True)]
+
+
+def address(array: Floats) -> int:
+    """Return where an array lies."""
+    return array.ctypes.data
