@@ -91,7 +91,7 @@ class DirectCall:
         )
         c = constants if head is None else np.zeros(head.sequence.output_size)
         make_result = np.empty(shape).copy if math.prod(shape) <= _COPIED else partial(np.empty, shape)
-        known = {
+        entries = {
             "code": tail.native.address,
             "head": 0 if head is None else head.native.address,
             "constants": c.ctypes.data,
@@ -103,7 +103,7 @@ class DirectCall:
             **_of_python(),
             **{f"size_{group}": sizes[group] for group in ARGUMENTS[1:]},
         }
-        settings = np.array([known[name] for name in SETTINGS], dtype=np.int64)
+        settings = np.array([entries[name] for name in SETTINGS], dtype=np.int64)
         method = _Method(NAME.encode(), direct().address, _FASTCALL, None)
         new = ctypes.pythonapi.PyCFunction_NewEx
         new.restype, new.argtypes = ctypes.py_object, (ctypes.c_void_p, ctypes.py_object, ctypes.py_object)

@@ -305,17 +305,20 @@ class CompiledFunction:
 
     def _points(self, t: ArrayLike, *arguments: ArrayLike) -> tuple[float, list[Floats]] | None:
         """Return t, and q, u, r, p as arrays (n,) of floats; None if this is anything but single points."""
-        if type(t) is not float:
-            time = as_array("t", t)
-            if time.ndim or time.dtype.char != "d":
+        if isinstance(t, float):  # also NumPy's
+            time = float(t)
+        else:
+            instant = as_array("t", t)
+            if instant.ndim or instant.dtype.char != "d":
                 return None
+            time = float(instant)
         points = []
         for (group, size), value in zip(self._sizes, arguments, strict=True):
             array = value if type(value) is np.ndarray else as_array(group, value)
             if array.shape != (size,) or (size and array.dtype.char != "d"):
                 return None
             points.append(array)
-        return float(t), points  # type: ignore[arg-type]
+        return time, points
 
     def _call_at_point(self, time: float, points: Items[Floats]) -> Floats:
         """Return the outputs at one point, one after the other.

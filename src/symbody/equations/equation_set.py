@@ -13,7 +13,7 @@ from symbody.equations.cache_key import DeferredEquations
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.freedoms.always_undetermined import find_always_undetermined
 from symbody.equations.freedoms.mobility import Mobility, mobility
-from symbody.equations.names import Names, names_of
+from symbody.equations.names import OrderedNames, names_of
 from symbody.equations.outputs.derivative_outputs import parse_derivative
 from symbody.equations.outputs.equation_lines import PrintedEquations
 from symbody.equations.outputs.output_roots import code_roots, evaluable_roots
@@ -59,9 +59,10 @@ class EquationSet(PrintedEquations):
     # Roots and formulas already made; pure functions of `formed`, so they cannot go stale.
     _roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
     _textbook: SingleFlight[None, Textbook] = field(default_factory=SingleFlight, repr=False)
-    _names: Names | None = field(default=None, repr=False)
-    # What later stages compute from these equations and need again; each has keys of its own.
+    _names: OrderedNames | None = field(default=None, repr=False)
+    # What later stages compute from these equations, and from formulas of callers, which may be many.
     plans: SingleFlight[Hashable, Any] = field(default_factory=partial(SingleFlight, 512), repr=False)
+    variants: SingleFlight[Hashable, Any] = field(default_factory=partial(SingleFlight, 16), repr=False)
     identity: bytes = field(default=b"", repr=False)
     # Forms the same equations in another process, where that is less than to hand them over.
     _again: Callable[[], EquationSet] | None = field(default=None, repr=False)
@@ -90,7 +91,7 @@ class EquationSet(PrintedEquations):
         return not isinstance(self._given, DeferredEquations) or self._given.are_formed
 
     @property
-    def names(self) -> Names:
+    def names(self) -> OrderedNames:
         """Names of all that has a place in an array."""
         if self._names is None:  # two threads may both make them
             object.__setattr__(self, "_names", names_of(self.formed))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from symbody.equations.equations_of_motion import EquationsOfMotion
 
 
-class Names(NamedTuple):
+class OrderedNames(NamedTuple):
     """Names in order.
 
     Attributes
@@ -35,11 +35,11 @@ class Names(NamedTuple):
     measured_angles: tuple[str, ...]
 
 
-def names_of(formed: EquationsOfMotion) -> Names:
+def names_of(formed: EquationsOfMotion) -> OrderedNames:
     """Return the names of equations."""
     q, u = (tuple(symbol.label for symbol in symbols) for symbols in (formed.q, formed.u))
     labels = {formed.graph.symbol(symbol): symbol.label for symbol in formed.q}
-    return Names(
+    return OrderedNames(
         coordinates=q,
         speeds=u,
         accelerations=tuple(symbol.derivative.label for symbol in formed.u),

@@ -165,7 +165,7 @@ def static_balance(evaluator: ConstraintEvaluator, unknowns: Sequence[str]) -> S
     }
     laws = {name: law for name, law in given.items() if not _is_number(law)}
     key = "balance", tuple(unknowns), laws_key(laws)
-    plan: _BalancePlan = eqs.plans.get(key, lambda: _plan_balance(eqs, unknowns, laws))
+    plan: _BalancePlan = eqs.variants.get(key, lambda: _plan_balance(eqs, unknowns, laws))
     words = (_FORCES, _SLOPES, _SHARES, "jacobian")
     function = bound_function(plan.wider, words, evaluator.parameters, (), given)
     scales = evaluator.mechanism.constraints(eqs)

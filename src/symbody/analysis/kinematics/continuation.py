@@ -228,7 +228,7 @@ def continuation(
         If a driven coordinate is not free, or its law not a function of time.
     """
     rows = {**formulas, **dict.fromkeys(laws)}
-    driven: EquationSet = eqs.plans.get(("driven", laws_key(rows)), lambda: drive_coordinates(eqs, rows))
+    driven: EquationSet = eqs.variants.get(("driven", laws_key(rows)), lambda: drive_coordinates(eqs, rows))
     mechanism, units = mechanism_scales(eqs, parameters), eqs.units
     first = len(driven.formed.holonomic) - len(formulas) - len(laws)
 

@@ -142,7 +142,7 @@ def slope_function(
     eqs = parameter_set(eqs, parameters).eqs
     laws = _laws(eqs, state.inputs)
     key = "slopes", tuple(outputs), laws_key(laws)
-    plan: _SlopePlan = eqs.plans.get(key, lambda: _plan_slopes(eqs, outputs, laws))
+    plan: _SlopePlan = eqs.variants.get(key, lambda: _plan_slopes(eqs, outputs, laws))
     words = ("xdot", _BY_STATE, _BY_INPUT, "jacobian", "position_jacobian", "mass_matrix", "constraints",
              "velocity_constraints", _KINKS)  # fmt: skip
     given = dict.fromkeys(eqs.input_names, 0) | dict(state.inputs)

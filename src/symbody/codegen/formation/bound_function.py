@@ -169,18 +169,18 @@ class _Request:
 
     def _form_sequence(self) -> _Formed:
         chosen, key = self.chosen, self._stored_key()
-        known = read_sequence(key)
-        if known is None:
+        formed = read_sequence(key)
+        if formed is None:
             replacements = chosen.replacements()
             graph = Graph() if replacements or self._formulas else chosen.eqs.formed.graph
             arguments = (*chosen.free, *chosen.numbers, *(name for name, x in self._numbers.items() if x))
             silent: dict[str, Value] = {name: 0 for name, x in self._numbers.items() if not x}
-            known = outputs_sequence(
+            formed = outputs_sequence(
                 chosen.eqs, self._outputs, replacements, arguments, {**self._formulas, **silent}, graph
             )
-            if store_sequence(key, *known):
+            if store_sequence(key, *formed):
                 store_notes(chosen.original.identity, chosen.original.notes)
-        return known
+        return formed
 
     def _stored_key(self) -> bytes:
         """Return the key of the sequence on the disk: that of these values, which need not be looked at."""

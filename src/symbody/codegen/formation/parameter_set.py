@@ -78,7 +78,7 @@ class ParameterSet:
     @property
     def floats(self) -> Mapping[str, float]:
         """The values as floats."""
-        floats: Mapping[str, float] = self.kept(
+        floats: Mapping[str, float] = self.note(
             "floats", lambda: {name: as_float(value) for name, value in self.values.items()}
         )
         return floats
@@ -86,7 +86,7 @@ class ParameterSet:
     @property
     def quantities(self) -> Quantities:
         """Lengths, gravity, masses and moments of inertia of the model; no parameter is free."""
-        numbers: Quantities = self.kept(
+        numbers: Quantities = self.note(
             "quantities", lambda: quantity_plan(self.original).quantities(self.floats)
         )
         return numbers
@@ -99,11 +99,11 @@ class ParameterSet:
         CompileError
             If there are any, as a negative mass.
         """
-        problems: list[Problem] = self.kept("problems", partial(_problems, self))
+        problems: list[Problem] = self.note("problems", partial(_problems, self))
         if problems:
             raise CompileError(*problems)
 
-    def kept(self, key: Hashable, make: Callable[[], Any]) -> Any:
+    def note(self, key: Hashable, make: Callable[[], Any]) -> Any:
         """Return what `make` derives from these values, made once."""
         return self._notes.get(key, make)
 
@@ -199,18 +199,18 @@ def _model_entries(eqs: EquationSet) -> _ModelEntries:
 
 
 def _resolve_set(eqs: EquationSet, given: Mapping[str, Value], free: tuple[str, ...]) -> ParameterSet:
-    model, own = eqs.model, _entries_of(eqs)
+    model, declared = eqs.model, _entries_of(eqs)
     if not all(name in model.parameters for name in (*given, *free)):
         check_names(eqs, given, free)
     replaced = {name: _entry(name, value) for name, value in given.items() if name in model.parameters}
     formulas = {name: entry for name, entry in replaced.items() if isinstance(entry, Formula)}
-    order = model.parameter_order(formulas) if formulas else own.entries
-    entries = {name: replaced.get(name, own.entries[name]) for name in order if name not in free}
+    order = model.parameter_order(formulas) if formulas else declared.entries
+    entries = {name: replaced.get(name, declared.entries[name]) for name in order if name not in free}
     missing = [name for name, entry in entries.items() if entry is None]
     if missing:
         raise CompileError(missing_value(missing))
     try:
-        values = _values(entries, own, {*given, *free})
+        values = _values(entries, declared, {*given, *free})
     except ExpressionError:
         parameter_nodes(eqs, given, free)  # says whose formula it is
         raise
@@ -239,7 +239,7 @@ def _are_plainly_possible(chosen: ParameterSet) -> bool:
     return quantity_plan(eqs).judged.isdisjoint(changed) and chosen.quantities.are_plainly_possible
 
 
-def _values(entries: Mapping[str, Entry], own: _ModelEntries, changed: Set[str]) -> dict[str, Constant]:
+def _values(entries: Mapping[str, Entry], declared: _ModelEntries, changed: Set[str]) -> dict[str, Constant]:
     """Return the values of all parameters that do not follow from free ones.
 
     Parameters
@@ -252,8 +252,8 @@ def _values(entries: Mapping[str, Entry], own: _ModelEntries, changed: Set[str])
         value: Constant | None
         if not isinstance(entry, Formula):
             value = entry
-        elif name not in changed and changed.isdisjoint(own.sources[name]) and name in own.values:
-            value = own.values[name]
+        elif name not in changed and changed.isdisjoint(declared.sources[name]) and name in declared.values:
+            value = declared.values[name]
         else:
             value = formula_value(entry, values)
         if value is not None:

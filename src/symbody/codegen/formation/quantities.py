@@ -62,7 +62,7 @@ class QuantityPlan:
         groups = [[*model_lengths(eqs.model)], [*eqs.model.gravity], [body.mass for body in bodies], moments]
         self._formulas = FormulaValues(eqs, [formula for group in groups for formula in group], timed=True)
         self._sizes = [len(group) for group in groups]
-        self.judged: Set[str] = frozenset(_judged(eqs.model))
+        self.judged: Set[str] = frozenset(_names_to_judge(eqs.model))
 
     def quantities(self, values: Mapping[str, float]) -> Quantities:
         """Return the quantities with values of all parameters."""
@@ -77,7 +77,7 @@ def quantity_plan(eqs: EquationSet) -> QuantityPlan:
     return plan
 
 
-def _judged(model: Model) -> Iterator[str]:
+def _names_to_judge(model: Model) -> Iterator[str]:
     """Yield the parameters of axes, rotations and joints, and of bodies with products of inertia."""
     for element in model.elements:
         if isinstance(element, Joint) or (isinstance(element, Body) and _is_special(element)):

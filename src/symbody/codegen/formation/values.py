@@ -67,10 +67,13 @@ def constant_values(
     CompileError, ExpressionError
         If a parameter has no value, a formula reads something else than parameters, or divides by zero.
     """
-    if all(
-        type(value) is int or (type(value) is float and math.isfinite(value)) for value in formulas.values()
-    ):
-        return {name: float(value) for name, value in formulas.items()}  # type: ignore[arg-type]
+    plain = {
+        name: float(value)
+        for name, value in formulas.items()
+        if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    }
+    if len(plain) == len(formulas):
+        return plain
     read = [Formula.from_value(value, where=name) for name, value in formulas.items()]
     key = "values", tuple([formula.text for formula in read])
     values: FormulaValues = eqs.plans.get(key, lambda: FormulaValues(eqs, read))

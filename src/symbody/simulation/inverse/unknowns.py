@@ -215,6 +215,12 @@ def influence(eqs: EquationSet, unknowns: Sequence[str]) -> tuple[EquationSet, .
     UsageError
         If an unknown enters otherwise than in first degree, naming it and where.
     """
+    names = tuple(unknowns)
+    columns: tuple[EquationSet, ...] = eqs.variants.get(("influence", names), lambda: _influence(eqs, names))
+    return columns
+
+
+def _influence(eqs: EquationSet, unknowns: Sequence[str]) -> tuple[EquationSet, ...]:
     formed, graph = eqs.formed, eqs.formed.graph
     forcing = [force.index for force in formed.dynamics.forcing]
     asked = {formed.names.value(name).index: name for name in unknowns}

@@ -42,7 +42,7 @@ def with_state_jacobian(
     """
     names = tuple(callbacks)
     key = "state jacobian", laws_key(laws), names
-    wider: EquationSet = eqs.plans.get(key, lambda: _with_state_jacobian(eqs, laws, names))
+    wider: EquationSet = eqs.variants.get(key, lambda: _with_state_jacobian(eqs, laws, names))
     return wider
 
 
