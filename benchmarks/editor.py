@@ -29,7 +29,12 @@ from symbody.formats.native import to_data
 _FLAGS: Final = ("--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader")
 _COLUMNS: Final = ("bodies", "opens", "key to picture", "p95", "goal", "frame of a drag", "p95", "goal")
 _KINDS: Final = ("page", "graphics", "browser", "server", "workers")
-_SHARES: Final = ("bodies", "picture in its worker", "check in its worker", *(f"all: {kind}" for kind in _KINDS))
+_SHARES: Final = (
+    "bodies",
+    "picture in its worker",
+    "check in its worker",
+    *(f"all: {kind}" for kind in _KINDS),
+)
 _KEYS: Final = 24
 _STEPS: Final = 60  # of the pointer in a drag
 _PAUSE: Final = 600  # between keys [ms]: the check that follows a rest is under way at some of them
@@ -101,9 +106,13 @@ def gestures(executable: str, sizes: tuple[int, ...] = (10, 30, 100)) -> tuple[T
         f"p95: 19 of 20 are shorter; {_KEYS} keys in a parameter, a drag of {_STEPS} steps",
         "key to picture: from the key to the pixels, which a processor draws here",
     )
-    shares = "all: of each process, for the picture, the check that follows and all that a browser does besides"
+    shares = (
+        "all: of each process, for the picture, the check that follows and all that a browser does besides"
+    )
     return (
-        Table("the editor", _COLUMNS, tuple(_times(bodies, each) for bodies, each in measured.items()), notes),
+        Table(
+            "the editor", _COLUMNS, tuple(_times(bodies, each) for bodies, each in measured.items()), notes
+        ),
         Table(
             "the editor: processor time of a key", _SHARES,
             tuple(_processor_times(bodies, each.spent) for bodies, each in measured.items()), (shares,),
@@ -180,8 +189,12 @@ def _led(executable: str, address: str) -> _Gestures:
         frames = _frames_of_drag(page)
         keys = page.evaluate("benchmark.keys")
         browser.close()
-    return _Gestures(opens / 1e3, [each / 1e3 for each in keys], frames,
-        {kind: seconds / _KEYS for kind, seconds in spent.items()})
+    return _Gestures(
+        opens / 1e3,
+        [each / 1e3 for each in keys],
+        frames,
+        {kind: seconds / _KEYS for kind, seconds in spent.items()},
+    )
 
 
 def _frames_of_drag(page: Any) -> list[float]:
