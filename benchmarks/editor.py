@@ -110,7 +110,9 @@ def gestures(executable: str, sizes: tuple[int, ...] = (10, 30, 100)) -> tuple[T
         "all: of each process, for the picture, the check that follows and all that a browser does besides"
     )
     return (
-        Table("the editor", _COLUMNS, tuple(_times(n, each) for n, each in measured.items()), notes),
+        Table(
+            "the editor", _COLUMNS, tuple(_times(bodies, each) for bodies, each in measured.items()), notes
+        ),
         Table(
             "the editor: processor time of a key", _SHARES,
             tuple(_processor_times(bodies, each.spent) for bodies, each in measured.items()), (shares,),

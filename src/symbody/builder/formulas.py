@@ -37,7 +37,7 @@ def model_formulas(data: Mapping[str, Any]) -> dict[str, str]:
         if len(shown) >= _MOST:
             break
         try:
-            formula = _shown(text)
+            formula = _mathml_of(text)
         except SymbodyError:
             continue  # its field says what is wrong
         if formula is not None:
@@ -46,7 +46,7 @@ def model_formulas(data: Mapping[str, Any]) -> dict[str, str]:
 
 
 @lru_cache(maxsize=4096)  # a check follows each change, of which most leave all formulas but one as they are
-def _shown(text: str) -> str | None:
+def _mathml_of(text: str) -> str | None:
     """Return a formula as MathML; None of a number."""
     formula = Formula.from_value(_degrees_to_radians(text))
     return None if formula.is_number else show_formula(formula)

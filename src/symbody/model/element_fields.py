@@ -114,7 +114,7 @@ class Coupled(Field[Iterable[str], tuple[str, ...]]):
         """Return as many different names."""
         why = "each wheel, rack or shaft moves with one"
         items = read_list(arguments, value, path, self.count, "coordinates", why, "name one for each")
-        names = tuple(arguments.symbol_name(item, f"{path}[{k}]") for k, item in enumerate(items or ()))
+        names = tuple(_coupled_name(arguments, item, f"{path}[{k}]") for k, item in enumerate(items or ()))
         for name in sorted({name for name in names if names.count(name) > 1 and name != "?"}):
             what = f"{name} stands {names.count(name)} times"
             why = "a coordinate coupled to itself stands still"
@@ -125,6 +125,14 @@ class Coupled(Field[Iterable[str], tuple[str, ...]]):
         """Return where the names stand."""
         for k, name in enumerate(value):
             yield FormulaSite(f"{path}[{k}]", Formula.from_value(name), Scope.COORDINATE)
+
+
+def _coupled_name(arguments: Arguments, item: object, path: str) -> str:
+    if item != "":
+        return arguments.symbol_name(item, path)
+    cure = "name the coordinate of a joint, such as theta"
+    arguments.add("model.not_coupled", path, "there is no coordinate", "an end of the coupling is free", cure)
+    return "?"
 
 
 class Radii(Field[Iterable[Value], tuple[Formula, ...]]):

@@ -29,9 +29,9 @@ def formula_value(formula: Formula, values: Mapping[str, Constant] | None = None
     ExpressionError
         If the formula divides by zero.
     """
-    known = values or {}
-    if formula.text in known:  # most formulas are the name of a parameter
-        return known[formula.text]
+    named = values or {}
+    if formula.text in named:  # most formulas are the name of a parameter
+        return named[formula.text]
     plain = formula.constant()
     if plain is not None:
         return plain
@@ -40,9 +40,9 @@ def formula_value(formula: Formula, values: Mapping[str, Constant] | None = None
     def node(name: str, _: object) -> int:
         if name == "pi":
             return graph.pi()
-        if name not in known:
+        if name not in named:
             raise _Unknown
-        return graph.constant(known[name])
+        return graph.constant(named[name])
 
     try:
         root = build(formula, graph, node)

@@ -46,6 +46,7 @@ CONSTRUCTORS: list[tuple[Callable[[], ConstraintElement], str, str]] = [
     (lambda: sb.Gear("c", "ab", 2), "model.not_a_list", "coupled"),
     (lambda: sb.Gear("c", ["a", "3"], 2), "names.digits", "coupled[1]"),
     (lambda: sb.Gear("c", ["a", "a"], 2), "model.coupled_twice", "coupled"),
+    (lambda: sb.Gear("c", ["a", ""], 2), "model.not_coupled", "coupled[1]"),
     (lambda: sb.RackPinion("c", ["a", "b"], 2, "1 deg"), "expression.implicit_multiplication", "offset"),
     (lambda: sb.Belt("c", ["a", "b"], [2]), "model.wrong_number", "radii"),
     (lambda: sb.Belt("c", ["a", "b"], [2, 1], crossed="no"), NEITHER, "crossed"),

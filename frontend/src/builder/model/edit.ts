@@ -4,10 +4,13 @@ import {
   endsOf, entriesOf, entryAt, FRAME_NAMES, framesOf, freeName, GROUND, namesOf, pointerOf, referenceOf, referenceText, textOf, type EntryId,
 } from "./entries"; // prettier-ignore
 import { diagramOf } from "./graph";
-import { freeSpot, layoutName, spotsOf, withLayout, type Spot } from "./layout";
+import { freeSpot, layoutName, sizeOf, spotsOf, withLayout, type Size, type Spot } from "./layout";
 import { isArray, isObject, valueAt, withValue } from "./pointers";
 import { choicesOf, definitionNode, isFormula, resolveNode, type SchemaNode } from "./schema";
 import type { Json, JsonObject, Model, PaletteElement } from "../types";
+
+const STEP = 40; // by which copies are shifted, or several times as far
+const STEPS = 30;
 
 export interface Edited {
   readonly data: Model;
@@ -157,7 +160,8 @@ export function copyEntries(data: Model, ids: readonly EntryId[]): Copied {
 }
 
 /** Return data with copies under free names; connections among copied bodies join the copies. */
-export function pasteEntries(data: Model, { entries }: Copied, shift: Spot = [40, 40]): Edited {
+export function pasteEntries(data: Model, { entries }: Copied): Edited {
+  const shift = freeShift(data, entries.flatMap(({ spot }) => (spot === null ? [] : [spot])));
   const taken = namesOf(data);
   const names = new Map<string, string>();
   for (const { value } of entries) {
@@ -178,6 +182,20 @@ export function pasteEntries(data: Model, { entries }: Copied, shift: Spot = [40
     if (spot !== null) places.set(id, [spot[0] + shift[0], spot[1] + shift[1]]);
   }
   return { data: withLayout(next, places), ids };
+}
+
+/** Return the least shift, down to the right, by which copies of nodes lie on no other node. */
+function freeShift(data: Model, spots: readonly Spot[]): Spot {
+  const graph = diagramOf(data);
+  const places = spotsOf(data, graph);
+  const boxes = graph.nodes.map((node) => ({ at: places.get(node.id)!, ...sizeOf(node) }));
+  const sizeAt = (spot: Spot): Size => boxes.find(({ at }) => at[0] === spot[0] && at[1] === spot[1]) ?? { width: 0, height: 0 };
+  const isFree = (step: number): boolean => spots.every((spot) => {
+    const [{ width, height }, x, y] = [sizeAt(spot), spot[0] + step, spot[1] + step];
+    return boxes.every(({ at, ...size }) => x >= at[0] + size.width || at[0] >= x + width || y >= at[1] + size.height || at[1] >= y + height);
+  });
+  const step = Array.from({ length: STEPS }, (_, k) => (k + 1) * STEP).find(isFree) ?? STEP;
+  return [step, step];
 }
 
 function copyOf(value: JsonObject, names: ReadonlyMap<string, string>, bodies: ReadonlySet<string>): JsonObject {

@@ -74,7 +74,7 @@ function withLinks(node: DiagramNode, links: readonly CouplingLink[]): DiagramNo
 
 function couplingDetail(value: JsonObject): string {
   const coupled = value["coupled"];
-  return Array.isArray(coupled) ? coupled.map((each) => textOf(each as string)).join(", ") : "";
+  return Array.isArray(coupled) ? coupled.map((each) => textOf(each as string)).filter((each) => each !== "").join(", ") : "";
 }
 
 type Ends = Pick<DiagramEdge, "source" | "sourceFrame" | "target" | "targetFrame">;

@@ -65,7 +65,7 @@ export function NameInput({ value, change, list, disabled, ...rest }: TextProps)
   };
   return (
     <input
-      {...attributes(rest)} value={text} list={list} disabled={disabled} onBlur={accept} onKeyDown={press}
+      {...attributes(rest)} value={text} title={text} list={list} disabled={disabled} onBlur={accept} onKeyDown={press}
       onChange={(event) => { setText(event.target.value); }}
     />
   );

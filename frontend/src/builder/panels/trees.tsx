@@ -71,7 +71,7 @@ function JointRow({ joint, name, inside, body }: { readonly joint: Entry; readon
   return (
     <div className={`tree-row${selected ? " selected" : ""}`} onContextMenu={(event) => { event.preventDefault(); select([joint.id]); useStore.setState({ popup: { kind: "menu", x: event.clientX, y: event.clientY, target: joint.id } }); }}>
       <input type="checkbox" checked={inside} onChange={toggle} aria-label={`${joint.name} in the ${name} tree`} title={inside ? "Take it out of the tree" : "Put it into the tree"} />
-      <button type="button" onClick={() => { select([joint.id], `${joint.name} selected`); }}>
+      <button type="button" title={body === "" ? joint.name : `${joint.name}: ${body}`} onClick={() => { select([joint.id], `${joint.name} selected`); }}>
         <Icon name={joint.type} fallback={joint.section} size={15} /> <b>{joint.name}</b> <span className="soft">{body === "" ? joint.type.replaceAll("_", " ") : body}</span>
       </button>
     </div>

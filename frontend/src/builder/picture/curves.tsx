@@ -27,13 +27,13 @@ function RunLine({ simulated, stale }: { readonly simulated: Simulated; readonly
   const run = simulated.result?.["run"];
   const facts: JsonObject = isObject(run) ? run : {};
   const parts = [
-    facts["success"] === false ? `${textOf(facts["status"])}: ${textOf(facts["advice"])}` : "",
     facts["energy_drift"] == null ? "" : `energy drift ${Number(facts["energy_drift"]).toExponential(1)}`,
     facts["violation"] == null ? "" : `constraints within ${Number(facts["violation"]).toExponential(1)}`,
     facts["seconds"] == null ? "" : `computed in ${durationText(Number(facts["seconds"]))}`,
   ];
   return (
     <p className="run-line soft">
+      {facts["success"] === false && <b className="failed" title={textOf(facts["status"])}>It did not reach its end: {textOf(facts["advice"])}.</b>}
       {stale && <b className="stale">Before the last edits.</b>} {parts.filter((each) => each !== "").join(" · ")}
       <MoreOutputs simulated={simulated} />
     </p>

@@ -39,7 +39,7 @@ _ORDER: Final = (
     "Equations", "Mass matrix", "Forcing", "Constraints", "Kinematic equations", "Reactions", "Linearization",
     "Energies",
 )  # fmt: skip
-# Written in this order: what is long in large mechanisms comes last, so that something is there soon.
+# The order of writing: what is long comes last, so that something is there soon.
 _QUICK_FIRST: Final = (
     "Forcing", "Kinematic equations", "Constraints", "Energies", "Mass matrix", "Equations", "Linearization",
     "Reactions",

@@ -167,7 +167,7 @@ def scene_basis(
     if usual:
         rod = min(rod, _ROD_OF_BODY * float(np.median(usual)))
     links = _links(model, freedoms)
-    linked = _grouped(address for link in links for address in (link.start, link.end))
+    linked = _by_body(address for link in links for address in (link.start, link.end))
     attached = {address for addresses in linked.values() for address in addresses}
     return SceneBasis(
         model=model,
@@ -186,7 +186,7 @@ def scene_basis(
         moments=tuple(moments),
         links=links,
         linked=linked,
-        loose=_grouped(address for address in frames if address.frame and address not in attached),
+        loose=_by_body(address for address in frames if address.frame and address not in attached),
         lengths=lengths,
         places={name: place for place, name in enumerate((GROUND, *(body.name for body in model.bodies)))},
         size=size,
@@ -228,7 +228,7 @@ def _is_known(joint: Joint, values: Mapping[str, object]) -> bool:
     return all(name in values or name in joint.motions for name in joint.coordinates)
 
 
-def _grouped(addresses: Iterable[FrameRef]) -> dict[str, tuple[FrameRef, ...]]:
+def _by_body(addresses: Iterable[FrameRef]) -> dict[str, tuple[FrameRef, ...]]:
     """Return the frames of each body, each once, in the order of their first appearance."""
     groups: dict[str, list[FrameRef]] = {}
     for address in dict.fromkeys(addresses):
