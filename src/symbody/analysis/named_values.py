@@ -112,7 +112,12 @@ def _is_known(eqs: EquationSet, name: str) -> bool:
 
 def angle_names(eqs: EquationSet) -> frozenset[str]:
     """Return the names of all coordinates that are angles."""
-    names: frozenset[str] = eqs.plans.get("names of angles", lambda: _angle_names(eqs))
+
+    def find_names() -> frozenset[str]:
+        joints = (*eqs.model.joints, *eqs.model.free_joints)
+        return frozenset(name for joint in joints for name in joint.angle_coordinates)
+
+    names: frozenset[str] = eqs.plans.get("names of angles", find_names)
     return names
 
 
@@ -142,11 +147,6 @@ def named_values(
         if name in names
     }
     return constant_values(eqs, read, parameters)
-
-
-def _angle_names(eqs: EquationSet) -> frozenset[str]:
-    joints = (*eqs.model.joints, *eqs.model.free_joints)
-    return frozenset(name for joint in joints for name in joint.angle_coordinates)
 
 
 def unit_quaternions(

@@ -12,7 +12,8 @@ from symbody.arguments import checked_arguments
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.sequences import form_sequence
-from symbody.codegen.function import CompiledFunction, source_text
+from symbody.codegen.function import CompiledFunction
+from symbody.codegen.signature import source_text
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.deadline import in_time
 

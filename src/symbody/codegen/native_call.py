@@ -191,4 +191,6 @@ def _rows(values: Floats | None, batch: tuple[int, ...], count: int) -> tuple[Fl
     if values.ndim == 1 or values.shape[:-1] == (1,) * (values.ndim - 1):
         return np.ascontiguousarray(values).reshape(-1), 0
     size = values.shape[-1]
+    if values.ndim == 2 and values.shape[0] == count and values.flags.c_contiguous:
+        return values, size
     return np.ascontiguousarray(np.broadcast_to(values, (*batch, size))).reshape(count, size), size

@@ -90,6 +90,23 @@ def form_equations(
     return EquationSet(model, given, notes, identity=equations, _again=again)
 
 
+def exchange_values(eqs: EquationSet, model: Model) -> EquationSet:
+    """Return the equations of a model that differs from theirs in the values of parameters alone.
+
+    In equations parameters are symbols, so nothing is formed.
+
+    Parameters
+    ----------
+    eqs : EquationSet
+        As `form_equations` gives them by default, without dependent speeds that values have chosen.
+    """
+    if model is eqs.model:
+        return eqs
+    topology = replace(eqs.formed.topology, model=model)
+    notes = model.notes + eqs.notes[len(eqs.model.notes) :]
+    return EquationSet(model, replace(eqs.formed, topology=topology), notes)
+
+
 def _no_model(given: object) -> Problem:
     cure = f"form_equations(load_model({given!r}))" if isinstance(given, str) else "give a Model"
     return Problem("equations.not_a_model", "model", f"{given!r} is not a model", fix=cure)

@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from symbody.codegen.formation.names import Value, check_names, missing_value, unknown_name
-from symbody.codegen.function import Signature
 from symbody.codegen.massless import massless_problem, massless_speeds
+from symbody.codegen.signature import Signature
 from symbody.codegen.stored_sequence import read_sequence, sequence_key, store_sequence
 from symbody.equations.cache_key import store_notes
 from symbody.equations.equation_set import EquationSet

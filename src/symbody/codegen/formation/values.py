@@ -13,8 +13,9 @@ from symbody.codegen.formation.formula_values import FormulaValues
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.formation.sequences import input_places, parameter_nodes
-from symbody.codegen.function import CompiledFunction, Signature
+from symbody.codegen.function import CompiledFunction
 from symbody.codegen.shared_code import SharedCode
+from symbody.codegen.signature import Signature
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import substitute

@@ -21,9 +21,9 @@ from symbody.errors import SymbodyError
 from symbody.kernels import block as at
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.inputs.input_laws import Law, input_laws, silent_input_note
-from symbody.simulation.methods.change_point import is_overconstrained
 from symbody.simulation.methods.explicit import check_span
 from symbody.simulation.methods.integration import Constraints, Integrator
+from symbody.simulation.methods.overconstrained import is_overconstrained
 from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -235,7 +235,7 @@ def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
     q = dict(zip(eqs.coordinate_names, x[len(eqs.speed_names) :].tolist(), strict=True))
     scales = mechanism_scales(eqs, values, options.scales, q).fit_span(*options.span)
     problem = SimulationProblem(eqs, values, job.laws, scales)
-    if options.constraints is None and is_overconstrained(problem, options.span[0], x):
+    if is_overconstrained(problem, options.span[0], x):
         return "some constraints follow from others only where all loops are closed"
     try:
         notes = job.simulate_case(case).notes

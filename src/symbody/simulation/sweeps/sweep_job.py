@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from symbody.analysis.scales import checked_scales
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.sequences import form_sequence
-from symbody.codegen.function import source_text
+from symbody.codegen.signature import source_text
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.kernels.block import COUNTS
