@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator
 
@@ -51,7 +51,7 @@ def minimum_gap(
             rows[:, places] = tangent * radius / np.linalg.norm(before[places])
         return rows[:, free]
 
-    least = least_squares(
+    least = scipy.optimize.least_squares(
         lambda x: manifold.constraints(coordinates(x)).values, q[free], slopes,
         x_scale=evaluator.sizes[free], ftol=_EXACT, xtol=_EXACT, gtol=_EXACT, max_nfev=_EVALUATIONS,
     )  # fmt: skip

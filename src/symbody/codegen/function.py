@@ -229,6 +229,11 @@ class CompiledFunction:
         return evaluate_rest
 
     @property
+    def tail(self) -> Sequence:
+        """What is computed at `address`: all but what depends on parameters alone."""
+        return self._code.tail.sequence
+
+    @property
     def address(self) -> int:
         """Address of ``int f(t, q, u, r, p, c, out, work)``, all pointers to double; see `constants`."""
         return self._code.tail.native.address

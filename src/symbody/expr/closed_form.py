@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-import sympy as sp
-
 from symbody.expr.graph import Graph, copy_nodes
 from symbody.expr.merging import merge_equal
 from symbody.expr.rewrite import tree_sizes
@@ -44,6 +42,8 @@ class ClosedForms:
 
 def equations_between(left: SympyMatrix, right: SympyMatrix) -> list[SympyEquation]:
     """Return ``left = right``, entry by entry, unevaluated."""
+    import sympy as sp  # takes a third of a second, which most work does without
+
     return [sp.Eq(a, b, evaluate=False) for a, b in zip(left, right, strict=True)]
 
 
@@ -76,6 +76,8 @@ def readable(graph: Graph, nodes: Sequence[int], quaternions: Sequence[tuple[int
 
 def closed_forms(graph: Graph, outputs: Sequence[Roots], limit: int) -> ClosedForms:
     """Return `outputs` as matrices; definitions are named if an entry exceeds `limit` operations."""
+    import sympy as sp
+
     nodes = [node for output in outputs for node in output.nodes]
     expressions, definitions = to_sympy_with_definitions(graph, nodes, limit)
     matrices = {}

@@ -7,8 +7,8 @@ Des. 104 (1982), 247-255.
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import qr
 
 Floats = NDArray[np.float64]
 
@@ -18,7 +18,7 @@ def pivot_order(rows: ArrayLike) -> tuple[NDArray[np.intp], Floats]:
     matrix = np.asarray(rows, dtype=np.float64)
     if not matrix.size:
         return np.arange(matrix.shape[-1]), np.zeros(0)
-    triangle, order = qr(matrix, mode="r", pivoting=True)
+    triangle, order = scipy.linalg.qr(matrix, mode="r", pivoting=True)
     return order, np.abs(np.diagonal(triangle))
 
 

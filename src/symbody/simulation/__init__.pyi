@@ -8,9 +8,11 @@ from .methods.fixed_step import FixedStep as FixedStep
 from .methods.gear_gupta_leimkuhler import GGL as GGL
 from .methods.partition import Partition as Partition
 from .methods.stiff import Stiff as Stiff
+from .programs.generate_simulation import generate_simulation as generate_simulation
 from .results.trajectory import Trajectory as Trajectory
 from .simulate import simulate as simulate
 from .status import Status as Status
+from .stepper.stepper import Stepper as Stepper
 from .sweeps.case_table import Samples as Samples
 from .sweeps.result import Sweep as Sweep
 from .sweeps.sweep import sweep as sweep

@@ -14,8 +14,8 @@ from itertools import combinations, islice
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import linprog
 
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.equilibrium.equilibrium_search import EquilibriumSearch
@@ -192,5 +192,5 @@ def _least_pushing(tensions: Floats, freedoms: Floats) -> Floats:
     cost = np.append(np.zeros(k), -1.0)
     bounds = [(None, None)] * k + [(None, 1.0)]
     rows = np.hstack([-freedoms, np.ones((n, 1))])
-    optimum = linprog(cost, rows, tensions / scale, bounds=bounds)
+    optimum = scipy.optimize.linprog(cost, rows, tensions / scale, bounds=bounds)
     return tensions if optimum.x is None else np.asarray(tensions + scale * freedoms @ optimum.x[:k])

@@ -24,8 +24,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
 
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
@@ -93,7 +93,10 @@ def rotations(eqs: EquationSet, q: Floats, q_dot: Floats) -> Rotations:
     width = np.zeros((len(places), 0))
     empty = np.zeros((0, 0))
     return Rotations(
-        tuple(names), np.hstack([width, *out]), np.vstack([width.T, *back]), block_diag(empty, *turning)
+        tuple(names),
+        np.hstack([width, *out]),
+        np.vstack([width.T, *back]),
+        scipy.linalg.block_diag(empty, *turning),
     )
 
 

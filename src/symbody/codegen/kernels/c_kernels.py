@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.kernels.dialect import BRACES, PREFIX, Arrays, KernelDialect, Names
+from symbody.codegen.kernels.dialect import BRACES, PREFIX, Arrays, KernelDialect, Names, library_words
 from symbody.codegen.kernels.tree import KernelTree, Parameter, Type
 
 _TYPES: Final = {
@@ -74,7 +74,7 @@ C: Final = KernelDialect(
     head=_head,
     operators={"and": "&&", "or": "||", "neg": "-"},
     arrays=Arrays.POINTERS,
-    words={
+    words=library_words("") | {
         "not": "!({0})", "abs": "fabs({0})", "sqrt": "sqrt({0})", "min": "symbody_smaller({0}, {1})",
         "max": "symbody_larger({0}, {1})", "is_finite": "isfinite({0})", "exponent": "symbody_exponent({0})",
         "min int": "(({1}) < ({0}) ? ({1}) : ({0}))", "max int": "(({1}) > ({0}) ? ({1}) : ({0}))",

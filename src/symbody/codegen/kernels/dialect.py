@@ -13,6 +13,18 @@ PREFIX: Final = "symbody_"  # of the names of all kernels
 
 Names = Mapping[str, str]
 
+# Functions of a language's own library, in sequences written as kernels, and how many operands they have.
+LIBRARY: Final = {
+    "tan": 1, "asin": 1, "acos": 1, "atan": 1, "sinh": 1, "cosh": 1, "tanh": 1, "exp": 1, "log": 1, "pow": 2,
+    "atan2": 2,
+}  # fmt: skip
+
+
+def library_words(prefix: str) -> dict[str, str]:
+    """Return the formats of calls of `LIBRARY`."""
+    operands = {1: "{0}", 2: "{0}, {1}"}
+    return {word: f"{prefix}{word}({operands[count]})" for word, count in LIBRARY.items()}
+
 
 def no_names(tree: KernelTree) -> Names:
     """Return no names: parameters and variables keep theirs."""

@@ -6,7 +6,15 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from symbody.codegen.kernels.dialect import BRACES, PREFIX, Arrays, KernelDialect, Names, offset_name
+from symbody.codegen.kernels.dialect import (
+    BRACES,
+    PREFIX,
+    Arrays,
+    KernelDialect,
+    Names,
+    library_words,
+    offset_name,
+)
 from symbody.codegen.kernels.tree import KernelTree, Type
 
 _HELPERS: Final = {
@@ -54,7 +62,7 @@ JAVASCRIPT: Final = KernelDialect(
     literal=literal,
     head=_head,
     operators={"and": "&&", "or": "||", "neg": "-", "==": "===", "!=": "!=="},
-    words={
+    words=library_words("Math.") | {
         "not": "!({0})", "abs": "Math.abs({0})", "sqrt": "Math.sqrt({0})",
         "is_finite": "Number.isFinite({0})", "exponent": "symbody_exponent({0})",
         "min": "({1} < {0} ? {1} : {0})", "max": "({1} > {0} ? {1} : {0})",

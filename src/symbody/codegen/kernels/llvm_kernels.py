@@ -14,12 +14,13 @@ import struct
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final
 
-from symbody.codegen.kernels.dialect import PREFIX
+from symbody.codegen.kernels.dialect import LIBRARY, PREFIX
 from symbody.codegen.kernels.llvm_words import (
     INTEGER,
     INTEGER_TESTS,
     REAL,
     REAL_TESTS,
+    declarations,
     intrinsic_name,
     real_type,
     width_of,
@@ -55,16 +56,11 @@ def llvm_text(
     Integers are 64 bits wide; arrays are pointers that do not overlap. In lanes names end in ``_in_lanes``,
     and a pointer to the flag follows the arguments. Values of the type `Lanes` have `lanes` entries.
     """
-    declarations = [
-        f"declare {real} @{intrinsic_name(word, real)}({real})"
-        for word in ("fabs", "sqrt")
-        for real in dict.fromkeys([real_type(width), real_type(lanes)])
-    ]
     written = (
         "\n".join(_FunctionWriter(tree, tree.name in public, width, lanes).lines())
         for tree in kernels.values()
     )
-    return "\n".join([*declarations, "", *written, ""])
+    return "\n".join([*declarations(width, lanes), "", *written, ""])
 
 
 def kernel_name(kernel: str, width: int = 1) -> str:
@@ -284,6 +280,8 @@ class _FunctionWriter:
             word = f"fcmp {REAL_TESTS[operator]}" if is_real else f"icmp {INTEGER_TESTS[operator]}"
             truth = self._value(f"{word} {kind} {', '.join(texts)}")
             return self._common(truth) if operand.type == Type.REAL else truth
+        if operator in LIBRARY:
+            return self._value(f"call double @{operator}({', '.join(f'double {text}' for text in texts)})")
         return _WORDS[operator](self, kind, *texts)
 
     def _common(self, mask: str) -> str:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Final
+
+from symbody.codegen.kernels.dialect import LIBRARY
 
 REAL: Final = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv"}
 INTEGER: Final = {"+": "add nsw", "-": "sub nsw", "*": "mul nsw"}
@@ -24,3 +27,12 @@ def intrinsic_name(word: str, real: str) -> str:
 def width_of(kind: str) -> int:
     """Return how many entries a value of a type has."""
     return int(kind[1:].partition(" ")[0]) if kind.startswith("<") else 1
+
+
+def declarations(width: int, lanes: int) -> Iterator[str]:
+    """Yield declarations of what kernels call besides each other."""
+    for word in ("fabs", "sqrt"):
+        for real in dict.fromkeys([real_type(width), real_type(lanes)]):
+            yield f"declare {real} @{intrinsic_name(word, real)}({real})"
+    for word, count in LIBRARY.items():
+        yield f"declare double @{word}({', '.join(['double'] * count)})"

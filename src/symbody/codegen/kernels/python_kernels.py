@@ -12,6 +12,7 @@ from symbody.codegen.kernels.dialect import (
     KernelDialect,
     Names,
     StatementFormats,
+    library_words,
     offset_name,
 )
 from symbody.codegen.kernels.tree import KernelTree, Type
@@ -51,7 +52,7 @@ PYTHON: Final = KernelDialect(
     literal=_literal,
     head=_head,
     operators={"neg": "-"},
-    words={
+    words=library_words("math.") | {
         "not": "(not {0})", "abs": "abs({0})", "sqrt": "symbody_sqrt({0})", "min": "min({0}, {1})",
         "max": "max({0}, {1})", "is_finite": "math.isfinite({0})", "exponent": "symbody_exponent({0})",
         "power_of_two": "math.ldexp(1.0, {0})", "half": "(({0}) >> 1)", "real": "float({0})",

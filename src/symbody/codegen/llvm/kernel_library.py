@@ -9,6 +9,7 @@ import llvmlite.binding as binding
 
 from symbody.codegen.kernels.llvm_kernels import kernel_name, llvm_text
 from symbody.codegen.kernels.reader import read_kernels, read_text
+from symbody.codegen.kernels.tree import KernelTree
 from symbody.codegen.llvm.machine import environment, lanes, optimized_code
 from symbody.codegen.llvm.runtime import load
 from symbody.codegen.llvm.stored_module import Module, read_module, store_module, written_by
@@ -31,7 +32,11 @@ def load_kernels(module: str, names: Sequence[str]) -> Mapping[str, int]:
 
 def compile_kernels(text: str, file: str) -> Mapping[str, int]:
     """Return the addresses of all kernels of a text, valid as long as the process lives."""
-    kernels = read_text(text, file)
+    return compile_trees(read_text(text, file))
+
+
+def compile_trees(kernels: Mapping[str, KernelTree]) -> Mapping[str, int]:
+    """Return the addresses of kernels, valid as long as the process lives."""
     code = optimized_code(llvm_text(kernels, tuple(kernels), lanes=lanes()))
     return _addresses(Module((code,), 0, ()), tuple(kernels))
 

@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 Floats = NDArray[np.float64]
 Watched = Callable[[Floats], Floats]  # times (N,) to values (n, N)
@@ -124,7 +124,11 @@ def _root(watched: Watched, place: int, a: float, b: float) -> float:
         return a if abs(ends[0]) <= abs(ends[1]) else b
     # Products of tiny values would be zero, so the function is looked at in units of its larger end.
     shortest = _EXACT * abs(b - a)
-    return float(brentq(lambda t: watched(np.array([t]))[place, 0] / size, a, b, xtol=shortest, rtol=_EXACT))
+    return float(
+        scipy.optimize.brentq(
+            lambda t: watched(np.array([t]))[place, 0] / size, a, b, xtol=shortest, rtol=_EXACT
+        )
+    )
 
 
 def _touches(watched: Watched, place: int, t: Floats, sign: float, scale: float) -> Iterator[Crossing]:

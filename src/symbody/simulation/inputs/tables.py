@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Final, Literal
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline
 
 from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
@@ -171,7 +171,7 @@ def _polynomials(times: Floats, values: Floats, kind: str) -> tuple[Floats, Floa
         elif kind == "linear":
             own = np.stack([y[:-1], np.diff(y) / np.diff(t)], axis=1)
         else:
-            own = np.asarray(CubicSpline(t, y).c[::-1].T, dtype=np.float64)
+            own = np.asarray(scipy.interpolate.CubicSpline(t, y).c[::-1].T, dtype=np.float64)
         starts.append(t[: len(own)])
         pieces.append(np.pad(own, ((0, 0), (0, 4 - own.shape[1]))))
     return np.concatenate(starts), np.concatenate(pieces)[:, : 2 if kind == "linear" else 4]

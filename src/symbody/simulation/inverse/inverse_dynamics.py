@@ -13,8 +13,8 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline
 
 from symbody.analysis.kinematics.continuation import continuation
 from symbody.analysis.scales import checked_scales
@@ -244,4 +244,4 @@ def _integral(t: Floats, power: Floats) -> Floats:
     """Return the integral of a power since the first time, by a cubic spline."""
     if t.size < 2:
         return np.zeros_like(t)
-    return np.asarray(CubicSpline(t, power).antiderivative()(t), dtype=np.float64)
+    return np.asarray(scipy.interpolate.CubicSpline(t, power).antiderivative()(t), dtype=np.float64)

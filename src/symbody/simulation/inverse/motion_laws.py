@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 
 from symbody.analysis.kinematics.continuation import Law
 from symbody.codegen.formation.names import Value
@@ -81,7 +81,7 @@ def _table_problems(name: str, table: Table, span: tuple[float, float]) -> list[
 
 
 def _spline(table: Table) -> Law:
-    spline = CubicSpline(np.asarray(table.t), np.asarray(table.values))
+    spline = scipy.interpolate.CubicSpline(np.asarray(table.t), np.asarray(table.values))
 
     def law(t: float) -> tuple[float, float, float]:
         return float(spline(t)), float(spline(t, 1)), float(spline(t, 2))

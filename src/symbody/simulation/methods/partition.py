@@ -13,8 +13,8 @@ from functools import partial
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.integrate import DOP853
 
 from symbody.arguments import checked_fields
 from symbody.errors import Problem, SimulationError, UsageError
@@ -134,7 +134,7 @@ class _PartitionStepper:
         self._t, self._x = t, x
         self._choose(None)
 
-    def _accept(self, solver: DOP853, x: Floats) -> None:
+    def _accept(self, solver: scipy.integrate.DOP853, x: Floats) -> None:
         """Go on from the end of a step; what was carried along is brought onto the constraints."""
         self._x, self._t = x, float(solver.t)
         solver.y = x.copy()
@@ -143,7 +143,7 @@ class _PartitionStepper:
         if self._t != self._end and self.states.is_worn(self._t, x[self._integration.n_u :], self._worst):
             self._choose(abs(solver.h_abs))
 
-    def _nodes(self, solver: DOP853) -> Floats | None:
+    def _nodes(self, solver: scipy.integrate.DOP853) -> Floats | None:
         """Return the states inside the step; None if they are out of reach."""
         inside = solver.dense_output()
         nodes = np.empty((NODES, self._x.size))
@@ -169,7 +169,7 @@ class _PartitionStepper:
         longest = self._longest
         begin, _, _ = self._ends(self._t)
         rest = abs(self._end - begin)
-        self._solver = solver = DOP853(
+        self._solver = solver = scipy.integrate.DOP853(
             self._watch, begin, self._x.copy(), self._end, max_step=longest, rtol=self._integration.rtol,
             atol=self._integration.tolerances, first_step=rest or None,
         )  # fmt: skip

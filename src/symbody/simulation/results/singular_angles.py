@@ -12,8 +12,8 @@ from functools import partial
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from symbody.equations.equation_set import EquationSet
 from symbody.model.joint import Joint
@@ -81,7 +81,7 @@ def _measure_at(angles: _Angles, dense: DenseOutput, n_u: int, t: float) -> floa
 def _least(measure: Callable[[float], float], between: tuple[float, float]) -> tuple[float, float]:
     """Return when something is least, and how large it is then."""
     low, high = sorted(between)
-    found = minimize_scalar(
+    found = scipy.optimize.minimize_scalar(
         measure, bounds=(low, high), method="bounded", options={"xatol": 1e-9 * (high - low)}
     )
     return float(found.x), float(found.fun)

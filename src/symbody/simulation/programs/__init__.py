@@ -1,0 +1,1 @@
+"""Whole simulations as programs that stand alone."""

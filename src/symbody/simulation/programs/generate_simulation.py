@@ -1,0 +1,96 @@
+"""`generate_simulation`: a motion as a program that stands alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from symbody.analysis.assembly import assemble
+from symbody.arguments import checked_arguments
+from symbody.codegen.formation.names import Value
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import Problem, UsageError
+from symbody.simulation.inputs.input_laws import Law, input_laws
+from symbody.simulation.methods.constraints import Baumgarte, Projection
+from symbody.simulation.methods.explicit import Explicit
+from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.methods.integration_problem import IntegrationProblem
+from symbody.simulation.programs.main_texts import LANGUAGES, program_text
+from symbody.simulation.programs.prepared_motion import PreparedMotion, prepare_motion
+from symbody.simulation.simulate import pose_problem
+from symbody.simulation.sweeps.case_by_case import reason_for_simulate
+
+_SAMPLES = 101
+
+
+@checked_arguments
+def generate_simulation(
+    eqs: EquationSet, t_end: float | tuple[float, float], language: str = "c",
+    initial: Mapping[str, Value] | None = None, guess: Mapping[str, Value] | None = None,
+    parameters: Mapping[str, Value] | None = None, inputs: Mapping[str, Law] | None = None,
+    times: ArrayLike | None = None, integrator: Explicit | FixedStep | None = None,
+    constraints: Projection | Baumgarte | None = None, *, rtol: float = 1e-8, atol: float | None = None,
+    scales: Mapping[str, float] | None = None, max_steps: int = 1_000_000,
+) -> str:  # fmt: skip
+    """Return a program that computes a motion as `simulate` does, and needs nothing else.
+
+    It holds the equations, the integrator with its projection, and the first state, and prints the samples:
+    time, speeds, coordinates, work. The programs in all languages print the same numbers to the last bit, as
+    long as the equations use no function beyond sine, cosine, roots and whole powers, which languages compute
+    in their own ways. They agree with `simulate` to the tolerance.
+
+    Parameters
+    ----------
+    language : str
+        "c" for C99 (to be compiled with ``-ffp-contract=off``), "javascript" for Node and browsers, where
+        ``simulate()`` returns the samples, or "python", without any package.
+    times : array, optional
+        The samples; by default 101 from the first to the last time.
+    integrator, constraints : optional
+        ``Explicit(..)`` or ``FixedStep(..)``; ``Projection(..)`` or ``Baumgarte(..)``.
+
+    Other parameters are those of `simulate`.
+
+    Raises
+    ------
+    UsageError
+        An unknown language, or a motion that `simulate` computes in part by Python: inputs that are
+        functions, friction that sticks, ropes, prescribed rates that jump.
+    CompileError, AssemblyError
+        As `simulate`.
+    """
+    if language not in LANGUAGES:
+        fix = f"choose one of {', '.join(LANGUAGES)}"
+        what = f"no program can be written in {language!r}"
+        raise UsageError(Problem("simulation.language", "language", what, "", fix))
+    motion = _prepare(
+        eqs, t_end, initial, guess, parameters, inputs, times, integrator, constraints, rtol, atol, scales,
+        max_steps,
+    )  # fmt: skip
+    return program_text(motion, LANGUAGES[language], eqs.model.name)
+
+
+def _prepare(
+    eqs: EquationSet, t_end: float | tuple[float, float], initial: Mapping[str, Value] | None,
+    guess: Mapping[str, Value] | None, parameters: Mapping[str, Value] | None,
+    inputs: Mapping[str, Law] | None, times: ArrayLike | None, integrator: Explicit | FixedStep | None,
+    constraints: Projection | Baumgarte | None, rtol: float, atol: float | None,
+    scales: Mapping[str, float] | None, max_steps: int,
+) -> PreparedMotion:  # fmt: skip
+    """Return the motion as kernels and numbers."""
+    span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
+    laws = input_laws(eqs.input_names, inputs or {}, span)
+    reason = reason_for_simulate(eqs, laws, integrator, constraints, has_events=False)
+    if reason:
+        fix = "give formulas as inputs, or take simulate"
+        raise UsageError(
+            Problem("simulation.program", "", f"this motion is no program of its own: {reason}", "", fix)
+        )
+    first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
+    problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
+    x0 = np.array([*first.u.values(), *first.q.values(), 0.0])
+    samples = np.linspace(*span, _SAMPLES) if times is None else times
+    integration = IntegrationProblem(problem, x0, span, samples, rtol, atol, max_steps)
+    return prepare_motion(integration, integrator, constraints)
