@@ -97,9 +97,7 @@ def inverse_dynamics(
     solver = InputSolver(path, eqs, laws, names, columns)
     samples = path.samples(t)
     inputs_found = solver.solve(samples)
-    notes = tuple(_notes(eqs, names, others, laws, redundant=inputs_found.redundant))
-    if np.ndim(times) == 0:
-        notes += (f"times={t[0]:g} is one time; np.linspace(0, {t[0]:g}, 101) gives the motion up to it",)
+    notes = (*_notes(eqs, names, others, laws, redundant=inputs_found.redundant), *_single_time(times))
     return _trajectory(solver, samples, inputs_found.values, notes, started)
 
 
@@ -238,6 +236,14 @@ def _notes(
             "these have the least sum of squares"
         )
     return [*notes, *laws.notes]
+
+
+def _single_time(times: ArrayLike) -> tuple[str, ...]:
+    """Return a note where a number was given for the times, as an end time is in `simulate`."""
+    if np.ndim(times):
+        return ()
+    end = float(np.asarray(times, dtype=np.float64))
+    return (f"times={end:g} is one time; np.linspace(0, {end:g}, 101) gives the motion up to it",)
 
 
 def _integral(t: Floats, power: Floats) -> Floats:
