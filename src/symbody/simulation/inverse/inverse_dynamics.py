@@ -95,8 +95,7 @@ def inverse_dynamics(
     laws = input_laws([name for name in eqs.input_names if name not in names], others, span)
     columns = eqs.plans.get(("influence", names), lambda: influence(eqs, names))
     solver = InputSolver(path, eqs, laws, names, columns)
-    samples = path.samples(t)
-    inputs_found = solver.solve(samples)
+    inputs_found = solver.solve(samples := path.samples(t))
     notes = (*_notes(eqs, names, others, laws, redundant=inputs_found.redundant), *_single_time(times))
     return _trajectory(solver, samples, inputs_found.values, notes, started)
 

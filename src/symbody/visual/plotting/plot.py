@@ -95,9 +95,7 @@ def plot(
         if events and x == "t":
             mark_events(axes, panels_beside(axes).values(), run)
         return axes
-    if curves or x != "t":
-        what, fix = "curves over an output and paths do not share axes", "draw them by two calls of plot"
-        raise UsageError(Problem("plot.mixed", repr(curves[0] if curves else x), what, fix=fix))
+    _check_paths_alone(curves, x)
     return _paths(rename_curves(_make_paths(run, chosen), labels), ax, title, equal)
 
 
@@ -105,6 +103,12 @@ def _check_motion(run: object) -> None:
     if not isinstance(run, Trajectory):
         fix = "give what simulate, inverse_dynamics or sweep returns"
         raise UsageError(Problem("plot.not_a_motion", "run", f"{run!r} is not a motion", fix=fix))
+
+
+def _check_paths_alone(curves: Sequence[str], x: str) -> None:
+    if curves or x != "t":
+        what, fix = "curves over an output and paths do not share axes", "draw them by two calls of plot"
+        raise UsageError(Problem("plot.mixed", repr(curves[0] if curves else x), what, fix=fix))
 
 
 def _make_paths(run: Trajectory, chosen: Sequence[str | tuple[str, ...]]) -> list[PlanePath]:
