@@ -127,3 +127,11 @@ def test_unknown_names() -> None:
 def test_unreachable_closure() -> None:
     with pytest.raises(sb.AssemblyError, match=r"assembly\.(conflict|open)"):
         sb.find_equilibrium(equations_of("slider_crank"), fixed={"s": 5.0})
+
+
+def test_a_body_without_a_joint_is_named_as_the_cause() -> None:
+    held, lost = (sb.Body(name, mass=1, inertia=(1, 1, 1)) for name in ("Held", "Lost"))
+    hinge = sb.Revolute("hinge", "ground", held, coordinate="phi", torque=sb.Drive(stiffness=1))
+    eqs = sb.form_equations(sb.Model("loose", [lost, hinge], (0, 0, -9.81)))
+    with pytest.raises(sb.AssemblyError, match="body Lost has no joint and moves freely"):
+        sb.find_equilibrium(eqs)

@@ -45,7 +45,7 @@ def describe(eqs: sb.EquationSet) -> str:
 def main() -> None:
     eqs = sb.form_equations(double_pendulum((1.0, 0.8)))
     print(describe(eqs))
-    run = sb.simulate(eqs, 5.0, inputs={"T": "0.2*sin(3*t)"}, events=sb.Event("theta1", direction="rising"))
+    run = sb.simulate(eqs, 5.0, inputs={"T": "0.2*sin(3*t)"}, events=sb.Event("theta1", direction=1))
     names: list[str] = [name for name in run if name.startswith("theta")]
     print(run.status.value, {name: float(run[name][-1]) for name in names}, largest_speed(run, "theta2"))
     udot = sb.compile(eqs, "udot")

@@ -178,7 +178,7 @@ def _distinct_equilibria(evaluator: ConstraintEvaluator, searches: TautSearch) -
 def _unbalanced_problem(attempts: Sequence[Candidate]) -> Problem:
     """Return the refusal, with the unbalanced force at the best configuration."""
     finite = [one for one in attempts if np.isfinite(one.residual.merit)]
-    eqs = attempts[0].search.evaluator.eqs
+    eqs, cause = attempts[0].search.evaluator.eqs, ""
     if not finite:
         what = "the forces are not finite"
     else:
@@ -191,11 +191,20 @@ def _unbalanced_problem(attempts: Sequence[Candidate]) -> Problem:
         place = ", ".join(f"{q} = {x:.4g}" for q, x in zip(eqs.coordinate_names, rest.q, strict=True))
         left = best.fault or f"along {name} {force:.4g} {unit} are not balanced"
         what = f"{left}, where least is left ({place})"
+        cause = _loose_body(eqs, name) if not best.fault else ""
     dry = "; friction at rest was taken as 0" if switching_joints(eqs.formed) else ""
     return Problem(
-        "equilibrium.none", eqs.model.name, what, f"{STARTS} starts about the guess were tried{dry}",
+        "equilibrium.none", eqs.model.name, what, f"{cause}{STARTS} starts about the guess were tried{dry}",
         "hold what moves by a joint, a spring or an unknown input, or give guess= nearer to a balance",
     )  # fmt: skip
+
+
+def _loose_body(eqs: EquationSet, speed: str) -> str:
+    """Return which body nothing holds, if a speed is its own."""
+    for joint in eqs.model.free_joints:
+        if speed in (*joint.quasi_speed_names, *(f"{name}_dot" for name in joint.coordinates)):
+            return f"body {joint.end.body} has no joint and moves freely; "
+    return ""
 
 
 def _singular(evaluator: ConstraintEvaluator, q: Floats) -> Problem:

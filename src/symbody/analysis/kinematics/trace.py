@@ -114,8 +114,7 @@ def trace_positions(
     Parameters
     ----------
     over : mapping of coordinate to (N,) values or one value
-        As many coordinates as there are freedoms, those of cut joints too; a single value holds still.
-        Values may be formulas in parameters, angles texts such as ``"30 deg"``.
+        For as many coordinates as there are freedoms; numbers, formulas, ``"30 deg"``. One value holds still.
     guess : mapping of name to number or formula in parameters
         Near which the loops close at the first values.
     t : float

@@ -115,7 +115,7 @@ def number_text(value: Constant) -> str:
     gives the same constant, except for a rounded zero, which reads as the exact one.
     """
     if isinstance(value, float):
-        return format(value, "#.17g")
+        return format(value, "#.17g") if value else str(value)
     exact = Fraction(value)
     if exact.denominator < 10:
         return str(exact)

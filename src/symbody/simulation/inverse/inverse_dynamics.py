@@ -94,11 +94,8 @@ def inverse_dynamics(
     path = prescribe_motion(eqs, driven, given, dict(guess or {}), checked_scales(scales), t)
     laws = input_laws([name for name in eqs.input_names if name not in names], others, span)
     solver = InputSolver(path, eqs, laws, names, influence(eqs, names))
-    samples = path.samples(t)
-    inputs_found = solver.solve(samples)
-    notes = tuple(_notes(eqs, names, others, laws, redundant=inputs_found.redundant))
-    if np.ndim(times) == 0:
-        notes += (f"times={t[0]:g} is one time; np.linspace(0, {t[0]:g}, 101) gives the motion up to it",)
+    inputs_found = solver.solve(samples := path.samples(t))
+    notes = (*_notes(eqs, names, others, laws, redundant=inputs_found.redundant), *_single_time(times))
     return _trajectory(solver, samples, inputs_found.values, notes, started)
 
 
@@ -237,6 +234,14 @@ def _notes(
             "these have the least sum of squares"
         )
     return [*notes, *laws.notes]
+
+
+def _single_time(times: ArrayLike) -> tuple[str, ...]:
+    """Return a note where a number was given for the times, as an end time is in `simulate`."""
+    if np.ndim(times):
+        return ()
+    end = float(np.asarray(times, dtype=np.float64))
+    return (f"times={end:g} is one time; np.linspace(0, {end:g}, 101) gives the motion up to it",)
 
 
 def _integral(t: Floats, power: Floats) -> Floats:

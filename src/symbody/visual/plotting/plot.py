@@ -60,9 +60,8 @@ def plot(
     *expressions : str or tuple of str
         Any name or formula of ``run[...]``, such as ``"0.5*m*x_dot^2"`` and
         ``"sqrt('reaction A Fx'^2 + 'reaction A Fy'^2)"``; all coordinates if none is given.
-        A vector makes three curves. A tuple makes a path of its two or three components, in the plane or in
-        space: ``("X", "Y")``, or ``("frame r P",)`` for the way of a frame; paths in space that all stay in a
-        plane x, y or z = constant are drawn in it. Curves and paths do not mix.
+        A vector makes three curves. A tuple makes a path of its two or three components: ``("X", "Y")``, or
+        ``("frame r P",)`` for the way of a frame, in its plane x, y or z = constant if there is one.
     ax : Axes, optional
         Where to draw, for instance from ``matplotlib.pyplot.subplots()`` to see a window. By default a new
         figure that belongs to no window: ``ax.figure``, or `save_plot`. What is given takes all curves,
@@ -87,9 +86,7 @@ def plot(
     """
     if isinstance(run, Sweep):
         return plot_sweep(run, expressions, ax, title)
-    if not isinstance(run, Trajectory):
-        fix = "give what simulate, inverse_dynamics or sweep returns"
-        raise UsageError(Problem("plot.not_a_motion", "run", f"{run!r} is not a motion", fix=fix))
+    _check_motion(run)
     chosen = expressions or run.coordinate_names
     curves = [item for item in chosen if isinstance(item, str)]
     if len(curves) == len(chosen):
@@ -98,10 +95,20 @@ def plot(
         if events and x == "t":
             mark_events(axes, panels_beside(axes).values(), run)
         return axes
+    _check_paths_alone(curves, x)
+    return _paths(rename_curves(_make_paths(run, chosen), labels), ax, title, equal)
+
+
+def _check_motion(run: object) -> None:
+    if not isinstance(run, Trajectory):
+        fix = "give what simulate, inverse_dynamics or sweep returns"
+        raise UsageError(Problem("plot.not_a_motion", "run", f"{run!r} is not a motion", fix=fix))
+
+
+def _check_paths_alone(curves: Sequence[str], x: str) -> None:
     if curves or x != "t":
         what, fix = "curves over an output and paths do not share axes", "draw them by two calls of plot"
         raise UsageError(Problem("plot.mixed", repr(curves[0] if curves else x), what, fix=fix))
-    return _paths(rename_curves(_make_paths(run, chosen), labels), ax, title, equal)
 
 
 def _make_paths(run: Trajectory, chosen: Sequence[str | tuple[str, ...]]) -> list[PlanePath]:
