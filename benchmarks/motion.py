@@ -17,7 +17,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
-from symbody.simulation.native.interface import RightHandSide, call, compile_loop
 
 import symbody as sb
 from benchmarks.mechanisms import EXAMPLES

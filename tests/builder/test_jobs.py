@@ -45,7 +45,7 @@ def work(task: Any, data: dict[str, Any], **options: Any) -> tuple[dict[str, Any
     stages: list[str] = []
     with watch_stages(stages.append):
         result = task(
-            {"data": data, "folder": "", "options": options}, lambda stage, percent: stages.append(stage)
+            {"data": data, "folder": "", "options": options}, lambda stage, *_: stages.append(stage)
         )
     json.dumps(result, allow_nan=False)
     return result, list(dict.fromkeys(stages))

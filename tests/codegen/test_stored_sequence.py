@@ -19,7 +19,7 @@ import pytest
 import symbody as sb
 from symbody.codegen import stored_sequence
 from symbody.codegen.formation.sequences import form_sequence
-from symbody.codegen.function import Signature
+from symbody.codegen.signature import Signature
 from symbody.codegen.stored_sequence import read_sequence, store_sequence
 from symbody.equations import cache_key as known
 from symbody.equations import form as forming

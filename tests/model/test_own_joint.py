@@ -105,10 +105,10 @@ def test_the_effort_of_a_prescribed_place_on_a_circle(as_constraint: bool) -> No
 
 def test_a_curve_without_a_turn_closes_no_loop() -> None:
     planar = sb.Planar("plane", "ground", "Bead", coordinates=["x", "y", "c"])
-    with pytest.raises(sb.FormulationError) as caught:
+    with pytest.raises(sb.TopologyError) as caught:
         formed(planar, Hoop("hoop", "ground", "Bead", 1, coordinate="s", tree=False))
     (problem,) = caught.value.problems
-    assert (problem.code, problem.where) == ("equations.curved_shift", "joint hoop")
+    assert (problem.code, problem.where) == ("topology.curved_chord", "joint hoop")
     assert "PointOnCurve" in problem.fix
 
 

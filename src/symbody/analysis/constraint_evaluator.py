@@ -76,6 +76,8 @@ class ConstraintEvaluator:
 
         def evaluate(q: Floats) -> tuple[Floats, Floats]:
             point = self.constraints(self.t, q, still)
+            if not measured:
+                return point.constraints, point.position_jacobian
             values, rows = [point.constraints], [point.position_jacobian]
             for name, value in measured.items():
                 present, row = self._measure_row(name, q)

@@ -26,6 +26,11 @@ def with_outputs(
     return EquationSet(eqs.model, wider, eqs.notes, {roots.name: roots for roots in outputs})
 
 
+def laws_key(laws: Mapping[str, Value | None]) -> tuple[tuple[str, str], ...]:
+    """Return what tells laws of inputs from others, as part of a key of plans."""
+    return tuple([(name, str(law)) for name, law in laws.items()])
+
+
 def with_laws(eqs: EquationSet, nodes: Sequence[int], laws: Mapping[str, Value]) -> list[int]:
     """Return nodes with the inputs replaced by their laws, so that derivatives see what these read."""
     names = eqs.formed.names

@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from symbody.arguments import checked_arguments
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
-from symbody.codegen.function import CompiledFunction, Signature
+from symbody.codegen.function import CompiledFunction
+from symbody.codegen.signature import Signature
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.index_reduction.index_one_form import IndexOneForm, index_one_form
 from symbody.errors import CompileError, FormulationError, Problem, SimulationError, nearest

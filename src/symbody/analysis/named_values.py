@@ -110,6 +110,17 @@ def _is_known(eqs: EquationSet, name: str) -> bool:
     return name in names.symbols or name in names.values
 
 
+def angle_names(eqs: EquationSet) -> frozenset[str]:
+    """Return the names of all coordinates that are angles."""
+
+    def find_names() -> frozenset[str]:
+        joints = (*eqs.model.joints, *eqs.model.free_joints)
+        return frozenset(name for joint in joints for name in joint.angle_coordinates)
+
+    names: frozenset[str] = eqs.plans.get("names of angles", find_names)
+    return names
+
+
 def named_values(
     eqs: EquationSet,
     formulas: Mapping[str, Value],
@@ -129,18 +140,13 @@ def named_values(
         return {}
     refuse_unknown(eqs, [name for name in formulas if name in strict])
     names = positions_and_rates(eqs)
-    angles: frozenset[str] = eqs.plans.get("names of angles", lambda: _angle_names(eqs))
+    angles = angle_names(eqs)
     read = {
         name: parse_angle(value, where=name) if name in angles and isinstance(value, str) else value
         for name, value in formulas.items()
         if name in names
     }
     return constant_values(eqs, read, parameters)
-
-
-def _angle_names(eqs: EquationSet) -> frozenset[str]:
-    joints = (*eqs.model.joints, *eqs.model.free_joints)
-    return frozenset(name for joint in joints for name in joint.angle_coordinates)
 
 
 def unit_quaternions(

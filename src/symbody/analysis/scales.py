@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
@@ -17,12 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.formation.bound_function import evaluate_once
+from symbody.codegen.formation.formula_values import FormulaValues
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import parameter_set
-from symbody.codegen.formation.values import form_values
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.model.constraints.couplings import Constraint
 from symbody.model.constraints.points import PointOnSurface
 from symbody.model.lengths import model_lengths
@@ -232,13 +232,10 @@ def values_at_start(
     eqs: EquationSet, formulas: Mapping[str, Value], parameters: Mapping[str, Value]
 ) -> dict[str, float]:
     """Return the values of formulas in parameters and t, at t = 0."""
-    distinct = dict.fromkeys(formulas.values())  # the same few lengths stand in many places
-    if not distinct:
-        return {}
-    sequence, _ = form_values(eqs, number_formulas(distinct), parameters)
-    values = evaluate_sequence(sequence, {"t": [0.0]})
-    numbers = {formula: float(value[0]) for formula, value in zip(distinct, values, strict=True)}
-    return {name: numbers[formula] for name, formula in formulas.items()}
+    texts = tuple([str(formula) for formula in formulas.values()])
+    plan = partial(FormulaValues, eqs, tuple(formulas.values()), timed=True)
+    values: FormulaValues = eqs.plans.get(("values at the start", texts), plan)
+    return dict(zip(formulas, values.numbers(parameter_set(eqs, parameters).floats), strict=True))
 
 
 class _UnitPlan(NamedTuple):

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
-Report = Callable[[str, int | None], None]  # a stage and how much of it is done [percent]
+
+class Report(Protocol):
+    """Takes the stage of a task, its percentage if there is one, and a part of the result if one is ready."""
+
+    def __call__(self, stage: str, percent: int | None, part: Any = None, /) -> None:
+        """Hand on what is new."""
 
 
 class TaskFailure(Exception):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import threading
@@ -38,6 +39,9 @@ _TASKS: Final = MappingProxyType(
     }
 )
 
+# Their results go to the page as they are: written as JSON here, the server hands on bytes.
+_AS_JSON: Final = frozenset({"check", "redraw", "pose", "drag"})
+
 
 def run_worker(pipe: Connection) -> None:
     """Run tasks until there are no more."""
@@ -51,7 +55,11 @@ def run_worker(pipe: Connection) -> None:
             name, payload = pipe.recv()
         except (EOFError, OSError):
             return
-        pipe.send(_outcome(name, payload, lambda stage, percent: pipe.send(("stage", stage, percent))))
+
+        def report(stage: str, percent: int | None, part: Any = None, /) -> None:
+            pipe.send(("stage", stage, percent, part))
+
+        pipe.send(_outcome(name, payload, report))
 
 
 def _outcome(name: str, payload: dict[str, Any], report: Report) -> tuple[str, Any]:
@@ -59,13 +67,18 @@ def _outcome(name: str, payload: dict[str, Any], report: Report) -> tuple[str, A
     try:
         module, _, function = _TASKS[name].partition(":")
         with _report_stages(report):
-            return "done", getattr(import_module(module), function)(payload, report)
+            result = getattr(import_module(module), function)(payload, report)
+            return "done", _json(result) if name in _AS_JSON else result
     except TaskFailure as failure:
         return "failed", failure.problems
     except SymbodyError as error:
         return "failed", page_problems(error.problems, payload.get("data") or {})
     except Exception as error:  # a fault of ours: it is told without the insides of the server
         return "failed", [_fault(error)]
+
+
+def _json(value: Any) -> bytes:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
 
 
 @contextmanager

@@ -12,7 +12,8 @@ from symbody.arguments import checked_arguments
 from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.sequences import form_sequence
-from symbody.codegen.function import CompiledFunction, source_text
+from symbody.codegen.function import CompiledFunction
+from symbody.codegen.signature import source_text
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.deadline import in_time
 
@@ -87,7 +88,8 @@ def generate_code(
     ----------
     language : str
         "c" for C99, "python" for a module that needs NumPy alone, "fortran" for Fortran 2008, "matlab"
-        (or "octave"), "julia", "jax", or "casadi"; each text explains itself at its head.
+        (or "octave"), "julia", "rust", "javascript" for an ES module, "jax", or "casadi"; each text explains
+        itself at its head.
     parameters : mapping, optional
         Values to put in; None leaves every parameter an argument, in the order of ``eqs.parameters``.
 

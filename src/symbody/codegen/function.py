@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable
 from collections.abc import Sequence as Items
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache, partial
 from typing import Any, Final
 
@@ -13,13 +13,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.arguments import checked_arguments
+from symbody.codegen.call_arguments import (
+    as_array,
+    broadcast,
+    check_out,
+    checked_group,
+    checked_threads,
+    length_problem,
+)
 from symbody.codegen.direct_call import DirectCall
 from symbody.codegen.llvm.native import NativeFunction
 from symbody.codegen.native_call import SinglePoint
 from symbody.codegen.shared_code import SharedCode
-from symbody.codegen.texts.languages import TEXTS
-from symbody.errors import CompileError, Problem, nearest
-from symbody.expr.program import written_out
+from symbody.codegen.signature import Signature as Signature
+from symbody.codegen.signature import source_text
+from symbody.errors import CompileError
 from symbody.expr.sequence import Output, Sequence
 from symbody.single_flight import SingleFlight
 
@@ -28,21 +36,6 @@ Specialize = Callable[[], Sequence]
 NOTHING: Final = np.zeros(0)
 # Calls at a point after which a function has its own way into machine code; it takes some 50 us to make.
 _FEW_CALLS: Final = 20
-_WORDS: Final = {"q": "coordinates", "u": "speeds", "r": "inputs", "p": "parameters", "t": "time"}
-
-
-@dataclass(frozen=True, slots=True)
-class Signature:
-    """Names of what a function takes, group by group, in order."""
-
-    q: tuple[str, ...]
-    u: tuple[str, ...]
-    r: tuple[str, ...]
-    p: tuple[str, ...]
-
-    def names(self, group: str) -> tuple[str, ...]:
-        """Return the names of one group."""
-        return {"q": self.q, "u": self.u, "r": self.r, "p": self.p}.get(group, ("t",))
 
 
 class CompiledFunction:
@@ -102,7 +95,6 @@ class CompiledFunction:
         self._at_point: Callable[..., Any] | None = None
         self._calls = 0
         self._sizes = [
-            ("t", 1),
             ("q", len(signature.q)),
             ("u", len(signature.u)),
             ("r", len(signature.r)),
@@ -174,14 +166,17 @@ class CompiledFunction:
                 return result if self._result is None else self._taken_apart(result)
         points = self._points(t, q, u, r, p)
         if points is not None:
-            self._check_out(out, ())
-            return self._reshape_outputs(self._call_at_point(points), (), out)
-        given = {group: self._check_shape(group, x) for group, x in zip("qurp", (q, u, r, p), strict=True)}
-        given["t"] = self._check_shape("t", t)
-        batch = _broadcast(given)
-        self._check_out(out, batch)
+            check_out(out, (), self.outputs)
+            return self._reshape_outputs(self._call_at_point(*points), (), out)
+        given = {
+            group: checked_group(group, x, self.signature.names(group))
+            for group, x in zip("qurp", (q, u, r, p), strict=True)
+        }
+        given["t"] = checked_group("t", t, self.signature.names("t"))
+        batch = broadcast(given)
+        check_out(out, batch, self.outputs)
         given["c"] = self._constants(given.pop("p"))
-        return self._reshape_outputs(self._code.tail(given, batch, _positive(threads)), batch, out)
+        return self._reshape_outputs(self._code.tail(given, batch, checked_threads(threads)), batch, out)
 
     def _constants(self, p: Floats) -> Floats:
         """Return c for free parameters (..., n_p)."""
@@ -199,20 +194,22 @@ class CompiledFunction:
         """Return free parameters (..., n_p) with the others behind them."""
         if not self._values.size:
             return p
+        if p.shape == (0,):
+            return self._values
         return np.concatenate([p, np.broadcast_to(self._values, (*p.shape[:-1], self._values.size))], axis=-1)
 
     def of_state(self, t: ArrayLike, x: ArrayLike, r: ArrayLike = (), p: ArrayLike = ()) -> Any:
         """Return the outputs for a state (speeds, then coordinates), the order of ``eqs.states``."""
-        state = _array("x", "states", x)
+        state = as_array("x", x)
         count = len(self.signature.u)
         names = self.signature.u + self.signature.q
         if state.ndim == 0 or state.shape[-1] != len(names):
-            raise CompileError(_length_problem("x", "states", names, state.shape))
+            raise CompileError(length_problem("x", names, state.shape))
         return self(t, state[..., count:], state[..., :count], r, p)
 
     def bind(self, p: ArrayLike) -> Callable[..., Any]:
         """Return ``f(t, q, u, r=())`` with parameters fixed; what depends on them alone is computed now."""
-        values = self._check_shape("p", p)
+        values = checked_group("p", p, self.signature.names("p"))
         if values.ndim == 1:
             bound = CompiledFunction.from_code(
                 self._code, replace(self.signature, p=()), self._all_parameters(values)
@@ -221,9 +218,12 @@ class CompiledFunction:
         cached = self._constants(values)
 
         def evaluate_rest(t: ArrayLike, q: ArrayLike, u: ArrayLike, r: ArrayLike = ()) -> Any:
-            now = {group: self._check_shape(group, x) for group, x in zip("qur", (q, u, r), strict=True)}
-            now |= {"t": self._check_shape("t", t), "p": values}
-            batch = _broadcast(now)
+            now = {
+                group: checked_group(group, x, self.signature.names(group))
+                for group, x in zip("qur", (q, u, r), strict=True)
+            }
+            now |= {"t": checked_group("t", t, self.signature.names("t")), "p": values}
+            batch = broadcast(now)
             return self._reshape_outputs(self._code.tail(now | {"c": cached}, batch), batch, None)
 
         return evaluate_rest
@@ -231,7 +231,7 @@ class CompiledFunction:
     @property
     def tail(self) -> Sequence:
         """What is computed at `address`: all but what depends on parameters alone."""
-        return self._tail.sequence
+        return self._code.tail.sequence
 
     @property
     def address(self) -> int:
@@ -249,7 +249,7 @@ class CompiledFunction:
 
     def constants(self, p: ArrayLike = ()) -> Floats:
         """Return the values ``c`` that depend on parameters alone, for calls by address."""
-        return self._constants(self._check_shape("p", p))
+        return self._constants(checked_group("p", p, self.signature.names("p")))
 
     @property
     def operations(self) -> int:
@@ -303,19 +303,21 @@ class CompiledFunction:
             start = stop
         return self._result(*results) if self._result is not None else results[0]
 
-    def _points(self, *arguments: ArrayLike) -> list[Floats] | None:
-        """Return t, q, u, r, p as arrays (n,) of floats; None if this is anything but single points."""
+    def _points(self, t: ArrayLike, *arguments: ArrayLike) -> tuple[float, list[Floats]] | None:
+        """Return t, and q, u, r, p as arrays (n,) of floats; None if this is anything but single points."""
+        if type(t) is not float:
+            time = as_array("t", t)
+            if time.ndim or time.dtype.char != "d":
+                return None
         points = []
         for (group, size), value in zip(self._sizes, arguments, strict=True):
-            array = value if type(value) is np.ndarray else _array(group, _WORDS[group], value)
-            if group == "t":
-                array = array.reshape(-1) if array.ndim == 0 else array[np.newaxis]
+            array = value if type(value) is np.ndarray else as_array(group, value)
             if array.shape != (size,) or (size and array.dtype.char != "d"):
                 return None
             points.append(array)
-        return points
+        return float(t), points  # type: ignore[arg-type]
 
-    def _call_at_point(self, points: Items[Floats]) -> Floats:
+    def _call_at_point(self, time: float, points: Items[Floats]) -> Floats:
         """Return the outputs at one point, one after the other.
 
         First calls go through a way that all functions with this code share. It pays to have one's own only
@@ -324,50 +326,23 @@ class CompiledFunction:
         self._calls += 1
         if self._calls > _FEW_CALLS and self._at_point is None:
             self._at_point = self._made.get("direct", self._made_direct).call
-        p = self._all_parameters(points[4])
+        p = self._all_parameters(points[3])
         direct = self._code.notes.get("direct", self._made_shared_direct).call
-        result: Floats | None = None if direct is None else direct(float(points[0][0]), *points[1:4], p)
+        result: Floats | None = None if direct is None else direct(time, *points[:3], p)
         if result is not None:
             return result.reshape(-1)
         single: SinglePoint = self._code.notes.get("single", self._made_single)
-        for group, array in zip("tqur", points, strict=False):
+        single.groups["t"][:] = time
+        for group, array in zip("qur", points, strict=False):
             single.groups[group][:] = array
         single.groups["c"][:] = self._code.constants(p)
         return single.run().copy()
 
     def _made_single(self) -> SinglePoint:
         """Return what calls at one point write into; each thread has its own."""
-        return SinglePoint(self._code.tail, {**dict(self._sizes), "p": 0, "c": self._code.constant_count})
-
-    def _check_shape(self, group: str, value: ArrayLike) -> Floats:
-        given = _array(group, _WORDS[group], value)
-        given = given[..., np.newaxis] if group == "t" else given
-        names = self.signature.names(group)
-        if given.ndim == 0 or given.shape[-1] != len(names):
-            raise CompileError(_length_problem(group, _WORDS[group], names, given.shape))
-        if given.size and given.dtype.kind not in "fiu":
-            raise CompileError(_type_problem(group, _WORDS[group], str(given.dtype)))
-        return np.require(given, np.float64, "A")
-
-    def _check_out(self, out: object, batch: tuple[int, ...]) -> None:
-        """Refuse what cannot receive the result as it is."""
-        if out is None:
-            return
-        outputs = self.outputs
-        fitting = "leave out= away" if len(outputs) > 1 else f"give np.empty({batch + outputs[0].shape})"
-        if len(outputs) > 1:
-            what = f"there are {len(outputs)} results, and one array to receive them"
-        elif not isinstance(out, np.ndarray):
-            what = f"{type(out).__name__} is not an array"
-        elif out.dtype != np.float64 or not out.dtype.isnative:
-            what = f"its entries are of type {out.dtype}, not float64"
-        elif out.shape != batch + outputs[0].shape:
-            what = f"its shape is {out.shape}, that of the result {batch + outputs[0].shape}"
-        elif not (out.flags.c_contiguous and out.flags.aligned and out.flags.writeable):
-            what = "it is not contiguous, or not writeable"
-        else:
-            return
-        raise CompileError(Problem("compile.out", "out", what, "", fitting))
+        return SinglePoint(
+            self._code.tail, {**dict(self._sizes), "t": 1, "p": 0, "c": self._code.constant_count}
+        )
 
     def _reshape_outputs(self, flat: Floats, batch: tuple[int, ...], out: Floats | None) -> Any:
         results, start = [], 0
@@ -406,72 +381,6 @@ def _call_bound(
     function: CompiledFunction, t: ArrayLike, q: ArrayLike, u: ArrayLike, r: ArrayLike = ()
 ) -> Any:
     return function(t, q, u, r)
-
-
-def _array(group: str, word: str, value: ArrayLike) -> NDArray[Any]:
-    try:
-        return np.asarray(value)
-    except (TypeError, ValueError, OverflowError) as error:  # lists of lists of different lengths
-        raise CompileError(_type_problem(group, word, type(value).__name__)) from error
-
-
-def _type_problem(group: str, word: str, kind: str) -> Problem:
-    return Problem(
-        "compile.argument_type", group, f"{word} are of type {kind}",
-        "only real numbers, in rows of one length, can be computed with", "give floats",
-    )  # fmt: skip
-
-
-def _positive(threads: int) -> int:
-    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
-        raise CompileError(
-            Problem("compile.threads", "threads", f"{threads!r} is not a number of threads", "",
-                    "give a whole number from 1 on, such as os.cpu_count()")
-        )  # fmt: skip
-    return threads
-
-
-def source_text(sequence: Sequence, language: str, signature: Signature | None = None) -> str:
-    """Return a sequence as source text.
-
-    Parameters
-    ----------
-    signature : Signature, optional
-        All arguments by name, also those which the sequence does not read.
-
-    Raises
-    ------
-    CompileError
-        If the language is not known.
-    """
-    word = language.lower() if isinstance(language, str) else language
-    if word not in TEXTS:
-        cure = nearest(str(word), TEXTS)
-        raise CompileError(
-            Problem("compile.unknown_language", "language", f"there is no language {language!r}", "", cure)
-        )
-    arguments = {group: signature.names(group) for group in "qurp"} if signature is not None else None
-    return TEXTS[word](written_out(sequence), "f", arguments)
-
-
-def _broadcast(given: Mapping[str, Floats]) -> tuple[int, ...]:
-    try:
-        return np.broadcast_shapes(*(values.shape[:-1] for values in given.values()))
-    except ValueError as error:
-        shapes = ", ".join(f"{group} {values.shape}" for group, values in given.items() if values.size)
-        raise CompileError(
-            Problem("compile.batch_shapes", "", f"batch axes do not broadcast: {shapes}", str(error),
-                    "give leading axes of equal length, or of length 1")
-        ) from error  # fmt: skip
-
-
-def _length_problem(group: str, word: str, names: tuple[str, ...], shape: tuple[int, ...]) -> Problem:
-    listed = ", ".join(names) or "none"
-    return Problem(
-        "compile.argument_length", group,
-        f"{word} have shape {shape}, but {len(names)} numbers are expected on the last axis", "",
-        f"the order is ({listed})",
-    )  # fmt: skip
 
 
 def _result_type(sequence: Sequence) -> Callable[..., Any] | None:

@@ -10,11 +10,11 @@ import ctypes
 from collections.abc import Callable
 from typing import Any, Final
 
-import llvmlite.binding as binding
 import numpy as np
 
 from symbody.codegen.direct_call import available
-from symbody.codegen.llvm.machine import SMALL, THOROUGH, environment, object_codes, target_machine
+from symbody.codegen.llvm.machine import THOROUGH, environment, object_codes
+from symbody.codegen.llvm.runtime import load
 from symbody.codegen.llvm.stored_module import Module, read_module, store_module, written_by
 from symbody.single_flight import once
 
@@ -60,11 +60,9 @@ class _Entry:
         key = written_by() and written_by() + environment().encode() + NAME.encode()
         module = read_module(key)
         if module is None:
-            module = Module(tuple(object_codes([_text()], THOROUGH)), 0, calls_runtime=False)
+            module = Module(tuple(object_codes([_text()], THOROUGH)), 0, ())
             store_module(key, module)
-        builder = binding.JITLibraryBuilder().add_object_img(module.codes[0])
-        linker = binding.create_lljit_compiler(target_machine(), use_jit_link=SMALL)
-        self._library = builder.export_symbol(NAME).link(linker, NAME)
+        self._library = load(module, NAME)
         self.address = int(self._library[NAME])
 
 

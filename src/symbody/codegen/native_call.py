@@ -60,6 +60,7 @@ class NativeCall:
     def __init__(self, sequence: Sequence, *, quick: bool = False, lanes: bool | None = None) -> None:
         self.sequence = sequence
         self.native: NativeFunction = compile_sequence(sequence, quick=quick)
+        self._point = _SINGLE(self.native.address)
         self._points_left = {None: _POINTS_THAT_PAY, True: 0, False: sys.maxsize}[lanes]
         self._in_lanes: SingleFlight[None, NativeFunction] = SingleFlight()
         self._work = sequence.operation_count + sum(_kernel_work(kernel) for kernel in sequence.kernels)
@@ -96,7 +97,7 @@ class NativeCall:
         """
         out, work = np.empty(self.sequence.output_size), np.empty(self.native.work_size)
         places = [given[group].ctypes.data if group in given else None for group in GROUPS]
-        check_status(_SINGLE(self.native.address)(*places, out.ctypes.data, work.ctypes.data))
+        check_status(self._point(*places, out.ctypes.data, work.ctypes.data))
         return out
 
     def _lanes_for(self, count: int) -> NativeFunction | None:
@@ -190,4 +191,6 @@ def _rows(values: Floats | None, batch: tuple[int, ...], count: int) -> tuple[Fl
     if values.ndim == 1 or values.shape[:-1] == (1,) * (values.ndim - 1):
         return np.ascontiguousarray(values).reshape(-1), 0
     size = values.shape[-1]
+    if values.ndim == 2 and values.shape[0] == count and values.flags.c_contiguous:
+        return values, size
     return np.ascontiguousarray(np.broadcast_to(values, (*batch, size))).reshape(count, size), size

@@ -6,7 +6,7 @@ from collections.abc import Callable, Hashable, Mapping
 from collections.abc import Sequence as Items
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, Final
+from typing import Any
 
 from symbody.arguments import checked_arguments
 from symbody.equations.cache_key import DeferredEquations
@@ -15,6 +15,7 @@ from symbody.equations.freedoms.always_undetermined import find_always_undetermi
 from symbody.equations.freedoms.mobility import Mobility, mobility
 from symbody.equations.names import Names, names_of
 from symbody.equations.outputs.derivative_outputs import parse_derivative
+from symbody.equations.outputs.equation_lines import PrintedEquations
 from symbody.equations.outputs.output_roots import code_roots, evaluable_roots
 from symbody.equations.outputs.textbook import Reaction, Textbook
 from symbody.equations.outputs.units import Units, output_units
@@ -26,17 +27,11 @@ from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Roots, Sequence
 from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.model.model import Model
-from symbody.notebook import Displayed
 from symbody.single_flight import SingleFlight
-
-# Sets of rows without which equations are kept.
-_MOST_ROWS: Final = 8
-# Programs, machine code and the like that are kept with equations.
-_MOST_PLANS: Final = 512
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class EquationSet(Displayed):
+class EquationSet(PrintedEquations):
     """Equations of motion ``M u' = F + J^T lambda``, ``J u' = gamma``, ``q' = N u + nu`` of a model.
 
     Every property that shows formulas returns SymPy objects in dynamicsymbols; the numbers come from
@@ -63,17 +58,10 @@ class EquationSet(Displayed):
     further: Mapping[str, Roots] = field(default_factory=dict, repr=False)
     # Roots and formulas already made; pure functions of `formed`, so they cannot go stale.
     _roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
-    _code_roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
     _textbook: SingleFlight[None, Textbook] = field(default_factory=SingleFlight, repr=False)
-    _units: SingleFlight[None, Units] = field(default_factory=SingleFlight, repr=False)
-    _undetermined: SingleFlight[None, tuple[str, ...]] = field(default_factory=SingleFlight, repr=False)
-    _noise_program: SingleFlight[None, Sequence] = field(default_factory=SingleFlight, repr=False)
-    _without_rows: SingleFlight[tuple[bool, ...], EquationSet] = field(
-        default_factory=lambda: SingleFlight(_MOST_ROWS), repr=False
-    )
-    _names: SingleFlight[None, Names] = field(default_factory=SingleFlight, repr=False)
+    _names: Names | None = field(default=None, repr=False)
     # What later stages compute from these equations and need again; each has keys of its own.
-    plans: SingleFlight[Hashable, Any] = field(default_factory=lambda: SingleFlight(_MOST_PLANS), repr=False)
+    plans: SingleFlight[Hashable, Any] = field(default_factory=partial(SingleFlight, 512), repr=False)
     identity: bytes = field(default=b"", repr=False)
     # Forms the same equations in another process, where that is less than to hand them over.
     _again: Callable[[], EquationSet] | None = field(default=None, repr=False)
@@ -104,7 +92,9 @@ class EquationSet(Displayed):
     @property
     def names(self) -> Names:
         """Names of all that has a place in an array."""
-        return self._names.get(None, lambda: names_of(self.formed))
+        if self._names is None:  # two threads may both make them
+            object.__setattr__(self, "_names", names_of(self.formed))
+        return self._names or names_of(self.formed)
 
     @property
     def quaternions(self) -> tuple[tuple[str, ...], ...]:
@@ -114,12 +104,7 @@ class EquationSet(Displayed):
     @property
     def measured_angles(self) -> tuple[str, ...]:
         """Names of the angles of cut joints, which are outputs in (-pi, pi]."""
-        return tuple(
-            name
-            for role in self.formed.joint_roles
-            for name in role.joint.rotation_coordinates
-            if name not in role.coordinates and role.joint.quaternion is None
-        )
+        return self.names.measured_angles
 
     @property
     def coordinate_names(self) -> tuple[str, ...]:
@@ -159,7 +144,8 @@ class EquationSet(Displayed):
     @property
     def units(self) -> Units:
         """SI units of coordinates, rates, energies, efforts, reactions and frames, where derivable."""
-        return self._units.get(None, partial(output_units, self.formed))
+        units: Units = self.plans.get("units", partial(output_units, self.formed))
+        return units
 
     @property
     def coordinates(self) -> tuple[SympyExpr, ...]:
@@ -294,7 +280,10 @@ class EquationSet(Displayed):
         redundant constraints. As outputs they have the share of least norm. What values of the parameters
         leave undetermined beside them stands in `redundancy` and in the notes of a run.
         """
-        return self._undetermined.get(None, partial(find_always_undetermined, self.formed))
+        names: tuple[str, ...] = self.plans.get(
+            "undetermined reactions", partial(find_always_undetermined, self.formed)
+        )
+        return names
 
     @checked_arguments
     def for_values(self, parameters: Mapping[str, float]) -> EquationSet:
@@ -314,21 +303,18 @@ class EquationSet(Displayed):
             If a constraint on parameters alone excludes these values.
         """
         check_parameter_constraints(self.formed, parameters)
-        return self.without_rows(negligible_rows(self.formed, parameters, self.noise_program))
-
-    @property
-    def noise_program(self) -> Sequence:
-        """What computes the slopes of all constraints and the motions they compare."""
-        return self._noise_program.get(None, lambda: magnitude_program(self.formed))
+        program: Sequence = self.plans.get("noise program", partial(magnitude_program, self.formed))
+        return self.without_rows(negligible_rows(self.formed, parameters, program))
 
     def without_rows(self, silent: Items[bool]) -> EquationSet:
         """Return these equations with some constraints set to 0 = 0; those of equal rows are the same."""
         if not any(silent):
             return self
-        key = tuple(silent)
-        return self._without_rows.get(
-            key, lambda: EquationSet(self.model, drop_rows(self.formed, key), self.notes)
-        )
+        changed: EquationSet = self.plans.get(("without rows", tuple(silent)), lambda: self._drop(silent))
+        return changed
+
+    def _drop(self, silent: Items[bool]) -> EquationSet:
+        return EquationSet(self.model, drop_rows(self.formed, silent), self.notes)
 
     @property
     def textbook(self) -> Textbook:
@@ -353,7 +339,8 @@ class EquationSet(Displayed):
         """Return the roots of an output for machine code: derivatives as programs for several columns."""
         if parse_derivative(name) is None:
             return self.roots(name)
-        return self._code_roots.get(name, lambda: code_roots(self.formed, name))
+        roots: Roots = self.plans.get(("code", name), lambda: code_roots(self.formed, name))
+        return roots
 
     @checked_arguments
     def frame_motion(

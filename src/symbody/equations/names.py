@@ -20,6 +20,8 @@ class Names(NamedTuple):
         One a constraint.
     quaternions : tuple of tuple of str
         The four Euler parameters of each quaternion in q, scalar first.
+    measured_angles : tuple of str
+        Angles of cut joints.
     """
 
     coordinates: tuple[str, ...]
@@ -30,6 +32,7 @@ class Names(NamedTuple):
     parameters: tuple[str, ...]
     multipliers: tuple[str, ...]
     quaternions: tuple[tuple[str, ...], ...]
+    measured_angles: tuple[str, ...]
 
 
 def names_of(formed: EquationsOfMotion) -> Names:
@@ -45,4 +48,10 @@ def names_of(formed: EquationsOfMotion) -> Names:
         parameters=tuple(symbol.name for symbol in formed.parameters),
         multipliers=tuple(row.name for row in formed.rows),
         quaternions=tuple(tuple(labels[k] for k in nodes) for nodes in formed.variables.quaternions),
+        measured_angles=tuple(
+            name
+            for role in formed.joint_roles
+            for name in role.joint.rotation_coordinates
+            if name not in role.coordinates and role.joint.quaternion is None
+        ),
     )

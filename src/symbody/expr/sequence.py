@@ -249,7 +249,7 @@ def _linearize_graph(graph: Graph, outputs: Items[Roots], inputs: Items[Input | 
         raise CompileError(
             Problem("compile.unknown_symbol", "", f"no value is given for {names}",
                     "the outputs depend on symbols that are neither inputs nor have a number",
-                    "give them in parameters= or name them in free=")
+                    "give them in parameters=; compile and generate_code take them by free=[...]")
         )  # fmt: skip
     used: list[Input] = []
     constants: list[Constant] = []

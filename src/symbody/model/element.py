@@ -43,7 +43,7 @@ class Element(Declared):
         self._check_numbers(check, f"{label}, ")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class FrameRef:
     """A frame of a body, or of the ground.
 
@@ -68,6 +68,9 @@ class FrameRef:
 
     def __str__(self) -> str:
         return self.full_name
+
+    def __repr__(self) -> str:
+        return repr(self.full_name)
 
 
 def make_frame_ref(body: str, point: str = "", carried: Element | None = None) -> FrameRef:

@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.derivatives import laws_key
 from symbody.analysis.kinematics.driven import DRIVEN, drive_coordinates, joint_of
 from symbody.analysis.scales import Scales, mechanism_scales
 from symbody.codegen.formation.bound_function import bound_function
@@ -226,7 +227,8 @@ def continuation(
     UsageError
         If a driven coordinate is not free, or its law not a function of time.
     """
-    driven = drive_coordinates(eqs, {**formulas, **dict.fromkeys(laws)})
+    rows = {**formulas, **dict.fromkeys(laws)}
+    driven: EquationSet = eqs.plans.get(("driven", laws_key(rows)), lambda: drive_coordinates(eqs, rows))
     mechanism, units = mechanism_scales(eqs, parameters), eqs.units
     first = len(driven.formed.holonomic) - len(formulas) - len(laws)
 

@@ -35,6 +35,15 @@ from symbody.spatial.vector import components
 
 Answer = dict[str, Any]
 
+_ORDER: Final = (
+    "Equations", "Mass matrix", "Forcing", "Constraints", "Kinematic equations", "Reactions", "Linearization",
+    "Energies",
+)  # fmt: skip
+# Written in this order: what is long in large mechanisms comes last, so that something is there soon.
+_QUICK_FIRST: Final = (
+    "Forcing", "Kinematic equations", "Constraints", "Energies", "Mass matrix", "Equations", "Linearization",
+    "Reactions",
+)  # fmt: skip
 _MOST_REACTIONS: Final = 12  # joints whose reactions are written
 _PARTS: Final = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z")
 
@@ -53,20 +62,13 @@ def equation_tabs(payload: Mapping[str, Any], report: Report) -> Answer:
     eqs = form_equations(model, chosen() if chosen else None)
     formed = eqs.formed
     report("formulas", None)
-    tabs: list[Answer] = []
-    makers: list[tuple[str, Callable[[], list[FormulaBlock]]]] = [
-        ("Equations", partial(_motion, eqs)),
-        ("Mass matrix", partial(_matrices, eqs, ("mass_matrix", "M", "Mass matrix"))),
-        ("Forcing", partial(_matrices, eqs, ("forcing", "F", "Forcing"))),
-        ("Constraints", partial(_constraints, eqs)),
-        ("Kinematic equations", partial(_rates, eqs)),
-        ("Reactions", partial(_reactions, eqs)),
-        ("Linearization", partial(_linear, eqs)),
-        ("Energies", partial(_energies, eqs)),
-    ]
-    for name, make in makers:
-        report(f"formulas: {name.lower()}", None)
-        tabs.append(_tab(eqs, name, make))
+    written: dict[str, Answer] = {}
+    makers = _makers(eqs)
+    for name in _QUICK_FIRST:
+        report(f"writing: {name.lower()}", None)
+        written[name] = _tab(eqs, name, makers[name])
+        report(f"writing: {name.lower()}", None, {**written[name], "place": _ORDER.index(name)})
+    tabs = [written[name] for name in _ORDER]
     report("sources of terms", None)
     if tabs[0]["blocks"] and _is_short(eqs):
         tabs[0]["blocks"] = [_with_sources(eqs, to_data(model), payload["folder"])]
@@ -77,6 +79,20 @@ def equation_tabs(payload: Mapping[str, Any], report: Report) -> Answer:
         "speeds": list(eqs.speed_names),
         "coordinates": list(eqs.coordinate_names),
         "multipliers": list(eqs.multiplier_names),
+    }
+
+
+def _makers(eqs: EquationSet) -> dict[str, Callable[[], list[FormulaBlock]]]:
+    """Return what writes each tab."""
+    return {
+        "Equations": partial(_motion, eqs),
+        "Mass matrix": partial(_matrices, eqs, ("mass_matrix", "M", "Mass matrix")),
+        "Forcing": partial(_matrices, eqs, ("forcing", "F", "Forcing")),
+        "Constraints": partial(_constraints, eqs),
+        "Kinematic equations": partial(_rates, eqs),
+        "Reactions": partial(_reactions, eqs),
+        "Linearization": partial(_linear, eqs),
+        "Energies": partial(_energies, eqs),
     }
 
 
@@ -130,7 +146,7 @@ def _motion(eqs: EquationSet) -> list[FormulaBlock]:
 
 
 def _motion_block(eqs: EquationSet, spans: tuple[Mapping[int, str], ...]) -> FormulaBlock:
-    sides = equation_sides(eqs) if _is_short(eqs) else _plain_sides(eqs)
+    sides = equation_sides(eqs.textbook) if _is_short(eqs) else _plain_sides(eqs)
     left, right = tuple(a for a, _ in sides), tuple(b for _, b in sides)
     return FormulaBlock("Equations of motion", right, left, output="xdot", spans=spans)
 

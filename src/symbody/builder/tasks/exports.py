@@ -52,7 +52,7 @@ def _c(payload: Mapping[str, Any]) -> str:
 
 def _latex(payload: Mapping[str, Any]) -> str:
     """Return a document with all equations that are short enough to be read."""
-    tabs = equation_tabs({**payload, "options": {}}, lambda stage, percent: None)["tabs"]
+    tabs = equation_tabs({**payload, "options": {}}, lambda *_: None)["tabs"]
     lines = [_PREAMBLE, f"\\title{{{_plain(str(payload['data'].get('name') or 'Model'))}}}", "\\date{}"]
     lines += ["\\begin{document}", "\\maketitle"]
     for tab in tabs:

@@ -49,6 +49,9 @@ class Latest(Generic[Value]):
         return value
 
 
+_MODELS: Final[Latest[Model]] = Latest(4)
+
+
 @dataclass(frozen=True, slots=True)
 class ReadModel:
     """A model under construction.
@@ -80,7 +83,7 @@ def complete_model(data: Mapping[str, Any], folder: str) -> Model:
         With all problems, if they are none.
     """
     try:
-        return from_data(data, folder=folder)
+        return _MODELS.get(model_key(data, folder), lambda: from_data(data, folder=folder))
     except SymbodyError as error:
         raise TaskFailure(page_problems(error.problems, data)) from None
 

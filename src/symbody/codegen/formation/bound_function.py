@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from symbody.codegen.formation.names import Value, unknown_name
 from symbody.codegen.formation.parameter_set import ParameterSet, parameter_set
 from symbody.codegen.formation.sequences import form_sequence, outputs_sequence
-from symbody.codegen.function import CompiledFunction, Signature
+from symbody.codegen.function import CompiledFunction
 from symbody.codegen.shared_code import SharedCode
+from symbody.codegen.signature import Signature
 from symbody.codegen.stored_sequence import read_sequence, sequence_key, store_sequence
 from symbody.equations.cache_key import store_notes
 from symbody.equations.equation_set import EquationSet
@@ -93,7 +94,9 @@ def _request(
     inputs: Mapping[str, Value] | None,
 ) -> _Request:
     names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
-    return _Request(parameter_set(eqs, parameters, free), names, *_split_inputs(eqs, inputs or {}))
+    chosen = parameter_set(eqs, parameters, free)
+    chosen.require_possible()
+    return _Request(chosen, names, *_split_inputs(eqs, inputs or {}))
 
 
 class _Request:
@@ -142,8 +145,8 @@ class _Request:
 
     def values(self, signature: Signature) -> Floats:
         """Return the values of all arguments p that are not free."""
-        known = {**self.chosen.values, **self._numbers}
-        return np.array([as_float(known[name]) for name in signature.p[len(self.chosen.free) :]])
+        known = {**self.chosen.floats, **self._numbers}
+        return np.array([known[name] for name in signature.p[len(self.chosen.free) :]])
 
     def shared_sequence(self) -> _Formed:
         """Return the sequence for all values of this kind, and its arguments."""

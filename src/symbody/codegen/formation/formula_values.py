@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.sequences import input_places
-from symbody.codegen.function import Signature
+from symbody.codegen.signature import Signature
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME
@@ -56,7 +57,7 @@ class FormulaValues:
         """Return the value of each formula, with those of all parameters."""
         if self._sequence is None:
             return self._numbers
-        given = {"t": [0.0], "p": [values[name] for name in self._read]}
+        given = {"t": [0.0], "p": [values.get(name, math.nan) for name in self._read]}
         result = list(self._numbers)
         for k, value in zip(self._places, evaluate_sequence(self._sequence, given)[0], strict=True):
             result[k] = float(value)

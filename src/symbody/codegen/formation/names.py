@@ -38,5 +38,7 @@ def missing_value(names: Items[str]) -> Problem:
     listed = ", ".join(names)
     return Problem(
         "compile.missing_value", "parameters", f"no value is given for {listed}",
-        "a number is needed to compute with", f"give parameters={{{names[0]!r}: ...}}, or name them in free=",
+        "a number is needed to compute with",
+        f"give parameters={{{names[0]!r}: ...}}; compile and generate_code take it as an argument by "
+        f"free=[{names[0]!r}]",
     )  # fmt: skip

@@ -20,10 +20,11 @@ from symbody.codegen.formation.sequences import parameter_nodes
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.parameter_constraints import check_parameter_constraints
-from symbody.errors import CompileError, ExpressionError
+from symbody.errors import CompileError, ExpressionError, Problem
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
 from symbody.expr.language.literals import read_number
+from symbody.expr.parser import parse_angle
 from symbody.model.arguments import plain_value
 from symbody.model.model import Model, value_problems
 from symbody.model.numbers import as_float, formula_value
@@ -90,6 +91,18 @@ class ParameterSet:
         )
         return numbers
 
+    def require_possible(self) -> None:
+        """Refuse values that no body or joint has.
+
+        Raises
+        ------
+        CompileError
+            If there are any, as a negative mass.
+        """
+        problems: list[Problem] = self.kept("problems", partial(_problems, self))
+        if problems:
+            raise CompileError(*problems)
+
     def kept(self, key: Hashable, make: Callable[[], Any]) -> Any:
         """Return what `make` derives from these values, made once."""
         return self._notes.get(key, make)
@@ -135,7 +148,7 @@ def parameter_set(
     Raises
     ------
     CompileError
-        If a parameter has no value, a name is unknown, or a value is impossible, as a negative mass.
+        If a parameter has no value, or a name is unknown.
     """
     named, kept = given or {}, tuple(free)
     sets: SingleFlight[Hashable, ParameterSet] = eqs.plans.get("sets", lambda: SingleFlight(_MOST_SETS))
@@ -157,6 +170,11 @@ class _ModelEntries(NamedTuple):
     entries: Mapping[str, Entry]
     values: Mapping[str, Constant]
     sources: Mapping[str, frozenset[str]]
+
+
+def _entries_of(eqs: EquationSet) -> _ModelEntries:
+    entries: _ModelEntries = eqs.plans.get("parameters of the model", partial(_model_entries, eqs))
+    return entries
 
 
 def _model_entries(eqs: EquationSet) -> _ModelEntries:
@@ -181,7 +199,7 @@ def _model_entries(eqs: EquationSet) -> _ModelEntries:
 
 
 def _resolve_set(eqs: EquationSet, given: Mapping[str, Value], free: tuple[str, ...]) -> ParameterSet:
-    model, own = eqs.model, eqs.plans.get("parameters of the model", partial(_model_entries, eqs))
+    model, own = eqs.model, _entries_of(eqs)
     if not all(name in model.parameters for name in (*given, *free)):
         check_names(eqs, given, free)
     replaced = {name: _entry(name, value) for name, value in given.items() if name in model.parameters}
@@ -200,22 +218,25 @@ def _resolve_set(eqs: EquationSet, given: Mapping[str, Value], free: tuple[str, 
     numbers = tuple(
         name for name, entry in entries.items() if not isinstance(entry, Formula) and name not in zeros
     )
-    chosen = ParameterSet(eqs, dict(given), free, values, numbers, {**formulas, **zeros})
-    if given and isinstance(model, Model) and not (eqs.are_formed and _is_plainly_possible(chosen, own)):
-        impossible = value_problems(model, given, free)
-        if impossible:
-            raise CompileError(*impossible)
-    return chosen
+    return ParameterSet(eqs, dict(given), free, values, numbers, {**formulas, **zeros})
 
 
-def _is_plainly_possible(chosen: ParameterSet, own: _ModelEntries) -> bool:
+def _problems(chosen: ParameterSet) -> list[Problem]:
+    """Return what is impossible about bodies and joints with values that were given."""
+    model = chosen.original.model
+    if not chosen.given or not isinstance(model, Model) or _are_plainly_possible(chosen):
+        return []
+    return value_problems(model, chosen.given, chosen.free)
+
+
+def _are_plainly_possible(chosen: ParameterSet) -> bool:
     """Return whether values are possible at first sight, which is quicker than to look at all formulas."""
-    if chosen.free:
+    eqs, given = chosen.original, chosen.given.keys()
+    if chosen.free or not eqs.are_formed:
         return False
-    given = chosen.given.keys()
-    changed = {*given, *(name for name, read in own.sources.items() if not read.isdisjoint(given))}
-    plan = quantity_plan(chosen.original)
-    return plan.judged.isdisjoint(changed) and chosen.quantities.are_plainly_possible
+    sources = _entries_of(eqs).sources
+    changed = {*given, *(name for name, read in sources.items() if not read.isdisjoint(given))}
+    return quantity_plan(eqs).judged.isdisjoint(changed) and chosen.quantities.are_plainly_possible
 
 
 def _values(entries: Mapping[str, Entry], own: _ModelEntries, changed: Set[str]) -> dict[str, Constant]:
@@ -246,7 +267,7 @@ def _entry(name: str, value: Value) -> Constant | Formula:
     if type(plain) is float and math.isfinite(plain):
         size = read_number(str(abs(plain)))
         return -size if plain < 0.0 else size
-    formula = Formula.from_value(plain, where=name)
+    formula = parse_angle(plain, where=name)
     number = formula.constant()
     if number is not None:
         return number

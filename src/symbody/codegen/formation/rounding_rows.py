@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from random import Random
 from typing import Final
 
@@ -10,7 +11,14 @@ import numpy as np
 
 from symbody.codegen.native_call import NativeCall
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.negligible_constraints import POINTS, SEED, negligible_rows, random_point
+from symbody.equations.solving.negligible_constraints import (
+    POINTS,
+    SEED,
+    magnitude_program,
+    negligible_rows,
+    random_point,
+)
+from symbody.expr.sequence import Sequence
 from symbody.single_flight import SingleFlight
 from symbody.tolerances import TYPED
 
@@ -31,7 +39,7 @@ class RoundingRows:
 
     def __init__(self, eqs: EquationSet) -> None:
         self._formed = eqs.formed
-        self._program = eqs.noise_program
+        self._program: Sequence = eqs.plans.get("noise program", partial(magnitude_program, eqs.formed))
         random = Random(SEED)
         self._points = [random_point(eqs.formed, {}, random) for _ in range(POINTS)]
         self._kept: dict[tuple[float | None, ...], tuple[bool, ...]] = {}

@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from symbody.codegen.formation.names import Value, check_names, missing_value, unknown_name
-from symbody.codegen.function import Signature
 from symbody.codegen.massless import massless_problem, massless_speeds
+from symbody.codegen.signature import Signature
 from symbody.codegen.stored_sequence import read_sequence, sequence_key, store_sequence
 from symbody.equations.cache_key import store_notes
 from symbody.equations.equation_set import EquationSet
@@ -20,6 +20,7 @@ from symbody.expr.deadline import begin
 from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME, Graph
 from symbody.expr.language.formula import Formula
+from symbody.expr.parser import parse_angle
 from symbody.expr.rewrite import substitute, substitute_into, symbols_of
 from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
 from symbody.model.arguments import plain_value
@@ -180,7 +181,7 @@ def parameter_nodes(eqs: EquationSet, given: Mapping[str, Value], free: Items[st
     nodes = {symbol_nodes[name]: symbol_nodes[name] for name in free}
     missing = []
     asked = {
-        name: Formula.from_value(plain_value(value), where=name)
+        name: parse_angle(plain_value(value), where=name)
         for name, value in given.items()
         if name in symbol_nodes
     }

@@ -5,25 +5,32 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from collections.abc import Sequence as Items
+from dataclasses import replace
+
+import numpy as np
 
 from symbody.codegen.formation.formula_values import FormulaValues
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.formation.sequences import input_places, parameter_nodes
-from symbody.codegen.function import Signature
+from symbody.codegen.function import CompiledFunction
+from symbody.codegen.shared_code import SharedCode
+from symbody.codegen.signature import Signature
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import substitute
-from symbody.expr.sequence import Roots, Sequence, build_sequence
+from symbody.expr.sequence import Roots, build_sequence
+from symbody.model.arguments import plain_value
+from symbody.model.numbers import as_float
 
 
-def form_values(
+def formula_function(
     eqs: EquationSet,
     formulas: Mapping[str, Value],
     parameters: Mapping[str, Value] | None = None,
     free: Iterable[str] = (),
-) -> tuple[Sequence, Signature]:
-    """Return the sequence of formulas in parameters, and the names of the `free` ones, its arguments p.
+) -> CompiledFunction:
+    """Return formulas in parameters and t as a function ``f(t, (), (), (), p)`` of the `free` ones.
 
     Raises
     ------
@@ -32,17 +39,22 @@ def form_values(
     ExpressionError
         If a formula reads something else than parameters.
     """
-    kept = tuple(free)
-    graph, names = eqs.formed.graph, eqs.formed.names
-    replacements = parameter_nodes(eqs, parameters or {}, kept)
-    nodes = [
-        names.expression(Formula.from_value(value, where=name), name).index
-        for name, value in formulas.items()
-    ]
-    made = substitute(graph, nodes, replacements)
-    roots = [Roots(name, (), (node,)) for name, node in zip(formulas, made, strict=True)]
-    signature = Signature((), (), (), kept)
-    return build_sequence(graph, roots, input_places(eqs, signature, graph)), signature
+    chosen = parameter_set(eqs, parameters, tuple(free))
+    read = [Formula.from_value(plain_value(value), where=name) for name, value in formulas.items()]
+    signature = Signature((), (), (), (*chosen.free, *chosen.numbers))
+
+    def compile_formulas() -> SharedCode:
+        graph, names = eqs.formed.graph, eqs.formed.names
+        nodes = [names.expression(formula, name).index for formula, name in zip(read, formulas, strict=True)]
+        replaced = substitute(graph, nodes, chosen.replacements())
+        roots = [Roots(name, (), (node,)) for name, node in zip(formulas, replaced, strict=True)]
+        places = input_places(eqs, signature, graph)
+        return SharedCode(build_sequence(graph, roots, places), quick=True)
+
+    key = "formulas", tuple([formula.text for formula in read]), tuple(formulas), chosen.pattern
+    code: SharedCode = eqs.plans.get(key, compile_formulas)
+    values = np.array([as_float(chosen.values[name]) for name in chosen.numbers])
+    return CompiledFunction.from_code(code, replace(signature, p=chosen.free), values)
 
 
 def constant_values(

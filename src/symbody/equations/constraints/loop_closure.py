@@ -8,14 +8,13 @@ rows hold no derivatives of products of sines.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation, scalar_equation
 from symbody.equations.kinematics.frame_placement import joint_shift, predicted_frame
 from symbody.equations.kinematics.joint_axes import (
     complete_axes,
-    curved_coordinates,
     free_directions,
     perpendiculars,
     unit_axes,
@@ -23,7 +22,6 @@ from symbody.equations.kinematics.joint_axes import (
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import JointRole, axis_rotations
-from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr
 from symbody.model.joint import Joint
 from symbody.spatial.matrix import Triple
@@ -37,16 +35,8 @@ def loop_closure_equations(names: Names, kinematics: Kinematics, role: JointRole
     """Return the rows of a joint that is not in both trees.
 
     They are counted as they come: locked translations, locked rotations, then the coordinates in use.
-
-    Raises
-    ------
-    FormulationError
-        If the joint shifts along a curve without turning.
     """
     joint = role.joint
-    curved = () if role.in_translation else curved_coordinates(names, joint)
-    if curved:
-        raise FormulationError(_curved_problem(joint, curved))
     closing = _LoopClosure(kinematics, joint)
     locked: list[ConstraintEquation] = []
     measured: list[ConstraintEquation] = []
@@ -66,15 +56,6 @@ def loop_closure_equations(names: Names, kinematics: Kinematics, role: JointRole
         measured += [closing.rotation_equation(*pair) for pair in extra]
     rows = enumerate([*locked, *measured], start=1)
     return [replace(row, name=f"lambda_{joint.name}_{k}") for k, row in rows]
-
-
-def _curved_problem(joint: Joint, curved: Sequence[str]) -> Problem:
-    return Problem(
-        "equations.curved_shift", f"joint {joint.name}",
-        f"it is cut, but shifts end along a curve of {', '.join(curved)}",
-        "rows that close a loop need directions that stay, or coordinates that turn end as well",
-        "put the joint into the trees (tree=True); between frames PointOnCurve holds a point on a curve",
-    )  # fmt: skip
 
 
 def assembly_mode(names: Names, kinematics: Kinematics, role: JointRole) -> list[Expr]:

@@ -10,7 +10,8 @@ from symbody.equations.kinematics.variables import axis_rotations
 from symbody.expr.calculus import derivative, gradient
 from symbody.expr.expression import Expr, number, sqrt
 from symbody.expr.graph import Graph
-from symbody.expr.rewrite import substitute, symbols_of
+from symbody.expr.rewrite import substitute
+from symbody.graph.curved_shifts import is_curved
 from symbody.model.joint import Joint
 from symbody.spatial.frame import FrameTree
 from symbody.spatial.matrix import Triple, Vector3
@@ -23,25 +24,13 @@ def free_directions(names: Names, joint: Joint) -> list[Triple]:
 
     Coordinates that turn end as well have none.
     """
-    curved = curved_coordinates(names, joint)
+    curved = is_curved(joint)
     directions: list[Triple] = []
     for name in joint.translation_coordinates:
         if name not in joint.rotation_coordinates:
             slope = _shift_slope(names, joint, name)
             directions.append(_perpendicular_unit(slope, directions) if curved else slope)
     return directions
-
-
-def curved_coordinates(names: Names, joint: Joint) -> tuple[str, ...]:
-    """Return the coordinates without a turn along which a joint shifts end on a curve, not on a line."""
-    graph = names.graph
-    own = {graph.symbol(names.symbols[name]) for name in joint.coordinates}
-    return tuple(
-        name
-        for name in joint.translation_coordinates
-        if name not in joint.rotation_coordinates
-        and not own.isdisjoint(symbols_of(graph, [x.index for x in _symbolic_slope(names, joint, name)]))
-    )
 
 
 def _perpendicular_unit(direction: Triple, others: Sequence[Triple]) -> Triple:

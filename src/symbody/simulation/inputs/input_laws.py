@@ -94,6 +94,15 @@ class InputLaws:
         return found
 
 
+def silent_input_note(units: Mapping[str, str], name: str) -> str:
+    """Return the note on an input without a value; its unit, where it has one, says what it acts as.
+
+    >>> silent_input_note({"T": "N m"}, "T")
+    'input T has no value and is 0 N m'
+    """
+    return f"input {name} has no value and is 0 {units.get(name, '')}".rstrip()
+
+
 def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float, float]) -> InputLaws:
     """Return the laws of inputs; those without one are 0, and unknown names are left to `compile`.
 

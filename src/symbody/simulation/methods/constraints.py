@@ -105,6 +105,10 @@ class Baumgarte:
 
     def applied(self, eqs: EquationSet) -> EquationSet:
         """Return the equations with the stabilizing terms in gamma."""
+        stabilized: EquationSet = eqs.plans.get(("baumgarte", self), lambda: self._stabilized(eqs))
+        return stabilized
+
+    def _stabilized(self, eqs: EquationSet) -> EquationSet:
         graph = eqs.formed.graph
         rows = []
         for row in eqs.formed.rows:

@@ -25,8 +25,9 @@ from symbody.simulation.methods.gear_gupta_leimkuhler import GGL, run_ggl
 from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
 from symbody.simulation.methods.partition import Partition, run_partition
 from symbody.simulation.methods.stiff import Stiff, run_stiff
-from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.native.dense_output import DenseOutput, shorten
 from symbody.simulation.native.run import RawRun
+from symbody.simulation.native.segments import steps_before
 from symbody.simulation.status import Status
 from symbody.tolerances import CLOSED
 
@@ -218,3 +219,23 @@ def _continue_stiff(
         return run_stiff(remainder, Stiff(), constraints, watch), (note,)
     except KeyboardInterrupt:  # while it compiled: what came before is kept
         return replace(first, status=Status.INTERRUPTED), ()
+
+
+def end_run(run: Integration, t: float | None, note: str) -> Integration:
+    """Return a run that ends at a time, or as it does if that is None, with the reason."""
+    raw = run.raw
+    run = run._replace(notes=(*run.notes, note))
+    dense = raw.dense_output
+    if t is None or dense is None:
+        return run
+    steps = max(steps_before(dense.breaks, dense.pieces.shape[0], t), 1)
+    breaks, pieces = dense.breaks[: steps + 1].copy(), dense.pieces[:steps].copy()
+    share = (t - breaks[-2]) / (breaks[-1] - breaks[-2])
+    breaks[-1], pieces[-1] = t, shorten(pieces[-1], float(share))
+    direction = 1.0 if dense.breaks[-1] >= dense.breaks[0] else -1.0
+    kept = direction * (raw.t - t) <= 0.0
+    cut = replace(
+        raw, t=raw.t[kept], x=raw.x[:, kept], status=Status.SINGULAR, reached=t, state=None, kernel=None,
+        dense_output=DenseOutput(breaks, pieces),
+    )  # fmt: skip
+    return run._replace(raw=cut)

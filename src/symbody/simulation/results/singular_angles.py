@@ -54,7 +54,7 @@ def singular_passages(eqs: EquationSet, dense: DenseOutput) -> Iterator[tuple[Oc
         Of the states, speeds before coordinates.
     """
     n_u = len(eqs.speed_names)
-    triples = list(_triples(eqs))
+    triples: list[_Angles] = eqs.plans.get("singular angles", lambda: list(_triples(eqs)))
     if not triples:
         return
     breaks = dense.breaks

@@ -14,9 +14,9 @@ from symbody.simulation.events.events import Occurrence
 from symbody.simulation.hybrid.rate_jumps import may_jump, run_with_jumps
 from symbody.simulation.hybrid.switching import run_switching, switches
 from symbody.simulation.inputs.input_laws import InputLaws
-from symbody.simulation.methods.change_point import is_overconstrained
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.integration import MotionPlan
+from symbody.simulation.methods.overconstrained import is_overconstrained
 from symbody.simulation.methods.stiff import Stiff
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -102,7 +102,7 @@ class SeparateMotions:
         """Begin anew from time and state at present."""
         self.occurrences = ()
 
-    def kept(self) -> Floats:
+    def snapshot(self) -> Floats:
         """Return no numbers: each motion follows from its first state."""
         return np.zeros(0)
 

@@ -91,9 +91,13 @@ def make_scene(
     ModelError
         If names are not parameters, values not formulas, or formulas depend on each other in a circle.
     """
-    numbers = model_numbers(model, parameters)
     courses = {name: np.asarray(values, dtype=np.float64) for name, values in motion.items()}
-    basis = scene_basis(model, numbers, courses)
+    return draw_scene(scene_basis(model, model_numbers(model, parameters), courses))
+
+
+def draw_scene(basis: SceneBasis) -> Scene:
+    """Return the mechanism of a basis as shapes."""
+    model = basis.model
     gravity, normal = gravity_of(basis), plane_normal(basis)
     up = up_direction(gravity, normal)
     given, remarks = user_shapes(basis)
@@ -111,7 +115,7 @@ def make_scene(
             for joint in model.joints
         ),
         meshes=meshes,
-        notes=(*_notes(numbers), *remarks),
+        notes=(*_notes(basis.numbers), *remarks),
     )
 
 

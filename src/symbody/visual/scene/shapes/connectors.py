@@ -46,8 +46,7 @@ def anchor(basis: SceneBasis, address: FrameRef) -> Anchor:
 
 def anchor_at(basis: SceneBasis, body: str, where: RigidTransform) -> Anchor:
     """Return the origin of a frame on a body as an anchor."""
-    names = ["ground", *(each.name for each in basis.model.bodies)]
-    return Anchor(names.index(body), where.place)
+    return Anchor(basis.places[body], where.place)
 
 
 def spring_damper_connectors(basis: SceneBasis, element: SpringDamper) -> list[Connector]:
@@ -130,7 +129,9 @@ def torsion_shapes(basis: SceneBasis, element: TorsionSpring) -> list[FixedShape
 def drive_shapes(basis: SceneBasis, joint: Joint) -> list[FixedShape]:
     """Return the spirals and the motors of what acts about a joint's axes, and the feet of its springs."""
     freedoms = basis.freedoms[joint.name]
-    shapes = []
+    shapes: list[FixedShape] = []
+    if not (joint.torque or joint.force or joint.motion):
+        return shapes
     frame = basis.frames[joint.start]
     driven = {name: drive for name, drive in joint.torque.items() if name in joint.angle_coordinates}
     if freedoms.rotations == 1 and freedoms.translations == 0:
