@@ -94,7 +94,7 @@ class StepEnds:
         return start, stop, end
 
 
-class Stepper(Protocol):
+class StepwiseIntegrator(Protocol):
     """An integrator under way."""
 
     @property
@@ -148,7 +148,7 @@ class Course:
     before: RawRun | None = None
 
 
-def march(stepper: Stepper, course: Course) -> RawRun:
+def march(stepper: StepwiseIntegrator, course: Course) -> RawRun:
     """Take steps to the end, until one fails, a watch cuts the run, or the caller interrupts."""
     log = _Log(course)
     began = time.perf_counter()
@@ -162,7 +162,7 @@ def march(stepper: Stepper, course: Course) -> RawRun:
     return log.raw_run(failure, spent)
 
 
-def _march(stepper: Stepper, course: Course, log: _Log) -> Failure:
+def _march(stepper: StepwiseIntegrator, course: Course, log: _Log) -> Failure:
     """Take steps, with a look at them after every so many; return how it ended."""
     reported, seen, failure = time.perf_counter(), log.steps, None
     while True:
@@ -190,7 +190,7 @@ def _march(stepper: Stepper, course: Course, log: _Log) -> Failure:
                 return Failure(Status.INTERRUPTED)
 
 
-def _take_step(stepper: Stepper, course: Course, log: _Log) -> Failure | None:
+def _take_step(stepper: StepwiseIntegrator, course: Course, log: _Log) -> Failure | None:
     """Take one step and write it down; return why there is none."""
     found = stepper.advance()
     if isinstance(found, Failure):

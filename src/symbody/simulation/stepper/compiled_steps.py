@@ -91,12 +91,12 @@ class Steps(Protocol):
         """Bring a step to its end after another code; return how it ended."""
         ...
 
-    def kept(self) -> Floats:
+    def snapshot(self) -> Floats:
         """Return the numbers beside those of the stepper on which further steps depend."""
         ...
 
     def resume(self, kept: Floats) -> None:
-        """Go on from numbers that `kept` returned."""
+        """Go on from numbers that `snapshot` returned."""
         ...
 
     def copy(self, problem: StepProblem, numbers: StepNumbers) -> Steps:
@@ -126,13 +126,13 @@ class CompiledSteps:
         numbers.array[stepping.DERIVED] = 0.0
         self._window = numbers.t
         self._block = self._new_block()
-        self._call = self._bound()
+        self._call = self._bind()
         self.go_on: Callable[[], int] = self._way()
 
     def end(self, code: int) -> Ending:
         """Bring a step to its end after another code than `FINISHED`; return how it ended."""
         while code == at.RUNNING:
-            code = self._unlocked()
+            code = self._run_unlocked()
         status = VERDICTS[code]
         return Ending(status, "" if status.success else self._raw(status).stop_note(self._state_names))
 
@@ -143,13 +143,13 @@ class CompiledSteps:
         self._numbers.array[stepping.DERIVED] = 0.0
         self._use_block(self._new_block())
 
-    def kept(self) -> Floats:
+    def snapshot(self) -> Floats:
         """Return the numbers of the block that change, its vectors, and where its window begins."""
         block = self._block
         return np.concatenate([[self._window], block[_KEPT], *self._kept_vectors(block)])
 
     def resume(self, kept: Floats) -> None:
-        """Go on from numbers that `kept` returned."""
+        """Go on from numbers that `snapshot` returned."""
         if kept[0] != self._window:
             self._window = float(kept[0])
             self._renew_block(self._new_block(), kept[1:])
@@ -159,7 +159,7 @@ class CompiledSteps:
     def copy(self, problem: StepProblem, numbers: StepNumbers) -> CompiledSteps:
         """Return steps that go on from here with other numbers."""
         made = type(self)(problem, numbers)
-        made.resume(self.kept())
+        made.resume(self.snapshot())
         numbers.array[:] = self._numbers.array
         return made
 
@@ -203,7 +203,7 @@ class CompiledSteps:
     def _look_ahead(self) -> None:
         array = self._numbers.array
         if array[stepping.NOW] + array[stepping.DURATION] > self._window_end:
-            kept = self.kept()
+            kept = self.snapshot()
             self._window = self._numbers.t
             self._renew_block(self._new_block(), kept[1:])
 
@@ -217,7 +217,7 @@ class CompiledSteps:
         with python_laws(laws):
             code = self._go_on_in_window()
             while code == at.RUNNING and laws.error is None:
-                code = self._unlocked()
+                code = self._run_unlocked()
         return code
 
     @property
@@ -254,7 +254,7 @@ class CompiledSteps:
 
     def _use_block(self, block: Floats) -> None:
         self._block = block
-        self._call = self._bound()
+        self._call = self._bind()
         self.go_on = self._way()
 
     def _set_kept(self, block: Floats, kept: Floats) -> None:
@@ -291,12 +291,12 @@ class CompiledSteps:
         numbers = self._numbers.array
         return self._right_hand_side, self._projector.address, address(self._block), address(numbers)
 
-    def _bound(self) -> Callable[[], int]:
+    def _bind(self) -> Callable[[], int]:
         stages = int(self._block[at.METHOD + at.STAGES])
         trials = max(1, _LOCKED // (stages * max(1, self._function.operations)))
         return bound_step(self._pointers, trials)
 
-    def _unlocked(self) -> int:
+    def _run_unlocked(self) -> int:
         """Go on with a long step, in slices between which Python sees Ctrl-C and other threads run."""
         return step_kernel().unlocked(*self._pointers, _SLICE)
 

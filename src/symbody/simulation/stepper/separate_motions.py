@@ -102,7 +102,7 @@ class SeparateMotions:
         """Begin anew from time and state at present."""
         self.occurrences = ()
 
-    def kept(self) -> Floats:
+    def snapshot(self) -> Floats:
         """Return no numbers: each motion follows from its first state."""
         return np.zeros(0)
 

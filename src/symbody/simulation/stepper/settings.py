@@ -95,17 +95,16 @@ def split_inputs(
         If it is neither a mapping nor names, or a name is unknown.
     """
     laws: Mapping[str, Law] = inputs if isinstance(inputs, Mapping) else {}
-    named = [inputs] if isinstance(inputs, str) else inputs
-    try:
-        names = eqs.input_names if named is None else tuple(named)
-    except TypeError:
-        names = (named,)  # type: ignore[assignment]
+    named: object = eqs.input_names if inputs is None else inputs
+    names: tuple[object, ...] = tuple(named) if isinstance(named, Iterable) else (named,)
+    if isinstance(named, str):
+        names = (named,)
     problems = [
         Problem("stepper.inputs", "inputs", f"{name!r} is not the name of an input", "",
                 'give laws, as {"F": "sin(t)"}, or names, as ["F"]')
         for name in names if not isinstance(name, str)
     ] or [
-        unknown_name("input", name, eqs.input_names) for name in names if name not in eqs.input_names
+        unknown_name("input", str(name), eqs.input_names) for name in names if name not in eqs.input_names
     ]  # fmt: skip
     if problems:
         raise UsageError(*problems)

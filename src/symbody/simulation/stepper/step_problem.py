@@ -56,6 +56,14 @@ class StepProblem:
         """Whether laws of inputs are functions of Python."""
         return bool(self.own_laws.callbacks)
 
+    def inputs_now(self, numbers: StepNumbers) -> Floats:
+        """Return the inputs that compiled functions take at present."""
+        if not self.calls_python:
+            return numbers.inputs
+        n_u = len(self.settings.eqs.speed_names)
+        values = self.problem.laws.evaluate(numbers.t, numbers.x[n_u:-1].copy(), numbers.x[:n_u].copy())
+        return np.array(values)
+
     def integration(
         self, x: Floats, span: tuple[float, float], problem: SimulationProblem | None = None
     ) -> IntegrationProblem:

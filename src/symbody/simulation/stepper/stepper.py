@@ -211,7 +211,7 @@ class Stepper:
             return self._numbers.array.item(place)
         problem = self._problem.problem
         function = problem.compile_outputs(name, quick=True)
-        value = np.asarray(function(self.t, self._q, self._u, self._inputs_now()))
+        value = np.asarray(function(self.t, self._q, self._u, self._problem.inputs_now(self._numbers)))
         if self._missing and not np.isfinite(value).all():
             raise missing_values(self._missing)
         return float(value) if value.ndim == 0 else value
@@ -226,8 +226,8 @@ class Stepper:
         """
         if self._missing:
             raise missing_values(self._missing)
-        inputs = dict(zip(self._names, self._inputs_now(), strict=True))
-        return self._assembled(self._problem.parameters, {**self._problem.own_laws.formulas, **inputs})
+        inputs = dict(zip(self._names, self._problem.inputs_now(self._numbers), strict=True))
+        return self._assemble(self._problem.parameters, {**self._problem.own_laws.formulas, **inputs})
 
     @checked_arguments
     def set(self, **values: Value) -> Self:
@@ -251,7 +251,7 @@ class Stepper:
         if chosen:
             parameters = {**self._problem.parameters, **chosen}
             is_closed = self._problem.problem.is_closed
-            state = self._assembled(parameters, self._problem.own_laws.formulas) if is_closed else None
+            state = self._assemble(parameters, self._problem.own_laws.formulas) if is_closed else None
             self._use(parameters, self._problem.sizes, state)
         set_inputs(self._numbers.array, self._places, inputs)
         self._missing.difference_update(inputs)
@@ -294,7 +294,7 @@ class Stepper:
         """Return all that further steps depend on, to the bit; see `restore`."""
         return SavedStepper(
             kind_of(self._settings), self._problem.parameters, self._status, self.events,
-            self._numbers.array, self._steps.kept(),
+            self._numbers.array, self._steps.snapshot(),
         ).to_bytes()  # fmt: skip
 
     @checked_arguments
@@ -316,7 +316,7 @@ class Stepper:
             if content.parameters != saved_parameters(problem.parameters):
                 problem = step_problem(self._settings, content.parameters, numbers, numbers.x, problem.sizes)
                 steps, slow = steps_of(problem, numbers)
-            if steps.kept().size != content.kept.size:
+            if steps.snapshot().size != content.kept.size:
                 raise other_kind()
             steps.resume(content.kept)
             numbers.take(content.numbers)
@@ -390,13 +390,7 @@ class Stepper:
         if not ending.status.success:
             raise broken_off(self.t, ending)
 
-    def _inputs_now(self) -> Floats:
-        """Return the inputs that compiled functions take."""
-        if not self._problem.calls_python:
-            return self._numbers.inputs
-        return np.array(self._problem.problem.laws.evaluate(self.t, self._q, self._u))
-
-    def _assembled(self, parameters: Mapping[str, Value], inputs: Mapping[str, Value]) -> State:
+    def _assemble(self, parameters: Mapping[str, Value], inputs: Mapping[str, Value]) -> State:
         """Return the closed state nearest to the present one."""
         eqs = self._settings.eqs
         near = dict(zip(eqs.state_names, self._numbers.x.tolist(), strict=False))
