@@ -31,7 +31,10 @@ MOTIONS = {
     "bicycle": (0.2, {}),
     "four_bar": (0.5, {"integrator": sb.Explicit(order=5), "rtol": 1e-6}),
     "rr_robot": (1.0, {"integrator": sb.FixedStep(0.05)}),
-    "spring_mass_damper": (3.0, {"integrator": sb.FixedStep(0.05, "semi-implicit"), "inputs": {"F": "sin(3*t)"}}),
+    "spring_mass_damper": (
+        3.0,
+        {"integrator": sb.FixedStep(0.05, "semi-implicit"), "inputs": {"F": "sin(3*t)"}},
+    ),
 }
 
 
@@ -42,7 +45,14 @@ def samples(folder: Path, language: str, text: str) -> Floats:
     for command in commands:
         if shutil.which(command[0]) is None and not command[0].startswith("./"):
             pytest.skip(f"needs {command[0]}")
-        run = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, env={"PATH": "/usr/bin:/bin:/usr/local/bin"})
+        run = subprocess.run(
+            command,
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            timeout=300,
+            env={"PATH": "/usr/bin:/bin:/usr/local/bin"},
+        )
         assert run.returncode == 0 and run.stderr == "", run.stderr
     return np.array([[float(word) for word in line.split(",")] for line in run.stdout.split("\n")[1:-1]])
 
@@ -60,7 +70,12 @@ def machine_samples(motion: PreparedMotion) -> Floats:
     return np.column_stack([record.t, record.x])
 
 
-@pytest.mark.parametrize("name", MOTIONS)
+QUICK = {"slider_crank", "rr_robot"}
+
+
+@pytest.mark.parametrize(
+    "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.exhaustive) for name in MOTIONS]
+)
 def test_programs_give_the_bits_of_machine_code_in_every_language(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -86,7 +101,9 @@ def test_programs_give_the_bits_of_machine_code_in_every_language(
 def test_a_program_says_how_it_ended(tmp_path: Path) -> None:
     text = sb.generate_simulation(example("slider_crank"), 1.0, "python", max_steps=3)
     (tmp_path / "m.py").write_text(text)
-    run = subprocess.run([sys.executable, "-I", str(tmp_path / "m.py")], capture_output=True, text=True, check=False)
+    run = subprocess.run(
+        [sys.executable, "-I", str(tmp_path / "m.py")], capture_output=True, text=True, check=False
+    )
     assert run.returncode == 1 and run.stdout.startswith("t,")
 
 

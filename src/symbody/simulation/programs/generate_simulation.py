@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symbody.analysis.assembly import assemble
-from symbody.analysis.named_values import Value
 from symbody.arguments import checked_arguments
+from symbody.codegen.compile import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
 from symbody.simulation.inputs.input_laws import Law, input_laws
