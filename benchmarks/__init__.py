@@ -8,6 +8,7 @@
     python -m benchmarks motion           the compiled loop, beside SciPy's DOP853
     python -m benchmarks trajectories     motions of equal accuracy, beside SUNDIALS, MuJoCo and PyDy
     python -m benchmarks robots           robots beside Pinocchio in C++, C by CasADi, and MuJoCo
+    python -m benchmarks overhead         what stands around the loop: first, repeated and short motions
     python -m benchmarks sweep            many motions, by one thread and by two
     python -m benchmarks --help           sizes, time limit, number of rounds
 

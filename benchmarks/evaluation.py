@@ -17,7 +17,7 @@ import symbody as sb
 from benchmarks.mechanisms import EXAMPLES, spatial_chain
 from benchmarks.table import Table, ratio_text, seconds_text
 from benchmarks.timing import Settings, processor_seconds
-from symbody.codegen.compile import form_sequence
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.codegen.llvm.machine import lanes
 from symbody.storage import VARIABLE

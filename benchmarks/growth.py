@@ -25,7 +25,7 @@ from benchmarks.mechanisms import spatial_chain
 from benchmarks.process import Process, Step, Task
 from benchmarks.table import Table, ratio_text, seconds_text
 from benchmarks.timing import Settings, seconds_per_call
-from symbody.codegen.compile import form_sequence
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.function import CompiledFunction
 from symbody.storage import VARIABLE
 

@@ -17,7 +17,7 @@ from typing import Final
 import symbody as sb
 from benchmarks.table import Table, ratio_text, seconds_text
 from benchmarks.timing import Settings, seconds
-from symbody.codegen.compile import form_sequence
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.expr.folding import fold_constants
 
 

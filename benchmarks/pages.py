@@ -59,7 +59,7 @@ def tables(settings: Settings) -> Iterator[Table]:
     yield pages(settings, tuple(MOTIONS))
     executable = _browser()
     if executable is not None:
-        yield gestures(executable)
+        yield from gestures(executable)
 
 
 def pages(settings: Settings, names: tuple[str, ...]) -> Table:

@@ -26,8 +26,11 @@ def tables(settings: Settings, links: int = LINKS, end: float = END) -> Iterator
     for label, maker in installed():
         if maker is None:
             missing.append(f"{label}: not installed")
-        else:
+            continue
+        try:
             engines[label] = maker(links, end)
+        except Exception as error:  # a peer that is there, but lacks a compiler or a package of its own
+            missing.append(f"{label}: left out, {type(error).__name__}: {' '.join(str(error).split())[:200]}")
     reference = ours(links, end).move(_REFERENCE).angles
     for bound in ERRORS:
         found = {label: _coarsest(engine, reference, bound) for label, engine in engines.items()}

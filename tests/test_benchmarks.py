@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import math
 import re
 import time
@@ -13,9 +14,9 @@ import pytest
 import sympy
 from rich.console import Console
 
-from benchmarks import derivation, evaluation, expressions, motion, nodes, rooms, trajectories
+from benchmarks import derivation, evaluation, expressions, motion, nodes, overhead, rooms, trajectories
 from benchmarks.__main__ import BENCHMARKS, main
-from benchmarks.engines import moving
+from benchmarks.engines import around, moving
 from benchmarks.engines.algebra import Floats, Scalar
 from benchmarks.engines.counting import count_operations
 from benchmarks.engines.engine import Engine
@@ -313,8 +314,38 @@ def test_trajectories_of_equal_accuracy() -> None:
         assert all("not installed" in note for note in table.notes[2:])
 
 
+@pytest.mark.exhaustive
+def test_overhead_tables_stand_beside_whatever_is_installed() -> None:
+    table = overhead.chain(ONCE, 2, processes=False)
+    assert table.columns[1] == "symbody" and "SciPy, our function" in table.columns
+    assert len(table.rows) == 3 and all(len(row) == len(table.columns) for row in table.rows)
+    loop = overhead.closed_loop(ONCE)
+    assert [row[0] for row in loop.rows] == [row[0] for row in table.rows]
+    calls = overhead.inside(ONCE, points=1000, bounces=3)
+    assert [len(row) for row in calls.rows] == [3] * 4
+
+
+def test_engines_of_the_overhead_reach_the_same_angles() -> None:
+    start = around.start_angles(2)
+    ours, theirs = around.ours(2)(start, 1.5, 0.2), around.scipy_around_ours(2)(start, 1.5, 0.2)
+    np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-7)
+    if importlib.util.find_spec("mujoco"):  # another method, with steps of its own
+        np.testing.assert_allclose(ours, around.mujoco(2)(start, 1.5, 0.2), rtol=0, atol=1e-5)
+
+
 def test_chain_of_mujoco_has_the_masses_of_ours() -> None:
     text = moving.mujoco_text(3)
     assert text.count("<body ") == text.count("</body>") == 3
     assert re.findall(r'axis="([01 ]+)"', text) == ["0 1 0", "0 0 1", "1 0 0"]
     assert set(re.findall(r'mass="([^"]+)"', text)) == {str(moving.parameters(3)["m2"])}
+
+
+def test_a_peer_that_cannot_be_used_is_left_out_with_a_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(links: int, end: float) -> moving.Engine:
+        raise ImportError("no Cython\nhere")
+
+    others = (("Broken", ("sys",), broken), ("Absent", ("no_such_package",), broken))
+    monkeypatch.setattr(moving, "ENGINES", (*moving.ENGINES[:1], *others))
+    notes = next(iter(trajectories.tables(Settings(rounds=1), 2, 0.2))).notes
+    assert any(note == "Broken: left out, ImportError: no Cython here" for note in notes)
+    assert any(note == "Absent: not installed" for note in notes)

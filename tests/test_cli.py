@@ -13,8 +13,8 @@ import pytest
 
 import symbody
 from symbody.cli import run
-from symbody.cli.written import equation_lines
 from symbody.equations.form import form_equations
+from symbody.equations.outputs.equation_lines import equation_lines
 from symbody.formats.model_files import examples_folder
 from symbody.formats.native import load_model
 from symbody.simulation.native import run as native_run
@@ -156,7 +156,7 @@ def test_latex_has_titles_as_comments(capsys: pytest.CaptureFixture[str]) -> Non
 def test_long_equations_are_written_with_definitions() -> None:
     """Each shared part is written once and defined by earlier ones; the titles stay."""
     eqs = form_equations(load_model(example("spatial_four_bar")))
-    lines = equation_lines(eqs, limit=50)
+    lines = equation_lines(eqs.textbook, limit=50)
     assert [line for line in lines if not line.startswith(" ")] == ["motion:", "constraints:", "where:"]
     defined = lines[lines.index("where:") + 1 :]
     assert len(defined) > 10
@@ -164,7 +164,7 @@ def test_long_equations_are_written_with_definitions() -> None:
         name, formula = line.split(" = ")
         assert name == f"  z{k + 1}"
         assert all(int(number) <= k for number in re.findall(r"\bz(\d+)\b", formula))
-    assert sum(map(len, lines)) < sum(map(len, equation_lines(eqs)))
+    assert sum(map(len, lines)) < sum(map(len, equation_lines(eqs.textbook)))
 
 
 def test_tree_may_be_chosen(model: Path, capsys: pytest.CaptureFixture[str]) -> None:

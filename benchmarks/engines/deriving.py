@@ -19,7 +19,7 @@ import symbody as sb
 from benchmarks.engines.counting import count_operations
 from benchmarks.mechanisms import Mechanism
 from benchmarks.process import Floats, Step, Task
-from symbody.codegen.compile import form_sequence
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.expr.evaluate import evaluate_sequence
 
 # What an engine is asked: to derive and count, to compute accelerations, to compile.

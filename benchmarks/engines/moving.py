@@ -165,20 +165,20 @@ def pydy(links: int, end: float) -> Engine:
 
 
 OURS: Final = "symbody"
-# Label, package that has to be installed, maker.
-ENGINES: Final[Sequence[tuple[str, str, Callable[[int, float], Engine]]]] = (
-    (OURS, "symbody", ours),
-    ("SciPy's DOP853, our function", "scipy", scipy_around_ours),
-    ("SUNDIALS' Adams, our function", "sksundae", sundials_around_ours),
-    ("MuJoCo, Runge-Kutta 4", "mujoco", mujoco),
-    ("PyDy, Cython and odeint", "pydy", pydy),
+# Label, packages that have to be installed, maker.
+ENGINES: Final[Sequence[tuple[str, tuple[str, ...], Callable[[int, float], Engine]]]] = (
+    (OURS, ("symbody",), ours),
+    ("SciPy's DOP853, our function", ("scipy",), scipy_around_ours),
+    ("SUNDIALS' Adams, our function", ("sksundae",), sundials_around_ours),
+    ("MuJoCo, Runge-Kutta 4", ("mujoco",), mujoco),
+    ("PyDy, Cython and odeint", ("pydy", "Cython", "setuptools"), pydy),
 )
 
 
 def installed() -> Iterator[tuple[str, Callable[[int, float], Engine] | None]]:
     """Yield the engines by label, None for one that is missing."""
-    for label, package, maker in ENGINES:
-        yield label, maker if find_spec(package) else None
+    for label, packages, maker in ENGINES:
+        yield label, maker if all(map(find_spec, packages)) else None
 
 
 def worst(a: Any, b: Any) -> float:

@@ -4,8 +4,22 @@ The names below are listed in the order of the flow in ``__init__.pyi`` and load
 so that ``import symbody`` costs nothing.
 """
 
+from importlib import import_module
+
 import lazy_loader
 
 __version__ = "0.1.0"
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> object:
+    """Return a public name; an unknown one is refused with those that are spelt alike."""
+    if name in __all__ or name.startswith("_"):
+        return _load(name)
+    try:
+        return _load(name)
+    except AttributeError as error:
+        nearest = import_module("symbody.errors").nearest  # loaded when it is needed, as all else
+        text = f"symbody has no {name!r}; {nearest(name, __all__)}"
+        raise AttributeError(text, name=name) from error

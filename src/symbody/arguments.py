@@ -13,6 +13,7 @@ import inspect
 import reprlib
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Set
 from functools import wraps
+from importlib import import_module
 from numbers import Integral, Real
 from os import PathLike
 from types import NoneType, SimpleNamespace, UnionType
@@ -29,7 +30,7 @@ from typing import (
     get_type_hints,
 )
 
-from symbody.errors import Problem, SymbodyError, UsageError
+from symbody.errors import CallError, Problem, SymbodyError, UsageError, nearest
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -62,21 +63,69 @@ def checked_arguments(function: Callable[P, R]) -> Callable[P, R]:
     UsageError
         When it is called so.
     """
-    paths = [name for name, text in _texts(function).items() if "Path" in text]
+    texts = _texts(function)
+    paths = [name for name, text in texts.items() if "Path" in text]
+    textual = {name for name, text in texts.items() if "str" in text and "Sympy" not in text}
 
     @wraps(function)
     def call_with_checks(*given: P.args, **named: P.kwargs) -> R:
+        if textual and _hold_sympy((*given, *named.values())):
+            given, named = _with_texts(function, textual, given, named)
         if paths:
             _refuse(function, given, named, paths)
         try:
             return function(*given, **named)
-        except SymbodyError:
+        except SymbodyError as error:
+            if any(problem.code == "call.argument" for problem in error.problems):
+                # What it calls has other words for its arguments.
+                _refuse(function, given, named, None, error)
             raise
         except Exception as error:
             _refuse(function, given, named, None, error)
             raise
 
     return call_with_checks
+
+
+def is_sympy(value: object) -> bool:
+    """Return whether a value is of a class of SymPy; SymPy need not be there."""
+    kind = type(value)
+    if kind.__module__ == "builtins":  # most are
+        return False
+    return any(str(base.__module__).startswith("sympy.") for base in kind.__mro__)
+
+
+def _hold_sympy(values: Iterable[object]) -> bool:
+    """Return whether an object of SymPy is among values, or among the keys or entries of one."""
+    for value in values:
+        if isinstance(value, dict | list | tuple):
+            if any(is_sympy(entry) for entry in value):
+                return True
+        elif is_sympy(value):
+            return True
+    return False
+
+
+def _with_texts(function: Callable[..., Any], textual: Set[str], given: Any, named: Any) -> Any:
+    """Return arguments with SymPy expressions as text where names and expressions are taken as text."""
+    write: Callable[[object], str] = import_module("symbody.expr.sympy_text").sympy_text
+
+    def convert(value: Any) -> Any:
+        if is_sympy(value):
+            return write(value)
+        if isinstance(value, dict):
+            return {write(key) if is_sympy(key) else key: item for key, item in value.items()}
+        if type(value) in (list, tuple):
+            return type(value)(map(convert, value))
+        return value
+
+    signature = inspect.signature(function)
+    try:
+        bound = signature.bind(*given, **named)
+    except TypeError:  # refused later, by name
+        return given, named
+    bound.arguments |= {name: convert(value) for name, value in bound.arguments.items() if name in textual}
+    return bound.args, bound.kwargs
 
 
 def checked_fields(kind: C) -> C:
@@ -111,13 +160,13 @@ def _refuse(
 ) -> None:
     """Raise if an argument does not fit its annotation, of all or those with some names."""
     signature = inspect.signature(function)
-    try:
-        bound = signature.bind(*given, **named).arguments
-    except TypeError:  # one is missing, or there are too many: Python's own message names it
-        return
-    problems = []
     is_constructor = function.__name__ == "__init__" and bool(given)
     label = label or (type(given[0]).__name__ if is_constructor else function.__qualname__)
+    try:
+        bound = signature.bind(*given, **named).arguments
+    except TypeError as misfit:
+        raise CallError(call_problem(label, signature, given, named, str(misfit))) from None
+    problems = []
     for name, value in bound.items():
         if names is None or name in names:
             hint = _hint(function, name)
@@ -126,6 +175,39 @@ def _refuse(
                 problems.append(_problem(label, name, value, hint))
     if problems:
         raise UsageError(*problems) from error
+
+
+def call_problem(
+    label: str, signature: inspect.Signature, given: Sequence[object], named: Collection[str], misfit: str
+) -> Problem:
+    """Return what is wrong with a call whose arguments do not fit a signature.
+
+    Parameters
+    ----------
+    label : str
+        The function, or the class that is made.
+    misfit : str
+        Python's own words, for what is neither unknown nor missing nor too many.
+    """
+    kinds = inspect.Parameter
+    takes = [item for item in signature.parameters.values() if item.name not in ("self", "cls")]
+    names = [item.name for item in takes if item.kind not in (kinds.VAR_POSITIONAL, kinds.VAR_KEYWORD)]
+    unknown = [name for name in named if name not in names]
+    if unknown:
+        what = f"there is no argument {' or '.join(map(repr, unknown))}"
+        return Problem("call.unknown_argument", label, what, "", nearest(unknown[0], names))
+    placed = names[: len(given) - (len(signature.parameters) > len(takes))]
+    missing = [
+        item.name for item in takes
+        if item.name in names and item.default is kinds.empty and item.name not in (*placed, *named)
+    ]  # fmt: skip
+    if missing:
+        what = f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing"
+        return Problem("call.missing_argument", label, what, "", f"it takes ({', '.join(names)})")
+    return Problem(
+        "call.arguments", label, misfit.removeprefix(f"{label}.__init__() ").removeprefix(f"{label}() "), "",
+        f"it takes ({', '.join(names)})",
+    )  # fmt: skip
 
 
 def _problem(function: str, name: str, value: object, hint: object) -> Problem:

@@ -70,6 +70,10 @@ class UsageError(SymbodyError):
     exit_code = 2
 
 
+class CallError(UsageError, TypeError):
+    """A call with arguments that a function does not have, or without those that it needs."""
+
+
 class ExpressionError(SymbodyError):
     """Text or an operation that is not a legal expression."""
 

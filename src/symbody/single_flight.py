@@ -27,6 +27,10 @@ def fork_safe_lock() -> Any:
     return lock
 
 
+# Held while a lock is made.
+_FIRST: Final = fork_safe_lock()
+
+
 def _free_locks() -> None:
     for lock in _LOCKS:
         if not lock._is_owned():  # by the thread that forked, which goes on in the new process
@@ -50,7 +54,7 @@ class SingleFlight(Generic[Key, Value]):
 
     def __init__(self, most: int | None = None) -> None:
         self._most = most
-        self._lock = fork_safe_lock()
+        self._lock: Any = None  # many of these never hold a value
         self._values: dict[Key, Value] = {}
 
     def get(self, key: Key, make: Callable[[], Value]) -> Value:
@@ -62,13 +66,19 @@ class SingleFlight(Generic[Key, Value]):
             return self._values[key]
         except KeyError:
             pass
-        with self._lock:
+        with self._lock or self._make_lock():
             if key not in self._values:
                 value = make()
                 while self._most is not None and len(self._values) >= self._most:
                     del self._values[next(iter(self._values))]
                 self._values[key] = value
             return self._values[key]
+
+    def _make_lock(self) -> Any:
+        with _FIRST:
+            if self._lock is None:
+                self._lock = fork_safe_lock()
+            return self._lock
 
     def peek(self, key: Key) -> Value | None:
         """Return the value of `key` if it was made."""

@@ -127,13 +127,13 @@ def test_a_tree_is_taken_as_it_is() -> None:
 def test_what_a_state_computes_is_compiled_once(monkeypatch: pytest.MonkeyPatch) -> None:
     state = sb.assemble(sb.form_equations(slider_crank()), {"theta": 0.7}, {"s": 4.0})
     formed: list[str] = []
-    form_sequence = state_module.form_sequence
+    bound_function = state_module.bound_function
 
-    def counted(eqs: sb.EquationSet, outputs: str, *rest: object) -> object:
+    def counted(eqs: sb.EquationSet, outputs: str, *rest: object, **choices: object) -> object:
         formed.append(outputs)
-        return form_sequence(eqs, outputs, *rest)
+        return bound_function(eqs, outputs, *rest, **choices)
 
-    monkeypatch.setattr(state_module, "form_sequence", counted)
+    monkeypatch.setattr(state_module, "bound_function", counted)
     energies = {other["s + beta"] for other in (state, state, *state.branches)}
     assert formed == ["s + beta"] and len(energies) == 1 + len(state.branches)
 

@@ -177,3 +177,28 @@ def test_ranges_that_make_no_sense_are_refused(over: dict[str, float | tuple[flo
     with pytest.raises(sb.UsageError) as caught:
         sb.singular_configurations(SLIDER_CRANK, "theta", over)
     assert all(problem.fix for problem in caught.value.problems)
+
+
+def test_ranges_and_values_take_degrees_and_formulas() -> None:
+    eqs = four_bar(1.0, 3.0, 2.5, 3.0)
+    in_degrees = sb.trace_positions(eqs, {"theta": ["10 deg", "pi/9", 0.5]})
+    plain = sb.trace_positions(eqs, {"theta": [np.radians(10), np.pi / 9, 0.5]})
+    np.testing.assert_allclose(in_degrees.q, plain.q, atol=1e-9)
+    places = sb.singular_configurations(eqs, "phi", over={"theta": ("0 deg", "360 deg")})
+    same = sb.singular_configurations(eqs, "phi", over={"theta": (0, 2 * np.pi)})
+    assert len(places) == len(same) == 4
+    for one, other in zip(places, same, strict=True):
+        assert one.q["theta"] == pytest.approx(other.q["theta"], abs=1e-6)
+    with pytest.raises(sb.ExpressionError, match="over theta"):
+        sb.trace_positions(eqs, {"theta": ["10 dg"]})
+
+
+def test_places_that_cannot_be_reached_from_each_other_are_told_apart() -> None:
+    """A crank-rocker has two assemblies, and in each the rocker has two dead positions."""
+    eqs = four_bar(1.0, 3.0, 2.5, 3.0)
+    places = sb.singular_configurations(eqs, "phi", over={"theta": (0, 2 * np.pi)})
+    assert sorted(place.assembly for place in places) == [1, 1, 2, 2]
+    for place in places:  # the rocker stays on its side of the ground
+        near = [other for other in places if other.assembly == place.assembly]
+        assert len({np.sign(np.sin(other.q["phi"])) for other in near}) == 1
+        assert str(place).endswith(f", in assembly {place.assembly}")

@@ -143,6 +143,44 @@ def test_deriving_names_its_stages_and_is_cancelled(visit: Visit) -> None:
     assert builder.state("equations") is None
 
 
+def lit_up(page: Any) -> float:
+    """Return how strongly the picture lights up what a term comes from, from 0 to 1."""
+    return float(page.evaluate("Math.max(0, ...symbodyPicture.shown.player.viewer.lights.values())"))
+
+
+def test_equations_appear_part_by_part(visit: Visit) -> None:
+    builder = visit()
+    page = builder.page
+    builder.open_example("bicycle")
+    builder.keys("F6")
+    builder.wait("s.run !== null && s.run.parts.length > 0", 120)
+    assert builder.state("tab") == "equations" and builder.state("equations") is None
+    page.locator(".equation-block").first.wait_for()
+    assert page.get_by_text("The others are being written").is_visible()
+    chosen = page.get_by_role("tablist", name="Equations").get_by_role("tab", name="Forcing")
+    chosen.click()
+    builder.wait("s.equations !== null", 120)
+    assert chosen.get_attribute("aria-selected") == "true"  # what is being read stays
+    assert len(builder.state("equations.result.tabs")) == 8
+
+
+def test_closing_a_page_with_changes_is_questioned(visit: Visit) -> None:
+    builder = visit()
+    page = builder.page
+    questions: list[str] = []
+    page.on("dialog", lambda dialog: questions.append(dialog.type))
+    builder.open_example("spring_mass_damper")
+    page.reload()
+    page.get_by_test_id("start").wait_for()
+    assert questions == []  # nothing was changed
+    builder.open_example("spring_mass_damper")
+    page.get_by_test_id("parameters").get_by_label("k", exact=True).fill("3")
+    assert builder.page.title().startswith("\u25cf")
+    with page.expect_event("dialog"):
+        page.close(run_before_unload=True)
+    assert questions == ["beforeunload"]
+
+
 def test_equations_have_tabs_and_a_term_lights_up_what_it_comes_from(visit: Visit) -> None:
     builder = visit(permissions=["clipboard-read", "clipboard-write"])
     page = builder.page
@@ -155,9 +193,17 @@ def test_equations_have_tabs_and_a_term_lights_up_what_it_comes_from(visit: Visi
     )
     terms = page.locator("[data-span]")
     terms.first.wait_for()
+    terms.first.hover()
+    glowing = builder.state("glowing")
+    assert glowing and page.locator(".glowing").count() == len(glowing)
+    assert builder.state("highlighted") == [] and builder.state("spoken") == "Equations finished"
+    assert 0 < lit_up(page) < 1
+    page.get_by_label("Search elements").hover()
+    assert builder.state("glowing") == [] and page.locator(".glowing").count() == 0 and lit_up(page) == 0
     terms.first.click()
     lit = builder.state("highlighted")
-    assert lit and page.locator(".highlighted").count() == len(lit)
+    assert lit == glowing and page.locator(".highlighted").count() == len(lit)
+    assert lit_up(page) > 0.5
     tabs.get_by_text("Mass matrix", exact=True).click()
     page.locator(".equation-block math").first.wait_for()
     page.get_by_role("button", name="Copy LaTeX").first.click()

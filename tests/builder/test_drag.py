@@ -9,9 +9,9 @@ import pytest
 
 import symbody as sb
 from symbody.builder.model_text import data_from_text
+from symbody.builder.task_failure import TaskFailure
 from symbody.builder.tasks.check import check_model
 from symbody.builder.tasks.drag import drag_body
-from symbody.builder.worker_process import TaskFailure
 from symbody.formats.model_files import examples_folder
 from tests.builder.conftest import Builder
 

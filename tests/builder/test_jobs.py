@@ -22,13 +22,13 @@ import pytest
 import symbody as sb
 from symbody.builder import workers
 from symbody.builder.settings import pages_folder
+from symbody.builder.task_failure import TaskFailure
 from symbody.builder.tasks.analyses import equilibrium, inverse, modes, singular_positions
 from symbody.builder.tasks.equations import equation_tabs
 from symbody.builder.tasks.exports import export_model
 from symbody.builder.tasks.formula_blocks import FormulaBlock, entry_label, render_block
 from symbody.builder.tasks.simulation import curve_list, more_curves, simulate_model
 from symbody.builder.tasks.sweeps import sweep_parameter
-from symbody.builder.worker_process import TaskFailure
 from symbody.errors import EnvironmentFault, SymbodyError
 from symbody.expr.deadline import watch_stages
 from symbody.expr.graph import Graph, Symbol
@@ -45,7 +45,7 @@ def work(task: Any, data: dict[str, Any], **options: Any) -> tuple[dict[str, Any
     stages: list[str] = []
     with watch_stages(stages.append):
         result = task(
-            {"data": data, "folder": "", "options": options}, lambda stage, percent: stages.append(stage)
+            {"data": data, "folder": "", "options": options}, lambda stage, *_: stages.append(stage)
         )
     json.dumps(result, allow_nan=False)
     return result, list(dict.fromkeys(stages))

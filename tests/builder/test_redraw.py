@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from symbody.builder.tasks import redraw
+from symbody.builder.tasks import check, mechanisms
 from symbody.builder.tasks.check import check_model
+from symbody.builder.tasks.reading import Latest
 from symbody.builder.tasks.redraw import redraw_model
 from symbody.formats.model_files import examples_folder
 from symbody.formats.native import load_model, to_data
@@ -54,9 +55,9 @@ def numbers(value: Any) -> list[float]:
 def test_it_shows_what_the_check_shows(name: str) -> None:
     data = data_of(name)
     ask(redraw_model, data, str(FILES[name].parent))
-    before = redraw.formed_count()
+    before = mechanisms.formed_count()
     quick = ask(redraw_model, changed(data), str(FILES[name].parent))
-    assert redraw.formed_count() == before
+    assert mechanisms.formed_count() == before
     full = ask(check_model, changed(data), str(FILES[name].parent))
     if not any(each["severity"] == "error" for each in full["problems"]):
         assert quick["picture"] is not None
@@ -67,6 +68,26 @@ def test_it_shows_what_the_check_shows(name: str) -> None:
     size = scenes[1]["size"]
     assert np.allclose(numbers(scenes[0]), numbers(scenes[1]), rtol=1e-5, atol=1e-6 * size)
     assert [body["name"] for body in scenes[0]["bodies"]] == [body["name"] for body in scenes[1]["bodies"]]
+
+
+@pytest.mark.parametrize("name", ["slider_crank", "four_bar", "bicycle", "stewart_platform"])
+def test_a_check_of_other_values_forms_nothing_and_says_the_same(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    data, where = data_of(name), str(FILES[name].parent)
+    ask(check_model, data, where)
+    before = mechanisms.formed_count()
+    quick = ask(check_model, changed(data), where)
+    assert mechanisms.formed_count() == before
+    for module, caches in ((mechanisms, ("_MECHANISMS", "_SOLVERS")), (check, ("_CHECKS",))):
+        for each in caches:
+            monkeypatch.setattr(module, each, Latest(4))
+    anew = ask(check_model, changed(data), where)
+    assert mechanisms.formed_count() == 1
+    assert quick["problems"] == anew["problems"] and quick["summary"] == anew["summary"]
+    assert quick["formulas"] == anew["formulas"]
+    assert quick["values"] == pytest.approx(anew["values"], rel=1e-9, abs=1e-9)
+    assert quick["picture"]["scene"] == anew["picture"]["scene"]
 
 
 def test_what_cannot_be_drawn_at_once_is_left_to_the_check() -> None:

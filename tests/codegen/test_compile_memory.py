@@ -34,7 +34,7 @@ def test_compilations_leave_memory_constant(times: int, lanes: bool, monkeypatch
     batch = [[0.1, 0.2]] * 16
 
     def compiled(mass: float) -> sb.CompiledFunction:
-        function = sb.compile(eqs, "udot", {"m": mass}, quick=True, lanes=lanes)
+        function = sb.compile(eqs, "udot", {"m": mass}, quick=True, lanes=lanes, specialize=True)
         function(0.0, batch, batch)
         return function
 

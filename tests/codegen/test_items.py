@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from symbody.codegen.function import CompiledFunction, Signature, source_text
+from symbody.codegen.function import CompiledFunction
 from symbody.codegen.llvm import native
 from symbody.codegen.llvm.items import plan_items
 from symbody.codegen.llvm.machine import lanes
 from symbody.codegen.llvm.native import compile_sequence
 from symbody.codegen.pieces import plan_pieces
+from symbody.codegen.signature import Signature, source_text
 from symbody.codegen.stored_sequence import read_sequence, store_sequence
 from symbody.expr import opcodes as op
 from symbody.expr.evaluate import evaluate_sequence
@@ -152,7 +153,7 @@ def test_stored_sequences_keep_their_programs(tmp_path: Path, monkeypatch: pytes
     assert read is not None and read[0] == sequence
 
 
-@pytest.mark.parametrize("language", ["c", "python", "fortran", "matlab", "julia"])
+@pytest.mark.parametrize("language", ["c", "python", "fortran", "matlab", "julia", "rust", "javascript"])
 def test_texts_write_every_item_out(language: str) -> None:
     sequence = random_programs(31)
     text = source_text(sequence, language, SIGNATURE)

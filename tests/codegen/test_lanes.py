@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.codegen.function import CompiledFunction, Signature
+from symbody.codegen.function import CompiledFunction
 from symbody.codegen.llvm.machine import lanes
 from symbody.codegen.llvm.native import compile_sequence
+from symbody.codegen.signature import Signature
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Output, Sequence
 from tests.codegen.native import call

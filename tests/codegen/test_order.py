@@ -6,7 +6,7 @@ import pytest
 
 import symbody as sb
 from benchmarks.mechanisms import spatial_chain
-from symbody.codegen.compile import form_sequence
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.llvm.order import order_operations
 from symbody.expr.opcodes import LEAVES
 from symbody.expr.sequence import Sequence

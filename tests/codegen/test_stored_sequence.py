@@ -9,6 +9,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +18,8 @@ import pytest
 
 import symbody as sb
 from symbody.codegen import stored_sequence
-from symbody.codegen.compile import form_sequence
-from symbody.codegen.function import Signature
+from symbody.codegen.formation.sequences import form_sequence
+from symbody.codegen.signature import Signature
 from symbody.codegen.stored_sequence import read_sequence, store_sequence
 from symbody.equations import cache_key as known
 from symbody.equations import form as forming
@@ -87,11 +88,13 @@ def test_small_ones_and_those_without_a_key_are_not_kept(place: Path) -> None:
 
 def test_the_second_time_nothing_is_formed(monkeypatch: pytest.MonkeyPatch) -> None:
     eqs = sb.form_equations(chain())
-    first = sb.compile(eqs, ["udot", "kinetic_energy"], {"m": 2.0}, free=["l"])
+    first = sb.compile(eqs, "udot", {"m": 2.0}, free=["l"])
     monkeypatch.setattr(forming, "derive", refused)
     again = sb.form_equations(chain())
-    second = sb.compile(again, ["udot", "kinetic_energy"], {"m": 2.0}, free=["l"])
-    assert second.sequence == first.sequence and second.signature == first.signature
+    second = sb.compile(again, "udot", {"m": 2.0}, free=["l"])
+    assert second.signature == first.signature
+    expected = values(partial(first, p=[0.5]))
+    assert same_bits(values(partial(second, p=[0.5])), expected)
     assert again.notes == eqs.notes
     with pytest.raises(AssertionError, match="were formed"):  # other outputs need the equations
         sb.compile(again, "mass_matrix")

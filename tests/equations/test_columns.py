@@ -9,7 +9,7 @@ import pytest
 
 import symbody as sb
 from symbody.analysis.derivatives import with_outputs
-from symbody.codegen.compile import form_sequence
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.equations.formulations.recursive import RecursiveDynamics
 from symbody.equations.recursive.chains import TOGETHER, chains
 from symbody.equations.recursive.udot_derivatives import FEWEST_SPEEDS

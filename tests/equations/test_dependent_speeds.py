@@ -10,6 +10,7 @@ import pytest
 import sympy
 
 import symbody as sb
+from tests.formulations import UNLIMITED, name_of
 
 TIGHT = {"rtol": 1e-11, "atol": 1e-13}
 SLOPE, SPIN = 9.81 * sin(0.3), 1.7
@@ -89,7 +90,7 @@ def agree(
             np.testing.assert_allclose(a, b, rtol=tolerance, atol=tolerance, err_msg=name)
 
 
-@pytest.mark.parametrize("formulation", [sb.VirtualWork(), sb.NewtonEuler(), sb.Lagrange()])
+@pytest.mark.parametrize("formulation", UNLIMITED, ids=name_of)
 @pytest.mark.parametrize("speed", ["x_dot", "y_dot"])
 def test_blade_has_the_same_mechanics(formulation: sb.VirtualWork, speed: str) -> None:
     full = sb.form_equations(skate(), formulation)

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 import symbody as sb
-from symbody.codegen.compile import form_sequence
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.expr.evaluate import MPMATH, evaluate_sequence
 from symbody.formats import model_from_urdf
 from tests.problems.mechanisms import EXAMPLES, equations_of, random_values, state_of

@@ -10,7 +10,7 @@ import pytest
 
 import symbody as sb
 from symbody.analysis.derivatives import with_outputs
-from symbody.codegen.compile import form_sequence
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.equations.formulations.recursive import RecursiveDynamics
 from symbody.equations.solving.slopes import acceleration_slopes, inverse_dynamics
 from symbody.expr.folding import fold_constants

@@ -14,11 +14,10 @@ from symbody.equations.recursive import recursion
 from symbody.expr.graph import Graph
 from symbody.expr.opcodes import ADD, SUB
 from tests.equations.test_derivation import chain
+from tests.formulations import FORMULATIONS
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-FORMULATIONS: list[Formulation] = [
-    sb.Recursive("articulated"), sb.Recursive("composite"), sb.VirtualWork(), sb.NewtonEuler(), sb.Lagrange(),
-]  # fmt: skip
+WAYS = [sb.Recursive("articulated"), sb.Recursive("composite"), *FORMULATIONS]
 
 
 def of_example(name: str, formulation: Formulation | None = None) -> sb.EquationSet:
@@ -63,7 +62,7 @@ def test_accelerations_that_do_not_fit_the_mass_matrix_are_raised(monkeypatch: p
         print(sb.form_equations(chain(3), sb.Recursive("articulated")).forcing)
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS, ids=repr)
+@pytest.mark.parametrize("formulation", WAYS, ids=repr)
 @pytest.mark.parametrize("name", ["rr_robot", "spinning_top_omega", "four_bar"])
 def test_examples_are_shown_without_a_difference(name: str, formulation: Formulation) -> None:
     eqs = of_example(name, formulation)

@@ -12,6 +12,7 @@ import sympy as sp
 
 import symbody as sb
 from symbody.equations.formulations.formulation import Formulation
+from tests.formulations import FORMULATIONS
 
 G = 9.81
 # Closed forms of a few operations; poses are given exactly or assembled to 1e-9 of the size.
@@ -83,11 +84,11 @@ def door(
     return sb.Model("door", [body, *hinges, turn], gravity=(0, 0, -G), ground=ground)
 
 
-FORMULATIONS = (None, sb.VirtualWork(), sb.NewtonEuler(), sb.Lagrange())
+WAYS = (None, *FORMULATIONS)
 
 
 @pytest.mark.parametrize("tree", [None, "absolute"])
-@pytest.mark.parametrize("formulation", FORMULATIONS, ids=lambda f: type(f).__name__)
+@pytest.mark.parametrize("formulation", WAYS, ids=lambda f: type(f).__name__)
 @pytest.mark.parametrize("names", [("H0", "H1"), ("Z", "A")])
 def test_two_hinges_share_the_weight_of_a_door(
     names: tuple[str, str], formulation: object, tree: str | None
@@ -227,7 +228,7 @@ def test_trees_leave_nothing_undetermined() -> None:
     assert not any("undetermined" in note for note in eqs.notes)
 
 
-@pytest.mark.parametrize("formulation", [None, sb.VirtualWork(), sb.NewtonEuler(), sb.Lagrange()], ids=repr)
+@pytest.mark.parametrize("formulation", WAYS, ids=repr)
 def test_loads_on_four_wheels_are_shares(formulation: Formulation | None) -> None:
     """Heights that hold identically are found while the equations are formed, in the frames of the contacts."""
     corners = {f"a{k}": sb.Frame(at=(x, y, "r")) for k, (x, y) in enumerate(product((1, -1), repeat=2))}

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -100,9 +101,34 @@ def test_faults_with_arguments_that_fit_go_on_as_they_are() -> None:
         look_up("mine", [1])  # type: ignore[arg-type]
 
 
-def test_missing_arguments_are_told_by_python() -> None:
-    with pytest.raises(TypeError, match="t_end"):
-        sb.simulate(None)  # type: ignore[call-arg, arg-type]
+UNFIT: list[tuple[Callable[[], object], str, str]] = [
+    (lambda: sb.simulate(None), "call.missing_argument", "t_end is missing"),  # type: ignore[call-arg, arg-type]
+    (lambda: sb.Revolute("A"), "call.missing_argument", "start, end are missing"),  # type: ignore[call-arg]
+    (lambda: sb.Body("B", mas=1), "call.unknown_argument", "did you mean 'mass'?"),  # type: ignore[call-arg]
+    (lambda: sb.Frame(at=(0, 0, 0), turn=1), "call.unknown_argument", "known names: at, matrix, rotate"),  # type: ignore[call-arg]
+    (lambda: sb.Explicit(ordr=8), "call.unknown_argument", "did you mean 'order'?"),  # type: ignore[call-arg]
+    (lambda: sb.Model("m", element=[]), "call.unknown_argument", "did you mean 'elements'"),  # type: ignore[call-arg]
+    (lambda: sb.form_equations(sb.Model("m"), formulaton=1), "call.unknown_argument", "'formulation'"),  # type: ignore[call-arg]
+    (lambda: sb.Frame(1, 2, 3, 4), "call.arguments", "it takes (at, rotate, matrix)"),  # type: ignore[call-arg, arg-type]
+]
+
+
+@pytest.mark.parametrize(("call", "code", "text"), UNFIT)
+def test_calls_that_fit_no_signature_are_faults_with_a_cure(
+    call: Callable[[], object], code: str, text: str
+) -> None:
+    with pytest.raises(sb.UsageError, match=re.escape(text)) as caught:
+        call()
+    assert caught.value.problems[0].code == code
+    assert isinstance(caught.value, TypeError)  # as Python's own
+
+
+def test_names_that_are_misspelt_are_refused_with_those_alike() -> None:
+    with pytest.raises(AttributeError, match="did you mean 'Revolute'"):
+        sb.Revolut  # type: ignore[attr-defined]  # noqa: B018
+    with pytest.raises(AttributeError, match="did you mean 'form_equations'"):
+        sb.form_equation  # type: ignore[attr-defined]  # noqa: B018
+    assert not hasattr(sb, "nothing_like_it")
 
 
 def test_a_number_is_no_path(known: dict[str, Call]) -> None:

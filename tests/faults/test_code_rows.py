@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.codegen.compile import form_sequence
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.llvm import stored_module
 from symbody.codegen.llvm.machine import environment
 from symbody.codegen.llvm.native import compile_sequence

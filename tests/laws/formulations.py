@@ -1,4 +1,4 @@
-"""Law: virtual work, Newton-Euler and Lagrange give the same equations, accelerations and reactions."""
+"""Law: all formulations give the same equations, accelerations and reactions."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 import symbody as sb
+from symbody.equations.formulations.formulation import Formulation
 from symbody.graph.trees import TreeChoice
 from symbody.model import resolve_parameters
+from tests.formulations import FORMULATIONS, name_of
 from tests.laws.agreement import SYSTEM, choices, other_orientations
 from tests.laws.building import build_model
 from tests.laws.consistent_states import State, consistent_state
@@ -18,10 +20,7 @@ from tests.laws.evaluation import EPS, Condition, condition, independent_rows, v
 from tests.laws.parts import Mechanism
 from tests.laws.rotations import Array
 
-Formulation = sb.VirtualWork | sb.NewtonEuler | sb.Lagrange | sb.Recursive
-FORMULATIONS: dict[str, Formulation] = {
-    "Newton-Euler": sb.NewtonEuler(), "Lagrange": sb.Lagrange(), "recursive": sb.Recursive(),
-}  # fmt: skip
+OTHERS = {name_of(each): each for each in FORMULATIONS if not isinstance(each, sb.VirtualWork)}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -140,5 +139,5 @@ def compared(mechanism: Mechanism) -> dict[str, dict[str, float | None]]:
     first = derived(mechanism, state, sb.VirtualWork(), tree)
     return {
         name: differences(mechanism, first, derived(mechanism, state, formulation, tree))
-        for name, formulation in FORMULATIONS.items()
+        for name, formulation in OTHERS.items()
     }

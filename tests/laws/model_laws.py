@@ -9,6 +9,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
@@ -16,6 +17,7 @@ import symbody as sb
 from symbody.expr.calculus import gradient
 from symbody.expr.graph import TIME
 from symbody.expr.sequence import Roots
+from tests.formulations import FORMULATIONS, name_of
 from tests.laws.agreement import SYSTEM
 from tests.laws.evaluation import EPS, Condition, condition, evaluator
 from tests.laws.formulations import multiplier_condition
@@ -124,8 +126,7 @@ WAYS: dict[str, Callable[[sb.Model], sb.EquationSet | None]] = {
     "joints": lambda model: sb.form_equations(model, tree="joints"),
     "absolute": lambda model: sb.form_equations(model, tree="absolute"),
     "other trees": _other_trees,
-    "Newton-Euler": lambda model: sb.form_equations(model, sb.NewtonEuler()),
-    "Lagrange": lambda model: sb.form_equations(model, sb.Lagrange()),
+    **{name_of(each): partial(sb.form_equations, formulation=each) for each in FORMULATIONS},
     "reversed joints": _reversed_joints,
     "independent speeds": _independent,
     "generated code": sb.form_equations,
@@ -216,7 +217,7 @@ def _reads_coordinates(model: sb.Model) -> bool:
     if any(joint.drives for joint in model.joints):
         return True
     return any(
-        known & set(use.formula.names) for element in model.elements for use in element.formula_sites()
+        known & set(site.formula.names) for element in model.elements for site in element.formula_sites()
     )
 
 

@@ -7,7 +7,6 @@ and accelerations of the bodies alone, by `numpy.linalg.lstsq` on the force and 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -245,4 +244,3 @@ def _welds(random: np.random.Generator) -> Family:
 
 
 TREES = (None, "joints", "absolute")
-FORMULATIONS: Sequence[object] = (None, sb.VirtualWork(), sb.NewtonEuler(), sb.Lagrange())

@@ -61,13 +61,20 @@ def formed(case: Struck, tree: TreeChoice, width: float = 0.0) -> sb.EquationSet
 
 
 def start(eqs: sb.EquationSet, case: Struck) -> tuple[float, dict[str, float]]:
-    """Where the motion that arrives at the pose comes from: backwards from a hair before the corner."""
+    """Where the motion that arrives at the pose comes from: backwards from a hair before the corner.
+
+    Where a driven mechanism cannot have been so far back, it is where it was half of the way.
+    """
     t, time = case.mechanism.t, case.mechanism.units.time
     names = (*eqs.coordinate_names, *eqs.speed_names)
     known = {name: case.before.known[name] for name in names}
     span = (t - HAIR * time, t - BEFORE * time)
     run = sb.simulate(eqs, span, guess=known, inputs=case.mechanism.inputs, rtol=RTOL)
-    assert run.success, run.notes
+    if not run.success:
+        assert breaks_off(case, eqs, span, known, run, run.u[:, 0]), run.notes
+        span = (span[0], span[0] + 0.5 * float(run.t[-1] - span[0]))
+        run = sb.simulate(eqs, span, guess=known, inputs=case.mechanism.inputs, rtol=RTOL)
+        assert run.success, run.notes
     return float(run.t[-1]), {name: float(run[name][-1]) for name in names}
 
 
@@ -111,19 +118,20 @@ def rounded_errors(
     return found
 
 
-def locks_up(
-    case: Struck, eqs: sb.EquationSet, span: tuple[float, float], at: dict[str, float], run: sb.Trajectory
-) -> bool:
+def breaks_off(
+    case: Struck, eqs: sb.EquationSet, span: tuple[float, float], at: dict[str, float], run: sb.Trajectory,
+    usual: Array,
+) -> bool:  # fmt: skip
     """Whether a driven mechanism has no motion beyond the end of a run: rates grow as it comes near.
 
-    Then another integrator, with the speeds chosen anew at each step, ends there too, behind the corner.
+    Then another integrator, with the speeds chosen anew at each step, ends there too.
     """
     other = sb.simulate(
         eqs, span, guess=at, inputs=case.mechanism.inputs, rtol=RTOL, constraints=sb.Partition()
     )
     apart = abs(float(other.t[-1] - run.t[-1]))
-    grown = float(np.abs(run.u[:, -1]).max() / np.abs(sides_at(case, eqs, run)).max())
-    return not other.success and apart < 0.01 * (span[1] - case.mechanism.t) and grown > 5
+    grown = float(np.abs(run.u[:, -1]).max() / np.abs(usual).max())
+    return not other.success and apart < 0.01 * BEHIND * case.mechanism.units.time and grown > 5
 
 
 def sides_at(case: Struck, eqs: sb.EquationSet, run: sb.Trajectory) -> Array:
@@ -143,7 +151,7 @@ def check(seed: int, rounded: bool) -> float | None:
     t, at = start(eqs, case)
     span = (t, case.mechanism.t + BEHIND * time)
     run = sb.simulate(eqs, span, guess=at, inputs=case.mechanism.inputs, rtol=RTOL, **way)  # type: ignore[arg-type]
-    passed = run.success or locks_up(case, eqs, span, at, run)
+    passed = run.success or breaks_off(case, eqs, span, at, run, sides_at(case, eqs, run))
     assert passed, (seed, way, run.notes)
     assert any("prescribed rates jump" in note for note in run.notes), (seed, run.notes)
     share = error(case, eqs, run) / ALLOWED[kind]
@@ -159,7 +167,8 @@ def check_all(seeds: Iterable[int]) -> None:
     print(f"{len(shares)} struck, with at most {max(shares, default=0.0):.2g} of the errors allowed")
 
 
-# In 105 there are rows in t that always hold: their rounding is no jump. 146 locks up behind the corner.
+# In 105 there are rows in t that always hold: their rounding is no jump. 146 locks up behind the corner; 162
+# cannot have come from farther away than six tenths of the way.
 @pytest.mark.parametrize("seed", [0, 6, 9, 11, 105, 146])
 def test_speeds_jump_by_what_the_joints_transmit(seed: int) -> None:
     check_all([seed])

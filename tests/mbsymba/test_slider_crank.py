@@ -11,10 +11,11 @@ from sympy.physics.vector import dynamicsymbols
 
 import symbody as sb
 from symbody import mbsymba as mb
+from symbody.equations.formulations.formulation import Formulation
+from tests.formulations import UNLIMITED
 from tests.mbsymba import slider_crank as sc
 from tests.mbsymba.spots import t, values
 
-FORMULATIONS = (sb.VirtualWork(), sb.NewtonEuler(), sb.Lagrange())
 # theta'' and the force in the pin C are found by a solution whose condition is below 1e4.
 CLOSE = 1e-10
 
@@ -26,9 +27,7 @@ def gravity() -> Iterator[None]:
     mb.set_gravity(None)
 
 
-def by_hand(
-    name: str, formulation: sb.VirtualWork | sb.NewtonEuler | sb.Lagrange | None, nat: bool = False
-) -> sb.EquationSet:
+def by_hand(name: str, formulation: Formulation | None, nat: bool = False) -> sb.EquationSet:
     objects, q = sc.objects_of(sc.MECHANISMS[name]())
     return mb.equation_set(objects, q, formulation, nat_coords=nat, parameters=sc.DATA)
 
@@ -56,7 +55,7 @@ def drawn_values() -> list[float]:
 @pytest.mark.parametrize("name", sc.MECHANISMS)
 def test_accelerations_and_reactions_are_those_of_the_drawn_one(name: str) -> None:
     wanted = drawn_values()
-    cases = [(each, False) for each in FORMULATIONS] + [(None, name == "natural")]
+    cases = [(each, False) for each in UNLIMITED] + [(None, name == "natural")]
     for formulation, nat in cases:
         assert crank_and_pin(by_hand(name, formulation, nat), name) == pytest.approx(wanted, rel=CLOSE)
 

@@ -12,11 +12,12 @@ from sympy.physics.vector import dynamicsymbols
 
 import symbody as sb
 from symbody import mbsymba as mb
+from symbody.equations.formulations.formulation import Formulation
+from tests.formulations import UNLIMITED
 from tests.mbsymba.spots import all_same, same, t, values
 
 L, m, A, C, G = sp.symbols("L m A C G")
 TOP = {"L": 1.0, "m": 1.0, "A": 2.0, "C": 1.0, "G": 9.8}
-FORMULATIONS = (sb.VirtualWork(), sb.NewtonEuler(), sb.Lagrange())
 EPS = float(np.finfo(float).eps)
 
 
@@ -50,7 +51,7 @@ def top_by_hand() -> tuple[mb.BODY, mb.FRAME, list[sp.Expr]]:
     return mb.make_BODY(mb.make_POINT(RF, 0, 0, L), m, moment, moment, C, name="Top"), RF, list(q)
 
 
-def top_drawn(formulation: sb.VirtualWork | sb.NewtonEuler | sb.Lagrange) -> sb.EquationSet:
+def top_drawn(formulation: Formulation) -> sb.EquationSet:
     moment = "A - m*L^2"
     body = sb.Body("Top", "m", (moment, moment, "C"), frames={"base": sb.Frame((0, 0, "-L"))})
     pivot = sb.Spherical(
@@ -59,8 +60,8 @@ def top_drawn(formulation: sb.VirtualWork | sb.NewtonEuler | sb.Lagrange) -> sb.
     return sb.form_equations(sb.Model("top", [pivot], gravity=(0, 0, "-G"), parameters=TOP), formulation)
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS, ids=lambda f: type(f).__name__)
-def test_top(formulation: sb.VirtualWork | sb.NewtonEuler | sb.Lagrange) -> None:
+@pytest.mark.parametrize("formulation", UNLIMITED, ids=lambda f: type(f).__name__)
+def test_top(formulation: Formulation) -> None:
     body, _, q = top_by_hand()
     eqs = mb.equation_set([body], q, formulation, parameters=TOP)
     outputs = (
@@ -201,7 +202,7 @@ def test_random_chains_against_matrices_in_sympy(seed: int) -> None:
     M, rest = (np.array(values(each, numbers)).reshape(each.shape) for each in (M, rest))
     if np.linalg.cond(M) > 1e8:
         return  # both bodies do not resist this coordinate
-    for formulation in FORMULATIONS:
+    for formulation in UNLIMITED:
         f = sb.compile(mb.equation_set(parts, occurring, formulation, parameters={"G": 9.8}), "udot")
         udot = f(0.0, [numbers[x] for x in occurring], [numbers[x.diff()] for x in occurring])
         assert M @ udot == pytest.approx(rest.ravel(), rel=1e-9, abs=1e-9)

@@ -14,7 +14,7 @@ import sympy as sp
 from sympy.physics.vector import dynamicsymbols
 
 import symbody as sb
-from symbody.codegen.compile import form_sequence
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.expr.evaluate import evaluate_sequence
 from tests.codegen.native import call_address
 from tests.problems.mechanisms import (

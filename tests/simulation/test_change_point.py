@@ -12,8 +12,11 @@ import symbody as sb
 from symbody.analysis.assembly import assemble
 from symbody.analysis.scales import mechanism_scales
 from symbody.simulation.inputs.input_laws import input_laws
-from symbody.simulation.methods.change_point import _Passages, is_overconstrained
+from symbody.simulation.methods.change_point import _Passages
+from symbody.simulation.methods.integration import Integration, end_run
+from symbody.simulation.methods.overconstrained import is_overconstrained
 from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.native.run import RawRun, Statistics
 from symbody.simulation.simulation_problem import SimulationProblem
 from tests.faults.test_constraint_rows import parallelogram, shaft, slider_crank
 from tests.problems.mechanisms import model_of
@@ -123,25 +126,70 @@ def test_baumgarte_stops_where_it_leaves_the_branch() -> None:
     assert np.abs(run["beta"] + 2 * run["theta"]).max() < 1e-4
 
 
+def wheels_on_a_rod(posts: list[float]) -> sb.EquationSet:
+    count = len(posts)
+    wheels = [
+        sb.Body(f"W{k}", mass=1, inertia=(0.1, 0.1, 0.1), frames={"tip": sb.Frame(at=(0.5, 0, 0))})
+        for k in range(count)
+    ]
+    pins = {f"p{k}": sb.Frame(at=(x, 0, 0)) for k, x in enumerate(posts)}
+    rod = sb.Body("Rod", mass=2, inertia=(0.2, 0.2, 0.2), frames=pins)
+    joints = [sb.Revolute(f"A{k}", f"ground.p{k}", f"W{k}", coordinate=f"a{k}") for k in range(count)]
+    joints += [sb.Revolute(f"B{k}", f"W{k}.tip", f"Rod.p{k}", coordinate=f"b{k}") for k in range(count)]
+    return sb.form_equations(sb.Model("locomotive", [*wheels, rod, *joints], ground=pins))
+
+
 @pytest.mark.parametrize("constraints", [None, sb.Projection(), sb.Partition()])
 def test_three_wheels_on_a_rod(constraints: sb.Projection | sb.Partition | None) -> None:
     """Constraints that follow from others are no change point, whoever looks for them where.
 
     All wheels turn alike: (3 I + m r^2) a'' = 0 without gravity, so that the speed of 9 rad/s stays.
     """
-    posts = [0.0, 1.0, 2.5]
-    wheels = [
-        sb.Body(f"W{k}", mass=1, inertia=(0.1, 0.1, 0.1), frames={"tip": sb.Frame(at=(0.5, 0, 0))})
-        for k in range(3)
-    ]
-    pins = {f"p{k}": sb.Frame(at=(x, 0, 0)) for k, x in enumerate(posts)}
-    rod = sb.Body("Rod", mass=2, inertia=(0.2, 0.2, 0.2), frames=pins)
-    joints = [sb.Revolute(f"A{k}", f"ground.p{k}", f"W{k}", coordinate=f"a{k}") for k in range(3)]
-    joints += [sb.Revolute(f"B{k}", f"W{k}.tip", f"Rod.p{k}", coordinate=f"b{k}") for k in range(3)]
-    eqs = sb.form_equations(sb.Model("locomotive", [*wheels, rod, *joints], ground=pins))
+    eqs = wheels_on_a_rod([0.0, 1.0, 2.5])
     angles = {"a0": 1.0, "a1": 1.0, "a2": 1.0, "b0": -1.0, "a0_dot": 9.0}
     run = sb.simulate(eqs, 2.0, angles, {"a1_dot": 9.0, "a2_dot": 9.0}, constraints=constraints)
     assert run.success, run.notes
     assert not any("start is a change point" in note for note in run.notes)
     for k in range(3):  # some thirty steps with 1e-8 of 19 rad each
         assert np.abs(run[f"a{k}"] - 1.0 - 9.0 * run.t).max() < 1e-5
+
+
+@pytest.mark.parametrize(
+    "way", [{"integrator": sb.FixedStep(0.01)}, {"constraints": sb.Baumgarte()}, {"integrator": sb.Stiff()}]
+)
+def test_constraints_that_follow_do_not_hold_the_mechanism(way: dict[str, Any]) -> None:
+    """Stages and samples of Bennett's linkage are a little open, where its constraints are independent."""
+    eqs, times = linkage(), np.linspace(0.0, 1.0, 41)
+    start = {"t1": 1.0, "t1_dot": 3.0}
+    exact = sb.simulate(eqs, 1.0, start, GUESS, times=times, rtol=1e-10)
+    run = sb.simulate(eqs, 1.0, start, GUESS, times=times, **way)
+    assert exact.success and run.t.size > 10
+    if not run.success:
+        assert any("follow from others only where all loops are closed" in note for note in run.notes)
+    for name in eqs.coordinate_names:  # a hundredth of the tolerance of 1e-8 for each of some thousand steps
+        assert np.abs(run[name] - exact[name][: run.t.size]).max() < 1e-5
+
+
+@pytest.mark.parametrize("rtol", [1e-3, 1e-8])
+def test_samples_of_an_explicit_choice_are_on_the_branch(rtol: float) -> None:
+    """All wheels turn alike past their flat poses, wherever in a step they are looked at."""
+    posts = [0.0, 1.0, 2.5]
+    run = sb.simulate(
+        wheels_on_a_rod(posts), 1.5, {"a0": 1.0, "a1": 1.0, "a2": 1.0, "b0": -1.0, "a0_dot": 9.0},
+        {"a1_dot": 9.0, "a2_dot": 9.0}, constraints=sb.Projection(), times=np.linspace(0.0, 1.5, 301), rtol=rtol,
+    )  # fmt: skip
+    assert run.success and any("sb.Projection() would hold" in note for note in run.notes)
+    for motion in (run, run.at(run.t)):
+        for k in range(len(posts)):
+            assert np.abs(motion[f"a{k}"] - 1.0 - 9.0 * run.t).max() < 1e3 * rtol
+
+
+def test_a_run_may_end_where_it_starts() -> None:
+    """The first step already leaves the branch: only the start is returned."""
+    raw = RawRun(
+        np.array([0.0, 1.0]), np.zeros((1, 2)), sb.Status.SUCCESS, Statistics(1, 0, 1, 0.0), 1.0, None, None,
+        DenseOutput(np.array([0.0, 1.0]), np.ones((1, 4, 1))),
+    )  # fmt: skip
+    run = end_run(Integration(raw, (), None), 0.0, "left")
+    assert run.raw.status is sb.Status.SINGULAR and run.raw.t.tolist() == [0.0] and run.notes == ("left",)
+    assert run.raw.dense_output is not None and run.raw.dense_output(0.0).tolist() == [1.0]

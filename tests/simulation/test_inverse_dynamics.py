@@ -111,7 +111,7 @@ def test_slider_crank_torque_is_that_of_virtual_work() -> None:
 
 def test_the_torque_found_makes_the_motion_by_forward_simulation() -> None:
     run = sb.inverse_dynamics(FOUR_BAR, {"theta": "0.4 + t**2"}, ["T"], np.linspace(0, 2, 61))
-    assert run.notes == ("input U has no value and is 0",)
+    assert run.notes == ("input U has no value and is 0 N m",)
     assert run.constraint_violation.max() < 1e-13
     # Forward dynamics with this torque: the accelerations asked for.
     assert run["theta_ddot"] == pytest.approx(2.0, abs=1e-11)

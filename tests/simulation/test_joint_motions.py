@@ -8,6 +8,7 @@ import pytest
 import symbody as sb
 from symbody.graph.trees import Trees
 from symbody.model.joint import Joint
+from symbody.model.registry import element_types
 
 ENDS = ("Arm.tip", "Load.eye")
 ARM = sb.Body("Arm", mass=1.2, inertia=(0.2, 0.3, 0.25),
@@ -67,3 +68,9 @@ def test_branch_and_chord_move_alike(kind: str) -> None:
     assert np.abs(branch["reaction J"] - chord["reaction J"]).max() < 1e-5
     for run in (branch, chord):
         assert run.constraint_violation.max(initial=0.0) < 1e-10 and run.energy_drift < 1e-7
+
+
+def test_every_joint_is_here() -> None:
+    assert {type(joint) for joint in JOINTS.values()} == {
+        kind for kind in element_types("joint").values() if issubclass(kind, Joint)
+    }

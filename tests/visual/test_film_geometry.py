@@ -10,7 +10,7 @@ from symbody.errors import UsageError
 from symbody.visual.film.camera import Camera, fit_camera
 from symbody.visual.film.connector_shapes import coil_points, rope_points
 from symbody.visual.film.facets import Facets, facets_of, weld
-from symbody.visual.film.shapes import facets_of_solid, rotation_of
+from symbody.visual.film.solid_facets import facets_of_solid, rotation_of
 from symbody.visual.scene.scene import SceneMesh, Solid
 from tests.visual.film_scenes import scene_of
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 import symbody as sb
 from symbody.visual.scene.basis import scene_basis
-from symbody.visual.scene.belts import belt_line
 from symbody.visual.scene.from_model import make_scene
-from symbody.visual.scene.gear_profile import gear_outline, ring_outlines
 from symbody.visual.scene.numbers import model_numbers
 from symbody.visual.scene.poses import RigidTransform, rotation_matrix
+from symbody.visual.scene.shapes.belts import belt_line
+from symbody.visual.scene.shapes.gear_profile import gear_outline, ring_outlines
 
 Floats = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ import pytest
 import symbody as sb
 from symbody.errors import EnvironmentFault, FormatError
 from symbody.visual.scene import make_scene
-from symbody.visual.scene.mesh_files import MOST_TRIANGLES, read_mesh
+from symbody.visual.scene.shapes.mesh_files import MOST_TRIANGLES, read_mesh
 
 trimesh = pytest.importorskip("trimesh")
 

@@ -8,8 +8,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from symbody.visual.scene.gear_profile import gear_outline, ring_outlines
-from symbody.visual.scene.meshes import (
+from symbody.visual.scene.scene import SceneMesh
+from symbody.visual.scene.shapes.gear_profile import gear_outline, ring_outlines
+from symbody.visual.scene.shapes.meshes import (
     cone_prism,
     helix,
     hollow_prism,
@@ -19,7 +20,6 @@ from symbody.visual.scene.meshes import (
     spiral,
     tube,
 )
-from symbody.visual.scene.scene import SceneMesh
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 INNER = 0.5 * (SQUARE - 0.5) + 0.5

@@ -5,7 +5,7 @@ import { create } from "zustand";
 import type { EntryId } from "./model/entries";
 import { valueAt } from "./model/pointers";
 import type { Copied } from "./model/edit";
-import type { CheckAnswer, DocumentAnswer, JobKind, JobState, Model, Problem, SchemaAnswer } from "./types";
+import type { CheckAnswer, DocumentAnswer, JobKind, JobState, JsonObject, Model, Problem, SchemaAnswer } from "./types";
 
 export type ThemeChoice = "auto" | "light" | "dark" | "contrast";
 export type Tab = "positions" | "curves" | "equations" | "analyses" | "problems";
@@ -34,6 +34,8 @@ export interface Run {
   readonly state: JobState | null;
   /** The model that it was started with. */
   readonly of: Model;
+  /** What is ready before the whole result. */
+  readonly parts: readonly JsonObject[];
 }
 
 export interface Simulated {
@@ -85,6 +87,8 @@ export interface State {
   /** Whether the picture shows the simulated motion, not the start position. */
   readonly showsMotion: boolean;
   readonly highlighted: readonly EntryId[];
+  /** What the term under the pointer comes from. */
+  readonly glowing: readonly EntryId[];
   readonly posed: Posed | null;
   /** The body that is dragged in the picture. */
   readonly dragged: string | null;
@@ -102,7 +106,7 @@ export const useStore = create<State>()(
       data: EMPTY, document: null, saved: EMPTY, schema: null, selection: [], check: null, checked: null, openProblems: [],
       server: "here", outside: false, copied: null, popup: null, dialog: "start", tab: "positions", leftTab: "palette",
       wide: false, theme: "auto", focusPointer: null, renaming: null, spoken: "", notice: [], run: null, equations: null,
-      analysis: null, simulated: null, showsMotion: false, highlighted: [], posed: null, dragged: null, pictureNote: "",
+      analysis: null, simulated: null, showsMotion: false, highlighted: [], glowing: [], posed: null, dragged: null, pictureNote: "",
       analysisPicture: null,
     }), // prettier-ignore
     { partialize: ({ data }) => ({ data }), equality: (before, after) => before.data === after.data, limit: 500 },
@@ -177,7 +181,7 @@ export function showDocument(answer: DocumentAnswer): void {
     document: { id: answer.document, path: answer.path, name: answer.name, fingerprint: answer.fingerprint },
     openProblems: answer.problems,
     selection: [], check: null, checked: null, popup: null, dialog: null, outside: false, renaming: null, notice: [],
-    run: null, equations: null, analysis: null, simulated: null, showsMotion: false, highlighted: [], posed: null, dragged: null, pictureNote: "",
+    run: null, equations: null, analysis: null, simulated: null, showsMotion: false, highlighted: [], glowing: [], posed: null, dragged: null, pictureNote: "",
     analysisPicture: null,
     spoken: `${answer.name} opened`,
   }); // prettier-ignore

@@ -17,6 +17,7 @@ import type { MotionVector, Scene, VectorKind } from "./contract";
 import { Curls } from "./curls";
 import { anchorPoint, type Instant, type Layer } from "./layer";
 import { HIGHLIGHT, VECTOR_COLORS } from "./palette";
+import type { GeometryStore } from "./solids";
 import type { StateSource } from "./source";
 
 export type VectorGroup = "force" | "torque" | "reaction";
@@ -43,10 +44,11 @@ class ArrowMeshes {
   constructor(
     count: number,
     private readonly width: number,
+    store: GeometryStore,
   ) {
     const material = new MeshStandardMaterial({ roughness: 0.6, emissiveIntensity: 0.25 });
-    this.shafts = new InstancedMesh(new CylinderGeometry(1, 1, 1, 16).rotateX(Math.PI / 2), material, count);
-    this.heads = new InstancedMesh(new ConeGeometry(1, 1, 24).rotateX(Math.PI / 2), material, 2 * count);
+    this.shafts = new InstancedMesh(store.made("shaft", () => new CylinderGeometry(1, 1, 1, 16).rotateX(Math.PI / 2)), material, count);
+    this.heads = new InstancedMesh(store.made("head", () => new ConeGeometry(1, 1, 24).rotateX(Math.PI / 2)), material, 2 * count);
     for (const mesh of [this.shafts, this.heads]) {
       mesh.frustumCulled = false;
       mesh.renderOrder = 2;
@@ -94,10 +96,7 @@ class ArrowMeshes {
 
   dispose(): void {
     this.shafts.material.dispose();
-    for (const mesh of [this.shafts, this.heads]) {
-      mesh.geometry.dispose();
-      mesh.dispose();
-    }
+    for (const mesh of [this.shafts, this.heads]) mesh.dispose();
   }
 
   private write(mesh: InstancedMesh, index: number, start: Vector3, at: number, radius: number, length: number): void {
@@ -126,16 +125,17 @@ export class VectorArrows implements Layer {
   constructor(
     scene: Scene,
     private readonly source: StateSource,
+    store: GeometryStore,
   ) {
     const { vectors } = source;
-    this.arrows = new ArrowMeshes(vectors.length, 0.006 * scene.size);
+    this.arrows = new ArrowMeshes(vectors.length, 0.006 * scene.size, store);
     this.scales = {
       force: arrowScale(largestMagnitude(vectors, "force"), scene.size),
       torque: arrowScale(largestMagnitude(vectors, "torque"), scene.size),
     };
     this.tips = vectors.map(() => new Vector3());
     this.curled = scene.normal !== null;
-    this.curls = new Curls(vectors.length, 0.45 * scene.size);
+    this.curls = new Curls(vectors.length, 0.45 * scene.size, store);
     this.object.add(this.arrows.object, this.curls.mesh);
     this.paint("", "");
   }

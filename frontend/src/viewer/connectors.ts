@@ -1,11 +1,11 @@
 /** Springs, dampers, ropes, actuators and lines between two points; their geometry is changed in place. */
 
-import { Group, Matrix4, Mesh, MeshStandardMaterial, Vector3, type BufferGeometry } from "three";
+import { Color, Group, Matrix4, Mesh, MeshStandardMaterial, Vector3, type BufferGeometry } from "three";
 import { writeRope } from "./catenary";
 import { coilPoints, writeCoil } from "./coil";
 import type { Connector, Point, Scene } from "./contract";
 import { anchorPoint, spanMatrix, type Counts, type Instant, type Layer } from "./layer";
-import { CONNECTOR_COLORS, HIGHLIGHT } from "./palette";
+import { CONNECTOR_COLORS, HIGHLIGHT, LIGHT, NO_LIGHTS } from "./palette";
 import type { GeometryStore } from "./solids";
 import { createTube, type Tube } from "./tube";
 
@@ -22,6 +22,7 @@ interface Part {
   update(start: Vector3, end: Vector3, carrier: Matrix4): void;
 }
 
+const glare = new Color(LIGHT);
 const start = new Vector3();
 const end = new Vector3();
 
@@ -48,10 +49,11 @@ export class Connectors implements Layer {
     }
   }
 
-  paint(selected: string, hovered: string): void {
+  paint(selected: string, hovered: string, lights = NO_LIGHTS): void {
     for (const { connector, material } of this.parts) {
       const name = connector.element;
       material.color.set(name !== "" && name === selected ? HIGHLIGHT : colorOf(connector));
+      if (name !== selected) material.color.lerp(glare, lights.get(name) ?? 0);
       if (name !== "" && name === hovered && name !== selected) material.color.offsetHSL(0, 0, 0.12);
     }
   }

@@ -33,20 +33,22 @@ export class Contents {
     readonly scene: Scene,
     readonly source: StateSource,
     counts: Counts,
+    former: Contents | null = null,
   ) {
     this.pose = restPose(scene.bodies.length);
     this.instant = { time: source.start, matrices: scene.bodies.map(() => new Matrix4()) };
-    this.extent = motionExtent(scene, source);
+    this.store = new GeometryStore(scene, former?.store);
+    this.extent = motionExtent(scene, source, this.store);
     visitStates(scene, source, [source.start], ({ matrices }) => { centreOf(scene, matrices, this.first); });
-    this.store = new GeometryStore(scene);
     this.solids = new Solids(scene, this.store);
     this.connectors = new Connectors(scene, this.store, shortestLengths(scene, source), counts);
-    this.arrows = new VectorArrows(scene, source);
-    this.axes = new FrameAxes(scene);
-    this.joints = new JointMarks(scene);
+    this.arrows = new VectorArrows(scene, source, this.store);
+    this.axes = new FrameAxes(scene, this.store);
+    this.joints = new JointMarks(scene, this.store);
     this.traces = new Traces(scene, source, counts);
     this.grid = new GroundGrid(scene, this.extent.box);
     this.layers = [this.grid, this.solids, new BodyLines(scene), this.connectors, this.axes, this.arrows, this.traces, this.joints];
+    this.store.tidy();
   }
 
   dispose(): void {

@@ -12,6 +12,7 @@ import {
   Vector3,
 } from "three";
 import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
+import type { GeometryStore } from "./solids";
 
 const LEAST = 0.02; // of the longest arrow: below, nothing is drawn
 const zAxis = new Vector3(0, 0, 1);
@@ -34,8 +35,9 @@ export class Curls {
   constructor(
     count: number,
     private readonly size: number,
+    store: GeometryStore,
   ) {
-    this.mesh = new InstancedMesh(curlGeometry(), new MeshStandardMaterial({ roughness: 0.6 }), count);
+    this.mesh = new InstancedMesh(store.made("curl", curlGeometry), new MeshStandardMaterial({ roughness: 0.6 }), count);
     this.mesh.frustumCulled = false;
     for (let index = 0; index < count; index += 1) this.hide(index);
   }
@@ -68,7 +70,6 @@ export class Curls {
   }
 
   dispose(): void {
-    this.mesh.geometry.dispose();
     this.mesh.material.dispose();
     this.mesh.dispose();
   }

@@ -16,6 +16,7 @@ import { mergeGeometries } from "three/addons/utils/BufferGeometryUtils.js";
 import type { Scene, SceneJoint } from "./contract";
 import { anchorPoint, placeMatrix, type Instant, type Layer } from "./layer";
 import { HIGHLIGHT, type Theme } from "./palette";
+import type { GeometryStore } from "./solids";
 
 const AXIS_COLORS = ["#d62f2f", "#2a9d3f", "#2f6fe0"] as const;
 const matrix = new Matrix4();
@@ -48,7 +49,7 @@ export class FrameAxes implements Layer {
   readonly object: InstancedMesh<BufferGeometry, MeshBasicMaterial>;
   private readonly entries: { body: number; local: Matrix4 }[] = [];
 
-  constructor(scene: Scene) {
+  constructor(scene: Scene, store: GeometryStore) {
     const length = new Vector3().setScalar(0.09 * scene.size);
     scene.bodies.forEach((body, index) => {
       for (const frame of body.frames) {
@@ -56,7 +57,7 @@ export class FrameAxes implements Layer {
       }
     });
     const material = new MeshBasicMaterial({ vertexColors: true });
-    this.object = new InstancedMesh(axesGeometry(), material, this.entries.length);
+    this.object = new InstancedMesh(store.made("axes", axesGeometry), material, this.entries.length);
     this.object.frustumCulled = false;
     this.object.visible = false;
   }
@@ -70,7 +71,6 @@ export class FrameAxes implements Layer {
   }
 
   dispose(): void {
-    this.object.geometry.dispose();
     this.object.material.dispose();
     this.object.dispose();
   }
@@ -82,8 +82,11 @@ export class JointMarks implements Layer {
   readonly mesh: InstancedMesh<BufferGeometry, MeshBasicMaterial>;
   private color = "#000000";
 
-  constructor(private readonly scene: Scene) {
-    const geometry = new OctahedronGeometry(0.014 * scene.size, 1);
+  constructor(
+    private readonly scene: Scene,
+    store: GeometryStore,
+  ) {
+    const geometry = store.made("joint", () => new OctahedronGeometry(1, 1));
     const material = new MeshBasicMaterial({ depthTest: false, transparent: true, opacity: 0.92 });
     this.mesh = new InstancedMesh(geometry, material, scene.joints.length);
     this.mesh.frustumCulled = false;
@@ -93,9 +96,10 @@ export class JointMarks implements Layer {
   }
 
   update(instant: Instant): void {
+    const radius = 0.014 * this.scene.size;
     this.scene.joints.forEach((joint, index) => {
       anchorPoint(joint.start, instant, place);
-      this.mesh.setMatrixAt(index, matrix.makeTranslation(place));
+      this.mesh.setMatrixAt(index, matrix.makeScale(radius, radius, radius).setPosition(place));
     });
     this.mesh.instanceMatrix.needsUpdate = true;
     this.mesh.boundingSphere = null;
@@ -121,7 +125,6 @@ export class JointMarks implements Layer {
   }
 
   dispose(): void {
-    this.mesh.geometry.dispose();
     this.mesh.material.dispose();
     this.mesh.dispose();
   }

@@ -17,6 +17,10 @@ export const CONNECTOR_COLORS = {
 
 export const VECTOR_COLORS = { force: "#c62f3b", torque: "#7a3fa0", reaction: "#0a8f8f" } as const;
 export const HIGHLIGHT = "#ffe433";
+/** What something comes from, by its name, and how strongly that is shown, from 0 to 1. */
+export type Lights = ReadonlyMap<string, number>;
+export const LIGHT = "#ff9d1f";
+export const NO_LIGHTS: Lights = new Map<string, number>();
 
 /** Return a colour of a body by its place; the ground is grey. */
 export function bodyColor(body: number): string {

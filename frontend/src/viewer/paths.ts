@@ -1,9 +1,10 @@
 /** Where points of bodies are along the motion: paths of traces, extents of the whole. */
 
-import { Box3, Matrix4, Vector3 } from "three";
+import { Box3, Matrix4, Vector3, type BufferGeometry } from "three";
 import type { Anchor, Scene, Solid } from "./contract";
 import { placeMatrix, writeMatrices, type Instant } from "./layer";
-import { makeGeometry, shapeOf } from "./shapes";
+import { shapeOf } from "./shapes";
+import { GeometryStore } from "./solids";
 import { restPose, type StateSource } from "./source";
 
 const SAMPLES = 80;
@@ -60,10 +61,10 @@ export function shortestLengths(scene: Scene, source: StateSource): number[] {
 }
 
 /** Return the box of a body's shapes, frames and the anchors on it, in its own axes. */
-function bodyBox(scene: Scene, body: number, units: Map<string, Box3>): Box3 {
+function bodyBox(scene: Scene, body: number, store: GeometryStore): Box3 {
   const box = new Box3();
   const { solids, frames } = scene.bodies[body]!;
-  for (const solid of solids) box.union(solidBox(scene, solid, units));
+  for (const solid of solids) box.union(solidBox(scene, solid, store));
   // a ground's frames may be far from all that is drawn
   if (body > 0 || box.isEmpty()) for (const frame of frames) box.expandByPoint(new Vector3(...frame.at));
   const anchors = scene.connectors.flatMap((each) => [each.start, each.end]);
@@ -71,23 +72,16 @@ function bodyBox(scene: Scene, body: number, units: Map<string, Box3>): Box3 {
   return box;
 }
 
-/** `units` has the boxes of shapes of unit size that were measured already. */
-function solidBox(scene: Scene, solid: Solid, units: Map<string, Box3>): Box3 {
+function solidBox(scene: Scene, solid: Solid, store: GeometryStore): Box3 {
   const { key, scale } = shapeOf(solid);
-  const unit = units.get(key) ?? unitBox(scene, solid, key);
-  units.set(key, unit);
-  const box = unit.clone();
+  const box = solid.mesh === null ? unitBox(store.get(key)) : new Box3().setFromArray(scene.meshes[solid.mesh]!.vertices);
   return box.isEmpty() ? box : box.applyMatrix4(placeMatrix(solid.at, solid.quaternion, scale));
 }
 
-function unitBox(scene: Scene, solid: Solid, key: string): Box3 {
-  const box = new Box3();
-  if (solid.mesh !== null) return box.setFromArray(scene.meshes[solid.mesh]!.vertices);
-  const geometry = makeGeometry(key, scene.meshes, true);
-  geometry.computeBoundingBox();
-  box.union(geometry.boundingBox ?? box);
-  geometry.dispose();
-  return box;
+/** Return the box of a shape of unit size; its geometry keeps it. */
+function unitBox(geometry: BufferGeometry): Box3 {
+  if (geometry.boundingBox === null) geometry.computeBoundingBox();
+  return geometry.boundingBox?.clone() ?? new Box3();
 }
 
 /** What a camera has to hold: points on everything along the motion, and their box. */
@@ -111,9 +105,8 @@ export function centreOf(scene: Scene, matrices: readonly Matrix4[], into: Vecto
 }
 
 /** Return the extent of the whole motion, without a ground that is far larger than the rest. */
-export function motionExtent(scene: Scene, source: StateSource): Extent {
-  const units = new Map<string, Box3>();
-  const local = scene.bodies.map((_, body) => boxCorners(bodyBox(scene, body, units)));
+export function motionExtent(scene: Scene, source: StateSource, store = new GeometryStore(scene)): Extent {
+  const local = scene.bodies.map((_, body) => boxCorners(bodyBox(scene, body, store)));
   const samples = Math.min(Math.max(Math.floor(MOST_POINTS / (8 * local.length)), 6), SAMPLES);
   const moving: number[] = [];
   const carried: number[] = []; // beside the centre, which is where it is at the start

@@ -5,7 +5,7 @@ import type { BufferGeometry } from "three";
 import type { Scene, Solid } from "./contract";
 import type { Instant, Layer } from "./layer";
 import { placeMatrix } from "./layer";
-import { bodyColor, HIGHLIGHT } from "./palette";
+import { bodyColor, HIGHLIGHT, LIGHT, NO_LIGHTS } from "./palette";
 import { makeGeometry, shapeOf } from "./shapes";
 
 export type Look = "solid" | "transparent" | "wire";
@@ -25,25 +25,54 @@ interface Batch {
 const MANY = 150; // solids; beyond, round ones have fewer sides
 const matrix = new Matrix4();
 const mixed = new Color();
+const glare = new Color(LIGHT);
 
-/** Geometries by their key, shared by the bodies and their ghosts. */
+/** Geometries by their key, shared by the bodies and their ghosts, and by the next scene of the same mechanism. */
 export class GeometryStore {
-  private readonly geometries = new Map<string, BufferGeometry>();
   private readonly coarse: boolean;
+  private readonly used = new Set<string>();
+  private readonly geometries: Map<string, BufferGeometry>;
 
-  constructor(private readonly scene: Scene) {
+  /** Takes over from `former` what does not belong to its scene. */
+  constructor(
+    private readonly scene: Scene,
+    former: GeometryStore | null = null,
+  ) {
     this.coarse = scene.bodies.reduce((sum, body) => sum + body.solids.length, 0) > MANY;
+    this.geometries = former === null || former.coarse !== this.coarse ? new Map<string, BufferGeometry>() : former.handOver();
   }
 
   get(key: string): BufferGeometry {
-    const geometry = this.geometries.get(key) ?? makeGeometry(key, this.scene.meshes, this.coarse);
+    return this.made(key, () => makeGeometry(key, this.scene.meshes, this.coarse));
+  }
+
+  /** Return the geometry of a key, made if there is none. */
+  made(key: string, make: () => BufferGeometry): BufferGeometry {
+    this.used.add(key);
+    const geometry = this.geometries.get(key) ?? make();
     this.geometries.set(key, geometry);
     return geometry;
+  }
+
+  /** Free what nothing of the scene uses. */
+  tidy(): void {
+    for (const [key, geometry] of this.geometries) {
+      if (this.used.has(key)) continue;
+      geometry.dispose();
+      this.geometries.delete(key);
+    }
   }
 
   dispose(): void {
     for (const geometry of this.geometries.values()) geometry.dispose();
     this.geometries.clear();
+  }
+
+  /** Give all but the meshes of the scene to the next one; what is given is not freed here. */
+  private handOver(): Map<string, BufferGeometry> {
+    const given = [...this.geometries].filter(([key]) => !key.startsWith("mesh"));
+    for (const [key] of given) this.geometries.delete(key);
+    return new Map(given);
   }
 }
 
@@ -102,14 +131,14 @@ export class Solids implements Layer {
     }
   }
 
-  /** Draw the selected element in the colour of selections, the one under the pointer lighter. */
-  paint(selected: string, hovered: string): void {
+  /** Draw the selected element in the colour of selections, lights in theirs, what is under the pointer lighter. */
+  paint(selected: string, hovered: string, lights = NO_LIGHTS): void {
     for (const { mesh, entries } of this.batches) {
       for (let index = 0; index < mesh.count; index += 1) {
-        const entry = entries[index % entries.length]!;
-        mixed.copy(entry.color);
-        if (selected !== "" && entry.element === selected) mixed.set(HIGHLIGHT);
-        else if (hovered !== "" && entry.element === hovered) mixed.offsetHSL(0, 0, 0.12);
+        const { element, color } = entries[index % entries.length]!;
+        mixed.copy(color).lerp(glare, lights.get(element) ?? 0);
+        if (selected !== "" && element === selected) mixed.set(HIGHLIGHT);
+        else if (hovered !== "" && element === hovered) mixed.offsetHSL(0, 0, 0.12);
         mesh.setColorAt(index, mixed);
       }
       if (mesh.instanceColor !== null) mesh.instanceColor.needsUpdate = true;

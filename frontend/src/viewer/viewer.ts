@@ -10,7 +10,7 @@ import { Labels } from "./labels";
 import { labelItems } from "./label_items";
 import { anchorPoint, writeMatrices, type Counts, type Instant, type SceneElement } from "./layer";
 import type { JointMarks } from "./marks";
-import { THEMES, type ThemeName } from "./palette";
+import { NO_LIGHTS, THEMES, type Lights, type ThemeName } from "./palette";
 import { centreOf, chosenTimes, visitStates } from "./paths";
 import { elementNamed, Picker } from "./picker";
 import { Solids, type Look } from "./solids";
@@ -73,6 +73,7 @@ export class Viewer {
   private ghosts: Solids | null = null;
   private look: Look = "solid";
   private hovered = "";
+  private lights = NO_LIGHTS;
   private followed = false;
   private readonly followedTo = new Vector3();
   private readonly here = new Vector3();
@@ -141,7 +142,7 @@ export class Viewer {
     this.former?.dispose();
     this.former = this.contents;
     for (const layer of this.former.layers) layer.object.removeFromParent();
-    this.contents = new Contents(scene, source, this.counts);
+    this.contents = new Contents(scene, source, this.counts, this.former);
     for (const layer of this.contents.layers) this.stage.scene.add(layer.object);
     this.picker = new Picker(scene, this);
     const labels = new Labels(labelItems(scene, source, this));
@@ -236,6 +237,13 @@ export class Viewer {
     this.setFollow(this.followed);
     this.paint();
     this.hooks.onSelect?.(this.selected);
+  }
+
+  /** Light up elements by their names, each as strongly as is said. */
+  light(lights: Lights): void {
+    if (lights.size === 0 && this.lights.size === 0) return;
+    this.lights = lights;
+    this.paint();
   }
 
   /** Mark what is under the pointer; coordinates in the page. */
@@ -369,7 +377,7 @@ export class Viewer {
 
   private paint(): void {
     const selected = this.selected?.name ?? "";
-    for (const layer of [this.solids, this.connectors, this.joints, this.arrows]) layer.paint(selected, this.hovered);
+    for (const layer of [this.solids, this.connectors, this.joints, this.arrows]) layer.paint(selected, this.hovered, this.lights);
     this.hooks.invalidate();
   }
 

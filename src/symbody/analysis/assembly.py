@@ -6,9 +6,10 @@ with fixed values never moved; then velocities, then accelerations and multiplie
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import islice
 from types import MappingProxyType
 from typing import Final
 
@@ -33,7 +34,7 @@ from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.analysis.velocities import solve_speeds
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError, Problem
@@ -247,13 +248,13 @@ def _find_assembly(
     evaluator: ConstraintEvaluator, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
 ) -> Configuration | None:
     """Return the assembly nearest to the start, trying starts farther and farther away; or None."""
-    starts = _starts(evaluator, start, fixed, ranges)
-    for guess in starts:
+    for guess in _starts(evaluator, start, fixed, ranges):
         attempt = _restrict_to_ranges(evaluator, _newton(evaluator, guess, fixed), ranges)
         if attempt.is_closed:
             return attempt
         if evaluator.is_tree:
             return None
+    starts = _starts(evaluator, start, fixed, ranges)
     for guess, inside in zip(starts, draw_measured_values(evaluator, ranges, fixed, STARTS), strict=False):
         attempt = _restrict_to_ranges(evaluator, _newton(evaluator, guess, {**fixed, **inside}), ranges)
         if attempt.is_closed:
@@ -273,9 +274,10 @@ def _restrict_to_ranges(
 
 def _starts(
     evaluator: ConstraintEvaluator, start: Floats, fixed: Mapping[str, float], ranges: Ranges = NO_RANGES
-) -> list[Floats]:
-    """Return the start and starts about it, and in the ranges, the same at every call."""
-    return [*evaluator.starts(start, fixed), *draw_starts(evaluator, start, ranges, fixed, STARTS)]
+) -> Iterator[Floats]:
+    """Yield the start and starts about it, and in the ranges, the same at every call."""
+    yield from evaluator.starts(start, fixed)
+    yield from draw_starts(evaluator, start, ranges, fixed, STARTS)
 
 
 def _newton(evaluator: ConstraintEvaluator, q: Floats, fixed: Mapping[str, float]) -> Configuration:
@@ -291,7 +293,7 @@ def _further_assemblies(
         return []
     different = [q]
     others = []
-    for guess in _starts(evaluator, start, fixed, ranges)[1:]:
+    for guess in islice(_starts(evaluator, start, fixed, ranges), 1, None):
         attempt = _restrict_to_ranges(evaluator, _newton(evaluator, guess, fixed), ranges)
         if attempt.is_closed and all(evaluator.differs(attempt.q, other) for other in different):
             if evaluator.is_isolated(attempt.q, fixed):

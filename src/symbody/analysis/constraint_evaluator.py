@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Final
@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from symbody.analysis.constraint_values import ConstraintValues, Unconstrained
 from symbody.analysis.scales import Scales, mechanism_scales
-from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.formation.bound_function import bound_function
+from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
@@ -75,6 +76,8 @@ class ConstraintEvaluator:
 
         def evaluate(q: Floats) -> tuple[Floats, Floats]:
             point = self.constraints(self.t, q, still)
+            if not measured:
+                return point.constraints, point.position_jacobian
             values, rows = [point.constraints], [point.position_jacobian]
             for name, value in measured.items():
                 present, row = self._measure_row(name, q)
@@ -92,19 +95,20 @@ class ConstraintEvaluator:
 
         def compile_outputs() -> CompiledFunction:
             inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
-            sequence = form_sequence(self.eqs, outputs, self.parameters, (), inputs)
-            return CompiledFunction(*sequence, quick=True)
+            return bound_function(self.eqs, outputs, self.parameters, (), inputs, quick=True)
 
         return self.functions.get(key, compile_outputs)
 
     def split_values(self, values: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
         """Return the values of positions, and those of velocities."""
-        topology = self.eqs.formed.topology
-        coordinates = {name for joint in topology.joints for name in joint.coordinates}
-        coordinates.update(topology.model.coordinates)
-        coordinates.update(self.eqs.coordinate_names)
+        coordinates: frozenset[str] = self.eqs.plans.get("names of positions", self._position_names)
         positions = {name: value for name, value in values.items() if name in coordinates}
         return positions, {name: value for name, value in values.items() if name not in coordinates}
+
+    def _position_names(self) -> frozenset[str]:
+        topology = self.eqs.formed.topology
+        joints = (name for joint in topology.joints for name in joint.coordinates)
+        return frozenset([*joints, *topology.model.coordinates, *self.eqs.coordinate_names])
 
     def initial_coordinates(self, values: Mapping[str, float]) -> Floats:
         """Return coordinates with given values, 0 for the others; quaternions are normalized."""
@@ -118,15 +122,14 @@ class ConstraintEvaluator:
             result[places] = result[places] / norm if norm > 0 else np.array([1.0, 0.0, 0.0, 0.0])
         return result
 
-    def starts(self, start: Floats, fixed: Mapping[str, float], growth: float = 1.25) -> list[Floats]:
-        """Return a start and others about it, farther and farther away, the same at every call."""
+    def starts(self, start: Floats, fixed: Mapping[str, float], growth: float = 1.25) -> Iterator[Floats]:
+        """Yield a start and others about it, farther and farther away, the same at every call."""
+        yield start
         random, free = np.random.default_rng(1), self.free_coordinates(fixed)
-        starts = [start]
         for k in range(1, STARTS):
             q = start.copy()
             q[free] += 0.1 * growth**k * random.standard_normal(int(free.sum())) * self.sizes[free]
-            starts.append(self.normalize(q))
-        return starts
+            yield self.normalize(q)
 
     def free_coordinates(self, fixed: Mapping[str, float]) -> NDArray[np.bool_]:
         """Return a mask of the coordinates that may move."""
@@ -258,8 +261,7 @@ def constraint_function(
 ) -> CompiledFunction:
     """Return the constraints of an evaluator as a function of t, q, u and the `free` parameters."""
     given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
-    program = form_sequence(eqs, ConstraintValues._fields, parameters, free, given)
-    return CompiledFunction(*program, quick=True)
+    return bound_function(eqs, ConstraintValues._fields, parameters, free, given, quick=True)
 
 
 def constraint_evaluator(
@@ -275,7 +277,9 @@ def constraint_evaluator(
     `constraints` is a `constraint_function` with these parameters, where it is compiled already.
     """
     mechanism = mechanism_scales(eqs, parameters) if scales is None else scales
-    angles = frozenset(name for name, unit in eqs.units.items() if unit == "rad")
+    angles: frozenset[str] = eqs.plans.get(
+        "names in rad", lambda: frozenset(name for name, unit in eqs.units.items() if unit == "rad")
+    )
     function: Callable[..., Any]
     if constraints is not None:
         function = constraints

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
@@ -24,6 +24,11 @@ def with_outputs(
     inputs = (*formed.inputs, *(Symbol(name, symbol.kind) for name, symbol in given.items()))
     wider = replace(formed, names=formed.names.with_values(symbols), inputs=inputs)
     return EquationSet(eqs.model, wider, eqs.notes, {roots.name: roots for roots in outputs})
+
+
+def laws_key(laws: Mapping[str, Value | None]) -> tuple[tuple[str, str], ...]:
+    """Return what tells laws of inputs from others, as part of a key of plans."""
+    return tuple([(name, str(law)) for name, law in laws.items()])
 
 
 def with_laws(eqs: EquationSet, nodes: Sequence[int], laws: Mapping[str, Value]) -> list[int]:

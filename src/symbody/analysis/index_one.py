@@ -15,8 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value, form_sequence
-from symbody.codegen.function import CompiledFunction, Signature
+from symbody.codegen.formation.bound_function import bound_function
+from symbody.codegen.formation.names import Value
+from symbody.codegen.function import CompiledFunction
+from symbody.codegen.signature import Signature
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.index_reduction.index_one_form import IndexOneForm, index_one_form
 from symbody.errors import CompileError, FormulationError, Problem, SimulationError, nearest
@@ -125,7 +127,7 @@ def solve_index_1(
 
 
 def _of_mechanism(eqs: EquationSet, parameters: Mapping[str, Value]) -> IndexOneSolution:
-    function = CompiledFunction(*form_sequence(eqs, ("xdot", "lambda"), parameters))
+    function = bound_function(eqs, ("xdot", "lambda"), parameters)
     if eqs.input_names:
         raise FormulationError(
             Problem("index_1.inputs", "equations", f"the inputs {', '.join(eqs.input_names)} have no law",

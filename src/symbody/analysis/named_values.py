@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
-from symbody.codegen.compile import Value, constant_values
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.values import constant_values
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, UsageError, nearest
 from symbody.expr.parser import parse_angle
@@ -50,6 +51,11 @@ def positions_and_rates(eqs: EquationSet) -> frozenset[str]:
 
     Coordinates of cut joints, their rates and their speeds are among them where they can be measured.
     """
+    names: frozenset[str] = eqs.plans.get("names of states", lambda: _positions_and_rates(eqs))
+    return names
+
+
+def _positions_and_rates(eqs: EquationSet) -> frozenset[str]:
     formed, topology = eqs.formed, eqs.formed.topology
     names = formed.readable_names
     coordinates = {name for joint in topology.joints for name in joint.coordinates}
@@ -104,6 +110,17 @@ def _is_known(eqs: EquationSet, name: str) -> bool:
     return name in names.symbols or name in names.values
 
 
+def angle_names(eqs: EquationSet) -> frozenset[str]:
+    """Return the names of all coordinates that are angles."""
+
+    def find_names() -> frozenset[str]:
+        joints = (*eqs.model.joints, *eqs.model.free_joints)
+        return frozenset(name for joint in joints for name in joint.angle_coordinates)
+
+    names: frozenset[str] = eqs.plans.get("names of angles", find_names)
+    return names
+
+
 def named_values(
     eqs: EquationSet,
     formulas: Mapping[str, Value],
@@ -123,8 +140,7 @@ def named_values(
         return {}
     refuse_unknown(eqs, [name for name in formulas if name in strict])
     names = positions_and_rates(eqs)
-    joints = (*eqs.model.joints, *eqs.model.free_joints)
-    angles = {name for joint in joints for name in joint.angle_coordinates}
+    angles = angle_names(eqs)
     read = {
         name: parse_angle(value, where=name) if name in angles and isinstance(value, str) else value
         for name, value in formulas.items()

@@ -12,7 +12,8 @@ from symbody.analysis.assembly import assemble, consistent_positions
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.named_values import named_values
 from symbody.analysis.scales import mechanism_scales
-from symbody.codegen.compile import Value, constant_values
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.values import constant_values
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
@@ -24,7 +25,7 @@ class PositionSolver:
 
     Attributes
     ----------
-    evaluator : Closure or None
+    evaluator : ConstraintEvaluator or None
         None where ropes decide what is closed.
     parameters : mapping of name to number or formula
         Take the place of the model's values.

@@ -20,7 +20,8 @@ from symbody.analysis.named_values import named_values, refuse_unknown
 from symbody.analysis.ropes import rope_assumptions
 from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value, constant_values
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.freedoms.mobility import count_freedoms, generic_point
 from symbody.equations.solving.undetermined import find_undetermined, generic, in_order
@@ -131,8 +132,8 @@ def undetermined_outputs(
     places : iterable of (t, (n_q,) array)
         On which the loops close.
     """
-    values = constant_values(eqs, {name: name for name in eqs.parameter_names}, parameters)
-    formed = eqs.for_values(values).formed
+    chosen = parameter_set(eqs, parameters)
+    values, formed = chosen.floats, chosen.eqs.formed
     others = {"p": [values[name] for name in eqs.parameter_names], "r": [0.0] * len(formed.inputs)}
     points = [{"t": [t], "q": np.asarray(q, dtype=np.float64).tolist(), **others} for t, q in places]
     return in_order(formed, generic(find_undetermined(formed, points)).names)

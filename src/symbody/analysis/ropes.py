@@ -17,7 +17,7 @@ from symbody.analysis.accelerations import complete_state
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.state import State
 from symbody.analysis.velocities import solve_speeds
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes, slacken
 from symbody.errors import AssemblyError, Problem
@@ -113,7 +113,7 @@ def ropes_out_of_place(eqs: EquationSet, evaluator: ConstraintEvaluator, q: Floa
     ----------
     eqs : EquationSet
         With taut ropes as constraints and without those that are slack.
-    evaluator : Closure
+    evaluator : ConstraintEvaluator
         Measures the ropes.
     """
     taut = {row.element for row in eqs.formed.rows}

@@ -8,26 +8,28 @@ powers of two change no digit of them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import islice
+from functools import partial
 from types import MappingProxyType
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.codegen.compile import Value, form_sequence, form_values
+from symbody.codegen.formation.bound_function import evaluate_once
+from symbody.codegen.formation.formula_values import FormulaValues
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError, nearest
-from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.language.formula import Formula
 from symbody.model.constraints.couplings import Constraint
 from symbody.model.constraints.points import PointOnSurface
 from symbody.model.lengths import model_lengths
 from symbody.tolerances import CLOSED
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 # Sizes of coordinates and speeds are at least this share of the largest first value in the same unit: the
 # rounding of that value, 1e-16 of it, is a hundredth of what is tolerated then.
@@ -77,21 +79,19 @@ class Scales:
 
     def coordinates(self, eqs: EquationSet) -> Floats:
         """Return the sizes of the coordinates (n_q,): 1 rad, or the length."""
-        units = eqs.units
-        return np.array([self.length if units.get(name) == "m" else 1.0 for name in eqs.coordinate_names])
+        return np.where(_unit_plan(eqs).lengths_of_coordinates, self.length, 1.0)
 
     def displacements(self, eqs: EquationSet) -> Floats:
         """Return the sizes of displacements along the speeds (n_u,): 1 rad, or the length."""
-        units = eqs.units
-        return np.array([self.length if units.get(name) == "m/s" else 1.0 for name in eqs.speed_names])
+        return np.where(_unit_plan(eqs).lengths_of_speeds, self.length, 1.0)
 
     def constraints(self, eqs: EquationSet) -> Floats:
         """Return the sizes of the constraints (n_c,): the length, or 1 for angles.
 
         Those on positions come first, as in ``eqs.formed.holonomic``.
         """
-        sizes = np.where(are_lengths(eqs), self.length, 1.0)
-        for k, name in enumerate(eqs.multiplier_names):
+        sizes = np.where(_unit_plan(eqs).lengths_of_constraints, self.length, 1.0)
+        for k, name in enumerate(eqs.multiplier_names if self.equations else ()):
             sizes[k] = self.equations.get(name, sizes[k])
         return sizes
 
@@ -149,8 +149,7 @@ def mechanism_scales(
         If a name in `given` is unknown, or a value is not positive.
     """
     chosen = checked_scales(given)
-    groups = {"length": model_lengths(eqs.model), "pull": eqs.model.gravity, "mass": _masses(eqs)}
-    lengths, pulls, masses = _values_of_groups(eqs, groups, parameters)
+    lengths, pulls, masses, moments = parameter_set(eqs, parameters).quantities
     length = chosen.get("length", largest_magnitude(lengths))
     if not length and near is None:
         initial = {name: value for name, value in eqs.model.initial.items() if _is_length(eqs, name)}
@@ -161,7 +160,9 @@ def mechanism_scales(
     gravity = math.hypot(*pulls)
     fallen = math.sqrt(scales.length / gravity) if gravity else 1.0
     scales = replace(scales, time=chosen.get("time", fallen), has_time="time" in chosen or gravity > 0.0)
-    mass = chosen.get("mass", largest_magnitude(masses) or _moment(eqs, parameters) / scales.length**2) or 1.0
+    mass = (
+        chosen.get("mass", largest_magnitude(masses) or largest_magnitude(moments) / scales.length**2) or 1.0
+    )
     return replace(scales, mass=mass, equations=_equations(eqs, parameters, scales))
 
 
@@ -176,12 +177,10 @@ def state_tolerances(eqs: EquationSet, lengths: Floats, times: Floats, x: Floats
         Their first states.
     """
     sizes = np.ones_like(x)
-    units = np.array([eqs.units.get(name, "") for name in eqs.state_names], dtype=np.str_)
-    n_u = len(eqs.speed_names)
+    plan, n_u = _unit_plan(eqs), len(eqs.speed_names)
     sizes[:, :n_u] /= times[:, np.newaxis]
-    sizes[:, (units == "m/s") | (units == "m")] *= lengths[:, np.newaxis]
-    for unit in ("m/s", "rad/s", "m", "rad"):
-        places = units == unit
+    sizes[:, plan.lengths_of_states] *= lengths[:, np.newaxis]
+    for places in plan.alike:
         resolved = RESOLVED * np.abs(x[:, places]).max(axis=1, initial=0.0)
         sizes[:, places] = np.maximum(sizes[:, places], resolved[:, np.newaxis])
     return np.asarray(CLOSED * sizes)
@@ -233,39 +232,39 @@ def values_at_start(
     eqs: EquationSet, formulas: Mapping[str, Value], parameters: Mapping[str, Value]
 ) -> dict[str, float]:
     """Return the values of formulas in parameters and t, at t = 0."""
-    distinct = dict.fromkeys(formulas.values())  # the same few lengths stand in many places
-    if not distinct:
-        return {}
-    sequence, _ = form_values(eqs, number_formulas(distinct), parameters)
-    values = evaluate_sequence(sequence, {"t": [0.0]})
-    numbers = {formula: float(value[0]) for formula, value in zip(distinct, values, strict=True)}
-    return {name: numbers[formula] for name, formula in formulas.items()}
+    texts = tuple([str(formula) for formula in formulas.values()])
+    plan = partial(FormulaValues, eqs, tuple(formulas.values()), timed=True)
+    values: FormulaValues = eqs.plans.get(("values at the start", texts), plan)
+    return dict(zip(formulas, values.numbers(parameter_set(eqs, parameters).floats), strict=True))
+
+
+class _UnitPlan(NamedTuple):
+    """Masks of what is a length, or one over a time, and of states in the same unit, where there are any."""
+
+    lengths_of_coordinates: Flags
+    lengths_of_speeds: Flags
+    lengths_of_constraints: Flags
+    lengths_of_states: Flags
+    alike: tuple[Flags, ...]
+
+
+def _unit_plan(eqs: EquationSet) -> _UnitPlan:
+    def make() -> _UnitPlan:
+        units = np.array([eqs.units.get(name, "") for name in eqs.state_names], dtype=np.str_)
+        n_u = len(eqs.speed_names)
+        alike = [units == unit for unit in ("m/s", "rad/s", "m", "rad")]
+        return _UnitPlan(
+            units[n_u:] == "m", units[:n_u] == "m/s", np.array(are_lengths(eqs), dtype=np.bool_),
+            (units == "m/s") | (units == "m"), tuple(places for places in alike if places.any()),
+        )  # fmt: skip
+
+    plan: _UnitPlan = eqs.plans.get("units of sizes", make)
+    return plan
 
 
 def largest_magnitude(values: Iterable[float]) -> float:
     """Return the largest absolute value, 0 if there is none."""
     return max(map(abs, values), default=0.0)
-
-
-def _masses(eqs: EquationSet) -> Iterator[Formula]:
-    """Yield the masses of all bodies."""
-    return (body.mass for body in eqs.model.bodies)
-
-
-def _moment(eqs: EquationSet, parameters: Mapping[str, Value]) -> float:
-    """Return the largest moment of inertia [kg m^2]."""
-    moments = number_formulas(moment for body in eqs.model.bodies for moment in body.inertia)
-    return largest_magnitude(values_at_start(eqs, moments, parameters).values())
-
-
-def _values_of_groups(
-    eqs: EquationSet, groups: Mapping[str, Iterable[Formula]], parameters: Mapping[str, Value]
-) -> list[list[float]]:
-    """Return the values of formulas at t = 0, group by group; all are computed at once, which is quicker."""
-    kept = {name: list(group) for name, group in groups.items()}
-    formulas = {f"{name} {k}": one for name, group in kept.items() for k, one in enumerate(group)}
-    values = iter(values_at_start(eqs, formulas, parameters).values())
-    return [list(islice(values, len(group))) for group in kept.values()]
 
 
 def _equations(eqs: EquationSet, parameters: Mapping[str, Value], scales: Scales) -> dict[str, float]:
@@ -276,9 +275,10 @@ def _equations(eqs: EquationSet, parameters: Mapping[str, Value], scales: Scales
     written = own_equations(eqs)
     if not written:
         return {}
-    sequence, _ = form_sequence(eqs, "jacobian", parameters, (), dict.fromkeys(eqs.input_names, 0))
+    silent = dict.fromkeys(eqs.input_names, 0)
     q = (pose_share(eqs) * scales.coordinates(eqs)).tolist()
-    entries = evaluate_sequence(sequence, {"t": [0.0], "q": q, "u": [0.0] * len(eqs.speed_names), "r": []})[0]
+    point = {"t": [0.0], "q": q, "u": [0.0] * len(eqs.speed_names), "r": []}
+    entries = evaluate_once(eqs, "jacobian", parameters, silent, point)[0]
     rows = np.array([float(x) for x in entries]).reshape(len(eqs.formed.rows), -1)
     sizes = np.abs(rows * scales.displacements(eqs)).max(axis=1, initial=0.0)
     return {eqs.multiplier_names[k]: float(sizes[k]) for k in written if 0.0 < sizes[k] < math.inf}

@@ -7,15 +7,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from symbody.analysis.value_lines import values_line
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.formation.bound_function import bound_function
+from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.notebook import Displayed
 from symbody.single_flight import SingleFlight
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class State(Displayed):
     """Positions, velocities, accelerations and multipliers that fit together.
 
@@ -52,6 +54,14 @@ class State(Displayed):
     # How many constraints follow from the others here.
     _dependent: int = field(default=0, repr=False)
 
+    def __repr__(self) -> str:
+        return f"{type(self).__name__} at t = {self.t:.6g} s: {self._values()}"
+
+    def _values(self) -> str:
+        """Return positions and speeds in one line."""
+        parts = [values_line(values, self.eqs.units) for values in (self.q, self.u)]
+        return "; ".join(filter(None, parts)) or "nothing moves"
+
     @property
     def has_dependent_constraints(self) -> bool:
         """Whether constraints follow from the others here, beside those that hold identically."""
@@ -77,8 +87,7 @@ class State(Displayed):
 
         def compile_output() -> CompiledFunction:
             inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(self.inputs)
-            sequence = form_sequence(self.eqs, name, self.parameters, (), inputs)
-            return CompiledFunction(*sequence, quick=True)
+            return bound_function(self.eqs, name, self.parameters, (), inputs, quick=True)
 
         function = self._functions.get(name, compile_output)
         value = np.asarray(function(self.t, list(self.q.values()), list(self.u.values())))

@@ -23,7 +23,7 @@ from symbody.builder.refusal import refusal, status_of
 from symbody.builder.security import Application, LocalOnly
 from symbody.builder.services import Services
 from symbody.builder.settings import BuilderSettings
-from symbody.builder.worker_process import TaskFailure
+from symbody.builder.task_failure import TaskFailure
 from symbody.errors import Problem, SymbodyError
 
 Answer = dict[str, Any]
@@ -152,23 +152,23 @@ def _compare_file(request: asked.ChangedRequest, builder: Builder) -> Answer:
 
 
 @api.post("/check")
-def _check(request: asked.CheckRequest, builder: Builder) -> Answer:
-    return builder.check(request)
+def _check(request: asked.CheckRequest, builder: Builder) -> Response:
+    return _json_response(builder.check(request))
 
 
 @api.post("/redraw")
-def _redraw(request: asked.CheckRequest, builder: Builder) -> Answer:
-    return builder.redraw(request)
+def _redraw(request: asked.CheckRequest, builder: Builder) -> Response:
+    return _json_response(builder.redraw(request))
 
 
 @api.post("/pose")
-def _pose(request: asked.PoseRequest, builder: Builder) -> Answer:
-    return builder.pose(request)
+def _pose(request: asked.PoseRequest, builder: Builder) -> Response:
+    return _json_response(builder.pose(request))
 
 
 @api.post("/drag")
-def _drag(request: asked.DragRequest, builder: Builder) -> Answer:
-    return builder.drag(request)
+def _drag(request: asked.DragRequest, builder: Builder) -> Response:
+    return _json_response(builder.drag(request))
 
 
 @api.post("/formula")
@@ -199,6 +199,10 @@ def _outputs(request: asked.OutputsRequest, builder: Builder) -> Answer:
 @api.post("/export")
 def _export(request: asked.ExportRequest, builder: Builder) -> Answer:
     return builder.export(request)
+
+
+def _json_response(text: bytes) -> Response:
+    return Response(text, media_type="application/json")
 
 
 def _problem_response(status: int, problems: list[Any]) -> JSONResponse:

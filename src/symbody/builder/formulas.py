@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import Any, Final
 
 from symbody.display.formulas import show_formula
@@ -36,12 +37,19 @@ def model_formulas(data: Mapping[str, Any]) -> dict[str, str]:
         if len(shown) >= _MOST:
             break
         try:
-            formula = Formula.from_value(_degrees_to_radians(text))
-            if not formula.is_number:
-                shown[pointer] = show_formula(formula)
+            formula = _shown(text)
         except SymbodyError:
             continue  # its field says what is wrong
+        if formula is not None:
+            shown[pointer] = formula
     return shown
+
+
+@lru_cache(maxsize=4096)  # a check follows each change, of which most leave all formulas but one as they are
+def _shown(text: str) -> str | None:
+    """Return a formula as MathML; None of a number."""
+    formula = Formula.from_value(_degrees_to_radians(text))
+    return None if formula.is_number else show_formula(formula)
 
 
 def _texts(value: Any, pointer: str) -> Iterator[tuple[str, str]]:

@@ -11,7 +11,7 @@ from typing import Any, Final
 from symbody.builder.page_problems import page_problem
 from symbody.builder.refusal import refusal
 from symbody.builder.settings import Limits
-from symbody.builder.worker_process import TaskFailure
+from symbody.builder.task_failure import TaskFailure
 from symbody.builder.workers import Reserve, Worker
 from symbody.errors import Problem, SymbodyError
 
@@ -34,6 +34,8 @@ class JobState:
         All stages until now, the last of them under way.
     begun, ended : float
         Times of the system's steady clock [s].
+    parts : tuple of (int, object)
+        Parts of the result that are ready before the whole, each with the version that it came with.
     """
 
     kind: str
@@ -45,9 +47,10 @@ class JobState:
     ended: float | None = None
     result: Any = None
     problems: tuple[Any, ...] = ()
+    parts: tuple[tuple[int, Any], ...] = ()
 
-    def answer(self) -> dict[str, Any]:
-        """Return what the page is told."""
+    def answer(self, seen: int = -1) -> dict[str, Any]:
+        """Return what the page is told, of the parts those that came after a version."""
         return {
             "kind": self.kind,
             "state": self.state,
@@ -58,6 +61,7 @@ class JobState:
             "elapsed": round((self.ended or time.monotonic()) - self.begun, 2),
             "result": self.result,
             "problems": list(self.problems),
+            "parts": [part for version, part in self.parts if version > seen],
         }
 
 
@@ -100,7 +104,7 @@ class Jobs:
         with self._news:
             self._find_job(job)
             self._news.wait_for(lambda: job not in self._states or self._states[job].version > seen, _WAIT)
-            return self._find_job(job).answer()
+            return self._find_job(job).answer(seen)
 
     def cancel(self, job: str) -> dict[str, Any]:
         """End a job at once; one that has ended stays as it is."""
@@ -160,19 +164,22 @@ class Jobs:
             self._end(job, "failed", problems=tuple(page_problem(each, {}) for each in error.problems))
         self._release(job)
 
-    def _note(self, job: str, stage: str, percent: int | None) -> None:
+    def _note(self, job: str, stage: str, percent: int | None, part: Any = None) -> None:
         with self._news:
             state = self._states.get(job)
             if state is None or state.state != "running":
                 return
             stages = state.stages if stage in state.stages[-1:] else (*state.stages, stage)
-            self._store_state(job, replace(state, stages=stages, percent=percent))
+            parts = state.parts if part is None else (*state.parts, (state.version + 1, part))
+            self._store_state(job, replace(state, stages=stages, percent=percent, parts=parts))
 
     def _end(self, job: str, word: str, result: Any = None, problems: tuple[Any, ...] = ()) -> None:
         with self._news:
             state = self._states.get(job)
             if state is not None and state.state == "running":  # not cancelled
-                ended = replace(state, state=word, result=result, problems=problems, ended=time.monotonic())
+                ended = replace(
+                    state, state=word, result=result, problems=problems, parts=(), ended=time.monotonic()
+                )
                 self._store_state(job, ended)
 
     def _store_state(self, job: str, state: JobState) -> None:

@@ -37,35 +37,35 @@ class Services:
         """Begin to load what the first check needs."""
         self._reserve.warm()
 
-    def check(self, request: CheckRequest) -> Answer:
-        """Return what is wrong with a model, what it is, and its picture."""
+    def check(self, request: CheckRequest) -> bytes:
+        """Return what is wrong with a model, what it is, and its picture, as JSON."""
         payload = {"data": request.data, "folder": self.documents.folder_of(request.document)}
-        answer: Answer = self._interactive.run(
+        answer: bytes = self._interactive.run(
             "check", payload, request.page, self.settings.limits.check, request.turn
         )
         return answer
 
-    def redraw(self, request: CheckRequest) -> Answer:
-        """Return the picture of a model whose parameters changed, sooner than its check has it."""
+    def redraw(self, request: CheckRequest) -> bytes:
+        """Return the picture of a model whose parameters changed, sooner than its check has it, as JSON."""
         payload = {"data": request.data, "folder": self.documents.folder_of(request.document)}
-        answer: Answer = self._pictures.run(
+        answer: bytes = self._pictures.run(
             "redraw", payload, request.page, self.settings.limits.check, request.turn
         )
         return answer
 
-    def pose(self, request: PoseRequest) -> Answer:
-        """Return the configuration in which some coordinates have the values given."""
+    def pose(self, request: PoseRequest) -> bytes:
+        """Return the configuration in which some coordinates have the values given, as JSON."""
         payload = {
             "data": request.data,
             "folder": self.documents.folder_of(request.document),
             "fixed": request.fixed,
             "guess": request.guess,
         }
-        answer: Answer = self._interactive.run("pose", payload, request.page, self.settings.limits.pose)
+        answer: bytes = self._interactive.run("pose", payload, request.page, self.settings.limits.pose)
         return answer
 
-    def drag(self, request: DragRequest) -> Answer:
-        """Return the configuration in which a point of a body is as near to a line of sight as it gets."""
+    def drag(self, request: DragRequest) -> bytes:
+        """Return the configuration in which a point of a body is nearest to a line of sight, as JSON."""
         payload = {
             "data": request.data,
             "folder": self.documents.folder_of(request.document),
@@ -75,7 +75,7 @@ class Services:
             "direction": request.direction,
             "guess": request.guess,
         }
-        answer: Answer = self._interactive.run("drag", payload, request.page, self.settings.limits.pose)
+        answer: bytes = self._interactive.run("drag", payload, request.page, self.settings.limits.pose)
         return answer
 
     def start_job(self, request: JobRequest) -> Answer:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from multiprocessing import parent_process
@@ -14,10 +15,9 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from symbody.builder.page_problems import page_problem, page_problems
+from symbody.builder.task_failure import Report, TaskFailure
 from symbody.errors import Problem, SymbodyError
 from symbody.expr.deadline import watch_stages
-
-Report = Callable[[str, int | None], None]
 
 _SHARE: Final = 0.8  # of the memory, for the data of one process
 # Where each task is: modules that are loaded by workers only.
@@ -39,19 +39,8 @@ _TASKS: Final = MappingProxyType(
     }
 )
 
-
-class TaskFailure(Exception):
-    """What a task could not do, as problems of the page.
-
-    Attributes
-    ----------
-    problems : list of dict
-        For the page.
-    """
-
-    def __init__(self, problems: list[dict[str, Any]]) -> None:
-        Exception.__init__(self, problems)
-        self.problems = problems
+# Their results go to the page as they are: written as JSON here, the server hands on bytes.
+_AS_JSON: Final = frozenset({"check", "redraw", "pose", "drag"})
 
 
 def run_worker(pipe: Connection) -> None:
@@ -66,7 +55,11 @@ def run_worker(pipe: Connection) -> None:
             name, payload = pipe.recv()
         except (EOFError, OSError):
             return
-        pipe.send(_outcome(name, payload, lambda stage, percent: pipe.send(("stage", stage, percent))))
+
+        def report(stage: str, percent: int | None, part: Any = None, /) -> None:
+            pipe.send(("stage", stage, percent, part))
+
+        pipe.send(_outcome(name, payload, report))
 
 
 def _outcome(name: str, payload: dict[str, Any], report: Report) -> tuple[str, Any]:
@@ -74,13 +67,18 @@ def _outcome(name: str, payload: dict[str, Any], report: Report) -> tuple[str, A
     try:
         module, _, function = _TASKS[name].partition(":")
         with _report_stages(report):
-            return "done", getattr(import_module(module), function)(payload, report)
+            result = getattr(import_module(module), function)(payload, report)
+            return "done", _json(result) if name in _AS_JSON else result
     except TaskFailure as failure:
         return "failed", failure.problems
     except SymbodyError as error:
         return "failed", page_problems(error.problems, payload.get("data") or {})
     except Exception as error:  # a fault of ours: it is told without the insides of the server
         return "failed", [_fault(error)]
+
+
+def _json(value: Any) -> bytes:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
 
 
 @contextmanager

@@ -11,14 +11,17 @@ from typing import Any, Final
 
 from symbody.builder.page_problems import page_problem
 from symbody.builder.refusal import refusal
-from symbody.builder.worker_process import TaskFailure, run_worker
+from symbody.builder.task_failure import TaskFailure
+from symbody.builder.worker_process import run_worker
 from symbody.errors import Problem
 
-OnStage = Callable[[str, int | None], None]
+OnStage = Callable[[str, int | None, Any], None]
 Payload = dict[str, Any]
 
 _TICK: Final = 0.05
-_GRACE: Final = 1.0  # how long an older request may still compute when a newer one waits [s]
+# How long an older request may still compute when a newer one waits [s]: a new process takes as long to load,
+# and forms the mechanism anew.
+_GRACE: Final = 2.5
 
 
 class Worker:
@@ -55,7 +58,8 @@ class Worker:
         Parameters
         ----------
         on_stage : callable, optional
-            Is called with the name of each stage and the percentage, None where there is none.
+            Is called with the name of each stage, the percentage and a part of the result, None where there
+            is none.
         is_over : callable
             Whether nobody waits for the result any more; the process is killed then.
 

@@ -5,7 +5,6 @@ Exit codes: 0 done, 2 usage, 3 model, 4 numerics, 5 environment, 130 interrupted
 
 from __future__ import annotations
 
-import json
 import shutil
 import webbrowser
 from collections.abc import Iterable
@@ -18,16 +17,18 @@ import typer
 
 import symbody
 import symbody.builder
+from symbody.cli.doctor import run_doctor
 from symbody.cli.flags import FlagCommand, FlagGroup
+from symbody.cli.motion_lines import motion_json, motion_lines
 from symbody.cli.options import Force, Initials, Inputs, ModelFile, Pairs, Settings, Tree, TreeWord, option
 from symbody.cli.settings import Settled, read_pairs
 from symbody.cli.small_motions import equilibrium_json, equilibrium_lines, linear_json, linear_lines
 from symbody.cli.stages import StageBar
 from symbody.cli.summary import summary
-from symbody.cli.written import equation_lines
 from symbody.codegen.compile import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
+from symbody.equations.outputs.equation_lines import equation_lines
 from symbody.equations.outputs.textbook import MOST_SPEEDS
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest, number_in_words
 from symbody.formats.model_files import example_names, example_text, examples_folder, load_model
@@ -71,7 +72,7 @@ def equations(
     tree: Tree = None,
 ) -> None:
     """Print the equations of motion, with the rates of coordinates and the constraints there are."""
-    _print(equation_lines(_form(load_model(model), tree), latex))
+    _print(equation_lines(_form(load_model(model), tree).textbook, latex))
 
 
 @command()
@@ -79,6 +80,12 @@ def check(model: ModelFile, tree: Tree = None) -> None:
     """Read a model and say what it is: bodies, joints, trees, degrees of freedom, notes."""
     loaded = load_model(model)
     _print(summary(loaded, _form(loaded, tree)))
+
+
+@command()
+def doctor() -> None:
+    """Print what is installed and where results are stored, and try each part of symbody."""
+    raise typer.Exit(run_doctor())
 
 
 @command()
@@ -152,7 +159,9 @@ def simulate(
         if csv is not None:
             motion.to_csv(csv, *eqs.coordinate_names, *eqs.speed_names, *(curves or ()))
         pages = [_write_page(motion, picture.with_suffix(".html"), curves, None, ())] if page else []
-    _print([_as_json(eqs, motion)] if as_json else [*_report(eqs, motion), f"plot: {picture}", *pages])
+    _print(
+        [motion_json(eqs, motion)] if as_json else [*motion_lines(eqs, motion), f"plot: {picture}", *pages]
+    )
     _exit_unless_done(motion)
 
 
@@ -193,7 +202,7 @@ def animate(
     target = model.with_suffix(".html") if out is None else out
     with bar.stage("drawing"):
         page = _write_page(motion, target, curves, vectors, traces or ())
-    _print([*_report(eqs, motion), page])
+    _print([*motion_lines(eqs, motion), page])
     if show and not webbrowser.open(target.resolve().as_uri()):
         fix = f"open {target} by hand"
         raise EnvironmentFault(Problem("animation.no_browser", str(target), "no browser opened", fix=fix))
@@ -302,7 +311,7 @@ def _motion(
 
 def _introduction(eqs: EquationSet, model: Path) -> list[str]:
     """Return the equations if they fit a screen, otherwise where they are."""
-    lines = equation_lines(eqs) if len(eqs.speed_names) <= MOST_SPEEDS else []
+    lines = equation_lines(eqs.textbook) if len(eqs.speed_names) <= MOST_SPEEDS else []
     if lines and len(lines) <= _SCREEN:
         return lines
     numbers = {
@@ -312,32 +321,6 @@ def _introduction(eqs: EquationSet, model: Path) -> list[str]:
     }
     sizes = ", ".join(number_in_words(len(names), word) for word, names in numbers.items())
     return [f"{sizes}; `symbody equations {model}` prints the equations"]
-
-
-def _report(eqs: EquationSet, motion: Trajectory) -> list[str]:
-    statistics = motion.statistics
-    return [
-        *(f"note: {note}" for note in (*eqs.notes, *motion.notes)),
-        f"{motion.status.value}: t = {motion.t[0]:g} to {motion.t[-1]:g} s",
-        f"{statistics.accepted} steps, {statistics.evaluations} evaluations, "
-        f"{statistics.loop_seconds * 1e3:.2f} ms; energy drift {motion.energy_drift:.1e} J",
-        *_loop_gaps(eqs, motion),
-    ]
-
-
-def _loop_gaps(eqs: EquationSet, motion: Trajectory) -> list[str]:
-    """Return how far loops open on the way, as a share of lengths and in radians; nothing of trees."""
-    if not eqs.multiplier_names:
-        return []
-    return [
-        f"constraints: {len(eqs.multiplier_names)}, open by {motion.constraint_violation.max():.1e} at most"
-    ]
-
-
-def _as_json(eqs: EquationSet, motion: Trajectory) -> str:
-    states = {name: motion[name].tolist() for name in eqs.state_names}
-    told = {"success": motion.success, "status": motion.status.name, "notes": [*eqs.notes, *motion.notes]}
-    return json.dumps({**told, "t": motion.t.tolist(), "states": states})
 
 
 def _print(lines: Iterable[str]) -> None:

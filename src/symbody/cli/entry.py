@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from rich.console import Console
 
 from symbody import cli
+from symbody.cli.doctor import run_doctor
 from symbody.errors import SymbodyError
 
 
@@ -19,6 +20,8 @@ def main() -> None:
 def run(arguments: Sequence[str]) -> int:
     """Run the command line and return its exit code."""
     try:
+        if list(arguments) == ["doctor"]:  # it runs where the other commands cannot be loaded
+            return run_doctor()
         cli.app(list(arguments))  # loads compilers, which may be broken: this is told like any other fault
         return 0
     except SystemExit as done:  # typer ends this way, after telling faults of usage

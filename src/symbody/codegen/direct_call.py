@@ -10,15 +10,19 @@ import ctypes
 import math
 import sys
 import sysconfig
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symbody.codegen.llvm.direct import ARGUMENTS, NAME, SETTINGS, direct
 from symbody.codegen.native_call import NativeCall
 from symbody.single_flight import once
+
+Floats = NDArray[np.float64]
+_NOTHING: Final = np.zeros(0)
 
 # About 100 us.
 _LONGEST: Final = 400_000
@@ -47,12 +51,18 @@ class DirectCall:
 
     Parameters
     ----------
-    call : NativeCall
-        What is called; it reads no constants that depend on parameters.
+    tail : NativeCall
+        What is called.
     sizes : mapping of group to int
         Numbers in each group.
     shape : tuple of int
         Of the result.
+    constants : (n_c,) array
+        What `tail` reads as c, where there are no parameters p.
+    head : NativeCall, optional
+        Computes c from the parameters; it is called where p differs from that of the call before.
+    values : (n,) array
+        Parameters that `head` reads behind p.
 
     Attributes
     ----------
@@ -62,15 +72,31 @@ class DirectCall:
 
     __slots__ = ("call",)
 
-    def __init__(self, native: NativeCall, sizes: dict[str, int], shape: tuple[int, ...]) -> None:
+    def __init__(
+        self,
+        tail: NativeCall,
+        sizes: Mapping[str, int],
+        shape: tuple[int, ...],
+        *,
+        constants: Floats = _NOTHING,
+        head: NativeCall | None = None,
+        values: Floats = _NOTHING,
+    ) -> None:
         self.call: Callable[..., Any] | None = None
-        work = np.empty(native.native.work_size)
-        make_result = np.empty(shape).copy if math.prod(shape) <= _COPIED else partial(np.empty, shape)
-        if not available() or native.sequence.operation_count > _LONGEST:
+        if not available() or tail.sequence.operation_count > _LONGEST:
             return
+        parameters, is_current = np.concatenate([np.zeros(sizes["p"]), values]), np.zeros(1, dtype=np.int64)
+        work = np.empty(
+            tail.native.work_size if head is None else max(tail.native.work_size, head.native.work_size)
+        )
+        c = constants if head is None else np.zeros(head.sequence.output_size)
+        make_result = np.empty(shape).copy if math.prod(shape) <= _COPIED else partial(np.empty, shape)
         known = {
-            "code": native.native.address,
-            "constants": 0,
+            "code": tail.native.address,
+            "head": 0 if head is None else head.native.address,
+            "constants": c.ctypes.data,
+            "parameters": parameters.ctypes.data,
+            "current": is_current.ctypes.data,
             "work": work.ctypes.data,
             "make_result": id(make_result),
             "time": 0,
@@ -82,7 +108,8 @@ class DirectCall:
         new = ctypes.pythonapi.PyCFunction_NewEx
         new.restype, new.argtypes = ctypes.py_object, (ctypes.c_void_p, ctypes.py_object, ctypes.py_object)
         # What stands for the module is freed last: the call itself keeps alive all that it reads by address.
-        self.call = new(ctypes.addressof(method), settings, (native, work, make_result, method, direct()))
+        kept = (tail, head, work, c, parameters, is_current, make_result, method, direct())
+        self.call = new(ctypes.addressof(method), settings, kept)
 
 
 @once

@@ -3,42 +3,39 @@
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import lru_cache
+from collections.abc import Callable, Hashable
+from collections.abc import Sequence as Items
+from dataclasses import replace
+from functools import lru_cache, partial
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.arguments import checked_arguments
+from symbody.codegen.call_arguments import (
+    as_array,
+    broadcast,
+    check_out,
+    checked_group,
+    checked_threads,
+    length_problem,
+)
 from symbody.codegen.direct_call import DirectCall
 from symbody.codegen.llvm.native import NativeFunction
-from symbody.codegen.native_call import GROUPS, NativeCall, SinglePoint
-from symbody.codegen.texts.languages import TEXTS
-from symbody.errors import CompileError, Problem, nearest
-from symbody.expr.deadline import begin
-from symbody.expr.folding import fold_constants
-from symbody.expr.program import written_out
-from symbody.expr.sequence import Sequence
+from symbody.codegen.native_call import SinglePoint
+from symbody.codegen.shared_code import SharedCode
+from symbody.codegen.signature import Signature as Signature
+from symbody.codegen.signature import source_text
+from symbody.errors import CompileError
+from symbody.expr.sequence import Output, Sequence
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
-_WORDS: Final = {"q": "coordinates", "u": "speeds", "r": "inputs", "p": "parameters", "t": "time"}
-
-
-@dataclass(frozen=True, slots=True)
-class Signature:
-    """Names of what a function takes, group by group, in order."""
-
-    q: tuple[str, ...]
-    u: tuple[str, ...]
-    r: tuple[str, ...]
-    p: tuple[str, ...]
-
-    def names(self, group: str) -> tuple[str, ...]:
-        """Return the names of one group."""
-        return {"q": self.q, "u": self.u, "r": self.r, "p": self.p}.get(group, ("t",))
+Specialize = Callable[[], Sequence]
+NOTHING: Final = np.zeros(0)
+# Calls at a point after which a function has its own way into machine code; it takes some 50 us to make.
+_FEW_CALLS: Final = 20
 
 
 class CompiledFunction:
@@ -64,20 +61,72 @@ class CompiledFunction:
     def __init__(
         self, sequence: Sequence, signature: Signature, *, quick: bool = False, lanes: bool | None = None
     ) -> None:
-        self.sequence = sequence
+        self._bind_code(SharedCode(sequence, quick=quick, lanes=lanes), signature, NOTHING, None)
+
+    @classmethod
+    def from_code(
+        cls, code: SharedCode, signature: Signature, values: Floats, specialize: Specialize | None = None
+    ) -> CompiledFunction:
+        """Return a function of code that others share.
+
+        Parameters
+        ----------
+        signature : Signature
+            What the function takes: p are the free parameters.
+        values : (n,) array
+            The other parameters of the code, behind the free ones.
+        specialize : callable, optional
+            Returns the sequence with the values put in, for source text.
+        """
+        made = cls.__new__(cls)
+        made._bind_code(code, signature, values, specialize)
+        return made
+
+    def _bind_code(
+        self, code: SharedCode, signature: Signature, values: Floats, specialize: Specialize | None
+    ) -> None:
         self.signature = signature
-        self._choices = (quick, lanes)
-        begin("constants")
-        head, tail = fold_constants(sequence).split("p")
-        self._head = NativeCall(head, quick=True) if head.output_size else None
-        self._tail = NativeCall(tail, quick=quick, lanes=lanes)
-        self._result = _result_type(sequence)
-        sizes = {group: len(signature.names(group)) for group in "tqurp"}
-        sizes["c"] = 0 if self._head is None else self._head.sequence.output_size
-        self._single = SinglePoint(self._tail, sizes)
-        # Made by the first call at a point.
-        self._direct: SingleFlight[None, DirectCall] = SingleFlight()
+        self._code = code
+        self._values = values
+        self._specialize = specialize
+        self._result = _result_type(code.sequence)
+        # Made when they are first needed: what follows from the values, and calls at a point.
+        self._made: SingleFlight[str, Any] = SingleFlight()
         self._at_point: Callable[..., Any] | None = None
+        self._calls = 0
+        self._sizes = [
+            ("q", len(signature.q)),
+            ("u", len(signature.u)),
+            ("r", len(signature.r)),
+            ("p", len(signature.p)),
+        ]
+
+    @property
+    def outputs(self) -> tuple[Output, ...]:
+        """Names and shapes of the results."""
+        return self._code.sequence.outputs
+
+    @property
+    def shared_sequence(self) -> Sequence:
+        """What is computed, with all parameters as arguments p, the free ones first."""
+        return self._code.sequence
+
+    @property
+    def bound_values(self) -> Floats:
+        """The parameters of `shared_sequence` behind the free ones."""
+        return self._values
+
+    def kept_with_code(self, key: Hashable, make: Callable[[], Any]) -> Any:
+        """Return what `make` derives from `shared_sequence`, once for all functions that share it."""
+        return self._code.notes.get(key, make)
+
+    @property
+    def sequence(self) -> Sequence:
+        """What is computed, with the values of all parameters that are not free."""
+        if self._specialize is None:
+            return self._code.sequence
+        sequence: Sequence = self._made.get("sequence", self._specialize)
+        return sequence
 
     def __call__(
         self,
@@ -112,42 +161,70 @@ class CompiledFunction:
             If the mass matrix is singular on the admissible velocities.
         """
         if out is None and self._at_point is not None:
-            found = self._at_point(t, q, u, r, p)
-            if found is not None:
-                return found if self._result is None else self._taken_apart(found)
-        if self._head is None and self._fill_points(t, q, u, r, p):
-            self._check_out(out, ())
-            if self._at_point is None:
-                self._at_point = self._direct.get(None, self._made_direct).call
-            return self._reshape_outputs(self._single.run().copy(), (), out)
-        given = {group: self._check_shape(group, x) for group, x in zip("qurp", (q, u, r, p), strict=True)}
-        given["t"] = self._check_shape("t", t)
-        batch = _broadcast(given)
-        self._check_out(out, batch)
-        if self._head is not None:
-            given["c"] = self._head({"p": given["p"]}, given["p"].shape[:-1])
-        return self._reshape_outputs(self._tail(given, batch, _positive(threads)), batch, out)
+            result = self._at_point(t, q, u, r, p)
+            if result is not None:
+                return result if self._result is None else self._taken_apart(result)
+        points = self._points(t, q, u, r, p)
+        if points is not None:
+            check_out(out, (), self.outputs)
+            return self._reshape_outputs(self._call_at_point(*points), (), out)
+        given = {
+            group: checked_group(group, x, self.signature.names(group))
+            for group, x in zip("qurp", (q, u, r, p), strict=True)
+        }
+        given["t"] = checked_group("t", t, self.signature.names("t"))
+        batch = broadcast(given)
+        check_out(out, batch, self.outputs)
+        given["c"] = self._constants(given.pop("p"))
+        return self._reshape_outputs(self._code.tail(given, batch, checked_threads(threads)), batch, out)
+
+    def _constants(self, p: Floats) -> Floats:
+        """Return c for free parameters (..., n_p)."""
+        if p.shape[-1]:
+            return self._code.constants(self._all_parameters(p))
+        return self.bound_constants
+
+    @property
+    def bound_constants(self) -> Floats:
+        """The numbers c (n_c,) of a function without free parameters."""
+        values: Floats = self._made.get("c", lambda: self._code.constants(self._values))
+        return values
+
+    def _all_parameters(self, p: Floats) -> Floats:
+        """Return free parameters (..., n_p) with the others behind them."""
+        if not self._values.size:
+            return p
+        if p.shape == (0,):
+            return self._values
+        return np.concatenate([p, np.broadcast_to(self._values, (*p.shape[:-1], self._values.size))], axis=-1)
 
     def of_state(self, t: ArrayLike, x: ArrayLike, r: ArrayLike = (), p: ArrayLike = ()) -> Any:
         """Return the outputs for a state (speeds, then coordinates), the order of ``eqs.states``."""
-        state = _array("x", "states", x)
+        state = as_array("x", x)
         count = len(self.signature.u)
         names = self.signature.u + self.signature.q
         if state.ndim == 0 or state.shape[-1] != len(names):
-            raise CompileError(_length_problem("x", "states", names, state.shape))
+            raise CompileError(length_problem("x", names, state.shape))
         return self(t, state[..., count:], state[..., :count], r, p)
 
     def bind(self, p: ArrayLike) -> Callable[..., Any]:
         """Return ``f(t, q, u, r=())`` with parameters fixed; what depends on them alone is computed now."""
-        values = self._check_shape("p", p)
-        given = {group: np.zeros(0) for group in GROUPS} | {"p": values}
-        cached = np.zeros(0) if self._head is None else self._head(given, values.shape[:-1])
+        values = checked_group("p", p, self.signature.names("p"))
+        if values.ndim == 1:
+            bound = CompiledFunction.from_code(
+                self._code, replace(self.signature, p=()), self._all_parameters(values)
+            )
+            return partial(_call_bound, bound)
+        cached = self._constants(values)
 
         def evaluate_rest(t: ArrayLike, q: ArrayLike, u: ArrayLike, r: ArrayLike = ()) -> Any:
-            now = {group: self._check_shape(group, x) for group, x in zip("qur", (q, u, r), strict=True)}
-            now |= {"t": self._check_shape("t", t), "p": values, "c": cached}
-            batch = _broadcast(now)
-            return self._reshape_outputs(self._tail(now, batch), batch, None)
+            now = {
+                group: checked_group(group, x, self.signature.names(group))
+                for group, x in zip("qur", (q, u, r), strict=True)
+            }
+            now |= {"t": checked_group("t", t, self.signature.names("t")), "p": values}
+            batch = broadcast(now)
+            return self._reshape_outputs(self._code.tail(now | {"c": cached}, batch), batch, None)
 
         return evaluate_rest
 
@@ -159,26 +236,25 @@ class CompiledFunction:
     @property
     def address(self) -> int:
         """Address of ``int f(t, q, u, r, p, c, out, work)``, all pointers to double; see `constants`."""
-        return self._tail.native.address
+        return self._code.tail.native.address
 
     @property
     def work_size(self) -> int:
         """Doubles of scratch that the function at `address` needs."""
-        return self._tail.native.work_size
+        return self._code.tail.native.work_size
 
     def in_lanes(self) -> NativeFunction:
         """Return the same code for several points at once, for calls by address; the first call compiles."""
-        return self._tail.in_lanes()
+        return self._code.tail.in_lanes()
 
     def constants(self, p: ArrayLike = ()) -> Floats:
         """Return the values ``c`` that depend on parameters alone, for calls by address."""
-        given = {group: np.zeros(0) for group in GROUPS} | {"p": self._check_shape("p", p)}
-        return np.zeros(0) if self._head is None else self._head(given, given["p"].shape[:-1])
+        return self._constants(checked_group("p", p, self.signature.names("p")))
 
     @property
     def operations(self) -> int:
         """Operations of one evaluation with parameters bound."""
-        return self._tail.sequence.operation_count
+        return self._code.tail.sequence.operation_count
 
     @property
     def inputs(self) -> tuple[str, ...]:
@@ -191,22 +267,35 @@ class CompiledFunction:
         return source_text(self.sequence, language, self.signature)
 
     def __repr__(self) -> str:
-        outputs = ", ".join(output.name for output in self.sequence.outputs)
+        outputs = ", ".join(output.name for output in self.outputs)
         return f"CompiledFunction({outputs}): {self.operations} operations"
 
     def __reduce__(self) -> tuple[Callable[..., CompiledFunction], tuple[object, ...]]:
-        return _remade, (self.sequence, self.signature, *self._choices)
+        code = self._code
+        specialized = None if self._specialize is None else self.sequence
+        choices = code.quick, code.lanes
+        return _remade, (code.sequence, self.signature, choices, self._values, specialized)
 
     def _made_direct(self) -> DirectCall:
-        outputs = self.sequence.outputs
-        shape = outputs[0].shape if len(outputs) == 1 else (self._tail.sequence.output_size,)
-        sizes = {group: len(self.signature.names(group)) for group in GROUPS if group != "c"}
-        return DirectCall(self._tail, sizes, shape)
+        sizes = {group: size for group, size in self._sizes if group != "c"}
+        if sizes["p"]:
+            head, values = self._code.head, self._values
+            return DirectCall(self._code.tail, sizes, self._result_shape, head=head, values=values)
+        return DirectCall(self._code.tail, sizes, self._result_shape, constants=self.bound_constants)
+
+    def _made_shared_direct(self) -> DirectCall:
+        sizes = {**dict(self._sizes), "p": len(self.signature.p) + self._values.size}
+        return DirectCall(self._code.tail, sizes, self._result_shape, head=self._code.head)
+
+    @property
+    def _result_shape(self) -> tuple[int, ...]:
+        outputs = self.outputs
+        return outputs[0].shape if len(outputs) == 1 else (self._code.tail.sequence.output_size,)
 
     def _taken_apart(self, flat: Floats) -> Any:
         """Return several outputs of one point, which lie one after the other."""
         results, start = [], 0
-        for output in self.sequence.outputs:
+        for output in self.outputs:
             shape = output.shape
             stop = start + len(output.values)
             part = flat[start:stop]
@@ -214,52 +303,50 @@ class CompiledFunction:
             start = stop
         return self._result(*results) if self._result is not None else results[0]
 
-    def _fill_points(self, *arguments: ArrayLike) -> bool:
-        """Put single points of floats in place; False if this is anything else."""
-        groups = self._single.groups
-        for group, value in zip("tqurp", arguments, strict=True):
-            place = groups[group]
-            array = _array(group, _WORDS[group], value)
-            if group == "t":
-                array = array.reshape(-1) if array.ndim == 0 else array[np.newaxis]
-            if array.shape != place.shape or (array.size and array.dtype.char != "d"):
-                return False
-            place[:] = array
-        return True
+    def _points(self, t: ArrayLike, *arguments: ArrayLike) -> tuple[float, list[Floats]] | None:
+        """Return t, and q, u, r, p as arrays (n,) of floats; None if this is anything but single points."""
+        if type(t) is not float:
+            time = as_array("t", t)
+            if time.ndim or time.dtype.char != "d":
+                return None
+        points = []
+        for (group, size), value in zip(self._sizes, arguments, strict=True):
+            array = value if type(value) is np.ndarray else as_array(group, value)
+            if array.shape != (size,) or (size and array.dtype.char != "d"):
+                return None
+            points.append(array)
+        return float(t), points  # type: ignore[arg-type]
 
-    def _check_shape(self, group: str, value: ArrayLike) -> Floats:
-        given = _array(group, _WORDS[group], value)
-        given = given[..., np.newaxis] if group == "t" else given
-        names = self.signature.names(group)
-        if given.ndim == 0 or given.shape[-1] != len(names):
-            raise CompileError(_length_problem(group, _WORDS[group], names, given.shape))
-        if given.size and given.dtype.kind not in "fiu":
-            raise CompileError(_type_problem(group, _WORDS[group], str(given.dtype)))
-        return np.require(given, np.float64, "A")
+    def _call_at_point(self, time: float, points: Items[Floats]) -> Floats:
+        """Return the outputs at one point, one after the other.
 
-    def _check_out(self, out: object, batch: tuple[int, ...]) -> None:
-        """Refuse what cannot receive the result as it is."""
-        if out is None:
-            return
-        outputs = self.sequence.outputs
-        fitting = "leave out= away" if len(outputs) > 1 else f"give np.empty({batch + outputs[0].shape})"
-        if len(outputs) > 1:
-            what = f"there are {len(outputs)} results, and one array to receive them"
-        elif not isinstance(out, np.ndarray):
-            what = f"{type(out).__name__} is not an array"
-        elif out.dtype != np.float64 or not out.dtype.isnative:
-            what = f"its entries are of type {out.dtype}, not float64"
-        elif out.shape != batch + outputs[0].shape:
-            what = f"its shape is {out.shape}, that of the result {batch + outputs[0].shape}"
-        elif not (out.flags.c_contiguous and out.flags.aligned and out.flags.writeable):
-            what = "it is not contiguous, or not writeable"
-        else:
-            return
-        raise CompileError(Problem("compile.out", "out", what, "", fitting))
+        First calls go through a way that all functions with this code share. It pays to have one's own only
+        where more follow.
+        """
+        self._calls += 1
+        if self._calls > _FEW_CALLS and self._at_point is None:
+            self._at_point = self._made.get("direct", self._made_direct).call
+        p = self._all_parameters(points[3])
+        direct = self._code.notes.get("direct", self._made_shared_direct).call
+        result: Floats | None = None if direct is None else direct(time, *points[:3], p)
+        if result is not None:
+            return result.reshape(-1)
+        single: SinglePoint = self._code.notes.get("single", self._made_single)
+        single.groups["t"][:] = time
+        for group, array in zip("qur", points, strict=False):
+            single.groups[group][:] = array
+        single.groups["c"][:] = self._code.constants(p)
+        return single.run().copy()
+
+    def _made_single(self) -> SinglePoint:
+        """Return what calls at one point write into; each thread has its own."""
+        return SinglePoint(
+            self._code.tail, {**dict(self._sizes), "t": 1, "p": 0, "c": self._code.constant_count}
+        )
 
     def _reshape_outputs(self, flat: Floats, batch: tuple[int, ...], out: Floats | None) -> Any:
         results, start = [], 0
-        for output in self.sequence.outputs:
+        for output in self.outputs:
             stop = start + len(output.values)
             results.append(flat[..., start:stop].reshape(batch + output.shape))
             start = stop
@@ -271,75 +358,29 @@ class CompiledFunction:
         return out
 
 
-def _remade(sequence: Sequence, signature: Signature, quick: bool, lanes: bool | None) -> CompiledFunction:
+def _remade(
+    sequence: Sequence,
+    signature: Signature,
+    choices: tuple[bool, bool | None],
+    values: Floats,
+    specialized: Sequence | None,
+) -> CompiledFunction:
     """Return a function from what was pickled of it."""
-    return CompiledFunction(sequence, signature, quick=quick, lanes=lanes)
+    quick, lanes = choices
+    specialize = None if specialized is None else partial(_itself, specialized)
+    return CompiledFunction.from_code(
+        SharedCode(sequence, quick=quick, lanes=lanes), signature, values, specialize
+    )
 
 
-def _array(group: str, word: str, value: ArrayLike) -> NDArray[Any]:
-    try:
-        return np.asarray(value)
-    except (TypeError, ValueError, OverflowError) as error:  # lists of lists of different lengths
-        raise CompileError(_type_problem(group, word, type(value).__name__)) from error
+def _itself(sequence: Sequence) -> Sequence:
+    return sequence
 
 
-def _type_problem(group: str, word: str, kind: str) -> Problem:
-    return Problem(
-        "compile.argument_type", group, f"{word} are of type {kind}",
-        "only real numbers, in rows of one length, can be computed with", "give floats",
-    )  # fmt: skip
-
-
-def _positive(threads: int) -> int:
-    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
-        raise CompileError(
-            Problem("compile.threads", "threads", f"{threads!r} is not a number of threads", "",
-                    "give a whole number from 1 on, such as os.cpu_count()")
-        )  # fmt: skip
-    return threads
-
-
-def source_text(sequence: Sequence, language: str, signature: Signature | None = None) -> str:
-    """Return a sequence as source text.
-
-    Parameters
-    ----------
-    signature : Signature, optional
-        All arguments by name, also those which the sequence does not read.
-
-    Raises
-    ------
-    CompileError
-        If the language is not known.
-    """
-    word = language.lower() if isinstance(language, str) else language
-    if word not in TEXTS:
-        cure = nearest(str(word), TEXTS)
-        raise CompileError(
-            Problem("compile.unknown_language", "language", f"there is no language {language!r}", "", cure)
-        )
-    arguments = {group: signature.names(group) for group in "qurp"} if signature is not None else None
-    return TEXTS[word](written_out(sequence), "f", arguments)
-
-
-def _broadcast(given: Mapping[str, Floats]) -> tuple[int, ...]:
-    try:
-        return np.broadcast_shapes(*(values.shape[:-1] for values in given.values()))
-    except ValueError as error:
-        shapes = ", ".join(f"{group} {values.shape}" for group, values in given.items() if values.size)
-        raise CompileError(
-            Problem("compile.batch_shapes", "", f"batch axes do not broadcast: {shapes}", str(error),
-                    "give leading axes of equal length, or of length 1")
-        ) from error  # fmt: skip
-
-
-def _length_problem(group: str, word: str, names: tuple[str, ...], shape: tuple[int, ...]) -> Problem:
-    listed = ", ".join(names) or "none"
-    return Problem(
-        "compile.argument_length", group,
-        f"{word} have shape {shape}, but {len(names)} numbers are expected on the last axis", "",
-        f"the order is ({listed})",
-    )  # fmt: skip
+def _call_bound(
+    function: CompiledFunction, t: ArrayLike, q: ArrayLike, u: ArrayLike, r: ArrayLike = ()
+) -> Any:
+    return function(t, q, u, r)
 
 
 def _result_type(sequence: Sequence) -> Callable[..., Any] | None:

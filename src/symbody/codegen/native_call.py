@@ -60,6 +60,7 @@ class NativeCall:
     def __init__(self, sequence: Sequence, *, quick: bool = False, lanes: bool | None = None) -> None:
         self.sequence = sequence
         self.native: NativeFunction = compile_sequence(sequence, quick=quick)
+        self._point = _SINGLE(self.native.address)
         self._points_left = {None: _POINTS_THAT_PAY, True: 0, False: sys.maxsize}[lanes]
         self._in_lanes: SingleFlight[None, NativeFunction] = SingleFlight()
         self._work = sequence.operation_count + sum(_kernel_work(kernel) for kernel in sequence.kernels)
@@ -85,6 +86,19 @@ class NativeCall:
                 codes = [self._run_points(0, part, points, lanes), *others]
             check_status(next(filter(None, codes), 0))
         return out.reshape((*batch, out.shape[1]))
+
+    def at_point(self, **given: Floats) -> Floats:
+        """Return the outputs at one point; arrays of doubles, one after the other, of the groups it reads.
+
+        Raises
+        ------
+        SimulationError
+            If a kernel could not be solved.
+        """
+        out, work = np.empty(self.sequence.output_size), np.empty(self.native.work_size)
+        places = [given[group].ctypes.data if group in given else None for group in GROUPS]
+        check_status(self._point(*places, out.ctypes.data, work.ctypes.data))
+        return out
 
     def _lanes_for(self, count: int) -> NativeFunction | None:
         """Return the code in lanes if this batch is to use it, compiling it when it first is."""
@@ -177,4 +191,6 @@ def _rows(values: Floats | None, batch: tuple[int, ...], count: int) -> tuple[Fl
     if values.ndim == 1 or values.shape[:-1] == (1,) * (values.ndim - 1):
         return np.ascontiguousarray(values).reshape(-1), 0
     size = values.shape[-1]
+    if values.ndim == 2 and values.shape[0] == count and values.flags.c_contiguous:
+        return values, size
     return np.ascontiguousarray(np.broadcast_to(values, (*batch, size))).reshape(count, size), size

@@ -13,9 +13,9 @@ from fractions import Fraction
 from itertools import accumulate, pairwise
 from typing import Any, Final
 
-from symbody.codegen.function import Signature
 from symbody.codegen.llvm.machine import environment
 from symbody.codegen.llvm.stored_module import written_by
+from symbody.codegen.signature import Signature
 from symbody.expr.graph import Constant
 from symbody.expr.sequence import Input, KernelNode, Operation, Output, Sequence
 from symbody.storage import load_stored, store

@@ -62,7 +62,7 @@ def symbol(name: str) -> Markup:
 
 def number(value: float) -> str:
     """Return a number to six digits."""
-    return f"{value:.6g}" if math.isfinite(value) else "\u2013"
+    return f"{value + 0.0:.6g}" if math.isfinite(value) else "\u2013"  # no minus before 0
 
 
 def complex_number(value: complex) -> str:

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from symbody.analysis.equilibrium.find_equilibrium import Equilibrium
 from symbody.analysis.linear.linearization import Linearization
-from symbody.analysis.linear.modes import Mode
+from symbody.analysis.linear.modes import Mode, Modes
 from symbody.analysis.state import State
+from symbody.analysis.value_lines import without_rounding
+from symbody.display.declared import show_declared
 from symbody.display.formulas import show_formula
 from symbody.display.html import (
     Markup,
@@ -28,13 +30,14 @@ from symbody.display.html import (
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.display import mathml_sides
 from symbody.equations.outputs.parameter_units import symbol_units
-from symbody.errors import SymbodyError
+from symbody.errors import SymbodyError, number_in_words
 from symbody.expr.printing.mathml_tables import math_element, mathml_equations, mathml_matrix
 from symbody.expr.rewrite import tree_sizes
 from symbody.model.body import Body
+from symbody.model.declaration import Declared
 from symbody.model.joint import Joint
 from symbody.model.model import Model
-from symbody.notebook import VIEWS
+from symbody.notebook import LATEX_VIEWS, VIEWS
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.sweeps.result import Sweep
 
@@ -73,14 +76,25 @@ def _symbols(names: tuple[str, ...]) -> Markup:
 
 
 def _equations(eqs: EquationSet) -> str:
-    if len(eqs.speed_names) <= _MOST_SPEEDS:
-        sides = [*eqs.textbook.inertial_side.nodes, *eqs.textbook.forcing_side.nodes]
-        if sum(tree_sizes(eqs.textbook.formed.graph, sides)) <= _MOST_OPERATIONS:
-            formulas = mathml_equations(mathml_sides(eqs))
-            return page(repr(eqs), Markup(math_element(formulas, block=True)), notes(eqs.notes))
+    if _is_short(eqs):
+        formulas = mathml_equations(mathml_sides(eqs.textbook))
+        return page(repr(eqs), Markup(math_element(formulas, block=True)), notes(eqs.notes))
     rows = [("coordinates", _symbols(eqs.coordinate_names[:12])), ("speeds", _symbols(eqs.speed_names[:12]))]
-    hint = "too long to be shown: eqs.dynamic_equations() returns the formulas, sb.generate_code the code"
+    hint = (
+        "too long to be shown: eqs.text() prints them with names for shared parts, sb.generate_code the code"
+    )
     return page(repr(eqs), table(("", ""), rows), paragraph(hint), notes(eqs.notes))
+
+
+def _is_short(eqs: EquationSet) -> bool:
+    if len(eqs.speed_names) > _MOST_SPEEDS:
+        return False
+    sides = [*eqs.textbook.inertial_side.nodes, *eqs.textbook.forcing_side.nodes]
+    return sum(tree_sizes(eqs.textbook.formed.graph, sides)) <= _MOST_OPERATIONS
+
+
+def _equations_latex(eqs: EquationSet) -> str | None:
+    return f"$\\displaystyle {eqs.latex()}$" if _is_short(eqs) else None
 
 
 def _trajectory(run: Trajectory) -> str:
@@ -92,6 +106,7 @@ def _trajectory(run: Trajectory) -> str:
     happened = ", ".join(f"{name} ({count} times)" if count > 1 else name for name, count in counts.items())
     return page(
         repr(run).strip("<>"),
+        *([] if run.success else [paragraph(run.status.value)]),
         table(("", "unit", "start", "end", "least", "greatest"), rows),
         paragraph(f"events: {happened}") if happened else Markup(),
         notes(run.notes),
@@ -115,7 +130,8 @@ def _state(state: State) -> str:
 def _state_rows(state: State) -> Iterator[tuple[str, str, str]]:
     for values in (state.q, state.u):
         for name, value in values.items():
-            yield symbol(name), number(value), show_unit(state.eqs.units.get(name, ""))
+            unit = state.eqs.units.get(name, "")
+            yield symbol(name), number(without_rounding(value, unit)), show_unit(unit)
 
 
 def _equilibrium(state: Equilibrium) -> str:
@@ -137,6 +153,19 @@ def _linearization(linear: Linearization) -> str:
     return page(title, _modes(linear.modes), states, matrix, notes(linear.notes))
 
 
+def _linearization_latex(linear: Linearization) -> str | None:
+    if not 0 < len(linear.state_names) <= _MOST_STATES:
+        return None
+    names = [letter for letter, matrix in zip("ABCD", linear, strict=True) if matrix.size]
+    formulas = (rf"{letter} = {_matrix_latex(getattr(linear, letter))}" for letter in names)
+    return "$\\displaystyle " + r",\quad ".join(formulas) + "$"
+
+
+def _matrix_latex(matrix: NDArray[np.float64]) -> str:
+    rows = r" \\ ".join(" & ".join(f"{value:.5g}" for value in row) for row in matrix)
+    return rf"\begin{{bmatrix}}{rows}\end{{bmatrix}}"
+
+
 def _signed_number(value: float) -> str:
     return f"{value:.5g}".replace("-", "\u2212")
 
@@ -152,6 +181,10 @@ def _mode_row(mode: Mode) -> tuple[str, ...]:
     leading = max(mode.shape, key=lambda name: abs(mode.shape[name]))
     figures = (mode.frequency, mode.damping_ratio, mode.time_constant)
     return (eigenvalue, *map(number, figures), symbol(leading))
+
+
+def _all_modes(modes: Modes) -> str:
+    return page(number_in_words(len(modes), "mode"), _modes(modes))
 
 
 def _mode(mode: Mode) -> str:
@@ -185,6 +218,9 @@ VIEWS.update(
         Equilibrium: _equilibrium,
         Linearization: _linearization,
         Mode: _mode,
+        Modes: _all_modes,
+        Declared: show_declared,
         Sweep: _sweep,
     }
 )
+LATEX_VIEWS.update({EquationSet: _equations_latex, Linearization: _linearization_latex})

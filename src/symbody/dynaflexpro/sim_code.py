@@ -8,8 +8,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.codegen.compile import Value, form_sequence
-from symbody.codegen.function import CompiledFunction, source_text
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.sequences import form_sequence
+from symbody.codegen.function import CompiledFunction
+from symbody.codegen.signature import source_text
 from symbody.dynaflexpro.exports import ModelEquations
 from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.sympy_writer import SympyEquation

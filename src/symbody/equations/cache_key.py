@@ -38,6 +38,11 @@ class DeferredEquations:
         """The equations; all threads get the same."""
         return self._result.get(None, self.form)
 
+    @property
+    def are_formed(self) -> bool:
+        """Whether they have been used."""
+        return self._result.peek(None) is not None
+
 
 def identity(model: Model, *choices: object) -> bytes:
     """Return a hash of all that equations follow from; empty if it cannot be computed.

@@ -63,18 +63,18 @@ def derive(
         determine the dependent speeds.
     """
     formulation, notes = _possible_formulation(topology, formulation, eliminates=bool(dependent))
-    uses = joint_roles(topology)
-    names, variables = _variables(topology, graph, uses)
+    roles = joint_roles(topology)
+    names, variables = _variables(topology, graph, roles)
     begin("kinematics")
-    names, kinematics = _kinematics(topology, names, uses, variables, formulation)
+    names, kinematics = _kinematics(topology, names, roles, variables, formulation)
     begin("constraints")
-    constraints = form_constraints(topology, names, kinematics, uses)
+    constraints = form_constraints(topology, names, kinematics, roles)
     rows = constraints.rows
     if formulation.differentiates_placements:
         rows = differentiate_constraints(kinematics, rows)
     notes = constraints.notes + notes
     begin("loads", notes)
-    system = _system(topology, names, uses, variables, kinematics, rows, formulation)
+    system = _system(topology, names, roles, variables, kinematics, rows, formulation)
     system = replace(system, redundant=tuple(constraints.redundant))
     begin("mass matrix and forcing")
     formed = _equations(system, formulation, notes)
@@ -107,18 +107,18 @@ def _possible_formulation(
     )
 
 
-def _variables(topology: Topology, graph: Graph, uses: Sequence[JointRole]) -> tuple[Names, Variables]:
+def _variables(topology: Topology, graph: Graph, roles: Sequence[JointRole]) -> tuple[Names, Variables]:
     """Return the names of a mechanism with the rates, and its coordinates and speeds."""
-    names = mechanism_names(graph, topology, uses)
+    names = mechanism_names(graph, topology, roles)
     added = [name for condition in topology.model.constraints for name in condition.coordinates]
-    variables = form_variables(names, uses, added)
+    variables = form_variables(names, roles, added)
     return names.with_values(rates_by_name(graph, variables)), variables
 
 
 def _kinematics(
     topology: Topology,
     names: Names,
-    uses: Sequence[JointRole],
+    roles: Sequence[JointRole],
     variables: Variables,
     formulation: Formulation,
 ) -> tuple[Names, Kinematics]:
@@ -126,7 +126,7 @@ def _kinematics(
     graph = names.graph
     kinematics = form_kinematics(
         graph,
-        rotation_steps(topology, names, uses),
+        rotation_steps(topology, names, roles),
         translation_steps(topology, names),
         variables.rates,
         [graph.symbol(u) for u in variables.u],
@@ -136,16 +136,16 @@ def _kinematics(
         kinematics = differentiate_placements(kinematics)
     names = names.with_values(second_rates(kinematics, variables))
     read = names_read(topology.model)
-    for use in uses:
-        if is_read(use, read):
-            names = names.with_values(measure_coordinates(names, kinematics, use))
+    for role in roles:
+        if is_read(role, read):
+            names = names.with_values(measure_coordinates(names, kinematics, role))
     return names, kinematics
 
 
 def _system(
     topology: Topology,
     names: Names,
-    uses: Sequence[JointRole],
+    roles: Sequence[JointRole],
     variables: Variables,
     kinematics: Kinematics,
     rows: Sequence[ConstraintEquation],
@@ -154,24 +154,24 @@ def _system(
     """Return the system with its bodies, loads, rotors and friction."""
     model = topology.model
     bodies = tuple(form_inertia(names, body) for body in model.bodies)
-    friction = form_friction(names, uses)
+    friction = form_friction(names, roles)
     weights = formulation.has_weights_in_loads
     return MultibodySystem(
         names=names,
         topology=topology,
-        uses=tuple(uses),
+        joint_roles=tuple(roles),
         variables=variables,
         kinematics=kinematics,
         bodies=bodies,
-        loads=form_loads(model, names, kinematics, bodies, uses, friction, weights=weights),
-        armatures={
+        loads=form_loads(model, names, kinematics, bodies, roles, friction, weights=weights),
+        rotors={
             coordinate: Rotor(
                 names.value(f"{coordinate}_dot"),
-                names.expression(rotor, f"joint {use.joint.name}"),
+                names.expression(rotor, f"joint {role.joint.name}"),
                 coordinate,
             )
-            for use in uses
-            for coordinate, rotor in use.joint.armature.items()
+            for role in roles
+            for coordinate, rotor in role.joint.armature.items()
         },
         rows=tuple(rows),
         friction=friction,
@@ -190,7 +190,9 @@ def _equations(
         system,
         formulation,
         formulation.derive(system) if elimination is None else elimination.reduce_dynamics(system),
-        alignments=tuple(cosine for use in system.uses for cosine in assembly_mode(names, kinematics, use)),
+        alignments=tuple(
+            cosine for role in system.joint_roles for cosine in assembly_mode(names, kinematics, role)
+        ),
         notes=notes + system.loads.notes + _notes(system),
         elimination=elimination,
     )
@@ -213,7 +215,9 @@ def _eliminate(
     rows = elimination.reduce_rows(formed.holonomic)
     notes = notes + elimination_notes(elimination)
     begin("loads", notes)
-    system = _system(formed.topology, names, formed.uses, variables, kinematics, rows, formed.formulation)
+    system = _system(
+        formed.topology, names, formed.joint_roles, variables, kinematics, rows, formed.formulation
+    )
     begin("mass matrix and forcing")
     reduced = _equations(replace(system, redundant=formed.redundant), formed.formulation, notes, elimination)
     return _with_contacts(reduced)
@@ -229,26 +233,26 @@ def _share_notes(formed: EquationsOfMotion) -> tuple[str, ...]:
     """Return notes on reactions that redundant constraints leave undetermined."""
     if not formed.redundant:
         return ()
-    listed = find_identically_undetermined(formed) if len(formed.uses) <= _MOST_LISTED else ()
+    listed = find_identically_undetermined(formed) if len(formed.joint_roles) <= _MOST_LISTED else ()
     return share_notes(formed, listed)
 
 
 def _notes(system: MultibodySystem) -> tuple[str, ...]:
     """Return where the equations differ from what one may expect, or do not hold."""
     return (
-        *_cut_coupling_notes(system.uses),
+        *_cut_coupling_notes(system.joint_roles),
         *_singularity_notes(system.graph, system.variables),
         *_rope_notes(system.topology.model),
     )
 
 
-def _cut_coupling_notes(uses: Iterable[JointRole]) -> tuple[str, ...]:
+def _cut_coupling_notes(roles: Iterable[JointRole]) -> tuple[str, ...]:
     """Return notes on cut joints whose displacement depends on their angle."""
     return tuple(
-        f"joint {use.joint.name}: its displacement depends on {', '.join(use.joint.coupled_coordinates)}, "
+        f"joint {role.joint.name}: its displacement depends on {', '.join(role.joint.coupled_coordinates)}, "
         "which joins the coordinates with one more closing equation, although the joint is cut"
-        for use in uses
-        if use.joint.coupled_coordinates and not use.in_rotation and use.unknown_coordinates
+        for role in roles
+        if role.joint.coupled_coordinates and not role.in_rotation and role.unknown_coordinates
     )
 
 

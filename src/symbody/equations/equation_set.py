@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Sequence as Items
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Final
+from typing import Any
 
 from symbody.arguments import checked_arguments
 from symbody.equations.cache_key import DeferredEquations
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.freedoms.always_undetermined import find_always_undetermined
 from symbody.equations.freedoms.mobility import Mobility, mobility
+from symbody.equations.names import Names, names_of
 from symbody.equations.outputs.derivative_outputs import parse_derivative
+from symbody.equations.outputs.equation_lines import PrintedEquations
 from symbody.equations.outputs.output_roots import code_roots, evaluable_roots
 from symbody.equations.outputs.textbook import Reaction, Textbook
 from symbody.equations.outputs.units import Units, output_units
-from symbody.equations.solving.negligible_constraints import drop_negligible, magnitude_program
+from symbody.equations.solving.negligible_constraints import drop_rows, magnitude_program, negligible_rows
 from symbody.equations.solving.parameter_constraints import check_parameter_constraints
 from symbody.errors import number_in_words
 from symbody.expr.graph import Symbol
@@ -24,15 +27,11 @@ from symbody.expr.rewrite import operation_count
 from symbody.expr.sequence import Roots, Sequence
 from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, to_sympy
 from symbody.model.model import Model
-from symbody.notebook import Displayed
 from symbody.single_flight import SingleFlight
-
-# Values of parameters for which equations are kept.
-_MOST_VALUES: Final = 8
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class EquationSet(Displayed):
+class EquationSet(PrintedEquations):
     """Equations of motion ``M u' = F + J^T lambda``, ``J u' = gamma``, ``q' = N u + nu`` of a model.
 
     Every property that shows formulas returns SymPy objects in dynamicsymbols; the numbers come from
@@ -59,14 +58,10 @@ class EquationSet(Displayed):
     further: Mapping[str, Roots] = field(default_factory=dict, repr=False)
     # Roots and formulas already made; pure functions of `formed`, so they cannot go stale.
     _roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
-    _code_roots: SingleFlight[str, Roots] = field(default_factory=SingleFlight, repr=False)
     _textbook: SingleFlight[None, Textbook] = field(default_factory=SingleFlight, repr=False)
-    _units: SingleFlight[None, Units] = field(default_factory=SingleFlight, repr=False)
-    _undetermined: SingleFlight[None, tuple[str, ...]] = field(default_factory=SingleFlight, repr=False)
-    _noise_program: SingleFlight[None, Sequence] = field(default_factory=SingleFlight, repr=False)
-    _for_values: SingleFlight[tuple[float | None, ...], EquationSet] = field(
-        default_factory=lambda: SingleFlight(_MOST_VALUES), repr=False
-    )
+    _names: Names | None = field(default=None, repr=False)
+    # What later stages compute from these equations and need again; each has keys of its own.
+    plans: SingleFlight[Hashable, Any] = field(default_factory=partial(SingleFlight, 512), repr=False)
     identity: bytes = field(default=b"", repr=False)
     # Forms the same equations in another process, where that is less than to hand them over.
     _again: Callable[[], EquationSet] | None = field(default=None, repr=False)
@@ -90,61 +85,67 @@ class EquationSet(Displayed):
         return self._given.equations if isinstance(self._given, DeferredEquations) else self._given
 
     @property
+    def are_formed(self) -> bool:
+        """Whether `formed` has been read."""
+        return not isinstance(self._given, DeferredEquations) or self._given.are_formed
+
+    @property
+    def names(self) -> Names:
+        """Names of all that has a place in an array."""
+        if self._names is None:  # two threads may both make them
+            object.__setattr__(self, "_names", names_of(self.formed))
+        return self._names or names_of(self.formed)
+
+    @property
     def quaternions(self) -> tuple[tuple[str, ...], ...]:
         """Names of the four Euler parameters of each quaternion in q, scalar first."""
-        graph = self.formed.graph
-        names = {graph.symbol(symbol): symbol.label for symbol in self.formed.q}
-        return tuple(tuple(names[k] for k in nodes) for nodes in self.formed.variables.quaternions)
+        return self.names.quaternions
 
     @property
     def measured_angles(self) -> tuple[str, ...]:
         """Names of the angles of cut joints, which are outputs in (-pi, pi]."""
-        return tuple(
-            name
-            for use in self.formed.uses
-            for name in use.joint.rotation_coordinates
-            if name not in use.coordinates and use.joint.quaternion is None
-        )
+        return self.names.measured_angles
 
     @property
     def coordinate_names(self) -> tuple[str, ...]:
         """Names of q in order."""
-        return tuple(symbol.label for symbol in self.formed.q)
+        return self.names.coordinates
 
     @property
     def speed_names(self) -> tuple[str, ...]:
         """Names of u in order."""
-        return tuple(symbol.label for symbol in self.formed.u)
+        return self.names.speeds
 
     @property
     def acceleration_names(self) -> tuple[str, ...]:
         """Names of u' in order: ``<coordinate>_ddot``, ``<quasi-speed>_dot``."""
-        return tuple(symbol.derivative.label for symbol in self.formed.u)
+        return self.names.accelerations
 
     @property
     def state_names(self) -> tuple[str, ...]:
         """Names of the states: speeds, then coordinates."""
-        return self.speed_names + self.coordinate_names
+        return self.names.states
 
     @property
     def input_names(self) -> tuple[str, ...]:
         """Names of the inputs r in order."""
-        return tuple(symbol.name for symbol in self.formed.inputs)
+        return self.names.inputs
 
     @property
     def parameter_names(self) -> tuple[str, ...]:
         """Names of all parameters of the model."""
-        return tuple(symbol.name for symbol in self.formed.parameters)
+        return self.names.parameters
 
     @property
     def multiplier_names(self) -> tuple[str, ...]:
         """Names of the multipliers, one a constraint; none in a tree."""
-        return tuple(row.name for row in self.formed.rows)
+        return self.names.multipliers
 
     @property
     def units(self) -> Units:
         """SI units of coordinates, rates, energies, efforts, reactions and frames, where derivable."""
-        return self._units.get(None, partial(output_units, self.formed))
+        units: Units = self.plans.get("units", partial(output_units, self.formed))
+        return units
 
     @property
     def coordinates(self) -> tuple[SympyExpr, ...]:
@@ -279,7 +280,10 @@ class EquationSet(Displayed):
         redundant constraints. As outputs they have the share of least norm. What values of the parameters
         leave undetermined beside them stands in `redundancy` and in the notes of a run.
         """
-        return self._undetermined.get(None, partial(find_always_undetermined, self.formed))
+        names: tuple[str, ...] = self.plans.get(
+            "undetermined reactions", partial(find_always_undetermined, self.formed)
+        )
+        return names
 
     @checked_arguments
     def for_values(self, parameters: Mapping[str, float]) -> EquationSet:
@@ -298,15 +302,19 @@ class EquationSet(Displayed):
         FormulationError
             If a constraint on parameters alone excludes these values.
         """
-        key = tuple(parameters.get(symbol.name) for symbol in self.formed.parameters)
+        check_parameter_constraints(self.formed, parameters)
+        program: Sequence = self.plans.get("noise program", partial(magnitude_program, self.formed))
+        return self.without_rows(negligible_rows(self.formed, parameters, program))
 
-        def drop_negligible_rows() -> EquationSet:
-            check_parameter_constraints(self.formed, parameters)
-            program = self._noise_program.get(None, lambda: magnitude_program(self.formed))
-            formed = drop_negligible(self.formed, parameters, program)
-            return self if formed is self.formed else EquationSet(self.model, formed, self.notes)
+    def without_rows(self, silent: Items[bool]) -> EquationSet:
+        """Return these equations with some constraints set to 0 = 0; those of equal rows are the same."""
+        if not any(silent):
+            return self
+        changed: EquationSet = self.plans.get(("without rows", tuple(silent)), lambda: self._drop(silent))
+        return changed
 
-        return self._for_values.get(key, drop_negligible_rows)
+    def _drop(self, silent: Items[bool]) -> EquationSet:
+        return EquationSet(self.model, drop_rows(self.formed, silent), self.notes)
 
     @property
     def textbook(self) -> Textbook:
@@ -331,7 +339,8 @@ class EquationSet(Displayed):
         """Return the roots of an output for machine code: derivatives as programs for several columns."""
         if parse_derivative(name) is None:
             return self.roots(name)
-        return self._code_roots.get(name, lambda: code_roots(self.formed, name))
+        roots: Roots = self.plans.get(("code", name), lambda: code_roots(self.formed, name))
+        return roots
 
     @checked_arguments
     def frame_motion(

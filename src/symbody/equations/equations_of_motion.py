@@ -43,9 +43,9 @@ class EquationsOfMotion(MultibodySystem):
         Cosines that are 1, not -1, where the cut joints are closed as they should be.
     notes : tuple of str
         Rows that were dropped, and where the equations do not hold.
-    elimination : Elimination or None
+    elimination : SpeedElimination or None
         The elimination of dependent speeds; its rows are not among `rows`.
-    slack : tuple of Row
+    slack : tuple of ConstraintEquation
         Rows of ropes that are slack; they are not among `rows`.
     angles : frozenset of str
         Coordinates placed by hand that are angles; those of joints follow from the joints.
@@ -181,8 +181,8 @@ class EquationsOfMotion(MultibodySystem):
         values = {symbol.label: value for symbol, value in multipliers} | dict(self.eliminated_multipliers)
         pivots = {} if self.elimination is None else self.elimination.pivots
         names = self.names.with_values(values | dict(pivots))
-        for use in self.uses:
-            names = names.with_values(measure_coordinates(names, self.kinematics, use))
+        for role in self.joint_roles:
+            names = names.with_values(measure_coordinates(names, self.kinematics, role))
         return names
 
     def frame(self, name: str) -> str:

@@ -42,10 +42,10 @@ def form_equations(
     ----------
     model : Model
         The mechanism.
-    formulation : VirtualWork, Recursive, NewtonEuler or Lagrange, optional
-        How the equations are formed; by default recursively where one tree gives all coordinates, else by
-        virtual work. All give the same equations: Newton-Euler with every reaction an unknown, Lagrange from
-        energies.
+    formulation : Formulation, optional
+        How the equations are formed, as ``sb.NewtonEuler()``; by default recursively where one tree gives all
+        coordinates, else by virtual work. All give the same equations: Newton-Euler with every reaction an
+        unknown, Lagrange from energies.
     tree : Trees, "joints", "absolute" or None
         Which joints give the coordinates: those named; those of spanning trees, whatever the model's flags
         say; none, so that all bodies are free and all joints constraints; by default the flags of the
@@ -88,6 +88,23 @@ def form_equations(
         given = DeferredEquations(form)
     again = partial(form_equations, model, formulation, tree=tree, dependent_speeds=dependent_speeds)
     return EquationSet(model, given, notes, identity=equations, _again=again)
+
+
+def exchange_values(eqs: EquationSet, model: Model) -> EquationSet:
+    """Return the equations of a model that differs from theirs in the values of parameters alone.
+
+    In equations parameters are symbols, so nothing is formed.
+
+    Parameters
+    ----------
+    eqs : EquationSet
+        As `form_equations` gives them by default, without dependent speeds that values have chosen.
+    """
+    if model is eqs.model:
+        return eqs
+    topology = replace(eqs.formed.topology, model=model)
+    notes = model.notes + eqs.notes[len(eqs.model.notes) :]
+    return EquationSet(model, replace(eqs.formed, topology=topology), notes)
 
 
 def _no_model(given: object) -> Problem:

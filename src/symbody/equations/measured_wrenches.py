@@ -16,19 +16,19 @@ from symbody.expr.expression import Expr, number
 def unit_wrenches(system: MultibodySystem) -> Iterator[tuple[str, tuple[str, Wrench]]]:
     """Return for each measured coordinate with a load its joint, and the wrench of a unit effort along it."""
     one = number(system.graph, 1)
-    for use, coordinate in _loaded_coordinates(system):
-        wrench = drive_wrench(system.names, system.kinematics, use.joint, coordinate, one)
-        yield coordinate, (use.joint.name, wrench)
+    for role, coordinate in _loaded_coordinates(system):
+        wrench = drive_wrench(system.names, system.kinematics, role.joint, coordinate, one)
+        yield coordinate, (role.joint.name, wrench)
 
 
 def drive_wrenches(system: MultibodySystem) -> Iterator[tuple[str, Wrench]]:
     """Return the wrenches of drives, rotors and friction along measured coordinates, by joint."""
     names, kinematics = system.names, system.kinematics
-    for use, coordinate in _loaded_coordinates(system):
-        joint = use.joint
+    for role, coordinate in _loaded_coordinates(system):
+        joint = role.joint
         effort = system.loads.efforts.get(effort_name(joint, coordinate), number(system.graph, 0))
-        if coordinate in system.armatures:
-            rotor = system.armatures[coordinate]
+        if coordinate in system.rotors:
+            rotor = system.rotors[coordinate]
             effort = effort - rotor.inertia * kinematics.rate(rotor.rate)
         for law in system.friction:
             if law.joint.name == joint.name and law.coordinate == coordinate:
@@ -38,12 +38,12 @@ def drive_wrenches(system: MultibodySystem) -> Iterator[tuple[str, Wrench]]:
 
 def _loaded_coordinates(system: MultibodySystem) -> Iterator[tuple[JointRole, str]]:
     """Return the measured coordinates with a drive, a rotor or friction."""
-    for use in system.uses:
-        joint = use.joint
+    for role in system.joint_roles:
+        joint = role.joint
         friction = {law.coordinate: law for law in system.friction if law.joint.name == joint.name}
         for coordinate in {**joint.drives, **joint.armature, **friction}:
-            if coordinate not in use.coordinates:
-                yield use, coordinate
+            if coordinate not in role.coordinates:
+                yield role, coordinate
 
 
 def coupling_wrenches(
@@ -57,12 +57,12 @@ def coupling_wrenches(
 
 def unit_coupling_wrenches(system: MultibodySystem, row: ConstraintEquation) -> Iterator[tuple[str, Wrench]]:
     """Return the wrenches of a unit multiplier of a row along the measured coordinates it contains."""
-    for use in system.uses:
-        measured = set(use.joint.coordinates).difference(use.coordinates)
+    for role in system.joint_roles:
+        measured = set(role.joint.coordinates).difference(role.coordinates)
         for coordinate, share in row.shares.items():
             if coordinate in measured:
-                wrench = drive_wrench(system.names, system.kinematics, use.joint, coordinate, share)
-                yield use.joint.name, wrench
+                wrench = drive_wrench(system.names, system.kinematics, role.joint, coordinate, share)
+                yield role.joint.name, wrench
 
 
 def static_wrenches(

@@ -23,13 +23,13 @@ class MultibodySystem:
 
     Attributes
     ----------
-    uses : tuple of Use
+    joint_roles : tuple of JointRole
         Every joint, with the parts of its law that are in use; none for mechanisms placed by hand.
-    armatures : mapping of coordinate to Rotor
+    rotors : mapping of coordinate to Rotor
         Rotors that turn with the rates of joints.
-    rows : tuple of Row
+    rows : tuple of ConstraintEquation
         The constraints, in the order of Phi.
-    redundant : tuple of Row
+    redundant : tuple of ConstraintEquation
         Rows that follow from `rows` and are not among them; they bear loads too, see `solving.self_stress`.
     friction : tuple of FrictionLaw
         Dry friction in joints; its efforts are unknowns of the forcing.
@@ -37,12 +37,12 @@ class MultibodySystem:
 
     names: Names
     topology: Topology
-    uses: tuple[JointRole, ...]
+    joint_roles: tuple[JointRole, ...]
     variables: Variables
     kinematics: Kinematics
     bodies: tuple[Inertia, ...]
     loads: Loads
-    armatures: Mapping[str, Rotor]
+    rotors: Mapping[str, Rotor]
     rows: tuple[ConstraintEquation, ...]
     redundant: tuple[ConstraintEquation, ...] = ()
     friction: tuple[FrictionLaw, ...] = ()

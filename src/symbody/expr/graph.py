@@ -51,7 +51,7 @@ class Symbol:
     ----------
     name : str
         Any text; it is never interpreted.
-    kind : Kind
+    kind : SymbolKind
         What it stands for; two kinds with one name are two symbols.
     order : int
         Number of time derivatives taken.

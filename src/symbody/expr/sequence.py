@@ -149,7 +149,7 @@ class Sequence:
         for k in range(len(self.operations) - 1, -1, -1):
             if k in wanted and self.operations[k].op in _NO_NUMBERS:
                 wanted.update(self.operations[k].operands)
-        whole = LEAVES | _NO_NUMBERS
+        whole = LEAVES - {SYMBOL} | _NO_NUMBERS
         cut = [k for k in sorted(wanted) if early[k] and self.operations[k].op not in whole]
         head = self._with_outputs((Output("c", (len(cut),), tuple(cut)),))
         return head, self._reading_from(cut)
@@ -249,7 +249,7 @@ def _linearize_graph(graph: Graph, outputs: Items[Roots], inputs: Items[Input | 
         raise CompileError(
             Problem("compile.unknown_symbol", "", f"no value is given for {names}",
                     "the outputs depend on symbols that are neither inputs nor have a number",
-                    "give them in parameters= or name them in free=")
+                    "give them in parameters=; compile and generate_code take them by free=[...]")
         )  # fmt: skip
     used: list[Input] = []
     constants: list[Constant] = []

@@ -5,10 +5,11 @@ The only file that knows both graphs and mechanics.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from symbody.errors import Problem, TopologyError
+from symbody.graph.curved_shifts import is_curved
 from symbody.graph.linear_graph import Edge, LinearGraph
 from symbody.graph.spanning_tree import SpanningTree, least_forest, spanning_tree
 from symbody.graph.trees import Preference, TreeChoice, cycle_problem, preferences
@@ -94,7 +95,8 @@ def choose_topology(model: Model, choice: TreeChoice = None) -> Topology:
     Raises
     ------
     TopologyError
-        If a choice has a cycle, names no joint, or parts the coordinates of a joint that mixes them.
+        If a choice has a cycle, names no joint, parts the coordinates of a joint that mixes them, or cuts one
+        that shifts along a curve.
     """
     nodes = (GROUND, *(body.name for body in model.bodies))
     wishes = preferences(model, model.joints, choice)
@@ -103,7 +105,12 @@ def choose_topology(model: Model, choice: TreeChoice = None) -> Topology:
     problems = [cycle_problem(kind, edges, wish.required) for kind, wish in wishes.items()]
     if any(problems):
         raise TopologyError(*(problem for problem in problems if problem))
-    chosen = {kind: _forest(graph, model.joints, wish) for kind, wish in wishes.items()}
+    curved = {joint.name for joint in model.joints if is_curved(joint)}
+    chosen = {
+        kind: _forest(graph, model.joints, wish, curved if kind == "translation" else set())
+        for kind, wish in wishes.items()
+    }
+    _check_curved(curved.difference(chosen["translation"]))
     loose = {kind: _loose(graph, names) for kind, names in chosen.items()}
     free = [
         _free(body.name, body.name in loose["rotation"], body.name in loose["translation"])
@@ -118,15 +125,25 @@ def choose_topology(model: Model, choice: TreeChoice = None) -> Topology:
     return Topology(model, joints, trees["rotation"], trees["translation"], _notes(topology, free))
 
 
-def _forest(graph: LinearGraph, joints: Sequence[Joint], wish: Preference) -> tuple[str, ...]:
-    """Return the required edges and as many of the allowed ones as the forest takes, cheapest first."""
+def _forest(
+    graph: LinearGraph, joints: Sequence[Joint], wish: Preference, first: Collection[str]
+) -> tuple[str, ...]:
+    """Return the required edges and as many of the allowed ones as the forest takes, cheapest first.
+
+    Before all others those are taken that are named `first`.
+    """
     names = {*wish.required, *wish.allowed}
     inside = LinearGraph(graph.nodes, tuple(edge for edge in graph.edges if edge.name in names))
     hops = inside.distances()
     weights: dict[str, tuple[float, ...]] = {}
     for edge, joint in zip(graph.edges, joints, strict=True):
         distance = min(hops.get(edge.start, len(hops)), hops.get(edge.end, len(hops)))
-        weights[edge.name] = (edge.name not in wish.required, _cost(joint), distance)
+        weights[edge.name] = (
+            edge.name not in wish.required,
+            edge.name not in first,
+            _cost(joint),
+            distance,
+        )
     return tuple(edge.name for edge in least_forest(inside, weights))
 
 
@@ -153,6 +170,19 @@ def _free(body: str, turns: bool, slides: bool) -> Free:
 def _tree(nodes: tuple[str, ...], joints: Sequence[Joint], names: set[str]) -> SpanningTree:
     edges = tuple(Edge(joint.name, joint.start.body, joint.end.body) for joint in joints)
     return spanning_tree(LinearGraph(nodes, edges), names)
+
+
+def _check_curved(cut: Collection[str]) -> None:
+    """Refuse to cut joints that shift along a curve."""
+    problems = [
+        Problem("topology.curved_chord", f"joint {name}",
+                "it shifts along a curve, and the translation tree does not contain it",
+                "such a joint gives coordinates: rows that close a loop hold for straight shifts",
+                "let the trees contain it, cut others of its loop, or write the curve as a PointOnCurve")
+        for name in sorted(cut)
+    ]  # fmt: skip
+    if problems:
+        raise TopologyError(*problems)
 
 
 def _check_mixing(topology: Topology) -> None:

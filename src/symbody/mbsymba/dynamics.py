@@ -34,7 +34,7 @@ class Equations(list[SympyExpr]):
 
     Attributes
     ----------
-    mechanism : HandPlaced
+    mechanism : MechanismByHand
         What they are the equations of.
     coordinates : tuple of str
         Names of the coordinates.
@@ -143,7 +143,7 @@ def equation_set(
         The mechanism, in the gravity of set_gravity.
     coordinates : list of functions of time
         Multipliers of the constraints may stand among them. All other functions of time are inputs.
-    formulation : VirtualWork, NewtonEuler or Lagrange, optional
+    formulation : Formulation, optional
         Virtual work by default; Lagrange with nat_coords.
     reactions : iterable of functions of time
         Reactions in the forces, as of Newton's equations; they do no work, so they leave the equations, and

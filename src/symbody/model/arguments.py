@@ -12,6 +12,7 @@ from decimal import Decimal
 from numbers import Real
 from typing import Final, SupportsFloat, TypeGuard, TypeVar, cast
 
+from symbody.arguments import is_sympy
 from symbody.errors import ExpressionError, ModelError, Problem, SymbodyError
 from symbody.expr.language.formula import Formula, FormulaLike
 from symbody.expr.language.tokens import normalize
@@ -145,7 +146,7 @@ class Arguments:
 
 def plain_value(value: object) -> FormulaLike:
     """Return a scalar of another library as float; anything else as it is, to be told what is wrong."""
-    is_known = isinstance(value, str | Formula | Real | Decimal | complex)
+    is_known = isinstance(value, str | Formula | Real | Decimal | complex) or is_sympy(value)
     if type(value).__name__ in ("bool", "bool_"):  # NumPy's does what bool does, and is no number either
         return cast(FormulaLike, bool(value))
     if not is_known and isinstance(value, SupportsFloat):

@@ -63,6 +63,15 @@ class Body(Element):
         "What is seen of it; without any it is drawn as rods between its joints.", default=(), place="shape"
     )
 
+    def __str__(self) -> str:
+        facts = [f"mass {self.mass}"]
+        for word, triple in (("inertia", self.inertia), ("products", self.products)):
+            if any(entry.text != "0" for entry in triple):
+                facts.append(f"{word} ({', '.join(entry.text for entry in triple)})")
+        if self.frames:
+            facts.append(f"frames {', '.join(self.frames)}")
+        return f"Body {self.name}: {', '.join(facts)}"
+
     def __getitem__(self, frame: str) -> FrameRef:
         """Return a frame of this body, for use in joints and forces."""
         return make_frame_ref(self.name, normalize(frame), self)

@@ -10,16 +10,20 @@ import dataclasses
 import inspect
 import reprlib
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass
+from functools import wraps
 from types import MappingProxyType
 from typing import Any, ClassVar, Final, Generic, Never, Self, TypeVar, overload
 
-from symbody.errors import Problem, SymbodyError, UsageError
+from symbody.arguments import call_problem
+from symbody.errors import CallError, Problem, SymbodyError, UsageError
+from symbody.expr.language.formula import Formula
 from symbody.model.arguments import Arguments
 from symbody.model.formula_site import FormulaSite
 from symbody.model.numeric_checks import NumericChecks
 from symbody.model.simple_rotation import Axis
+from symbody.notebook import Displayed
 
 Given = TypeVar("Given", contravariant=True)
 Kept = TypeVar("Kept", covariant=True)
@@ -27,6 +31,7 @@ C = TypeVar("C", bound="Declared")
 
 REQUIRED: Final = object()
 _WIDTH: Final = 100
+_POSITIONAL: Final = frozenset(("name", "start", "end"))  # arguments without their names in `repr`
 _IN_WORDS: Final = MappingProxyType({"str": "a text", "bool": "true or false"})
 
 
@@ -95,6 +100,10 @@ class Field(Generic[Given, Kept]):
         """Return the directions of the value by the places where they stand."""
         return {}
 
+    def default_value(self, owner: object, name: str) -> object:
+        """Return what is kept of the default; REQUIRED if there is none."""
+        return REQUIRED if self.is_required else self.read(owner, Arguments(""), self.default, name)
+
     @property
     def is_required(self) -> bool:
         """Whether the argument has no default."""
@@ -109,7 +118,7 @@ class Field(Generic[Given, Kept]):
         return f"{first} [{self.unit}]{mark}{rest}."
 
 
-class Declared:
+class Declared(Displayed):
     """What declares its arguments.
 
     Attributes
@@ -151,8 +160,19 @@ class Declared:
         return hash(self._content())
 
     def __repr__(self) -> str:
-        arguments = ", ".join(f"{name}={getattr(self, name)!r}" for name in self.fields)
-        return f"{type(self).__qualname__}({arguments})"
+        texts = [
+            _argument_text(value) if name in _POSITIONAL else f"{name}={_argument_text(value)}"
+            for name, value in self.given_arguments().items()
+        ]
+        return f"{type(self).__qualname__}({', '.join(texts)})"
+
+    def given_arguments(self) -> dict[str, Any]:
+        """Return the arguments that differ from their defaults, as they are kept, by name."""
+        return {
+            name: value
+            for name, field in self.fields.items()
+            if (value := getattr(self, name)) != field.default_value(self, name)
+        }
 
     def _content(self) -> tuple[object, ...]:
         """Return what counts where elements are compared."""
@@ -192,6 +212,17 @@ class Declared:
         )  # fmt: skip
 
 
+def _argument_text(value: object) -> str:
+    """Return what an element holds as it may be given to a constructor."""
+    if isinstance(value, Formula):
+        return value.text if value.is_number else repr(value.text)
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_argument_text, value))}{',' * (len(value) == 1)})"
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{name!r}: {_argument_text(item)}' for name, item in value.items())}}}"
+    return repr(value)
+
+
 class ElementPart(Declared):
     """What is declared as a part of elements: a frame, a drive, a shape."""
 
@@ -218,8 +249,29 @@ def declare(kind: type[C]) -> type[C]:
     made.fields = MappingProxyType(fields)
     hints = {name: field.annotation for name, field in fields.items()}
     made.__init__.__annotations__ = {**hints, "return": "None"}
+    constructor: Callable[..., None] = type.__getattribute__(made, "__init__")
+    type.__setattr__(made, "__init__", _checked_call(made, constructor))
     made.__doc__ = _documentation(made)
     return made
+
+
+def _checked_call(kind: type[Declared], constructor: Callable[..., None]) -> Callable[..., None]:
+    """Return a constructor whose calls with unknown, missing or too many arguments are faults of symbody."""
+
+    @wraps(constructor)
+    def construct(self: object, *given: object, **named: object) -> None:
+        try:
+            constructor(self, *given, **named)
+        except TypeError as error:
+            signature = inspect.signature(constructor)
+            try:
+                signature.bind(self, *given, **named)
+            except TypeError:
+                problem = call_problem(kind.__name__, signature, (self, *given), named, str(error))
+                raise CallError(problem) from None
+            raise
+
+    return construct
 
 
 def _documentation(kind: type[Declared]) -> str:

@@ -43,7 +43,7 @@ class Element(Declared):
         self._check_numbers(check, f"{label}, ")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class FrameRef:
     """A frame of a body, or of the ground.
 
@@ -51,9 +51,9 @@ class FrameRef:
     ----------
     body : str
         Name of the body, or ``"ground"``.
-    point : str
+    frame : str
         Name of the frame on it; ``""`` is the centre of mass, or the ground's origin.
-    carried : Element or None
+    body_object : Element or None
         The body itself, where a script gave the object; the model takes it over and clears this.
     """
 
@@ -68,6 +68,9 @@ class FrameRef:
 
     def __str__(self) -> str:
         return self.full_name
+
+    def __repr__(self) -> str:
+        return repr(self.full_name)
 
 
 def make_frame_ref(body: str, point: str = "", carried: Element | None = None) -> FrameRef:

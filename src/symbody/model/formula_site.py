@@ -29,7 +29,7 @@ class FormulaSite(NamedTuple):
     ----------
     path : str
         Where in the element, in the words of the model file: ``"frames.tip.at[1]"``.
-    own : tuple of str
+    local_names : tuple of str
         Names that mean something in this formula alone.
     """
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Final, Literal
+from functools import lru_cache
+from typing import Any, ClassVar, Final, Literal
 
 from symbody.errors import nearest
 from symbody.expr.language.formula import Formula
@@ -52,6 +53,18 @@ class QuasiSpeeds:
     resolved_in: Literal["start", "end"]
 
 
+# Every look at a joint leads here; of a joint these never change.
+@lru_cache(maxsize=4096)
+def _names_after(name: str, suffixes: tuple[str, ...]) -> tuple[str, ...]:
+    own = make_symbol(name)
+    return tuple(f"{own}{suffix}" for suffix in suffixes)
+
+
+@lru_cache(maxsize=16)
+def _suffixes(count: int) -> tuple[str, ...]:
+    return ("",) if count == 1 else tuple(f"_{k}" for k in range(1, count + 1))
+
+
 @element
 class Joint(Connection):
     """A connection of two frames; `end` moves relative to `start`.
@@ -72,13 +85,24 @@ class Joint(Connection):
     letters: ClassVar[tuple[str, ...]] = ()
     law: ClassVar[str] = ""
 
+    def __str__(self) -> str:
+        names = ", ".join(self.coordinates)
+        return f"{type(self).__name__} {self.name}: {self.start} -> {self.end}, {names or 'rigid'}"
+
+    def given_arguments(self) -> dict[str, Any]:
+        """Return the arguments; of a joint with one coordinate what stands under its name, as it is given."""
+        given = Connection.given_arguments(self)
+        alone = {name for name, value in given.items() if isinstance(value, FrozenMapping)}
+        if len(self.coordinates) == 1:
+            given |= {name: given[name][self.coordinates[0]] for name in alone if len(given[name]) == 1}
+        return given
+
     # The law.
 
     @property
     def suffixes(self) -> tuple[str, ...]:
         """What follows the joint's name in the name of each coordinate without one of its own."""
-        count = len(self.letters)
-        return ("",) if count == 1 else tuple(f"_{k}" for k in range(1, count + 1))
+        return _suffixes(len(self.letters))
 
     def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the successive simple rotations from the start frame to the end frame."""
@@ -98,7 +122,8 @@ class Joint(Connection):
     @property
     def coordinates(self) -> tuple[str, ...]:
         """Names of all coordinates; those without a name of their own are named after the joint."""
-        return tuple(self.coordinate or name for name in self.default_coordinates)
+        own, names = self.coordinate, self.default_coordinates
+        return (own,) * len(names) if own else names
 
     @property
     def tree(self) -> InTrees:
@@ -179,8 +204,7 @@ class Joint(Connection):
     @property
     def default_coordinates(self) -> tuple[str, ...]:
         """The names of coordinates that the user gives none."""
-        own = make_symbol(self.name)
-        return tuple(f"{own}{suffix}" for suffix in self.suffixes)
+        return _names_after(self.name, self.suffixes)
 
     @property
     def given_names(self) -> tuple[str | None, ...]:

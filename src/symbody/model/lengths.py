@@ -30,7 +30,9 @@ def model_lengths(model: Model) -> Iterator[Formula]:
 def _own_lengths(element: Element) -> Iterator[Formula]:
     """Yield the formulas of an element that are lengths."""
     if isinstance(element, ConstraintElement) and element.multiplier_unit == "N":
-        yield from (use.formula for use in element.formula_sites() if use.path.partition("[")[0] in _LENGTHS)
+        yield from (
+            site.formula for site in element.formula_sites() if site.path.partition("[")[0] in _LENGTHS
+        )
     elif isinstance(element, Joint):
         yield from element.constants.values()
         for drive in element.force.values():

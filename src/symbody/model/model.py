@@ -10,6 +10,7 @@ from symbody.arguments import checked_arguments
 from symbody.errors import ModelError, Problem, nearest, number_in_words
 from symbody.expr.graph import Constant
 from symbody.expr.language.formula import Formula
+from symbody.expr.parser import parse_angle
 from symbody.model.arguments import Arguments, Value, plain_value
 from symbody.model.body import Body, frame_table
 from symbody.model.checks import physics
@@ -208,9 +209,7 @@ def value_problems(model: Model, given: Mapping[str, Value], free: Iterable[str]
     """
     changed: dict[str, Formula | None] = dict(model.parameters)
     changed |= {
-        name: Formula.from_value(plain_value(value), where=name)
-        for name, value in given.items()
-        if name in changed
+        name: parse_angle(plain_value(value), where=name) for name, value in given.items() if name in changed
     }
     changed |= dict.fromkeys(free)
     own = set(given)

@@ -29,11 +29,13 @@ def formula_value(formula: Formula, values: Mapping[str, Constant] | None = None
     ExpressionError
         If the formula divides by zero.
     """
+    known = values or {}
+    if formula.text in known:  # most formulas are the name of a parameter
+        return known[formula.text]
     plain = formula.constant()
     if plain is not None:
         return plain
     graph = Graph()
-    known = values or {}
 
     def node(name: str, _: object) -> int:
         if name == "pi":

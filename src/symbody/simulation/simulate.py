@@ -16,14 +16,14 @@ from symbody.analysis.redundancy import undetermined_outputs
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.undetermined import find_identically_undetermined, share_notes
 from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.hybrid.rate_jumps import run_with_jumps
 from symbody.simulation.hybrid.switching import run_switching, switches
-from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
+from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, silent_input_note
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator, MotionPlan
 from symbody.simulation.methods.integration_problem import IntegrationProblem
@@ -88,7 +88,7 @@ def simulate(
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
     problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
     notes = (*_input_notes(eqs, inputs or {}, laws), *problem.scales.notes(eqs, atol))
-    notes += start_notes(problem, first)
+    notes += start_notes(problem, first, {**(guess or {}), **(initial or {})})
     x0 = np.array([*first.u.values(), *first.q.values(), 0.0])
     with show_progress(progress, "motion") as report:
         integration = IntegrationProblem(problem, x0, span, times, rtol, atol, max_steps, report, watched)
@@ -123,7 +123,7 @@ def pose_problem(
 
 def _input_notes(eqs: EquationSet, inputs: Mapping[str, Law], laws: InputLaws) -> tuple[str, ...]:
     silent = sorted(set(eqs.input_names).difference(inputs))
-    notes = [f"input {name} has no value and is 0" for name in silent]
+    notes = [silent_input_note(eqs.units, name) for name in silent]
     if not eqs.speed_names:
         notes.append("every coordinate is prescribed: only efforts and reactions are computed")
     return (*notes, *laws.notes)

@@ -10,19 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.scales import Scales
-from symbody.codegen.compile import Value, form_sequence
-from symbody.codegen.function import CompiledFunction, Signature
+from symbody.codegen.formation.bound_function import bound_function, evaluate_once
+from symbody.codegen.formation.names import Value
+from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.expr.evaluate import evaluate_sequence
-from symbody.expr.sequence import Sequence as Program
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
-from symbody.simulation.inputs.time_functions import time_functions
+from symbody.simulation.inputs.time_functions import function_of_time
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 
+NOTHING: Final = np.zeros(0)
 # Outputs that are measured by the scales of a motion.
 VIOLATIONS: Final = ("constraint_violation", "velocity_violation")
 
@@ -39,9 +39,6 @@ class SimulationProblem:
     _functions: SingleFlight[tuple[EquationSet, tuple[str, ...], bool, bool], CompiledFunction] = field(
         default_factory=SingleFlight, repr=False, compare=False
     )
-    _sequences: SingleFlight[tuple[EquationSet, tuple[str, ...]], tuple[Program, Signature]] = field(
-        default_factory=SingleFlight, repr=False, compare=False
-    )
     _breakpoints: dict[tuple[EquationSet, tuple[str, ...]], tuple[list[float], Breakpoints]] = field(
         default_factory=dict, repr=False, compare=False
     )
@@ -52,16 +49,9 @@ class SimulationProblem:
         key = (self.eqs, (outputs,) if isinstance(outputs, str) else tuple(outputs), is_one, quick)
 
         def compile_function() -> CompiledFunction:
-            return CompiledFunction(*self._form_outputs(outputs), quick=quick)
+            return bound_function(self.eqs, outputs, self.parameters, (), self.laws.formulas, quick=quick)
 
         return self._functions.get(key, compile_function)
-
-    def _form_outputs(self, outputs: str | Sequence[str]) -> tuple[Program, Signature]:
-        names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
-        return self._sequences.get(
-            (self.eqs, names),
-            lambda: form_sequence(self.eqs, outputs, self.parameters, (), self.laws.formulas),
-        )
 
     def breakpoints(self, span: tuple[float, float], watched: Sequence[str] = ()) -> Breakpoints:
         """Return where what depends on time alone changes, in the equations and in expressions `watched`."""
@@ -69,24 +59,34 @@ class SimulationProblem:
         for outputs in (("xdot", "power"), tuple(watched)):
             key = self.eqs, outputs
             if outputs and (key not in self._breakpoints or not _contains(self._breakpoints[key][0], span)):
-                functions = time_functions(self._form_outputs(outputs)[0], self.laws.tables)
-                pieces = NO_BREAKPOINTS if functions is None else find_breakpoints(functions, span)[0]
-                self._breakpoints[key] = sorted(span), pieces
+                self._breakpoints[key] = sorted(span), self._find_breakpoints(outputs, span)
             if outputs:
                 pieces_of_all = pieces_of_all.unite(self._breakpoints[key][1])
         return pieces_of_all
+
+    def _find_breakpoints(self, outputs: tuple[str, ...], span: tuple[float, float]) -> Breakpoints:
+        function = self.compile_outputs(outputs)
+        functions = function_of_time(function, self.laws.tables)
+        if functions is None:
+            return NO_BREAKPOINTS
+        return find_breakpoints(functions, span, function.bound_values[np.newaxis])[0]
 
     def evaluate(self, function: CompiledFunction, t: Floats, q: Floats, u: Floats) -> Any:
         """Return what a function gives at times (N,) with q (n_q, N) and u (n_u, N)."""
         return function(t, q.T, u.T, self.laws.values(t, q, u))
 
+    def value(self, output: str, t: float, q: Floats, u: Floats) -> float:
+        """Return a number at one state."""
+        inputs = self.laws.evaluate(t, q, u) if self.laws.callbacks else NOTHING
+        return float(self.compile_outputs(output, quick=True)(t, q, u, inputs))
+
     def interpret(self, output: str, t: float, q: Iterable[float], u: Iterable[float]) -> float:
         """Return a number at one state, without compiling for it."""
-        sequence, _ = form_sequence(self.eqs, output, self.parameters, (), self.laws.formulas)
         # Numbers of Python overflow to infinity in silence, those of NumPy with a warning.
         q, u = list(map(float, q)), list(map(float, u))
         inputs = self.laws.evaluate(t, np.array(q), np.array(u)) if self.laws.callbacks else []
-        return float(evaluate_sequence(sequence, {"t": [t], "q": q, "u": u, "r": inputs})[0][0])
+        point = {"t": [t], "q": q, "u": u, "r": inputs}
+        return float(evaluate_once(self.eqs, output, self.parameters, self.laws.formulas, point)[0][0])
 
     @property
     def is_closed(self) -> bool:

@@ -28,7 +28,7 @@ class FramePlace:
         The root is its own parent.
     depth : int
         Number of frames between this one and the root, the root included.
-    home : str
+    orientation_frame : str
         Frame nearest the root that has the same orientation by construction.
     word : tuple of int
         Steps from the parent's axes.

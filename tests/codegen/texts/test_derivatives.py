@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.codegen.compile import form_sequence
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.expr.evaluate import MPMATH, evaluate_sequence
 from symbody.expr.sequence import Sequence
 from tests.codegen.texts.running import CASADI, JAX, Point

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.codegen.compile import form_sequence
+from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.texts.python import generate
 from symbody.errors import CompileError
 from symbody.expr import opcodes as op

@@ -2,7 +2,7 @@
 
 import { api, problemsOf } from "../api";
 import { endGesture, say, useStore } from "../store";
-import type { JobKind, JobState, Json, Model } from "../types";
+import type { JobKind, JobState, Json, JsonObject, Model } from "../types";
 
 function finished({ state }: JobState): boolean {
   return state !== "running";
@@ -13,10 +13,10 @@ export async function runJob(kind: JobKind, options: Json = {}): Promise<void> {
   const { data, run, document } = useStore.getState();
   if (run?.state !== undefined && run.state !== null && !finished(run.state)) await cancelJob();
   endGesture();
-  useStore.setState({ run: { kind, job: null, state: null, of: data }, notice: [], spoken: `${labelOfJob(kind)} started` });
+  useStore.setState({ run: { kind, job: null, state: null, of: data, parts: [] }, notice: [], spoken: `${labelOfJob(kind)} started` });
   try {
     const job = await api.job(document?.id ?? "", kind, data, options);
-    useStore.setState({ run: { kind, job, state: null, of: data } });
+    useStore.setState({ run: { kind, job, state: null, of: data, parts: [] } });
     const state = await followJob(kind, job, data);
     if (state !== null) takeResult(kind, job, data, state);
   } catch (error) {
@@ -27,11 +27,14 @@ export async function runJob(kind: JobKind, options: Json = {}): Promise<void> {
 /** Follow a job; null where another one took its place. */
 async function followJob(kind: JobKind, job: string, of: Model): Promise<JobState | null> {
   let seen = -1;
+  let parts: readonly JsonObject[] = [];
   for (;;) {
     const state = await api.jobState(job, seen);
     ({ seen } = state);
     if (useStore.getState().run?.job !== job) return null;
-    useStore.setState({ run: { kind, job, state, of } });
+    if (parts.length === 0 && state.parts.length > 0) useStore.setState({ tab: "equations" }); // they alone come in parts
+    parts = [...parts, ...state.parts];
+    useStore.setState({ run: { kind, job, state, of, parts } });
     if (finished(state)) return state;
   }
 }

@@ -20,7 +20,8 @@ export const BodyNode = memo(function BodyNode({ id, data, selected }: NodeProps
   const arrangement = ports.map(({ frame, side, part }) => `${frame}${side}${part.toFixed(3)}`).join();
   useEffect(() => { update(id); }, [id, update, arrangement]);
   const renaming = useStore((state) => state.renaming === id);
-  const state = `${selected ? " selected" : ""}${highlighted ? " highlighted" : ""}${severity === null ? "" : ` ${severity}`}`;
+  const glowing = useStore(({ glowing: ids }) => ids.includes(id));
+  const state = `${selected ? " selected" : ""}${highlighted ? " highlighted" : glowing ? " glowing" : ""}${severity === null ? "" : ` ${severity}`}`;
   return (
     <div className={`body-node ${node.kind}${state}`} data-testid={`node-${node.name}`}>
       {ports.map((port) => <PortHandle key={port.frame} body={node.name} port={port} ground={node.kind === "ground"} />)}

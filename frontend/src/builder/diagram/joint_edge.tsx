@@ -29,6 +29,7 @@ function treeClass(rotation: boolean | null, translation: boolean | null): strin
 export const JointEdge = memo(function JointEdge(props: EdgeProps<JointFlowEdge>): ReactElement | null {
   const { id, data, selected } = props;
   const renaming = useStore((state) => state.renaming === id);
+  const glowing = useStore(({ glowing: ids }) => ids.includes(id));
   useEffect(() => { count("edge"); });
   if (data === undefined) return null;
   const { edge, severity, highlighted, rotation, translation } = data;
@@ -40,7 +41,7 @@ export const JointEdge = memo(function JointEdge(props: EdgeProps<JointFlowEdge>
   const path = pathOf(curve);
   const middle = pointAt(curve, data.part);
   const trees = treeText(rotation, translation);
-  const state = `${selected === true ? " selected" : ""}${highlighted ? " highlighted" : ""}${severity === null ? "" : ` ${severity}`}`;
+  const state = `${selected === true ? " selected" : ""}${highlighted ? " highlighted" : glowing ? " glowing" : ""}${severity === null ? "" : ` ${severity}`}`;
   const click = (event: MouseEvent): void => {
     const { selection } = useStore.getState();
     if (!event.shiftKey && !event.ctrlKey && !event.metaKey) select([id], `${edge.type} ${edge.name} selected`);

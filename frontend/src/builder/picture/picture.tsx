@@ -145,6 +145,7 @@ function showPicture(root: HTMLElement, scene: unknown, motion: unknown, moves: 
   keepPicture((moves ? null : resized(before, scene, motion, text)) ?? anew(root, scene, motion, moves, before));
   const [id] = useStore.getState().selection;
   if (id !== undefined) markSelection([id]);
+  markSources();
 }
 
 /** Return the player of before with the scene in it, where it shows the same mechanism in other sizes; else null. */
@@ -166,16 +167,35 @@ function anew(root: HTMLElement, scene: unknown, motion: unknown, moves: boolean
 function markSelection(ids: readonly EntryId[]): void {
   const { data } = useStore.getState();
   const [id] = ids;
-  const entry = id === undefined || id === GROUND ? undefined : data[id.split("/")[0]!];
-  const value = Array.isArray(entry) ? (entry[Number(id!.split("/")[1])] as { name?: string } | undefined) : undefined;
   telling = true;
-  pictureNow.shown?.player.select(id === GROUND ? GROUND : (value?.name ?? null));
+  pictureNow.shown?.player.select(id === undefined ? null : nameOf(data, id) || null);
   telling = false;
+}
+
+/** Return the name of an entry; "" where there is none any more. */
+function nameOf(data: Model, id: EntryId): string {
+  if (id === GROUND) return GROUND;
+  const [section = "", place] = id.split("/");
+  const entries = data[section];
+  return Array.isArray(entries) ? ((entries[Number(place)] as { name?: string } | undefined)?.name ?? "") : "";
 }
 
 function useSelectionInPicture(): void {
   const selection = useStore((state) => state.selection);
+  const highlighted = useStore((state) => state.highlighted);
+  const glowing = useStore((state) => state.glowing);
   useEffect(() => { markSelection(selection); }, [selection]);
+  useEffect(() => { markSources(); }, [highlighted, glowing]);
+}
+
+/** Light up what a term comes from: strongly where it was clicked, lightly where it is pointed at. */
+function markSources(): void {
+  const { data, highlighted, glowing } = useStore.getState();
+  const lights = new Map<string, number>();
+  for (const [ids, strength] of [[glowing, 0.5], [highlighted, 0.9]] as const) {
+    for (const id of ids) lights.set(nameOf(data, id), strength);
+  }
+  pictureNow.shown?.player.viewer?.light(lights);
 }
 
 function PictureBar({ moves }: { readonly moves: boolean }): ReactElement | null {

@@ -1,9 +1,9 @@
 /** The equations, a tab for each part; long ones in blocks. */
 
-import { useState, type MouseEvent, type ReactElement } from "react";
+import { useEffect, useMemo, useState, type MouseEvent, type ReactElement } from "react";
 import { giveCommand } from "../commands/all";
 import { download } from "../commands/files";
-import { entryNamed } from "../model/entries";
+import { entryNamed, type EntryId } from "../model/entries";
 import { isArray, isObject } from "../model/pointers";
 import { textOf } from "../model/entries";
 import { Formula } from "../panels/math";
@@ -12,7 +12,8 @@ import { say, useStore } from "../store";
 import type { Json, JsonObject } from "../types";
 
 /** More than this and a block is shown when it is opened. */
-const MOST_MATH = 12_000; // characters of MathML
+const MOST_MATH = 40_000; // characters of MathML
+const READ = 1500; // [ms] after which a tab is one that is being read
 
 interface Block {
   readonly title: string;
@@ -34,39 +35,80 @@ function blockOf(value: Json): Block {
   };
 }
 
+interface Tab {
+  readonly name: string;
+  readonly blocks: readonly Block[];
+  readonly note: string;
+}
+
+const NO_PARTS: readonly JsonObject[] = [];
+
+function tabOf(value: JsonObject): Tab {
+  return { name: textOf(value["name"]), blocks: isArray(value["blocks"]) ? value["blocks"].map(blockOf) : [], note: textOf(value["note"] ?? "") };
+}
+
+/** Return the tabs that are there: all of the last equations, or those that are written so far. */
+function useTabs(): readonly Tab[] {
+  const parts = useStore((state) => (state.run?.kind === "equations" ? state.run.parts : NO_PARTS));
+  const list = useStore((state) => state.equations?.result?.["tabs"]);
+  return useMemo(() => {
+    const written = [...parts].sort((one, other) => Number(one["place"]) - Number(other["place"]));
+    return (written.length > 0 ? written : isArray(list) ? list : []).filter(isObject).map(tabOf);
+  }, [parts, list]);
+}
+
 export function Equations(): ReactElement {
-  const equations = useStore((state) => state.equations);
-  const stale = useStore((state) => state.equations !== null && state.equations.of !== state.data);
   const [shown, setShown] = useState("");
-  if (equations === null) {
-    return (
-      <div className="pad soft">
-        <p>The equations of motion, written out: mass matrix, forcing, constraints, kinematics.</p>
-        <button type="button" className="button" onClick={() => { giveCommand("equations"); }}><Icon name="sum" size={16} /> Derive the equations <kbd>F6</kbd></button>
-      </div>
-    );
-  }
-  const list = equations.result?.["tabs"];
-  const tabs = (isArray(list) ? list : []).filter(isObject).map((each) => ({ name: textOf(each["name"]), blocks: isArray(each["blocks"]) ? each["blocks"].map(blockOf) : [] }));
+  const tabs = useTabs();
   const tab = tabs.find((each) => each.name === shown) ?? tabs[0];
+  useReadTab(tab?.name ?? "", setShown);
+  useEffect(() => () => { glow([]); }, []);
+  if (tab === undefined) return <NotDerived />;
   return (
     <div className="equations">
       <div className="subtabs"><div role="tablist" aria-label="Equations">
         {tabs.map((each) => <button key={each.name} type="button" role="tab" aria-selected={each === tab} onClick={() => { setShown(each.name); }}>{each.name}</button>)}</div>
-        {stale && <button type="button" className="button small" onClick={() => { giveCommand("equations"); }}>Before the last edits: derive again</button>}
+        <TabsNote />
       </div>
-      <div className="equation-blocks" role="tabpanel" tabIndex={0} aria-label={tab?.name}>
-        {tab?.blocks.map((block, index) => <EquationBlock key={`${tab.name} ${index}`} block={block} />)}
+      <div className="equation-blocks" role="tabpanel" tabIndex={0} aria-label={tab.name}>
+        {tab.blocks.length === 0 && <p className="soft pad">{tab.note}</p>}
+        {tab.blocks.map((block, index) => <EquationBlock key={`${tab.name} ${index}`} block={block} />)}
       </div>
     </div>
   );
+}
+
+function NotDerived(): ReactElement {
+  return (
+    <div className="pad soft">
+      <p>The equations of motion, written out: mass matrix, forcing, constraints, kinematics.</p>
+      <button type="button" className="button" onClick={() => { giveCommand("equations"); }}><Icon name="sum" size={16} /> Derive the equations <kbd>F6</kbd></button>
+    </div>
+  );
+}
+
+/** Whether these are all tabs, and of the model as it is. */
+function TabsNote(): ReactElement | null {
+  const writing = useStore((state) => state.run?.kind === "equations" && state.run.parts.length > 0);
+  const stale = useStore((state) => state.equations !== null && state.equations.of !== state.data);
+  if (writing) return <span className="soft" role="status">The others are being written…</span>;
+  return stale ? <button type="button" className="button small" onClick={() => { giveCommand("equations"); }}>Before the last edits: derive again</button> : null;
+}
+
+/** A tab that was looked at for a while stays, also when one before it is written. */
+function useReadTab(name: string, keep: (name: string) => void): void {
+  useEffect(() => {
+    if (name === "") return undefined;
+    const timer = setTimeout(() => { keep(name); }, READ);
+    return () => { clearTimeout(timer); };
+  }, [name, keep]);
 }
 
 function EquationBlock({ block }: { readonly block: Block }): ReactElement {
   const long = block.mathml.length > MOST_MATH;
   const [open, setOpen] = useState(!long);
   return (
-    <section className="equation-block" aria-label={block.title} onClick={(event) => { lightUp(event, block); }}>
+    <section className="equation-block" aria-label={block.title} onClick={(event) => { lightUp(event, block); }} onPointerOver={(event) => { glow(idsOf(sourcesOf(event, block))); }} onPointerLeave={() => { glow([]); }}>
       <header><h3>{block.title}</h3><CopyButtons block={block} /></header>
       {block.mathml !== "" && open && <div className="maths" tabIndex={0}><Formula text={block.mathml} block /></div>}
       {block.mathml !== "" && !open && <button type="button" className="button small" onClick={() => { setOpen(true); }}>Show it: {Math.round(block.characters / 1000)} thousand characters</button>}
@@ -75,14 +117,27 @@ function EquationBlock({ block }: { readonly block: Block }): ReactElement {
   );
 }
 
-/** Light up in diagram and picture what a term comes from. */
-function lightUp(event: MouseEvent, block: Block): void {
-  const span = (event.target as Element).closest("[data-span]")?.getAttribute("data-span");
-  const elements = block.sources.find((each) => each.span === span)?.elements ?? [];
-  if (elements.length === 0) return;
+/** Return the names of what the term under the pointer comes from. */
+function sourcesOf({ target }: MouseEvent, block: Block): readonly string[] {
+  const span = (target as Element).closest("[data-span]")?.getAttribute("data-span");
+  return block.sources.find((each) => each.span === span)?.elements ?? [];
+}
+
+function idsOf(elements: readonly string[]): readonly EntryId[] {
   const { data } = useStore.getState();
-  const ids = elements.map((name) => entryNamed(data, name)?.id ?? null).filter((id) => id !== null);
-  useStore.setState({ highlighted: ids, spoken: `Comes from ${elements.join(", ")}` });
+  return elements.map((name) => entryNamed(data, name)?.id ?? null).filter((id) => id !== null);
+}
+
+/** Light up in the diagram what a term comes from. */
+function lightUp(event: MouseEvent, block: Block): void {
+  const elements = sourcesOf(event, block);
+  if (elements.length > 0) useStore.setState({ highlighted: idsOf(elements), spoken: `Comes from ${elements.join(", ")}` });
+}
+
+/** Light up lightly what is pointed at, without a word: the pointer passes many terms. */
+function glow(ids: readonly EntryId[]): void {
+  const { glowing } = useStore.getState();
+  if (ids.join() !== glowing.join()) useStore.setState({ glowing: ids });
 }
 
 const FORMS = [["latex", "LaTeX", ".tex"], ["sympy", "SymPy", ".py"], ["c", "C", ".c"]] as const;

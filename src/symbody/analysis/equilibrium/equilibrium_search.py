@@ -40,7 +40,7 @@ class EquilibriumSearch:
 
     Attributes
     ----------
-    balance : Balance
+    balance : StaticBalance
         The forces.
     start : (n_q,) array
         The guess.
@@ -88,7 +88,7 @@ class EquilibriumSearch:
 
     def starts(self) -> list[Floats]:
         """Return the guess and starts about it, the same at every call."""
-        return self.evaluator.starts(self.start, dict.fromkeys(self.fixed, 0.0), _GROWTH)
+        return list(self.evaluator.starts(self.start, dict.fromkeys(self.fixed, 0.0), _GROWTH))
 
     def descend(self, q: Floats, bearing: int | None = None) -> StaticResidual:
         """Return the end of steps of least length; `bearing` as of `Balance.rest`."""

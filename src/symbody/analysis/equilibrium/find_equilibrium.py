@@ -20,11 +20,12 @@ from symbody.analysis.linear.linearize import linearize
 from symbody.analysis.one_sided import settle
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
+from symbody.analysis.value_lines import values_line
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.sticking import switching_joints
-from symbody.errors import AssemblyError, Problem, SimulationError, nearest
+from symbody.errors import AssemblyError, Problem, SimulationError, SymbodyError, nearest
 from symbody.single_flight import SingleFlight
 from symbody.tolerances import BALANCED
 
@@ -33,7 +34,7 @@ Floats = NDArray[np.float64]
 _VERDICTS: Final = {"stable": True, "unstable": False}
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Equilibrium(State):
     """A state at rest.
 
@@ -47,6 +48,13 @@ class Equilibrium(State):
     # Why linear equations do not show whether it is stable; empty where they may.
     _doubt: str = field(default="", repr=False)
     _linear: SingleFlight[None, Linearization] = field(default_factory=SingleFlight, repr=False)
+
+    def __repr__(self) -> str:
+        try:
+            verdict = self.verdict
+        except SymbodyError:  # no linear equations here
+            verdict = "stability not known"
+        return f"Equilibrium, {verdict}: {values_line(self.q, self.eqs.units)}"
 
     @property
     def linearization(self) -> Linearization:

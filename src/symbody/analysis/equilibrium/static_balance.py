@@ -8,19 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator
-from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
-from symbody.codegen.compile import Value, form_sequence
+from symbody.analysis.derivatives import laws_key, partial_derivatives, with_laws, with_outputs
+from symbody.codegen.formation.bound_function import bound_function
+from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.canonical import ZERO
 from symbody.expr.expression import Expr
 from symbody.expr.graph import TIME, Symbol, SymbolKind
+from symbody.expr.language.formula import Formula
 from symbody.expr.rewrite import substitute, symbols_of
 from symbody.expr.sequence import Roots
 from symbody.tolerances import BALANCED, BEARING, TINY
@@ -42,7 +44,7 @@ class StaticResidual:
     ----------
     q, inputs, multipliers : arrays
         Where; the inputs are those unknown.
-    left : (n_u,) array
+    unbalanced : (n_u,) array
         Unbalanced forces as work on unit displacements, in units of the largest term.
     values, slopes : arrays
         All equations that are to vanish, and their derivatives by q in units of sizes.
@@ -87,7 +89,7 @@ class StaticBalance:
 
     Attributes
     ----------
-    evaluator : Closure
+    evaluator : ConstraintEvaluator
         The constraints as numbers.
     function : CompiledFunction
         Forces and their derivatives.
@@ -161,21 +163,38 @@ def static_balance(evaluator: ConstraintEvaluator, unknowns: Sequence[str]) -> S
     given: dict[str, Value] = {
         name: evaluator.inputs.get(name, 0) for name in eqs.input_names if name not in unknowns
     }
+    laws = {name: law for name, law in given.items() if not _is_number(law)}
+    key = "balance", tuple(unknowns), laws_key(laws)
+    plan: _BalancePlan = eqs.plans.get(key, lambda: _plan_balance(eqs, unknowns, laws))
+    words = (_FORCES, _SLOPES, _SHARES, "jacobian")
+    function = bound_function(plan.wider, words, evaluator.parameters, (), given)
+    scales = evaluator.mechanism.constraints(eqs)
+    return StaticBalance(evaluator, function, plan.unknowns, evaluator.speed_sizes, scales, plan.timed)
+
+
+class _BalancePlan(NamedTuple):
+    """Equations with the forces at rest and their derivatives, for laws of inputs."""
+
+    wider: EquationSet
+    unknowns: int
+    timed: bool
+
+
+def _plan_balance(eqs: EquationSet, unknowns: Sequence[str], laws: Mapping[str, Value]) -> _BalancePlan:
     symbols = [symbol for symbol in eqs.formed.inputs if symbol.name in unknowns]
-    forces, pulls = _forces(eqs, given)
+    forces, pulls = _forces(eqs, laws)
     roots = [
         Roots(_FORCES, (len(forces),), tuple(forces)),
         partial_derivatives(eqs, _SLOPES, forces, eqs.formed.q),
         partial_derivatives(eqs, _SHARES, forces, symbols),
     ]
-    wider = with_outputs(eqs, roots, pulls)
-    words = (_FORCES, _SLOPES, _SHARES, "jacobian")
-    function = CompiledFunction(*form_sequence(wider, words, evaluator.parameters, (), given))
     graph = eqs.formed.graph
     timed = graph.symbol(TIME) in symbols_of(graph, [*forces, *eqs.roots("constraints").nodes])
-    return StaticBalance(
-        evaluator, function, len(symbols), evaluator.speed_sizes, evaluator.mechanism.constraints(eqs), timed
-    )
+    return _BalancePlan(with_outputs(eqs, roots, pulls), len(symbols), timed)
+
+
+def _is_number(law: Value) -> bool:
+    return isinstance(law, int | float) or Formula.from_value(law).constant() is not None
 
 
 def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], dict[str, Symbol]]:

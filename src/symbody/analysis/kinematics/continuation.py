@@ -14,9 +14,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.derivatives import laws_key
 from symbody.analysis.kinematics.driven import DRIVEN, drive_coordinates, joint_of
 from symbody.analysis.scales import Scales, mechanism_scales
-from symbody.codegen.compile import Value, form_sequence
+from symbody.codegen.formation.bound_function import bound_function
+from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.language.formula import Formula
@@ -89,7 +91,7 @@ class Continuation:
     @property
     def n_h(self) -> int:
         """Rows on positions, those of driven coordinates last."""
-        return len(self.positions.sequence.outputs[0].values)
+        return len(self.positions.outputs[0].values)
 
     @property
     def own_rows(self) -> NDArray[np.bool_]:
@@ -225,14 +227,15 @@ def continuation(
     UsageError
         If a driven coordinate is not free, or its law not a function of time.
     """
-    driven = drive_coordinates(eqs, {**formulas, **dict.fromkeys(laws)})
+    rows = {**formulas, **dict.fromkeys(laws)}
+    driven: EquationSet = eqs.plans.get(("driven", laws_key(rows)), lambda: drive_coordinates(eqs, rows))
     mechanism, units = mechanism_scales(eqs, parameters), eqs.units
     first = len(driven.formed.holonomic) - len(formulas) - len(laws)
 
     def compile_outputs(*names: str) -> CompiledFunction:
         outputs = names if len(names) > 1 else names[0]
         silent = dict.fromkeys(eqs.input_names, 0)
-        return CompiledFunction(*form_sequence(driven, outputs, parameters, (), silent))
+        return bound_function(driven, outputs, parameters, (), silent)
 
     return Continuation(
         driven,

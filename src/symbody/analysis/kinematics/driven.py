@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.errors import ExpressionError, Problem, SymbodyError, UsageError, nearest
@@ -60,9 +60,9 @@ def drive_coordinates(eqs: EquationSet, laws: Mapping[str, Value | None]) -> Equ
 def free_coordinates(eqs: EquationSet) -> tuple[str, ...]:
     """Return the names of all coordinates that may be driven: those in q, and those of cut joints."""
     formed = eqs.formed
-    measured = (name for use in formed.uses for name in use.joint.coordinates)
+    measured = (name for role in formed.joint_roles for name in role.joint.coordinates)
     names = dict.fromkeys((*eqs.coordinate_names, *measured))
-    driven = {name for use in formed.uses for name in use.prescribed_coordinates}
+    driven = {name for role in formed.joint_roles for name in role.prescribed_coordinates}
     return tuple(
         name for name in names if name not in driven and formed.readable_names.node(name) is not None
     )
@@ -70,18 +70,18 @@ def free_coordinates(eqs: EquationSet) -> tuple[str, ...]:
 
 def joint_of(eqs: EquationSet, name: str) -> str:
     """Return the joint that a coordinate or a speed belongs to; the coordinate itself of frames by hand."""
-    for use in eqs.formed.uses:
-        labels = {symbol.label for symbol in use.speeds}
-        labels.update(f"{coordinate}_dot" for coordinate in use.joint.coordinates)
-        if name in labels or name in use.joint.coordinates:
-            return use.joint.name
+    for role in eqs.formed.joint_roles:
+        labels = {symbol.label for symbol in role.speeds}
+        labels.update(f"{coordinate}_dot" for coordinate in role.joint.coordinates)
+        if name in labels or name in role.joint.coordinates:
+            return role.joint.name
     return name.removesuffix("_dot")
 
 
 def element_of(eqs: EquationSet, name: str) -> str:
     """Return `joint_of` with its kind: "joint A", or "coordinate s"."""
     joint = joint_of(eqs, name)
-    return f"{'joint' if eqs.formed.uses else 'coordinate'} {joint}"
+    return f"{'joint' if eqs.formed.joint_roles else 'coordinate'} {joint}"
 
 
 def _not_free(eqs: EquationSet, name: str) -> Problem | None:
@@ -89,7 +89,7 @@ def _not_free(eqs: EquationSet, name: str) -> Problem | None:
     free = free_coordinates(eqs)
     if name in free:
         return None
-    if any(name in use.prescribed_coordinates for use in eqs.formed.uses):
+    if any(name in role.prescribed_coordinates for role in eqs.formed.joint_roles):
         return Problem(
             "kinematics.prescribed", f"motion {name}", f"{name} is prescribed by the model already",
             f"{element_of(eqs, name)} has a motion of its own",

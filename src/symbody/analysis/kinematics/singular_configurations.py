@@ -9,7 +9,7 @@ and the others run away from it; if the rank of J itself drops, branches of the 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
@@ -21,12 +21,13 @@ from scipy.optimize import brentq, minimize_scalar
 from symbody.analysis.assembly import assemble, assemble_taut
 from symbody.analysis.kinematics.continuation import Continuation, Law, continuation
 from symbody.analysis.kinematics.driven import joint_of
+from symbody.analysis.kinematics.led_values import led_numbers, read_range
 from symbody.analysis.kinematics.position_curve import PathPoint, PositionCurve
 from symbody.analysis.kinematics.velocity_ratios import VelocityRatios, velocity_ratios
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import AssemblyError, Problem, UsageError
@@ -56,6 +57,9 @@ class SingularConfiguration:
         Behaviour of independent coordinates there along the curve: "maximum", "minimum" or "passes".
     determinant : float
         det(J_D) of scaled rows and speeds there, as a measure of how well the place is known.
+    assembly : int
+        Equal numbers for places that are reached from each other without taking the mechanism apart, the
+        assembly nearest to the guess being 1; 0 where all places are. Where branches cross they are one.
     """
 
     kind: str
@@ -63,8 +67,12 @@ class SingularConfiguration:
     joint: str
     limits: Mapping[str, str]
     determinant: float
+    assembly: int = 0
 
     def __str__(self) -> str:
+        return f"{self._description()}{f', in assembly {self.assembly}' if self.assembly else ''}"
+
+    def _description(self) -> str:
         # Places are good to about 1e-7: what is smaller than 1e-9 is rounding about 0.
         place = ", ".join(f"{name} = {round(value, 9) + 0.0:.7g}" for name, value in self.q.items())
         if self.kind == "bifurcation":
@@ -78,7 +86,7 @@ class SingularConfiguration:
 def singular_configurations(
     eqs: EquationSet,
     independent: str | Sequence[str],
-    over: Mapping[str, float | tuple[float, float]],
+    over: Mapping[str, Value | tuple[Value, Value]],
     guess: Mapping[str, Value] | None = None,
     parameters: Mapping[str, Value] | None = None,
     *,
@@ -94,6 +102,7 @@ def singular_configurations(
         Coordinates or speeds, as many as there are freedoms.
     over : mapping of coordinate to range or number
         The coordinate along which is looked, with the ends of its range; numbers hold further freedoms still.
+        Both may be formulas in parameters, angles texts such as ``"30 deg"``.
     guess : mapping of name to number or formula in parameters
         Near which the loops close; other assemblies that are found are followed, too.
     scales : mapping of "length", "time", "mass" to float, optional
@@ -107,19 +116,19 @@ def singular_configurations(
     AssemblyError
         If the loops close nowhere in the range.
     """
-    first = _first(eqs, over, guess, parameters, scales)
+    numbers = led_numbers(eqs, over, parameters)
+    first = _first(eqs, numbers, guess, parameters, scales)
     ratios = velocity_ratios(eqs, independent, first, parameters, scales=scales)
-    search = _search(ratios, over, dict(parameters or {}), first, scales)
+    search = _search(ratios, numbers, dict(parameters or {}), first, scales)
     configurations: list[SingularConfiguration] = []
-    for points in search.curves(guess, parameters, scales):
+    for number, points in enumerate(search.curves(guess, parameters, scales), start=1):
         for one in search.find_on_curve(points):
             if not any(search.same(one, other) for other in configurations):
-                configurations.append(one)
-    return tuple(
-        sorted(
-            configurations, key=lambda one: [one.q[name] for name in (search.along, *one.q) if name in one.q]
-        )
-    )
+                configurations.append(replace(one, assembly=number))
+    names = (search.along, *eqs.coordinate_names)
+    ranked = sorted(configurations, key=lambda one: [one.q[name] for name in names])
+    several = len({one.assembly for one in ranked}) > 1
+    return tuple(one if several else replace(one, assembly=0) for one in ranked)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -311,28 +320,6 @@ class _Search:
         return limits
 
 
-def _range(
-    over: Mapping[str, float | tuple[float, float]],
-) -> tuple[str, tuple[float, float], dict[str, float]]:
-    """Return the coordinate that has a range, the range, and what is held.
-
-    Raises
-    ------
-    UsageError
-        If there is not one range of rising numbers.
-    """
-    ranges = {name: value for name, value in over.items() if isinstance(value, tuple)}
-    held = {name: float(value) for name, value in over.items() if not isinstance(value, tuple)}
-    (name, ends), *others = ranges.items() or [("", (0.0, 0.0))]
-    if others or len(ends) != 2 or not float(ends[0]) < float(ends[1]):
-        raise UsageError(
-            Problem("kinematics.range", "over", f"{dict(over)} has not one range (a, b) with a < b",
-                    "the search goes along one coordinate",
-                    'give one range, and numbers for what is held: over={"theta": (0, 6.3), "phi": 0.2}')
-        )  # fmt: skip
-    return name, (float(ends[0]), float(ends[1])), held
-
-
 def _first(
     eqs: EquationSet,
     over: Mapping[str, float | tuple[float, float]],
@@ -347,7 +334,7 @@ def _first(
     UsageError
         If a name in `over` is not a coordinate of the equations.
     """
-    along, _, _ = _range(over)
+    along, _, _ = read_range(over)
     if along not in eqs.coordinate_names:
         raise UsageError(
             Problem("kinematics.range_coordinate", f"over {along}",
@@ -372,7 +359,7 @@ def _search(
     UsageError
         If more than one freedom is left.
     """
-    along, ends, held = _range(over)
+    along, ends, held = read_range(over)
     mechanism = continuation(
         ratios.eqs, {}, {name: _still(x) for name, x in held.items()}, parameters, lambda _: 0.0
     )

@@ -7,16 +7,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assemble
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.kinematics.continuation import Continuation, Law, continuation
 from symbody.analysis.kinematics.driven import element_of
+from symbody.analysis.kinematics.led_values import LedValues, led_numbers, read_values
 from symbody.analysis.ropes import LOOSE, equations_with_ropes, slackness
 from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
 
@@ -101,7 +102,7 @@ class Positions:
 @checked_arguments
 def trace_positions(
     eqs: EquationSet,
-    over: Mapping[str, ArrayLike],
+    over: Mapping[str, LedValues],
     guess: Mapping[str, Value] | None = None,
     parameters: Mapping[str, Value] | None = None,
     t: float = 0.0,
@@ -114,6 +115,7 @@ def trace_positions(
     ----------
     over : mapping of coordinate to (N,) values or one value
         As many coordinates as there are freedoms, those of cut joints too; a single value holds still.
+        Values may be formulas in parameters, angles texts such as ``"30 deg"``.
     guess : mapping of name to number or formula in parameters
         Near which the loops close at the first values.
     t : float
@@ -134,7 +136,7 @@ def trace_positions(
     AssemblyError
         If the loops do not close at the first values.
     """
-    values = _values(over)
+    values = read_values(led_numbers(eqs, over, parameters))
     values_given = dict(parameters or {})
     driven = continuation(eqs, {}, _laws(values), values_given, lambda _: t)
     start = {name: float(x[0]) for name, x in values.items()}
@@ -228,32 +230,6 @@ def _stop_at_limit(
     return Positions(
         driven.eqs.coordinate_names, np.column_stack([q, last]), done, limits, joint, (*notes, note)
     )
-
-
-def _values(over: Mapping[str, ArrayLike]) -> dict[str, Floats]:
-    """Return the values of all coordinates, equally many.
-
-    Raises
-    ------
-    UsageError
-        If there are none, or they are not finite numbers of equal count.
-    """
-    given = {name: np.atleast_1d(np.asarray(values, dtype=np.float64)) for name, values in over.items()}
-    count = max((x.size for x in given.values()), default=0)
-    bad = [name for name, x in given.items()
-           if x.ndim != 1 or x.size not in (1, count) or not np.isfinite(x).all()]  # fmt: skip
-    if not over:
-        raise UsageError(
-            Problem("kinematics.values", "over", "no coordinate is led", "positions follow from values given",
-                    'give a coordinate its values: over={"theta": [0.1, 0.2, 0.3]}')
-        )  # fmt: skip
-    if bad or not count:
-        raise UsageError(
-            Problem("kinematics.values", f"over {', '.join(bad)}",
-                    "these are not lists of numbers of equal length",
-                    "", "give as many finite numbers for each coordinate, or one to hold it still")
-        )  # fmt: skip
-    return {name: np.broadcast_to(x, count) for name, x in given.items()}
 
 
 def _laws(values: Mapping[str, Floats]) -> dict[str, Law]:

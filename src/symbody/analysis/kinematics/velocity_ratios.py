@@ -23,8 +23,8 @@ from symbody.analysis.ropes import equations_with_ropes, ropes_out_of_place
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value, form_sequence
-from symbody.codegen.function import CompiledFunction
+from symbody.codegen.formation.bound_function import bound_function
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, SimulationError, UsageError, nearest
@@ -202,8 +202,7 @@ class VelocityRatios:
         complete = self._state(state)
         q, u = (np.array(list(x.values())) for x in (complete.q, complete.u))
         inputs = dict.fromkeys(self.eqs.input_names, 0) | dict(complete.inputs)
-        sequence = form_sequence(self.eqs, "forcing", self._parameters, (), inputs)
-        forces = CompiledFunction(*sequence)(complete.t, q, u)
+        forces = bound_function(self.eqs, "forcing", self._parameters, (), inputs)(complete.t, q, u)
         places, others = self._places(self.independent), self._places(self.dependent)
         along: Floats = forces[places] + self._tau(complete.t, q).T @ forces[others]
         return along
@@ -360,8 +359,8 @@ def _best(mechanism: Continuation, eqs: EquationSet, t: float, q: Floats, count:
 def _has_input(eqs: EquationSet, speed: str) -> bool:
     """Return whether a drive with an input works along the coordinate of a speed."""
     name = speed.removesuffix("_dot")
-    for use in eqs.formed.uses:
-        drive = use.joint.drives.get(name)
+    for role in eqs.formed.joint_roles:
+        drive = role.joint.drives.get(name)
         if drive is not None and set(drive.applied.names).intersection(eqs.input_names):
             return True
     return False

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.analysis.linear.modes import Mode, Spectrum, spectrum
+from symbody.analysis.linear.modes import Modes, Spectrum, spectrum
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments
-from symbody.errors import AssemblyError, EnvironmentFault, Problem
+from symbody.errors import AssemblyError, EnvironmentFault, Problem, number_in_words
 from symbody.notebook import Displayed
 from symbody.single_flight import SingleFlight
 
@@ -29,7 +29,7 @@ class StateSpace(NamedTuple):
     D: Floats
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Linearization(Displayed):
     """``x' = A x + B r``, ``y = C x + D r`` for deviations from a motion; unpacks as A, B, C, D.
 
@@ -70,6 +70,17 @@ class Linearization(Displayed):
     # Made on first request, a pure function of A.
     _spectrum: SingleFlight[None, Spectrum] = field(default_factory=SingleFlight, repr=False)
 
+    def __repr__(self) -> str:
+        counts = (self.state_names, "state"), (self.input_names, "input"), (self.output_names, "output")
+        sizes = ", ".join(number_in_words(len(names), word) for names, word in counts)
+        return (
+            f"Linearization of {self.at.eqs.model.name!r} at t = {self.at.t:.6g} s: {self.verdict}, {sizes}"
+        )
+
+    def __str__(self) -> str:
+        """Return what `repr` returns with a table of the modes."""
+        return f"{self!r}\n{self.modes}"
+
     def __iter__(self) -> Iterator[Floats]:
         """Return A, B, C, D one after the other."""
         return iter(self.state_space)
@@ -85,7 +96,7 @@ class Linearization(Displayed):
         return np.array([mode.eigenvalue for mode in self.modes], dtype=np.complex128)
 
     @property
-    def modes(self) -> tuple[Mode, ...]:
+    def modes(self) -> Modes:
         """Eigenvalues with frequency, damping ratio, time constant and shape, the fastest growing first."""
         return self._computed_spectrum.modes
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig, matrix_balance
 
+from symbody.analysis.value_lines import mode_line, mode_table
 from symbody.notebook import Displayed
 
 Floats = NDArray[np.float64]
@@ -24,7 +25,7 @@ Complexes = NDArray[np.complex128]
 _EPS: Final = float(np.finfo(float).eps)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Mode(Displayed):
     """One natural motion ``Re(shape exp(eigenvalue t))``.
 
@@ -41,6 +42,9 @@ class Mode(Displayed):
     eigenvalue: complex
     tolerance: float
     shape: Mapping[str, complex]
+
+    def __repr__(self) -> str:
+        return f"Mode of {mode_line(self)}"
 
     @property
     def frequency(self) -> float:
@@ -59,11 +63,20 @@ class Mode(Displayed):
         return -1.0 / real if abs(real) > self.tolerance else math.inf
 
 
+class Modes(tuple[Mode, ...], Displayed):
+    """All modes of linear equations, the fastest growing first: a tuple that shows itself as a table."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return mode_table(self)
+
+
 @dataclass(frozen=True, slots=True)
 class Spectrum:
     """All modes of a matrix, the fastest growing first, and the verdict."""
 
-    modes: tuple[Mode, ...]
+    modes: Modes
     verdict: str
 
 
@@ -78,7 +91,7 @@ def spectrum(A: Floats, names: Sequence[str], coordinates: int, noise: float) ->
         Relative error of A, in units of eps.
     """
     if not A.size:
-        return Spectrum((), "stable")
+        return Spectrum(Modes(), "stable")
     balanced, scaling = matrix_balance(A, permute=False)
     values, left, right = eig(balanced, left=True, right=True)
     cosines = np.abs(np.sum(left.conj() * right, axis=0))
@@ -89,7 +102,7 @@ def spectrum(A: Floats, names: Sequence[str], coordinates: int, noise: float) ->
     # On the imaginary axis rounding does not decide the order.
     growth = np.where(np.abs(values.real) <= tolerances, 0.0, values.real)
     ranked = sorted(range(len(values)), key=lambda k: (-growth[k], abs(values[k]), -values[k].imag))
-    modes = tuple(Mode(complex(values[k]), float(tolerances[k]), _shape(names, shapes[:, k])) for k in ranked)
+    modes = Modes(Mode(complex(values[k]), float(tolerances[k]), _shape(names, shapes[:, k])) for k in ranked)
     return Spectrum(modes, _verdict(modes, balanced[:, len(A) - coordinates :], level))
 
 

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
+from symbody.analysis.derivatives import laws_key, partial_derivatives, with_laws, with_outputs
 from symbody.analysis.scales import Scales
 from symbody.analysis.state import State
-from symbody.codegen.compile import Value, constant_values, form_sequence
+from symbody.codegen.formation.bound_function import bound_function, evaluate_once
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem
 from symbody.expr.canonical import sub
-from symbody.expr.evaluate import evaluate_sequence
 from symbody.expr.graph import TIME, SymbolKind
 from symbody.expr.language.formula import Formula
 from symbody.expr.opcodes import ABS, EQ, LE, LT, MAX, MIN, NAMES, SIGN
@@ -138,9 +139,34 @@ def slope_function(
 ) -> SlopeFunction:
     """Return the derivatives with the parameters, inputs and time of a state."""
     parameters = state.parameters
-    if eqs.multiplier_names:
-        eqs = eqs.for_values(constant_values(eqs, {p: p for p in eqs.parameter_names}, parameters))
+    eqs = parameter_set(eqs, parameters).eqs
     laws = _laws(eqs, state.inputs)
+    key = "slopes", tuple(outputs), laws_key(laws)
+    plan: _SlopePlan = eqs.plans.get(key, lambda: _plan_slopes(eqs, outputs, laws))
+    words = ("xdot", _BY_STATE, _BY_INPUT, "jacobian", "position_jacobian", "mass_matrix", "constraints",
+             "velocity_constraints", _KINKS)  # fmt: skip
+    given = dict.fromkeys(eqs.input_names, 0) | dict(state.inputs)
+    function = bound_function(plan.wider, words, parameters, (), given)
+    # Without the accelerations, as far as it goes: there need be none at a place that fits no constraint.
+    far = {"t": [state.t], "r": [], **_far_state(eqs, mechanism, state)}
+    beside = np.array(evaluate_once(plan.wider, _KINKS, parameters, given, far)[0], dtype=np.float64)
+    return SlopeFunction(
+        eqs, state.t, plan.outputs, plan.inputs, plan.timed, plan.nodes, plan.switches, beside, function
+    )
+
+
+class _SlopePlan(NamedTuple):
+    """Equations with their derivatives, and what belongs to `SlopeFunction`, for laws of inputs."""
+
+    wider: EquationSet
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
+    timed: bool
+    nodes: tuple[int, ...]
+    switches: tuple[Switch, ...]
+
+
+def _plan_slopes(eqs: EquationSet, outputs: Sequence[str], laws: Mapping[str, Value]) -> _SlopePlan:
     shown = [eqs.roots(name) for name in outputs]
     rates_and_outputs = [*eqs.roots("xdot").nodes, *(node for roots in shown for node in roots.nodes)]
     nodes = with_laws(eqs, [*rates_and_outputs, *eqs.roots("velocity_constraints").nodes], laws)
@@ -149,19 +175,15 @@ def slope_function(
     by_input = partial_derivatives(eqs, _BY_INPUT, nodes, inputs)
     between = switches(eqs, nodes)
     kinks = Roots(_KINKS, (len(between),), tuple(node for _, node in between))
-    wider = with_outputs(eqs, [by_state, by_input, kinks])
-    words = ("xdot", _BY_STATE, _BY_INPUT, "jacobian", "position_jacobian", "mass_matrix", "constraints",
-             "velocity_constraints", _KINKS)  # fmt: skip
-    given = dict.fromkeys(eqs.input_names, 0) | dict(state.inputs)
-    function = CompiledFunction(*form_sequence(wider, words, parameters, (), given))
-    # Without the accelerations, as far as it goes: there need be none at a place that fits no constraint.
-    kinks_alone, _ = form_sequence(wider, _KINKS, parameters, (), given)
-    far = {"t": [state.t], "r": [], **_far_state(eqs, mechanism, state)}
-    beside = np.array(evaluate_sequence(kinks_alone, far)[0], dtype=np.float64)
     graph, every = eqs.formed.graph, (*nodes, *eqs.roots("constraints").nodes)
-    timed = graph.symbol(TIME) in symbols_of(graph, every)
-    names = tuple(symbol.name for symbol in inputs)
-    return SlopeFunction(eqs, state.t, _scalars(shown), names, timed, every, between, beside, function)
+    return _SlopePlan(
+        with_outputs(eqs, [by_state, by_input, kinks]),
+        _scalars(shown),
+        tuple(symbol.name for symbol in inputs),
+        graph.symbol(TIME) in symbols_of(graph, every),
+        every,
+        between,
+    )
 
 
 def _far_state(eqs: EquationSet, scales: Scales, state: State) -> dict[str, list[float]]:

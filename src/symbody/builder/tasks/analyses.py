@@ -15,6 +15,7 @@ from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.linearize import linearize
 from symbody.analysis.linear.modes import Mode
 from symbody.analysis.state import State
+from symbody.builder.task_failure import Report
 from symbody.builder.tasks.json_values import finite, finite_values
 from symbody.builder.tasks.options import (
     EquilibriumOptions,
@@ -26,7 +27,6 @@ from symbody.builder.tasks.options import (
 from symbody.builder.tasks.placement import placed_motion, scene_bodies
 from symbody.builder.tasks.reading import complete_model
 from symbody.builder.tasks.simulation import draw_run, run_verdict
-from symbody.builder.worker_process import Report
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.errors import SymbodyError

@@ -6,28 +6,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from symbody.analysis.positions import PositionSolver, position_solver
 from symbody.builder.formulas import model_formulas
 from symbody.builder.page_problems import PageProblem, page_notes, page_problem, page_problems
-from symbody.builder.tasks.placement import one_sample, placed_motion, scene_at, scene_bodies
+from symbody.builder.task_failure import Report
+from symbody.builder.tasks.mechanisms import mechanism_of, solver_of
+from symbody.builder.tasks.placement import draw_unassembled, drawn_at
 from symbody.builder.tasks.reading import Data, Latest, ReadModel, model_key, read_model
 from symbody.builder.tasks.summary import equation_summary, tree_summary
-from symbody.builder.worker_process import Report
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.form import form_equations
 from symbody.errors import Problem, SymbodyError
 from symbody.graph.topology import choose_topology
 from symbody.model.model import Model
 from symbody.visual.scene import motion_to_json, scene_to_json
-from symbody.visual.scene.basis import scene_basis
-from symbody.visual.scene.numbers import model_numbers
-from symbody.visual.scene.scene import SceneMotion
 
 Answer = dict[str, Any]
 
-_FORMING: Final = 10.0  # seconds that equations may take before a job has to form them
 _CHECKS: Final[Latest[Answer]] = Latest(8)
-_SOLVERS: Final[Latest[PositionSolver]] = Latest(4)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,17 +46,6 @@ def check_model(payload: Mapping[str, Any], report: Report) -> Answer:
     """Return problems, summary, picture, values of coordinates, and formulas of a model."""
     data, folder = payload["data"], payload["folder"]
     return _CHECKS.get(model_key(data, folder), lambda: _check(data, folder))
-
-
-def known_solver(model: Model, key: str) -> PositionSolver:
-    """Return what closes the loops of a model, made if it is not among the last few.
-
-    Raises
-    ------
-    SymbodyError
-        If there are no equations, or parameters have no values.
-    """
-    return _SOLVERS.get(key, lambda: position_solver(form_equations(model, time_limit=_FORMING)))
 
 
 def _check(data: Data, folder: str) -> Answer:
@@ -91,7 +74,7 @@ def _check_model(read: ReadModel, data: Data, folder: str) -> Checked:
     if not model.bodies:
         what, cure = "there is no body yet", "drag a body from the palette, or double-click the diagram"
         return Checked(None, None, [page_problem(Problem("builder.empty", "", what, fix=cure), data, "note")])
-    return _check_formed(model, data, model_key(data, folder))
+    return _check_formed(model, data, folder)
 
 
 # Where equations are missing, the page finds the same keys.
@@ -106,15 +89,15 @@ _NO_EQUATIONS: Final[Mapping[str, Any]] = {
 }
 
 
-def _check_formed(model: Model, data: Data, key: str) -> Checked:
+def _check_formed(model: Model, data: Data, folder: str) -> Checked:
     try:
-        eqs = form_equations(model, time_limit=_FORMING)
+        eqs = mechanism_of(data, folder, lambda: model).with_values(model)
         summary = equation_summary(eqs)
         notes = page_notes(eqs.notes, data)
     except SymbodyError as error:
         return Checked(_trees(model), None, page_problems(error.problems, data))
     try:
-        solver = _SOLVERS.get(key, lambda: position_solver(eqs))
+        solver = solver_of(data, folder, model)
         return Checked(summary, solver.positions({}, {}), notes, eqs)
     except SymbodyError as error:
         valueless = [name for name, value in model.parameters.items() if value is None]
@@ -141,18 +124,13 @@ def _picture(model: Model | None, checked: Checked, data: Data) -> tuple[Answer 
     """Return the mechanism as it stands at the start: assembled, or as its initial values say."""
     if model is None:
         return None, []
-    eqs, positions, names = checked.eqs, checked.positions, scene_bodies(model)
+    eqs, positions = checked.eqs, checked.positions
     try:
-        scene = scene_at(model, positions or {})
         if eqs is None or positions is None:
-            motion = _draw_unassembled(model, names)
+            scene, motion = draw_unassembled(model)
         else:
-            motion = placed_motion(eqs, positions, names)
+            scene, motion = drawn_at(eqs, positions)
     except SymbodyError as error:
         return None, page_problems(error.problems, data)
     notes = page_notes(scene.notes, data, "builder.drawing")
     return {"scene": scene_to_json(scene), "motion": motion_to_json(motion)}, notes
-
-
-def _draw_unassembled(model: Model, names: tuple[str, ...]) -> SceneMotion:
-    return one_sample(scene_basis(model, model_numbers(model, {})).bodies, names)

@@ -17,10 +17,10 @@ from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constrain
 from symbody.analysis.positions import PositionSolver
 from symbody.analysis.ropes import with_taut
 from symbody.builder.page_problems import page_problem, page_problems
-from symbody.builder.tasks.check import known_solver
+from symbody.builder.task_failure import Report, TaskFailure
+from symbody.builder.tasks.mechanisms import solver_of
 from symbody.builder.tasks.placement import placed_motion, scene_bodies
 from symbody.builder.tasks.reading import Data, Latest, complete_model, model_key
-from symbody.builder.worker_process import Report, TaskFailure
 from symbody.errors import AssemblyError, Problem, SymbodyError
 from symbody.manifold import null_space
 from symbody.tolerances import DIFFERENCE, SHARP_RANK
@@ -44,7 +44,7 @@ class Grip:
 
     Attributes
     ----------
-    task : Closure
+    task : ConstraintEvaluator
         Without the ropes: which of them are taut is for assembly to say.
     """
 
@@ -197,7 +197,7 @@ def _grip(data: Data, folder: str, body: str) -> Grip:
     model = complete_model(data, folder)
     if body not in scene_bodies(model):
         raise TaskFailure([page_problem(_unknown(body), data)])
-    solver = known_solver(model, model_key(data, folder))
+    solver = solver_of(data, folder, model)
     return Grip(
         solver, solver.evaluator or constraint_evaluator(with_taut(solver.eqs, ()), {}, {}, 0.0), body
     )

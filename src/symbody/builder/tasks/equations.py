@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from symbody.analysis.linear.linearize import linearize
+from symbody.builder.task_failure import Report
 from symbody.builder.tasks.formula_blocks import (
     LONG,
     FormulaBlock,
@@ -19,15 +20,10 @@ from symbody.builder.tasks.formula_blocks import (
 from symbody.builder.tasks.options import EquationOptions, read_options
 from symbody.builder.tasks.reading import complete_model
 from symbody.builder.tasks.term_sources import term_sources
-from symbody.builder.worker_process import Report
 from symbody.codegen.compile import generate_code
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
-from symbody.equations.formulations.formulation import Formulation
-from symbody.equations.formulations.lagrange import Lagrange
-from symbody.equations.formulations.newton_euler import NewtonEuler
-from symbody.equations.formulations.recursive import Recursive
-from symbody.equations.formulations.virtual_work import VirtualWork
+from symbody.equations.formulations.registry import formulation_types
 from symbody.equations.outputs.display import equation_sides
 from symbody.equations.outputs.joint_outputs import reaction_axes, reaction_wrench
 from symbody.errors import SymbodyError
@@ -39,14 +35,15 @@ from symbody.spatial.vector import components
 
 Answer = dict[str, Any]
 
-_FORMULATIONS: Final[Mapping[str, Callable[[], Formulation]]] = MappingProxyType(
-    {
-        "virtual_work": VirtualWork,
-        "newton_euler": NewtonEuler,
-        "lagrange": Lagrange,
-        "recursive": Recursive,
-    }
-)
+_ORDER: Final = (
+    "Equations", "Mass matrix", "Forcing", "Constraints", "Kinematic equations", "Reactions", "Linearization",
+    "Energies",
+)  # fmt: skip
+# Written in this order: what is long in large mechanisms comes last, so that something is there soon.
+_QUICK_FIRST: Final = (
+    "Forcing", "Kinematic equations", "Constraints", "Energies", "Mass matrix", "Equations", "Linearization",
+    "Reactions",
+)  # fmt: skip
 _MOST_REACTIONS: Final = 12  # joints whose reactions are written
 _PARTS: Final = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z")
 
@@ -61,24 +58,17 @@ def equation_tabs(payload: Mapping[str, Any], report: Report) -> Answer:
     """
     options = read_options(EquationOptions, payload["options"])
     model = complete_model(payload["data"], payload["folder"])
-    chosen = _FORMULATIONS.get(options.formulation)
+    chosen = formulation_types().get(options.formulation)
     eqs = form_equations(model, chosen() if chosen else None)
     formed = eqs.formed
     report("formulas", None)
-    tabs: list[Answer] = []
-    makers: list[tuple[str, Callable[[], list[FormulaBlock]]]] = [
-        ("Equations", partial(_motion, eqs)),
-        ("Mass matrix", partial(_matrices, eqs, ("mass_matrix", "M", "Mass matrix"))),
-        ("Forcing", partial(_matrices, eqs, ("forcing", "F", "Forcing"))),
-        ("Constraints", partial(_constraints, eqs)),
-        ("Kinematic equations", partial(_rates, eqs)),
-        ("Reactions", partial(_reactions, eqs)),
-        ("Linearization", partial(_linear, eqs)),
-        ("Energies", partial(_energies, eqs)),
-    ]
-    for name, make in makers:
-        report(f"formulas: {name.lower()}", None)
-        tabs.append(_tab(eqs, name, make))
+    written: dict[str, Answer] = {}
+    makers = _makers(eqs)
+    for name in _QUICK_FIRST:
+        report(f"writing: {name.lower()}", None)
+        written[name] = _tab(eqs, name, makers[name])
+        report(f"writing: {name.lower()}", None, {**written[name], "place": _ORDER.index(name)})
+    tabs = [written[name] for name in _ORDER]
     report("sources of terms", None)
     if tabs[0]["blocks"] and _is_short(eqs):
         tabs[0]["blocks"] = [_with_sources(eqs, to_data(model), payload["folder"])]
@@ -89,6 +79,20 @@ def equation_tabs(payload: Mapping[str, Any], report: Report) -> Answer:
         "speeds": list(eqs.speed_names),
         "coordinates": list(eqs.coordinate_names),
         "multipliers": list(eqs.multiplier_names),
+    }
+
+
+def _makers(eqs: EquationSet) -> dict[str, Callable[[], list[FormulaBlock]]]:
+    """Return what writes each tab."""
+    return {
+        "Equations": partial(_motion, eqs),
+        "Mass matrix": partial(_matrices, eqs, ("mass_matrix", "M", "Mass matrix")),
+        "Forcing": partial(_matrices, eqs, ("forcing", "F", "Forcing")),
+        "Constraints": partial(_constraints, eqs),
+        "Kinematic equations": partial(_rates, eqs),
+        "Reactions": partial(_reactions, eqs),
+        "Linearization": partial(_linear, eqs),
+        "Energies": partial(_energies, eqs),
     }
 
 
@@ -142,7 +146,7 @@ def _motion(eqs: EquationSet) -> list[FormulaBlock]:
 
 
 def _motion_block(eqs: EquationSet, spans: tuple[Mapping[int, str], ...]) -> FormulaBlock:
-    sides = equation_sides(eqs) if _is_short(eqs) else _plain_sides(eqs)
+    sides = equation_sides(eqs.textbook) if _is_short(eqs) else _plain_sides(eqs)
     left, right = tuple(a for a, _ in sides), tuple(b for _, b in sides)
     return FormulaBlock("Equations of motion", right, left, output="xdot", spans=spans)
 

@@ -8,10 +8,10 @@ from typing import Any, Final
 
 from symbody.analysis.assembly import assemble
 from symbody.builder.file_names import file_stem
+from symbody.builder.task_failure import Report
 from symbody.builder.tasks.equations import equation_tabs
 from symbody.builder.tasks.reading import complete_model
 from symbody.builder.tasks.simulation import kept_run
-from symbody.builder.worker_process import Report
 from symbody.codegen.compile import generate_code
 from symbody.equations.form import form_equations
 from symbody.formats.python_script import model_to_script
@@ -52,7 +52,7 @@ def _c(payload: Mapping[str, Any]) -> str:
 
 def _latex(payload: Mapping[str, Any]) -> str:
     """Return a document with all equations that are short enough to be read."""
-    tabs = equation_tabs({**payload, "options": {}}, lambda stage, percent: None)["tabs"]
+    tabs = equation_tabs({**payload, "options": {}}, lambda *_: None)["tabs"]
     lines = [_PREAMBLE, f"\\title{{{_plain(str(payload['data'].get('name') or 'Model'))}}}", "\\date{}"]
     lines += ["\\begin{document}", "\\maketitle"]
     for tab in tabs:

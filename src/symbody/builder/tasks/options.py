@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from symbody.builder.page_problems import page_problem
-from symbody.builder.worker_process import TaskFailure
+from symbody.builder.task_failure import TaskFailure
+from symbody.equations.formulations.registry import formulation_types
 from symbody.errors import Problem
 
 Options = TypeVar("Options", bound="JobOptions")
@@ -24,7 +25,15 @@ class JobOptions(BaseModel):
 class EquationOptions(JobOptions):
     """How equations are formed."""
 
-    formulation: Literal["", "virtual_work", "newton_euler", "lagrange", "recursive"] = ""
+    formulation: str = ""
+
+    @field_validator("formulation")
+    @classmethod
+    def check_formulation(cls, word: str) -> str:
+        """Refuse a formulation that does not exist."""
+        if word and word not in formulation_types():
+            raise ValueError(f"there is no formulation {word!r}; there are {', '.join(formulation_types())}")
+        return word
 
 
 class SimulateOptions(JobOptions):

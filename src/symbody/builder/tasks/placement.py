@@ -11,13 +11,16 @@ from numpy.typing import NDArray
 
 from symbody.analysis.assembly import assemble
 from symbody.analysis.state import State
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.graph.topology import Topology
+from symbody.model.element import FrameRef
+from symbody.model.joint import Joint
 from symbody.model.model import Model
+from symbody.visual.scene.basis import scene_basis
 from symbody.visual.scene.body_poses import chain_of
-from symbody.visual.scene.from_model import make_scene
-from symbody.visual.scene.numbers import ModelNumbers, model_numbers
+from symbody.visual.scene.from_model import draw_scene
+from symbody.visual.scene.numbers import model_numbers
 from symbody.visual.scene.poses import (
     RigidTransform,
     body_transforms,
@@ -45,16 +48,52 @@ def placed_motion(
     parameters : mapping of name to number or formula
         Take the place of the model's values.
     """
-    transforms = _from_joints(eqs.formed.topology, model_numbers(eqs.model, parameters), positions)
+    numbers = model_numbers(eqs.model, parameters)
+    steps = {
+        joint.name: joint_transform(joint, numbers, joint_coordinates(joint, numbers, positions))
+        for joint in _branches(eqs.formed.topology)
+    }
+    return _stand(eqs, positions, parameters, frame_transforms(eqs.model, numbers), steps, names)
+
+
+def drawn_at(
+    eqs: EquationSet, positions: Mapping[str, float], parameters: Mapping[str, Value] = _NONE
+) -> tuple[Scene, SceneMotion]:
+    """Return the shapes of a mechanism that stands in a configuration at the start, and where its bodies are.
+
+    Parameters
+    ----------
+    parameters : mapping of name to number or formula
+        Take the place of the model's values.
+    """
+    basis = scene_basis(eqs.model, model_numbers(eqs.model, parameters), _courses(positions))
+    names = scene_bodies(eqs.model)
+    return draw_scene(basis), _stand(eqs, positions, parameters, basis.frames, basis.steps, names)
+
+
+def draw_unassembled(model: Model) -> tuple[Scene, SceneMotion]:
+    """Return the shapes of a mechanism without equations, and where its initial values put its bodies."""
+    basis = scene_basis(model, model_numbers(model, {}))
+    return draw_scene(basis), one_sample(basis.bodies, scene_bodies(model))
+
+
+def _courses(positions: Mapping[str, float]) -> dict[str, Floats]:
+    return {name: np.array([value]) for name, value in positions.items()}
+
+
+def _stand(
+    eqs: EquationSet,
+    positions: Mapping[str, float],
+    parameters: Mapping[str, Value],
+    frames: Mapping[FrameRef, RigidTransform],
+    steps: Mapping[str, RigidTransform],
+    names: tuple[str, ...],
+) -> SceneMotion:
+    """Return where bodies stand: by the joints of both trees, or by outputs where these differ."""
+    transforms = body_transforms(_branches(eqs.formed.topology), frames, steps)
     if not transforms.keys() >= set(names):
         return _from_outputs(assemble(eqs, guess=dict(positions), parameters=parameters), names)
     return one_sample(transforms, names)
-
-
-def scene_at(model: Model, positions: Mapping[str, float], parameters: Mapping[str, Value] = _NONE) -> Scene:
-    """Return the shapes of a mechanism that stands in a configuration at the start."""
-    courses = {name: np.array([value]) for name, value in positions.items()}
-    return make_scene(model, parameters, courses)
 
 
 def one_sample(transforms: Mapping[str, RigidTransform], names: tuple[str, ...]) -> SceneMotion:
@@ -70,20 +109,10 @@ def scene_bodies(model: Model) -> tuple[str, ...]:
     return tuple(body.name for body in model.bodies)
 
 
-def _from_joints(
-    topology: Topology, numbers: ModelNumbers, values: Mapping[str, float]
-) -> dict[str, RigidTransform]:
-    """Return the bodies that joints in both trees lead to."""
-    joints = [
-        joint
-        for joint in topology.joints
-        if joint.name in topology.rotation_branches and joint.name in topology.translation_branches
-    ]
-    steps = {
-        joint.name: joint_transform(joint, numbers, joint_coordinates(joint, numbers, values))
-        for joint in joints
-    }
-    return body_transforms(joints, frame_transforms(topology.model, numbers), steps)
+def _branches(topology: Topology) -> list[Joint]:
+    """Return the joints that are in both trees."""
+    inside = topology.rotation_branches & topology.translation_branches
+    return [joint for joint in topology.joints if joint.name in inside]
 
 
 def _from_outputs(state: State, names: tuple[str, ...]) -> SceneMotion:

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from symbody.builder.page_problems import page_problems
-from symbody.builder.tasks.check import known_solver
+from symbody.builder.task_failure import Report, TaskFailure
+from symbody.builder.tasks.mechanisms import solver_of
 from symbody.builder.tasks.placement import placed_motion, scene_bodies
-from symbody.builder.tasks.reading import complete_model, model_key
-from symbody.builder.worker_process import Report, TaskFailure
+from symbody.builder.tasks.reading import complete_model
 from symbody.errors import SymbodyError
 
 
@@ -24,7 +24,7 @@ def find_pose(payload: Mapping[str, Any], report: Report) -> dict[str, Any]:
     data, folder = payload["data"], payload["folder"]
     model = complete_model(data, folder)
     try:
-        solver = known_solver(model, model_key(data, folder))
+        solver = solver_of(data, folder, model)
         eqs = solver.eqs
         names = set(eqs.coordinate_names)
         fixed = {name: value for name, value in payload["fixed"].items() if name in names}

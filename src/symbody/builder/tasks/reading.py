@@ -11,7 +11,7 @@ from threading import Lock
 from typing import Any, Final, Generic, TypeVar
 
 from symbody.builder.page_problems import PageProblem, page_problems, pointer_parts
-from symbody.builder.worker_process import TaskFailure
+from symbody.builder.task_failure import TaskFailure
 from symbody.errors import SymbodyError
 from symbody.formats.native import from_data
 from symbody.model.model import KINDS, Model
@@ -49,6 +49,9 @@ class Latest(Generic[Value]):
         return value
 
 
+_MODELS: Final[Latest[Model]] = Latest(4)
+
+
 @dataclass(frozen=True, slots=True)
 class ReadModel:
     """A model under construction.
@@ -80,7 +83,7 @@ def complete_model(data: Mapping[str, Any], folder: str) -> Model:
         With all problems, if they are none.
     """
     try:
-        return from_data(data, folder=folder)
+        return _MODELS.get(model_key(data, folder), lambda: from_data(data, folder=folder))
     except SymbodyError as error:
         raise TaskFailure(page_problems(error.problems, data)) from None
 

@@ -8,10 +8,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from symbody.builder.task_failure import Report
 from symbody.builder.tasks.json_values import curve, finite
 from symbody.builder.tasks.options import SimulateOptions, read_options
 from symbody.builder.tasks.reading import complete_model
-from symbody.builder.worker_process import Report
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.form import form_equations
 from symbody.equations.outputs.joint_outputs import effort_names

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from symbody.builder.task_failure import Report
 from symbody.builder.tasks.json_values import curve, finite
 from symbody.builder.tasks.options import SweepOptions, read_options
 from symbody.builder.tasks.reading import complete_model
 from symbody.builder.tasks.simulation import PipeProgress
-from symbody.builder.worker_process import Report
 from symbody.equations.form import form_equations
 from symbody.simulation.sweeps.sweep import sweep
 from symbody.visual.scene.json_form import encode_array

@@ -70,7 +70,7 @@ def _terms(eqs: EquationSet) -> list[Term]:
     graph = eqs.formed.graph
     listed = [
         (row, node)
-        for row, sides in enumerate(equation_sides(eqs))
+        for row, sides in enumerate(equation_sides(eqs.textbook))
         for side in sides
         for _, node in signed_terms(graph, side)
         if node != ZERO
@@ -81,7 +81,7 @@ def _terms(eqs: EquationSet) -> list[Term]:
 def _rows(eqs: EquationSet) -> list[Monomials]:
     """Return each equation multiplied out, everything on its left side."""
     graph = eqs.formed.graph
-    nodes = [sub(graph, left, right) for left, right in equation_sides(eqs)]
+    nodes = [sub(graph, left, right) for left, right in equation_sides(eqs.textbook)]
     products = monomials(graph, nodes)
     return [products[node] for node in nodes]
 

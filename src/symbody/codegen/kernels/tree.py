@@ -196,16 +196,31 @@ class KernelTree:
 
 # Contents
 
+# Names of fields by class, None for what is no node: finding them takes longer than all the rest.
+_FIELDS: Final[dict[type, tuple[str, ...] | None]] = {}
+
 
 def walk(node: object) -> Iterator[object]:
-    """Yield a node of a tree, or each of several, and all nodes below."""
-    if isinstance(node, tuple):
-        for item in node:
-            yield from walk(item)
-    elif is_dataclass(node):
-        yield node
-        for entry in fields(node):
-            yield from walk(getattr(node, entry.name))
+    """Yield a node of a tree, or each of several, and all nodes below, each before those below it."""
+    waiting = [node]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, tuple):
+            waiting.extend(reversed(node))
+            continue
+        kind = type(node)
+        if kind not in _FIELDS:
+            _FIELDS[kind] = _inner_fields(kind) if is_dataclass(kind) else None
+        names = _FIELDS[kind]
+        if names is not None:
+            yield node
+            waiting.extend(getattr(node, name) for name in names)
+
+
+def _inner_fields(kind: type) -> tuple[str, ...]:
+    """Return the fields of a class of nodes that may hold nodes, the last one first."""
+    leaves = {"str", "bool", "Type", "Type | None", "float | int"}
+    return tuple(entry.name for entry in reversed(fields(kind)) if entry.type not in leaves)
 
 
 def variable_names(node: object) -> set[str]:

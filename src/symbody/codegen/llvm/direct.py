@@ -20,10 +20,12 @@ NAME: Final = "symbody_direct"
 ARGUMENTS: Final = ("t", "q", "u", "r", "p")
 
 # The arguments of the function, 8 bytes each, in this order: from `size_q` on numbers, before that addresses;
-# `time` is room for the time.
+# `time` is room for the time, `parameters` has room for p at its beginning, and at `current` is a number that
+# is not 0 where `constants` belong to what stands there.
 SETTINGS: Final = (
-    "code", "constants", "work", "make_result", "array_type", "number_type", "float_type", "float64_type",
-    "no_values", "none", "call", "take", "drop", "time", "size_q", "size_u", "size_r", "size_p",
+    "code", "head", "constants", "parameters", "current", "work", "make_result", "array_type", "number_type",
+    "float_type", "float64_type", "no_values", "none", "call", "take", "drop", "time", "size_q", "size_u",
+    "size_r", "size_p",
 )  # fmt: skip
 
 # Bytes from the beginning of an object: its type; of an array: data, axes, shape, strides, type of entries,
@@ -39,7 +41,7 @@ class Direct:
         key = written_by() and written_by() + environment().encode() + NAME.encode()
         module = read_module(key)
         if module is None:
-            module = Module(tuple(object_codes([text()], THOROUGH)), 0, calls_runtime=False)
+            module = Module(tuple(object_codes([text()], THOROUGH)), 0, ())
             store_module(key, module)
         builder = binding.JITLibraryBuilder().add_object_img(module.codes[0])
         linker = binding.create_lljit_compiler(target_machine(), use_jit_link=SMALL)
@@ -69,6 +71,7 @@ def text() -> str:
     lines += _time_is_a_float()
     for name in ARGUMENTS[1:]:
         lines += _is_array(name)
+    lines += _constants_of_parameters()
     lines += [
         "%result = call ptr %call(ptr %make_result)",
         "%lost = icmp eq ptr %result, null",
@@ -81,7 +84,7 @@ def text() -> str:
         "%t.value = load double, ptr %t.value.at",
         "store double %t.value, ptr %time.at",
     ]
-    for name in ARGUMENTS[1:]:  # an empty tuple has something there too, which is not read
+    for name in ARGUMENTS[1:-1]:  # an empty tuple has something there too, which is not read
         lines += _field(f"{name}.data", name, _DATA)
     data = ", ".join(f"ptr %{name}.data" for name in ARGUMENTS[1:])
     lines += [
@@ -99,6 +102,55 @@ def text() -> str:
         "}",
     ]
     return "\n".join(lines) + "\n"
+
+
+def _constants_of_parameters() -> Iterator[str]:
+    """Yield the lines that compute the constants where p differs from that of the call before.
+
+    Parameters are compared as bits, so that one that is no number is equal to itself, and 0 not to -0.
+    """
+    yield from _field("p.data", "p", _DATA)
+    yield "%headless = icmp eq ptr %head, null"
+    yield "br i1 %headless, label %ready, label %compare"
+    yield "compare:"
+    yield "%current.value = load i64, ptr %current"
+    yield "%stale = icmp eq i64 %current.value, 0"
+    yield "br i1 %stale, label %renew, label %next.p"
+    yield "next.p:"
+    yield "%k = phi i64 [0, %compare], [%k.after, %same.p]"
+    yield "%over = icmp eq i64 %k, %size_p"
+    yield "br i1 %over, label %ready, label %look.p"
+    yield "look.p:"
+    yield "%given.at = getelementptr i64, ptr %p.data, i64 %k"
+    yield "%kept.at = getelementptr i64, ptr %parameters, i64 %k"
+    yield "%given.p = load i64, ptr %given.at"
+    yield "%kept.p = load i64, ptr %kept.at"
+    yield "%equal.p = icmp eq i64 %given.p, %kept.p"
+    yield "br i1 %equal.p, label %same.p, label %renew"
+    yield "same.p:"
+    yield "%k.after = add i64 %k, 1"
+    yield "br label %next.p"
+    yield "renew:"
+    yield "br label %copy.p"
+    yield "copy.p:"
+    yield "%j = phi i64 [0, %renew], [%j.after, %move.p]"
+    yield "%copied = icmp eq i64 %j, %size_p"
+    yield "br i1 %copied, label %derive, label %move.p"
+    yield "move.p:"
+    yield "%from.at = getelementptr i64, ptr %p.data, i64 %j"
+    yield "%to.at = getelementptr i64, ptr %parameters, i64 %j"
+    yield "%moved = load i64, ptr %from.at"
+    yield "store i64 %moved, ptr %to.at"
+    yield "%j.after = add i64 %j, 1"
+    yield "br label %copy.p"
+    yield "derive:"
+    yield "store i64 0, ptr %current"
+    nothing = ", ".join(["ptr %time"] * 4)
+    yield f"%derived = call i32 %head({nothing}, ptr %parameters, ptr null, ptr %constants, ptr %work)"
+    yield from _next("derived.well", "icmp eq i32 %derived, 0")
+    yield "store i64 1, ptr %current"
+    yield "br label %ready"
+    yield "ready:"
 
 
 def _field(name: str, of: str, offset: int, kind: str = "ptr") -> Iterator[str]:

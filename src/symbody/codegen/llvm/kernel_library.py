@@ -10,7 +10,8 @@ import llvmlite.binding as binding
 from symbody.codegen.kernels.llvm_kernels import kernel_name, llvm_text
 from symbody.codegen.kernels.reader import read_kernels, read_text
 from symbody.codegen.kernels.tree import KernelTree
-from symbody.codegen.llvm.machine import SMALL, environment, lanes, optimized_code, target_machine
+from symbody.codegen.llvm.machine import environment, lanes, optimized_code
+from symbody.codegen.llvm.runtime import load
 from symbody.codegen.llvm.stored_module import Module, read_module, store_module, written_by
 
 _LIBRARIES: Final[list[binding.ResourceTracker]] = []  # functions live as long as these
@@ -22,27 +23,25 @@ def load_kernels(module: str, names: Sequence[str]) -> Mapping[str, int]:
     key = key and key + environment().encode()
     stored = read_module(key)
     if stored is None:
-        code = optimized_code(llvm_text(read_kernels(module, *names), names, lanes=lanes()))
-        stored = Module((code,), 0, calls_runtime=False)
+        stored = Module(
+            (optimized_code(llvm_text(read_kernels(module, *names), names, lanes=lanes())),), 0, ()
+        )
         store_module(key, stored)
-    return _link(stored.codes[0], module, names)
+    return _addresses(stored, names)
 
 
 def compile_kernels(text: str, file: str) -> Mapping[str, int]:
     """Return the addresses of all kernels of a text, valid as long as the process lives."""
-    return compile_trees(read_text(text, file), file)
+    return compile_trees(read_text(text, file))
 
 
-def compile_trees(kernels: Mapping[str, KernelTree], file: str = "kernels") -> Mapping[str, int]:
+def compile_trees(kernels: Mapping[str, KernelTree]) -> Mapping[str, int]:
     """Return the addresses of kernels, valid as long as the process lives."""
-    return _link(optimized_code(llvm_text(kernels, tuple(kernels), lanes=lanes())), file, tuple(kernels))
+    code = optimized_code(llvm_text(kernels, tuple(kernels), lanes=lanes()))
+    return _addresses(Module((code,), 0, ()), tuple(kernels))
 
 
-def _link(code: bytes, title: str, names: Sequence[str]) -> Mapping[str, int]:
-    """Bring object code into memory."""
-    builder = binding.JITLibraryBuilder().add_current_process().add_object_img(code)
-    for name in names:
-        builder.export_symbol(kernel_name(name))
-    library = builder.link(binding.create_lljit_compiler(target_machine(), use_jit_link=SMALL), title)
+def _addresses(module: Module, names: Sequence[str]) -> Mapping[str, int]:
+    library = load(module, *map(kernel_name, names))
     _LIBRARIES.append(library)
     return {name: int(library[kernel_name(name)]) for name in names}

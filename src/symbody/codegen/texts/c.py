@@ -17,7 +17,7 @@ from symbody.codegen.lowering import integer_exponent, power_products
 from symbody.codegen.pieces import PIECE_SIZE, Piece, Plan, argument_places, plan_pieces
 from symbody.errors import CompileError, Problem
 from symbody.expr import opcodes as op
-from symbody.expr.sequence import Operation, Sequence
+from symbody.expr.sequence import Input, Operation, Sequence
 
 GROUPS: Final = ("t", "q", "u", "r", "p", "c")
 
@@ -131,9 +131,12 @@ def _header(
     yield f" * int {name}({', '.join(GROUPS)}, out, work) computes {sequence.output_size} numbers"
     yield f" * in {sequence.operation_count} operations. Written by symbody."
     yield " *"
-    yield " * Inputs: place, identifier, name"
-    for entry, word in zip(sequence.inputs, words, strict=True):
+    yield " * Inputs: place, identifier, name; of t, q, u, r and p what is not listed is not read"
+    listed = sorted(zip(sequence.inputs, words, strict=True), key=lambda pair: _place(pair[0]))
+    for entry, word in listed:
         yield f" *   {entry.group}[{entry.position}]  {word}  {quote_name(shown[entry.name])}"
+    if all(entry.group != "c" for entry, _ in listed):
+        yield " *   c is not read: it is for symbody's own calls; pass NULL"
     yield " * Outputs: first place, shape, name; row-major"
     place = 0
     for output in sequence.outputs:
@@ -145,6 +148,11 @@ def _header(
     yield " * not read may be NULL. Returns 0, or k + 1 if the linear system of kernel k has no solution;"
     yield " * what depends on it is NaN then."
     yield " */"
+
+
+def _place(entry: Input) -> tuple[int, int]:
+    """Return what inputs are listed by: t, q, u, r, p, c, and the places in each."""
+    return GROUPS.index(entry.group), entry.position
 
 
 def _interface(plan: Plan, name: str) -> Iterator[str]:

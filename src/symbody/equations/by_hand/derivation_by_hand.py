@@ -47,7 +47,7 @@ def derive_by_hand(
     ----------
     model : Model
         Its bodies, parameters and inputs; see `form`.
-    mechanism : HandPlaced
+    mechanism : MechanismByHand
         In coordinates, inputs and parameters, each of its kind.
     coordinates : sequence of str
         In the order of q.
@@ -67,14 +67,14 @@ def derive_by_hand(
     system = MultibodySystem(
         names=model_names(graph, model.parameters, model.inputs, coordinates),
         topology=Topology(model, (), SpanningTree((), ()), SpanningTree((), ()), ()),
-        uses=(),
+        joint_roles=(),
         variables=variables,
         kinematics=kinematics,
         bodies=tuple(
             Inertia(body.name, body.mass, symmetric_split(body.name, body.tensor)) for body in placed.bodies
         ),
         loads=loads_by_hand(placed, kinematics, frames),
-        armatures={},
+        rotors={},
         rows=rows,
     )
     return EquationsOfMotion.of_system(

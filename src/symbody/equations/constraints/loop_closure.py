@@ -13,7 +13,12 @@ from dataclasses import dataclass, replace
 
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation, scalar_equation
 from symbody.equations.kinematics.frame_placement import joint_shift, predicted_frame
-from symbody.equations.kinematics.joint_axes import complete_axes, free_directions, perpendiculars, unit_axes
+from symbody.equations.kinematics.joint_axes import (
+    complete_axes,
+    free_directions,
+    perpendiculars,
+    unit_axes,
+)
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import JointRole, axis_rotations
@@ -26,45 +31,45 @@ from symbody.spatial.vector import ZERO, Vector, cross, dot, vector
 _Pair = tuple[str, Triple, Triple]
 
 
-def loop_closure_equations(names: Names, kinematics: Kinematics, use: JointRole) -> list[ConstraintEquation]:
+def loop_closure_equations(names: Names, kinematics: Kinematics, role: JointRole) -> list[ConstraintEquation]:
     """Return the rows of a joint that is not in both trees.
 
     They are counted as they come: locked translations, locked rotations, then the coordinates in use.
     """
-    joint = use.joint
+    joint = role.joint
     closing = _LoopClosure(kinematics, joint)
     locked: list[ConstraintEquation] = []
     measured: list[ConstraintEquation] = []
-    if not use.in_translation:
+    if not role.in_translation:
         free = free_directions(names, joint)
         shift = joint_shift(names, joint)
         tied = shift if joint.coupled_coordinates else ZERO
         locked += [
             closing.translation_equation(direction, tied) for direction in complete_axes(names.graph, free)
         ]
-        if use.has_displacements:
+        if role.has_displacements:
             measured += [closing.translation_equation(direction, shift) for direction in free]
-    if not use.in_rotation:
-        pairs, extra = _axis_pairs(names, use)
+    if not role.in_rotation:
+        pairs, extra = _axis_pairs(names, role)
         locked += [closing.rotation_equation(*pair) for pair in pairs]
-        locked += [closing.twist_equation(*axes) for axes in _shaft(names, use)]
+        locked += [closing.twist_equation(*axes) for axes in _shaft(names, role)]
         measured += [closing.rotation_equation(*pair) for pair in extra]
     rows = enumerate([*locked, *measured], start=1)
     return [replace(row, name=f"lambda_{joint.name}_{k}") for k, row in rows]
 
 
-def assembly_mode(names: Names, kinematics: Kinematics, use: JointRole) -> list[Expr]:
+def assembly_mode(names: Names, kinematics: Kinematics, role: JointRole) -> list[Expr]:
     """Return the cosines between axes that coincide where a cut joint is closed.
 
     Its rows are products of perpendicular axes and hold for opposite ones too.
     """
-    joint, tree = use.joint, kinematics.tree
-    if use.in_rotation:
+    joint, tree = role.joint, kinematics.tree
+    if role.in_rotation:
         return []
     start, end = joint.start.full_name, joint.end.full_name
     turns = axis_rotations(names, joint.turns(), f"joint {joint.name}")
     axes = list(unit_axes(names.graph))
-    if use.has_angles and joint.quaternion is None:
+    if role.has_angles and joint.quaternion is None:
         start = predicted_frame(joint.name)
     elif len(turns) == 1:
         axes = [turns[0].axis]
@@ -79,14 +84,16 @@ def assembly_mode(names: Names, kinematics: Kinematics, use: JointRole) -> list[
     return [dot(tree, vector(homes[0], axis), vector(homes[1], axis)) for axis in axes]
 
 
-def motion_equations(names: Names, kinematics: Kinematics, use: JointRole) -> list[ConstraintEquation]:
+def motion_equations(names: Names, kinematics: Kinematics, role: JointRole) -> list[ConstraintEquation]:
     """Return the rows of motions that are constraints on coordinates of the tree."""
     rows = []
-    motions = {name: motion for name, motion in use.joint.motions.items() if name in use.unknown_coordinates}
+    motions = {
+        name: motion for name, motion in role.joint.motions.items() if name in role.unknown_coordinates
+    }
     for k, (coordinate, motion) in enumerate(motions.items(), start=1):
-        value = names.value(coordinate) - names.expression(motion, f"joint {use.joint.name}")
-        name = f"lambda_{use.joint.name}_motion" + (f"_{k}" if len(motions) > 1 else "")
-        row = scalar_equation(kinematics, name, use.joint.name, value)
+        value = names.value(coordinate) - names.expression(motion, f"joint {role.joint.name}")
+        name = f"lambda_{role.joint.name}_motion" + (f"_{k}" if len(motions) > 1 else "")
+        row = scalar_equation(kinematics, name, role.joint.name, value)
         rows.append(replace(row, coordinate=coordinate))
     return rows
 
@@ -171,18 +178,18 @@ class _LoopClosure:
         )
 
 
-def _axis_pairs(names: Names, use: JointRole) -> tuple[list[_Pair], list[_Pair]]:
+def _axis_pairs(names: Names, role: JointRole) -> tuple[list[_Pair], list[_Pair]]:
     """Return what stays perpendicular: for the rotations that a joint locks, and for its known angles.
 
     Each pair is an axis of a frame and an axis of the end frame. A known angle is compared by the sine
     of a difference, so that it may count turns.
     """
-    joint = use.joint
+    joint = role.joint
     graph = names.graph
     start, guess = joint.start.full_name, predicted_frame(joint.name)
     x, y, z = unit_axes(graph)
     turns = axis_rotations(names, joint.turns(), f"joint {joint.name}")
-    if use.has_angles and len(turns) != 1:
+    if role.has_angles and len(turns) != 1:
         return [], [(guess, x, y), (guess, y, z), (guess, z, x)]
     if joint.quaternion is not None or len(turns) == 3:  # free to turn, or but for the twist
         return [], []
@@ -192,14 +199,14 @@ def _axis_pairs(names: Names, use: JointRole) -> tuple[list[_Pair], list[_Pair]]
         return [(start, turns[0].axis, turns[1].axis)], []
     axis = turns[0].axis
     first, second = perpendiculars(graph, axis)
-    return [(start, first, axis), (start, second, axis)], [(guess, second, first)] if use.has_angles else []
+    return [(start, first, axis), (start, second, axis)], [(guess, second, first)] if role.has_angles else []
 
 
-def _shaft(names: Names, use: JointRole) -> list[tuple[Triple, Triple]]:
+def _shaft(names: Names, role: JointRole) -> list[tuple[Triple, Triple]]:
     """Return the axes across the shafts of a joint without twist whose angles are not known, else nothing."""
-    if use.has_angles or not use.joint.is_untwisted:
+    if role.has_angles or not role.joint.is_untwisted:
         return []
-    axis = axis_rotations(names, use.joint.turns(), f"joint {use.joint.name}")[0].axis
+    axis = axis_rotations(names, role.joint.turns(), f"joint {role.joint.name}")[0].axis
     return [perpendiculars(names.graph, axis)]
 
 

@@ -31,9 +31,9 @@ class MechanismConstraints(NamedTuple):
 
     Attributes
     ----------
-    rows : list of Row
+    rows : list of ConstraintEquation
         Without those that hold identically, holonomic ones first.
-    redundant : list of Row
+    redundant : list of ConstraintEquation
         Those that hold identically, without slopes: nothing follows from them, but they bear loads.
     notes : tuple of str
     """
@@ -44,7 +44,7 @@ class MechanismConstraints(NamedTuple):
 
 
 def form_constraints(
-    topology: Topology, names: Names, kinematics: Kinematics, uses: Sequence[JointRole]
+    topology: Topology, names: Names, kinematics: Kinematics, roles: Sequence[JointRole]
 ) -> MechanismConstraints:
     """Return the constraints of a mechanism.
 
@@ -56,10 +56,10 @@ def form_constraints(
     """
     rows = [
         row
-        for use in uses
+        for role in roles
         for row in (
-            *loop_closure_equations(names, kinematics, use),
-            *motion_equations(names, kinematics, use),
+            *loop_closure_equations(names, kinematics, role),
+            *motion_equations(names, kinematics, role),
         )
     ]
     for condition in topology.model.constraints:
@@ -71,7 +71,7 @@ def form_constraints(
         for row, zero in zip(rows, _find_identities(kinematics.graph, rows), strict=True)
     ]
     kept = [row for row, zero in zip(rows, gone, strict=True) if not zero]
-    problems = list(_impossible_problems(topology, kinematics.graph, kept, uses))
+    problems = list(_impossible_problems(topology, kinematics.graph, kept, roles))
     if problems:
         raise FormulationError(*problems)
     lost = [row for row, zero in zip(rows, gone, strict=True) if zero]
@@ -105,14 +105,14 @@ def _size(topology: Topology) -> float:
 
 
 def _impossible_problems(
-    topology: Topology, graph: Graph, rows: Sequence[ConstraintEquation], uses: Sequence[JointRole]
+    topology: Topology, graph: Graph, rows: Sequence[ConstraintEquation], roles: Sequence[JointRole]
 ) -> Iterator[Problem]:
     """Return a problem for each row that no motion fulfils.
 
     A constraint on parameters alone is checked with their values: `check_parameter_constraints`.
     """
     kinds = dependence(graph, [row.value.index for row in rows])
-    driven = ", ".join(name for use in uses for name in use.prescribed_coordinates)
+    driven = ", ".join(name for role in roles for name in role.prescribed_coordinates)
     for row, is_idle in zip(rows, _find_speedless(graph, rows), strict=True):
         where = f"{_kind(topology, row)} {row.element}"
         inside = kinds[row.value.index]

@@ -20,7 +20,7 @@ class PointForce:
     ----------
     frame : str
         A frame of the body.
-    arm : Vector
+    position : Vector
         From the frame's origin to the point the force acts in.
     """
 
@@ -45,10 +45,10 @@ class PointToPointForce:
     ----------
     start, end : str
         Frames whose origins are the points.
-    arm : Vector
+    position : Vector
         From start to end.
     factor : Expr
-        The force on end is `factor` times `arm`.
+        The force on end is `factor` times `position`.
     """
 
     start: str
@@ -87,7 +87,7 @@ class Law:
         Its energy, as far as it has one [J].
     power : Expr
         Of the loads without potential [W].
-    rest : tuple of Load or None
+    without_potential : tuple of Load or None
         The loads without potential; None: all of `loads`.
     efforts, measures : mapping of name to Expr
         The value of "effort NAME", and of other outputs by their whole names.

@@ -35,7 +35,7 @@ class SpeedElimination:
     ----------
     speeds, dependent : tuple of Symbol
         All speeds, and the dependent ones in the order of the columns of J_d.
-    rows : tuple of Row
+    rows : tuple of ConstraintEquation
         The rows eliminated, in all speeds.
     given : mapping of multiplier to (mapping of node to Expr, Expr)
         Slopes and rests, in all speeds, of all rows and of those that hold joints with friction.

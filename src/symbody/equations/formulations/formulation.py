@@ -154,7 +154,7 @@ def _outward(system: MultibodySystem) -> list[int]:
     depth: dict[str, int] = {}
     for branch in branches:
         depth.setdefault(branch.edge.name, len(depth))
-    owner = {speed.label: use.joint.name for use in system.uses for speed in use.speeds}
+    owner = {speed.label: role.joint.name for role in system.joint_roles for speed in role.speeds}
     if not owner:  # placed by hand: the order given
         return list(range(len(system.u)))
     return sorted(range(len(system.u)), key=lambda k: depth[owner[system.u[k].label]])

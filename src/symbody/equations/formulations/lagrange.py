@@ -89,7 +89,7 @@ def _kinetic_energy(system: MultibodySystem) -> Expr:
         w = vector(body.frame, spin(place.R, differentiate_matrix(graph, place.R, tangents)))
         total = total + body.mass * (x * x + y * y + z * z)
         total = total + quadratic(kinematics.tree, w, body.tensor, w)
-    for coordinate, rotor in system.armatures.items():
+    for coordinate, rotor in system.rotors.items():
         (rate,) = differentiate(graph, [system.names.value(coordinate)], tangents)
         total = total + rotor.inertia * rate**2
     return total / 2

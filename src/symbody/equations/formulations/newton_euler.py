@@ -70,7 +70,7 @@ class NewtonEulerDynamics(ProjectedDynamics):
 
     def accelerations(self, system: MultibodySystem) -> tuple[list[Expr], list[Expr]] | None:
         """Return u' and the multipliers."""
-        if system.friction or not system.uses:
+        if system.friction or not system.joint_roles:
             return None
         solution = solve_free_bodies(system)
         return solution.udot, solution.multipliers
@@ -79,7 +79,7 @@ class NewtonEulerDynamics(ProjectedDynamics):
         self, system: MultibodySystem, cut: Sequence[tuple[str, Wrench]]
     ) -> dict[str, Wrench] | None:
         """Return the total wrenches, those of branches from the solution."""
-        if system.friction or not system.uses:
+        if system.friction or not system.joint_roles:
             return None
         solution = solve_free_bodies(system)
         more = _difference(system, solution.multipliers)
@@ -163,30 +163,30 @@ class _FreeBodies:
     def _branches(self) -> Iterator[tuple[str, Wrench, _Column, Expr]]:
         """Return (joint, unit wrench, row, right-hand side) for all that joints transmit as branches."""
         graph = self.system.kinematics.graph
-        for use in self.system.uses:
-            name = use.joint.name
+        for role in self.system.joint_roles:
+            name = role.joint.name
             parts: list[tuple[Wrench, _Column]] = []
-            if use.in_translation:
-                frame, rate = self._shift_rate(use)
-                slides = self._free_motion(use, frame, rate)
-                parts += [(self._unit_force(use, frame, k), slides[k]) for k in _AXES]
-            if use.in_rotation:
-                turns = self._free_motion(use, *self._relative_angular_velocity(use))
+            if role.in_translation:
+                frame, rate = self._shift_rate(role)
+                slides = self._free_motion(role, frame, rate)
+                parts += [(self._unit_force(role, frame, k), slides[k]) for k in _AXES]
+            if role.in_rotation:
+                turns = self._free_motion(role, *self._relative_angular_velocity(role))
                 parts += [(Wrench(ZERO, unit(graph, "ground", k)), turns[k]) for k in _AXES]
             for share, speeds in parts:
                 row = self._body_columns(name, share)
                 yield name, share, {**row, **speeds}, self._bias(row)
 
-    def _shift_rate(self, use: JointRole) -> tuple[str, Triple]:
+    def _shift_rate(self, role: JointRole) -> tuple[str, Triple]:
         """Return the frame and the components of the rate of a joint's shift."""
-        kinematics, shift = self.system.kinematics, joint_shift(self.system.names, use.joint)
-        frame = next(iter(shift.terms), use.joint.start.full_name)
+        kinematics, shift = self.system.kinematics, joint_shift(self.system.names, role.joint)
+        frame = next(iter(shift.terms), role.joint.start.full_name)
         x, y, z = differentiate(kinematics.graph, components(kinematics.tree, shift, frame), flow(kinematics))
         return frame, (x, y, z)
 
-    def _unit_force(self, use: JointRole, frame: str, k: int) -> Wrench:
+    def _unit_force(self, role: JointRole, frame: str, k: int) -> Wrench:
         """Return a unit force of a joint; if its shift turns with the end, through the start's origin."""
-        tree, joint = self.system.kinematics.tree, use.joint
+        tree, joint = self.system.kinematics.tree, role.joint
         force = unit(tree.graph, "ground", k)
         if frame != joint.end.full_name or frame == joint.start.full_name:
             return Wrench(force, ZERO)
@@ -194,17 +194,17 @@ class _FreeBodies:
             force, -cross(tree, self.system.kinematics.position(joint.start.full_name, frame), force)
         )
 
-    def _relative_angular_velocity(self, use: JointRole) -> tuple[str, Triple]:
+    def _relative_angular_velocity(self, role: JointRole) -> tuple[str, Triple]:
         """Return the end frame and the angular velocity of a joint's end relative to its start."""
         kinematics = self.system.kinematics
-        R = kinematics.tree.matrix(use.joint.start.full_name, use.joint.end.full_name)
-        return use.joint.end.full_name, spin(R, differentiate_matrix(kinematics.graph, R, flow(kinematics)))
+        R = kinematics.tree.matrix(role.joint.start.full_name, role.joint.end.full_name)
+        return role.joint.end.full_name, spin(R, differentiate_matrix(kinematics.graph, R, flow(kinematics)))
 
-    def _free_motion(self, use: JointRole, frame: str, rate: Triple) -> list[_Column]:
+    def _free_motion(self, role: JointRole, frame: str, rate: Triple) -> list[_Column]:
         """Return -S for a joint's own speeds, one row for each axis of ground."""
         kinematics = self.system.kinematics
         graph, R = kinematics.graph, kinematics.tree.matrix("ground", frame)
-        speeds = [graph.symbol(symbol) for symbol in use.speeds]
+        speeds = [graph.symbol(symbol) for symbol in role.speeds]
         slopes = jacobian(graph, [x.index for x in rate], speeds)
         rows: list[_Column] = [{}, {}, {}]
         for j, u in enumerate(speeds):
@@ -302,7 +302,7 @@ class _FreeBodies:
         for load in system.loads.loads:
             if isinstance(load, GeneralizedForce):
                 self._add(forcing, self._effort_columns(load), load.effort)
-        for rotor in system.armatures.values():
+        for rotor in system.rotors.values():
             self._add_rotor(rotor, mass, forcing)
         return mass, forcing
 

@@ -31,7 +31,7 @@ def project_bodies(system: MultibodySystem) -> ProjectedDynamics:
     for load in system.loads.loads:
         for u, work in generalized_force(kinematics, load).items():
             forcing[place[u]] = forcing[place[u]] + work
-    for rotor in system.armatures.values():
+    for rotor in system.rotors.values():
         add_rotor(kinematics, rotor, mass, forcing)
     return projected_dynamics(system, mass, forcing)
 
@@ -39,7 +39,18 @@ def project_bodies(system: MultibodySystem) -> ProjectedDynamics:
 def projected_dynamics(
     system: MultibodySystem, mass: list[list[Expr]], forcing: list[Expr]
 ) -> ProjectedDynamics:
-    """Return dynamics of a mass matrix and a forcing, with the energies of the system."""
+    """Return dynamics of a mass matrix and a forcing, with the energies of the system.
+
+    Parameters
+    ----------
+    mass : list of list of Expr
+        M, both halves, in the order of ``system.kinematics.speeds``.
+    forcing : list of Expr
+        F in the same order, free of u'.
+    """
+    n = len(system.kinematics.speeds)
+    assert len(forcing) == n, f"F has {len(forcing)} entries for {n} speeds"
+    assert [len(row) for row in mass] == [n] * n, f"M is not {n} by {n}"
     begin("energy")
     return ProjectedDynamics(
         tuple(map(tuple, mass)), tuple(forcing), kinetic_energy(system), system.loads.potential_energy
@@ -55,7 +66,7 @@ def kinetic_energy(system: MultibodySystem) -> Expr:
         v = kinematics.velocities[body.frame].value
         w = kinematics.angular_velocities[body.frame].value
         total = total + body.mass * dot(tree, v, v) + quadratic(tree, w, body.tensor, w)
-    for rotor in system.armatures.values():
+    for rotor in system.rotors.values():
         total = total + rotor.inertia * rotor.rate**2
     return total / 2
 

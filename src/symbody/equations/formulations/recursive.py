@@ -61,14 +61,14 @@ class Recursive(Formulation):
     def derive(self, system: MultibodySystem) -> Dynamics:
         """Return mass matrix, forcing and accelerations by recursion, each formed on request."""
         names, kinematics, topology = system.names, system.kinematics, system.topology
-        tree = form_tree(topology, names, kinematics.rates, system.uses, align=self.aligned)
+        tree = form_tree(topology, names, kinematics.rates, system.joint_roles, align=self.aligned)
         gravity = Vector3(names.triple(topology.model.gravity, "gravity"))
         on_ground = ground_inertia(names, topology.model.bodies, tree)
         light = tree
         if self.regrouped:
             light, to_ground = base_tree(names.graph, tree)
             on_ground = on_ground + to_ground
-        rotors = tuple(system.armatures.values())
+        rotors = tuple(system.rotors.values())
         recursion = Recursion(
             topology=topology,
             kinematics=kinematics,

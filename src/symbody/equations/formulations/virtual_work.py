@@ -32,7 +32,7 @@ class VirtualWork(Formulation):
 
     def derive(self, system: MultibodySystem) -> Dynamics:
         """Return the equations of motion, joint by joint; body by body where there are no joints."""
-        return _project(system) if system.uses else project_bodies(system)
+        return _project(system) if system.joint_roles else project_bodies(system)
 
 
 def _project(system: MultibodySystem) -> ProjectedDynamics:
@@ -41,7 +41,7 @@ def _project(system: MultibodySystem) -> ProjectedDynamics:
     place = {u: j for j, u in enumerate(speeds)}
     mass = [[zero] * len(speeds) for _ in speeds]
     forcing = [zero] * len(speeds)
-    motions = _free_motions(topology, kinematics, system.uses)
+    motions = _free_motions(topology, kinematics, system.joint_roles)
     for u, j in place.items():
         inertial = {
             body.frame: _unit_wrench(kinematics, body, u)
@@ -59,29 +59,29 @@ def _project(system: MultibodySystem) -> ProjectedDynamics:
         if isinstance(load, GeneralizedForce):
             for u, slope in kinematics.speed_partials(load.rate).items():
                 forcing[place[u]] = forcing[place[u]] + slope * load.effort
-    for rotor in system.armatures.values():
+    for rotor in system.rotors.values():
         add_rotor(kinematics, rotor, mass, forcing)
     return projected_dynamics(system, mass, forcing)
 
 
 def _free_motions(
-    topology: Topology, kinematics: Kinematics, uses: Sequence[JointRole]
+    topology: Topology, kinematics: Kinematics, roles: Sequence[JointRole]
 ) -> list[tuple[str, int, Vector, Vector]]:
     """Return (joint, speed, dv, dw): how the end of a joint moves relative to its start, seen from there."""
     tree = kinematics.tree
     motions = []
-    for use in uses:
-        start, end = use.joint.start.full_name, use.joint.end.full_name
+    for role in roles:
+        start, end = role.joint.start.full_name, role.joint.end.full_name
         v, v_start = kinematics.velocities[end], kinematics.velocities[start]
         w, w_start = kinematics.angular_velocities[end], kinematics.angular_velocities[start]
         arm = kinematics.position(start, end)
-        for symbol in use.speeds:
+        for symbol in role.speeds:
             u = kinematics.graph.symbol(symbol)
-            angular = w.partial(u) - w_start.partial(u) if use.in_rotation else ZERO
+            angular = w.partial(u) - w_start.partial(u) if role.in_rotation else ZERO
             linear = ZERO
-            if use.in_translation:
+            if role.in_translation:
                 linear = v.partial(u) - v_start.partial(u) - cross(tree, w_start.partial(u), arm)
-            motions.append((use.joint.name, u, linear, angular))
+            motions.append((role.joint.name, u, linear, angular))
     return motions
 
 

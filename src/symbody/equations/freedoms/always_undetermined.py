@@ -32,7 +32,7 @@ def find_always_undetermined(formed: EquationsOfMotion) -> tuple[str, ...]:
     that share constraints which depend on each other for random values and, where the loops close with the
     values of the model, there too.
     """
-    if not formed.uses or not (formed.rows or formed.redundant):
+    if not formed.joint_roles or not (formed.rows or formed.redundant):
         return ()
     formed = _in_joint_coordinates(formed)
     certain = find_identically_undetermined(formed)

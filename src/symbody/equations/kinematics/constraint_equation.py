@@ -12,7 +12,7 @@ from symbody.spatial.vector import ZERO, Vector
 
 @dataclass(frozen=True, slots=True)
 class ConstraintEquation:
-    """One constraint ``value = 0``, ``sum of slopes u + rest = 0``, ``sum of slopes u' = gamma``.
+    """One constraint ``value = 0``, ``jacobian u + drift = 0``, ``jacobian u' = gamma``.
 
     Attributes
     ----------
@@ -22,8 +22,10 @@ class ConstraintEquation:
         The joint or constraint it belongs to.
     value : Expr
         0 where the row is not holonomic.
-    slopes : mapping of node to Expr
+    jacobian : mapping of node to Expr
         Coefficients of the speeds, zeros left out.
+    drift, gamma : Expr
+        What explicit time contributes to the rate of the row; the right-hand side of its second derivative.
     force, moment : Vector
         On the end body by the start body for a multiplier of 1, at the origin of the end frame.
     coordinate : str

@@ -25,7 +25,7 @@ def predicted_frame(joint: str) -> str:
     return f"{joint}|predicted"
 
 
-def rotation_steps(topology: Topology, names: Names, uses: Sequence[JointRole]) -> Iterator[RotationStep]:
+def rotation_steps(topology: Topology, names: Names, roles: Sequence[JointRole]) -> Iterator[RotationStep]:
     """Return how all frames are turned, outward from ground along the rotation tree."""
     model = topology.model
     yield from _rotations_of_fixed_frames(names, "ground", model.ground.items())
@@ -33,10 +33,10 @@ def rotation_steps(topology: Topology, names: Names, uses: Sequence[JointRole]) 
         yield from _rotations_of_branch(topology, names, branch)
         body = model.body(branch.child)
         yield from _rotations_of_fixed_frames(names, body.name, body.frames.items())
-    for use in uses:
-        if use.has_angles and use.joint.name not in topology.rotation_branches:
-            steps = joint_steps(names, use.joint)
-            yield RotationStep(predicted_frame(use.joint.name), use.joint.start.full_name, steps)
+    for role in roles:
+        if role.has_angles and role.joint.name not in topology.rotation_branches:
+            steps = joint_steps(names, role.joint)
+            yield RotationStep(predicted_frame(role.joint.name), role.joint.start.full_name, steps)
 
 
 def translation_steps(topology: Topology, names: Names) -> Iterator[TranslationStep]:

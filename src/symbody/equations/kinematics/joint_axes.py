@@ -10,6 +10,8 @@ from symbody.equations.kinematics.variables import axis_rotations
 from symbody.expr.calculus import derivative, gradient
 from symbody.expr.expression import Expr, number, sqrt
 from symbody.expr.graph import Graph
+from symbody.expr.rewrite import substitute
+from symbody.graph.curved_shifts import is_curved
 from symbody.model.joint import Joint
 from symbody.spatial.frame import FrameTree
 from symbody.spatial.matrix import Triple, Vector3
@@ -18,17 +20,26 @@ from symbody.spatial.vector import ZERO, Vector, cross, vector
 
 
 def free_directions(names: Names, joint: Joint) -> list[Triple]:
-    """Return the unit vectors, in the axes it shifts in, along which a joint lets the end's origin move."""
-    graph = names.graph
-    symbols = Names(graph, names.symbols, {})  # also of coordinates that are prescribed or measured
-    shift = [x.index for x in symbols.triple(joint.shift(), f"joint {joint.name}")]
-    turning = set(joint.rotation_coordinates)
-    directions = []
+    """Return perpendicular unit vectors, in the axes of the shift, along which end's origin can move.
+
+    Coordinates that turn end as well have none.
+    """
+    curved = is_curved(joint)
+    directions: list[Triple] = []
     for name in joint.translation_coordinates:
-        if name not in turning:
-            x, y, z = (Expr(graph, slope) for slope in derivative(graph, shift, symbols.value(name).index))
-            directions.append((x, y, z))
+        if name not in joint.rotation_coordinates:
+            slope = _shift_slope(names, joint, name)
+            directions.append(_perpendicular_unit(slope, directions) if curved else slope)
     return directions
+
+
+def _perpendicular_unit(direction: Triple, others: Sequence[Triple]) -> Triple:
+    """Return the unit vector of the part of a direction across perpendicular unit vectors."""
+    across = Vector3(direction)
+    for other in map(Vector3, others):
+        across = across - other * other.dot(across)
+    x, y, z = across * (1 / sqrt(across.dot(across)))
+    return (x, y, z)
 
 
 def free_displacements(names: Names, tree: FrameTree, joint: Joint) -> list[Vector]:
@@ -55,15 +66,35 @@ def coordinate_angular_velocity(names: Names, tree: FrameTree, joint: Joint, coo
 
 def coordinate_velocity(names: Names, kinematics: Kinematics, joint: Joint, coordinate: str) -> Vector:
     """Return the velocity of end's origin, as seen from start, for a unit rate of a coordinate."""
-    tree, graph = kinematics.tree, names.graph
+    tree = kinematics.tree
     start, end = joint.start.full_name, joint.end.full_name
-    symbols = Names(graph, names.symbols, {})
-    shift = [x.index for x in symbols.triple(joint.shift(), f"joint {joint.name}")]
-    x, y, z = (Expr(graph, slope) for slope in derivative(graph, shift, symbols.value(coordinate).index))
+    x, y, z = _shift_slope(names, joint, coordinate)
     if joint.shift_in == "start":
         return vector(tree.orientation_frame(start), (x, y, z))
     turn = coordinate_angular_velocity(names, tree, joint, coordinate)
     return vector(tree.orientation_frame(end), (x, y, z)) + cross(tree, turn, kinematics.position(start, end))
+
+
+def _shift_slope(names: Names, joint: Joint, coordinate: str) -> Triple:
+    """Return the derivative of a joint's shift by a coordinate, at the values that its coordinates have."""
+    graph = names.graph
+    values = {
+        graph.symbol(names.symbols[name]): names.value(name).index
+        for name in joint.coordinates
+        if name in names.values
+    }
+    slopes = [slope.index for slope in _symbolic_slope(names, joint, coordinate)]
+    x, y, z = (Expr(graph, slope) for slope in substitute(graph, slopes, values))
+    return (x, y, z)
+
+
+def _symbolic_slope(names: Names, joint: Joint, coordinate: str) -> Triple:
+    """Return the derivative of a joint's shift by a coordinate, in symbols of prescribed coordinates too."""
+    graph = names.graph
+    symbols = Names(graph, names.symbols, {})
+    shift = [x.index for x in symbols.triple(joint.shift(), f"joint {joint.name}")]
+    x, y, z = (Expr(graph, slope) for slope in derivative(graph, shift, symbols.value(coordinate).index))
+    return (x, y, z)
 
 
 def unit_axes(graph: Graph) -> tuple[Triple, Triple, Triple]:

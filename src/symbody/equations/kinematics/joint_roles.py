@@ -22,7 +22,7 @@ def joint_roles(topology: Topology) -> tuple[JointRole, ...]:
         If a formula reads an Euler parameter of a joint outside the rotation tree.
     """
     read = names_read(topology.model) | _spring_angles(topology)
-    uses = []
+    roles = []
     problems = []
     for joint in topology.joints:
         turning, sliding = (
@@ -32,19 +32,19 @@ def joint_roles(topology: Topology) -> tuple[JointRole, ...]:
         tied = bool(joint.coupled_coordinates)
         turns = turning or tied or _needs_angles(joint, read)
         slides = sliding or tied or not set(joint.motions).isdisjoint(joint.translation_coordinates)
-        uses.append(JointRole(joint, turning, sliding, turns, slides))
+        roles.append(JointRole(joint, turning, sliding, turns, slides))
         if turns and not turning and joint.quaternion is not None:
             problems.append(_quaternion_problem(joint))
     if problems:
         raise FormulationError(*problems)
-    return tuple(uses)
+    return tuple(roles)
 
 
 def names_read(model: Model) -> set[str]:
     """Return the names that the formulas of forces, springs and constraints contain."""
-    uses = (use for element in model.elements for use in element.formula_sites())
+    roles = (role for element in model.elements for role in element.formula_sites())
     reading = (Scope.LOAD, Scope.MOTION, Scope.COORDINATE)
-    return {name for use in uses if use.scope in reading for name in use.formula.names}
+    return {name for role in roles if role.scope in reading for name in role.formula.names}
 
 
 def _spring_angles(topology: Topology) -> set[str]:
@@ -58,10 +58,10 @@ def _spring_angles(topology: Topology) -> set[str]:
     }
 
 
-def is_read(use: JointRole, read: AbstractSet[str]) -> bool:
+def is_read(role: JointRole, read: AbstractSet[str]) -> bool:
     """Return whether forces need a measured coordinate of a joint, or its rate."""
-    measured = set(use.joint.coordinates).difference(use.coordinates)
-    if use.joint.friction is not None or not measured.isdisjoint({*use.joint.drives, *use.joint.armature}):
+    measured = set(role.joint.coordinates).difference(role.coordinates)
+    if role.joint.friction is not None or not measured.isdisjoint({*role.joint.drives, *role.joint.armature}):
         return bool(measured)
     return any(name in read or f"{name}_dot" in read for name in measured)
 

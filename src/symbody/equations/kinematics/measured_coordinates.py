@@ -14,34 +14,34 @@ from symbody.spatial.matrix import Triple, Vector3, identity
 from symbody.spatial.vector import Vector, cross, dot, vector
 
 
-def measure_coordinates(names: Names, kinematics: Kinematics, use: JointRole) -> dict[str, Expr]:
+def measure_coordinates(names: Names, kinematics: Kinematics, role: JointRole) -> dict[str, Expr]:
     """Return the coordinates of a joint that are neither in q nor prescribed, their first and second rates.
 
     Angles are in (-pi, pi]; a quaternion is not measured, because its sign is free. Speeds that are
     components of velocities are measured too, with their rates.
     """
     values: dict[str, Expr] = {}
-    if not use.has_displacements:
-        values |= _displacements(names, kinematics, use.joint)
-    if not use.has_angles and use.joint.quaternion is None:
-        values |= _angles(names, kinematics, use.joint)
+    if not role.has_displacements:
+        values |= _displacements(names, kinematics, role.joint)
+    if not role.has_angles and role.joint.quaternion is None:
+        values |= _angles(names, kinematics, role.joint)
     seconds = {
         f"{name}_ddot": kinematics.rate(values[f"{name}_dot"]) for name in values if f"{name}_dot" in values
     }
-    speeds = _speeds(kinematics, use)
+    speeds = _speeds(kinematics, role)
     return values | seconds | speeds | {f"{name}_dot": kinematics.rate(u) for name, u in speeds.items()}
 
 
-def _speeds(kinematics: Kinematics, use: JointRole) -> dict[str, Expr]:
+def _speeds(kinematics: Kinematics, role: JointRole) -> dict[str, Expr]:
     """Return the speeds of a joint that are components of velocities, of its parts that are not in u."""
-    joint, tree = use.joint, kinematics.tree
+    joint, tree = role.joint, kinematics.tree
     start, end = joint.start.full_name, joint.end.full_name
     values: dict[str, Expr] = {}
-    if not use.has_displacements and joint.translation_speeds is not None:
+    if not role.has_displacements and joint.translation_speeds is not None:
         swing = cross(tree, kinematics.angular_velocities[start].value, kinematics.position(start, end))
         slide = kinematics.velocities[end].value - kinematics.velocities[start].value - swing
         values |= _components(tree, joint, joint.translation_speeds, slide)
-    if not use.has_angles and joint.rotation_speeds is not None:
+    if not role.has_angles and joint.rotation_speeds is not None:
         values |= _components(
             tree, joint, joint.rotation_speeds, _relative_angular_velocity(kinematics, joint)
         )

@@ -14,7 +14,7 @@ from symbody.expr.graph import Graph
 from symbody.graph.topology import Topology
 
 
-def mechanism_names(graph: Graph, topology: Topology, uses: Iterable[JointRole]) -> Names:
+def mechanism_names(graph: Graph, topology: Topology, roles: Iterable[JointRole]) -> Names:
     """Return the names of the model, prescribed coordinates as functions of time."""
     model = topology.model
     coordinates = [name for joint in topology.joints for name in joint.coordinates]
@@ -29,9 +29,9 @@ def mechanism_names(graph: Graph, topology: Topology, uses: Iterable[JointRole])
     _check_clashes(topology, [*coordinates, *quasi])
     names = model_names(graph, model.parameters, model.inputs, coordinates, quasi)
     prescribed: dict[str, Expr] = {}
-    for use in uses:
-        for name in use.prescribed_coordinates:
-            value = names.expression(use.joint.motions[name], f"joint {use.joint.name}")
+    for role in roles:
+        for name in role.prescribed_coordinates:
+            value = names.expression(role.joint.motions[name], f"joint {role.joint.name}")
             for suffix in ("", "_dot", "_ddot"):
                 prescribed[f"{name}{suffix}"] = value
                 value = Expr(graph, time_derivative(graph, [value.index])[0])

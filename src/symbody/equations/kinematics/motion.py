@@ -1,7 +1,7 @@
 """Kinematics as a value: placement and motion of every frame relative to ground, from two trees of steps.
 
 Names: ``w`` angular velocity, ``v`` velocity; ``partials`` are the coefficients of the speeds (Kane &
-Levinson 1985, section 2.14), ``rest`` the part without speeds, ``bias`` the acceleration with u' = 0.
+Levinson 1985, section 2.14), ``drift`` the part without speeds, ``bias`` the acceleration with u' = 0.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Kinematics:
     velocities: Mapping[str, Velocity]
     angular_velocities: Mapping[str, Velocity]
     driven_frames: frozenset[str] = frozenset()
-    # Results of `arm`, kept for the next call; they follow from the shifts.
+    # Results of `position`, kept for the next call; they follow from the shifts.
     _positions: dict[tuple[str, str], Vector] = field(
         default_factory=dict, init=False, compare=False, repr=False
     )

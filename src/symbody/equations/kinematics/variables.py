@@ -23,9 +23,9 @@ class JointRole:
     ----------
     in_rotation, in_translation : bool
         Whether the joint is in the tree.
-    turns, slides : bool
+    has_angles, has_displacements : bool
         Whether its rotational, its translational coordinates are known, as unknowns or as functions of time:
-        in the tree always, elsewhere if something asks for them.
+        in the tree always, elsewhere where a formula reads them.
     """
 
     joint: Joint
@@ -109,7 +109,7 @@ class Variables:
     singularities: Mapping[str, Expr]
 
 
-def form_variables(names: Names, uses: Sequence[JointRole], added: Sequence[str] = ()) -> Variables:
+def form_variables(names: Names, roles: Sequence[JointRole], added: Sequence[str] = ()) -> Variables:
     """Return the variables of the joints in use, then the `added` coordinates of constraints."""
     graph = names.graph
     q: list[Symbol] = []
@@ -117,17 +117,17 @@ def form_variables(names: Names, uses: Sequence[JointRole], added: Sequence[str]
     rates: dict[int, int] = {}
     quaternions = []
     singular = {}
-    for use in uses:
-        q += [Symbol(name, SymbolKind.COORDINATE) for name in use.unknown_coordinates]
-        u += use.speeds
-        rates.update(_coordinate_rates(graph, use))
-        for quasi, part in use.quasi_speeds:
-            coordinate_rates, determinant = _rates_from_quasi_speeds(names, use.joint, quasi, part)
+    for role in roles:
+        q += [Symbol(name, SymbolKind.COORDINATE) for name in role.unknown_coordinates]
+        u += role.speeds
+        rates.update(_coordinate_rates(graph, role))
+        for quasi, part in role.quasi_speeds:
+            coordinate_rates, determinant = _rates_from_quasi_speeds(names, role.joint, quasi, part)
             rates.update(coordinate_rates)
             if determinant is not None:
-                singular[use.joint.name] = determinant
-        if use.has_angles and use.joint.quaternion is not None:
-            quaternions.append(tuple(names.value(name).index for name in use.joint.quaternion))
+                singular[role.joint.name] = determinant
+        if role.has_angles and role.joint.quaternion is not None:
+            quaternions.append(tuple(names.value(name).index for name in role.joint.quaternion))
     for name in added:
         coordinate = Symbol(name, SymbolKind.COORDINATE)
         q.append(coordinate)
@@ -157,9 +157,9 @@ def quasi_vector(names: Names, quasi: QuasiSpeeds) -> tuple[Expr, Expr, Expr]:
     return (x, y, z)
 
 
-def _coordinate_rates(graph: Graph, use: JointRole) -> dict[int, int]:
+def _coordinate_rates(graph: Graph, role: JointRole) -> dict[int, int]:
     """Return q' = the symbol q' for the coordinates of a joint."""
-    symbols = [Symbol(name, SymbolKind.COORDINATE) for name in use.unknown_coordinates]
+    symbols = [Symbol(name, SymbolKind.COORDINATE) for name in role.unknown_coordinates]
     return {graph.symbol(symbol): graph.symbol(symbol.derivative) for symbol in symbols}
 
 

@@ -17,12 +17,12 @@ class Velocity:
     ----------
     partials : mapping of node to Vector
         The coefficient of each speed that has one.
-    rest : Vector
+    drift : Vector
         The part that explicit time contributes.
     value : Vector
         The whole.
     bias : Vector
-        Its time derivative as seen from ground with all u' = 0.
+        Its time derivative as seen from ground with all u' = 0: the part of an acceleration without them.
     """
 
     partials: Mapping[int, Vector]

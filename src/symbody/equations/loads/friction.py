@@ -100,13 +100,13 @@ class Resistance(NamedTuple):
     margins: list[Expr]
 
 
-def form_friction(names: Names, uses: Sequence[JointRole]) -> tuple[FrictionLaw, ...]:
+def form_friction(names: Names, roles: Sequence[JointRole]) -> tuple[FrictionLaw, ...]:
     """Return the friction of all joints that have any."""
     laws = []
-    for use in uses:
-        friction = use.joint.friction
+    for role in roles:
+        friction = role.joint.friction
         if friction is not None and not friction.is_none:
-            laws.append(_law(names, use.joint, friction))
+            laws.append(_law(names, role.joint, friction))
     return tuple(laws)
 
 

@@ -60,7 +60,7 @@ def form_loads(
     names: Names,
     kinematics: Kinematics,
     bodies: Sequence[Inertia],
-    uses: Sequence[JointRole],
+    roles: Sequence[JointRole],
     friction: Sequence[FrictionLaw] = (),
     *,
     weights: bool = True,
@@ -77,13 +77,13 @@ def form_loads(
     zero = number(names.graph, 0)
     laws = _weights(model, names, kinematics, bodies) if weights else []
     efforts: dict[str, Expr] = {}
-    for use in uses:
-        for coordinate, drive in use.joint.drives.items():
-            if coordinate in use.prescribed_coordinates:
+    for role in roles:
+        for coordinate, drive in role.joint.drives.items():
+            if coordinate in role.prescribed_coordinates:
                 continue
             x, rate = names.value(coordinate), names.value(f"{coordinate}_dot")
-            drive_law = _drive_law(names, drive, x, rate, coordinate, f"joint {use.joint.name}")
-            key = effort_name(use.joint, coordinate)
+            drive_law = _drive_law(names, drive, x, rate, coordinate, f"joint {role.joint.name}")
+            key = effort_name(role.joint, coordinate)
             efforts.update(
                 (key, load.effort) for load in drive_law.loads if isinstance(load, GeneralizedForce)
             )
@@ -95,7 +95,7 @@ def form_loads(
         elif isinstance(element, Torque):
             laws.append(_torque_law(names, kinematics, element))
         elif isinstance(element, Spring):
-            laws.append(spring_law(names, kinematics, uses, element))
+            laws.append(spring_law(names, kinematics, roles, element))
     potential, power = zero, zero
     measures: dict[str, Expr] = {}
     for law in laws:

@@ -22,12 +22,12 @@ from symbody.spatial.rotation import AxisRotation, Rotation, compose_steps
 from symbody.spatial.vector import dot, vector
 
 
-def spring_law(names: Names, kinematics: Kinematics, uses: Sequence[JointRole], spring: Spring) -> Law:
+def spring_law(names: Names, kinematics: Kinematics, roles: Sequence[JointRole], spring: Spring) -> Law:
     """Return what a spring does; positive efforts push its ends apart, or turn end forward."""
     if isinstance(spring, Bushing):
         return bushing_law(names, kinematics, spring)
     if isinstance(spring, TorsionSpring):
-        return _torsion_law(names, kinematics, uses, spring)
+        return _torsion_law(names, kinematics, roles, spring)
     return _point_spring_law(names, kinematics, spring)
 
 
@@ -68,7 +68,7 @@ def _point_spring_law(names: Names, kinematics: Kinematics, spring: SpringDamper
 
 
 def _torsion_law(
-    names: Names, kinematics: Kinematics, uses: Sequence[JointRole], spring: TorsionSpring
+    names: Names, kinematics: Kinematics, roles: Sequence[JointRole], spring: TorsionSpring
 ) -> Law:
     """Return the law of a torsion spring.
 
@@ -81,7 +81,7 @@ def _torsion_law(
     w_end, w_start = (kinematics.angular_velocities[p.body].value for p in (spring.end, spring.start))
     stiffness, free = names.expression(spring.stiffness, where), names.expression(spring.free, where)
     applied, damping = names.expression(spring.applied, where), names.expression(spring.damping, where)
-    angle = _joint_angle(names, kinematics, uses, spring, direction)
+    angle = _joint_angle(names, kinematics, roles, spring, direction)
     notes: tuple[str, ...] = ()
     if angle is None:
         rate = dot(tree, axis, w_end - w_start)
@@ -109,7 +109,7 @@ def _torsion_law(
 
 
 def _joint_angle(
-    names: Names, kinematics: Kinematics, uses: Sequence[JointRole], spring: TorsionSpring, axis: Triple
+    names: Names, kinematics: Kinematics, roles: Sequence[JointRole], spring: TorsionSpring, axis: Triple
 ) -> Expr | None:
     """Return the angle as that of a joint between the two bodies, or of turns in the tree; else None.
 
@@ -117,15 +117,15 @@ def _joint_angle(
     """
     tree = kinematics.tree
     ways = [tree.rotation(spring.start.full_name, spring.end.full_name)]
-    for use in uses:
+    for role in roles:
         if (
-            use.has_angles
-            and not use.in_rotation
-            and connects_bodies(use.joint.start.body, use.joint.end.body, spring)
+            role.has_angles
+            and not role.in_rotation
+            and connects_bodies(role.joint.start.body, role.joint.end.body, spring)
         ):
-            rotation = compose_steps(joint_steps(names, use.joint))
-            forward = use.joint.start.body == spring.start.body
-            ends = (use.joint.start.full_name, use.joint.end.full_name)
+            rotation = compose_steps(joint_steps(names, role.joint))
+            forward = role.joint.start.body == spring.start.body
+            ends = (role.joint.start.full_name, role.joint.end.full_name)
             near, far = ends if forward else reversed(ends)
             before, after = (
                 tree.rotation(spring.start.full_name, near),

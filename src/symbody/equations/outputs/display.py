@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.textbook import Textbook
 from symbody.expr.canonical import ZERO, add, sub
 from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.opcodes import ADD, NEG, SUB
@@ -15,31 +15,31 @@ from symbody.expr.rewrite import dependence
 _MOVING = frozenset({SymbolKind.COORDINATE, SymbolKind.SPEED, SymbolKind.MULTIPLIER})
 
 
-def display_equations(eqs: EquationSet) -> list[str]:
-    """Return one line an equation, for instance ``m x'' + d x' + k x = F``."""
-    return [f"{left} = {right}" for left, right in _print_sides(eqs, to_display)]
+def display_sides(textbook: Textbook) -> list[tuple[str, str]]:
+    """Return the left and the right side of each equation as text, of for instance ``m x'' + d x' = F``."""
+    return _print_sides(textbook, to_display)
 
 
-def latex_equations(eqs: EquationSet) -> list[str]:
-    """Return one LaTeX formula an equation, without delimiters."""
-    return [f"{left} = {right}" for left, right in _print_sides(eqs, to_latex)]
+def latex_sides(textbook: Textbook) -> list[tuple[str, str]]:
+    """Return the left and the right side of each equation as LaTeX without delimiters."""
+    return _print_sides(textbook, to_latex)
 
 
-def mathml_sides(eqs: EquationSet) -> list[tuple[str, str]]:
+def mathml_sides(textbook: Textbook) -> list[tuple[str, str]]:
     """Return the left and the right side of each equation as MathML; see `mathml_equations`."""
-    return _print_sides(eqs, to_mathml)
+    return _print_sides(textbook, to_mathml)
 
 
-def equation_sides(eqs: EquationSet) -> list[tuple[int, int]]:
+def equation_sides(textbook: Textbook) -> list[tuple[int, int]]:
     """Return the nodes of the left and the right side of each equation."""
-    graph = eqs.formed.graph
-    pairs = zip(eqs.textbook.inertial_side.nodes, eqs.textbook.forcing_side.nodes, strict=True)
+    graph = textbook.formed.graph
+    pairs = zip(textbook.inertial_side.nodes, textbook.forcing_side.nodes, strict=True)
     return [_sides(graph, sub(graph, inertial, driving)) for inertial, driving in pairs]
 
 
-def _print_sides(eqs: EquationSet, show: Callable[[Graph, int], str]) -> list[tuple[str, str]]:
-    graph = eqs.formed.graph
-    return [(show(graph, left), show(graph, right)) for left, right in equation_sides(eqs)]
+def _print_sides(textbook: Textbook, show: Callable[[Graph, int], str]) -> list[tuple[str, str]]:
+    graph = textbook.formed.graph
+    return [(show(graph, left), show(graph, right)) for left, right in equation_sides(textbook)]
 
 
 def _sides(graph: Graph, total: int) -> tuple[int, int]:

@@ -98,8 +98,8 @@ def prescribed_efforts(
     formed: EquationsOfMotion, totals: Mapping[str, Wrench] | None = None
 ) -> Iterator[tuple[str, str, Expr]]:
     """Return the name of each effort that holds a prescribed coordinate, the coordinate, and the effort."""
-    for name, (use, coordinate) in _prescribed_coordinates(formed):
-        yield name, coordinate, _holding_effort(formed, use, coordinate, totals)
+    for name, (role, coordinate) in _prescribed_coordinates(formed):
+        yield name, coordinate, _holding_effort(formed, role, coordinate, totals)
 
 
 def joint_effort(formed: EquationsOfMotion, rest: str) -> Expr:
@@ -133,8 +133,8 @@ def total_power(formed: EquationsOfMotion) -> Expr:
     """Return the power of all loads without potential and of prescribed motions [W]."""
     graph, names = formed.graph, formed.names
     total = formed.loads.power
-    for _, (use, coordinate) in _prescribed_coordinates(formed):
-        total = total + _holding_effort(formed, use, coordinate) * names.value(f"{coordinate}_dot")
+    for _, (role, coordinate) in _prescribed_coordinates(formed):
+        total = total + _holding_effort(formed, role, coordinate) * names.value(f"{coordinate}_dot")
     for row in formed.rows:
         if row.coordinate:
             total = total - symbol(
@@ -148,16 +148,16 @@ def total_power(formed: EquationsOfMotion) -> Expr:
 
 def _prescribed_coordinates(formed: EquationsOfMotion) -> Iterator[tuple[str, tuple[JointRole, str]]]:
     """Return the prescribed coordinates by the name of their effort."""
-    for use in formed.uses:
-        for coordinate in use.prescribed_coordinates:
-            yield effort_name(use.joint, coordinate), (use, coordinate)
+    for role in formed.joint_roles:
+        for coordinate in role.prescribed_coordinates:
+            yield effort_name(role.joint, coordinate), (role, coordinate)
 
 
 def _holding_effort(
-    formed: EquationsOfMotion, use: JointRole, coordinate: str, totals: Mapping[str, Wrench] | None = None
+    formed: EquationsOfMotion, role: JointRole, coordinate: str, totals: Mapping[str, Wrench] | None = None
 ) -> Expr:
     """Return the effort of a prescribed motion: the joint's wrench along it, and that of its rotor."""
-    joint, names, kinematics = use.joint, formed.names, formed.kinematics
+    joint, names, kinematics = role.joint, formed.names, formed.kinematics
     total = (formed.solved_wrenches if totals is None else totals)[joint.name]
     effort = effort_on_coordinate(names, kinematics, joint, coordinate, total)
     if coordinate in joint.armature:

@@ -19,6 +19,7 @@ from symbody.equations.outputs.friction_outputs import (
     friction_normal,
     friction_reserve,
 )
+from symbody.equations.outputs.gravity_output import gravity_forcing
 from symbody.equations.outputs.joint_outputs import effort_names, joint_effort, reaction_output, total_power
 from symbody.equations.outputs.rope_outputs import ROPE_OUTPUTS
 from symbody.equations.solving.drift_correction import (
@@ -209,6 +210,7 @@ OUTPUTS: Final[dict[str, Callable[[EquationsOfMotion], Roots]]] = {
     "lambda": _vector("lambda", lambda formed: solve(formed)[1]),
     "mass_matrix": _matrix("mass_matrix", lambda formed: formed.dynamics.mass_matrix),
     "forcing": _vector("forcing", lambda formed: formed.dynamics.forcing),
+    "gravity_forcing": _vector("gravity_forcing", gravity_forcing),
     "bias": _vector("bias", _bias),
     "inverse_dynamics": _vector("inverse_dynamics", inverse_dynamics),
     "kinetic_energy": _scalar("kinetic_energy", lambda formed: formed.kinetic_energy),

@@ -83,27 +83,29 @@ def _sites(model: Model) -> Iterator[tuple[Formula, str]]:
     yield from ((formula, "m/s^2") for formula in model.gravity)
     yield from _frame_sites(model.ground.items())
     for body in model.bodies:
-        yield from _match((use.path, use.formula) for use in body.formula_sites())
+        yield from _match((site.path, site.formula) for site in body.formula_sites())
     for joint in model.joints:
         yield from _joint_sites(joint)
     for element in model.elements:
         if isinstance(element, Force | Torque):
             unit = "N" if isinstance(element, Force) else "N m"
-            yield from ((use.formula, unit) for use in element.formula_sites() if _VECTOR.fullmatch(use.path))
+            yield from (
+                (site.formula, unit) for site in element.formula_sites() if _VECTOR.fullmatch(site.path)
+            )
         elif isinstance(element, SpringDamper | TorsionSpring):
             units = _LINEAR if isinstance(element, SpringDamper) else _ANGULAR
             yield from (
-                (use.formula, units[use.path]) for use in element.formula_sites() if use.path in units
+                (site.formula, units[site.path]) for site in element.formula_sites() if site.path in units
             )
 
 
 def _frame_sites(frames: Iterable[tuple[str, Frame]]) -> Iterator[tuple[Formula, str]]:
     for name, frame in frames:
-        yield from _match((use.path, use.formula) for use in frame.formula_sites(f"frames.{name}"))
+        yield from _match((site.path, site.formula) for site in frame.formula_sites(f"frames.{name}"))
 
 
-def _match(uses: Iterable[tuple[str, Formula]]) -> Iterator[tuple[Formula, str]]:
-    for path, formula in uses:
+def _match(sites: Iterable[tuple[str, Formula]]) -> Iterator[tuple[Formula, str]]:
+    for path, formula in sites:
         for place, unit in _PLACES:
             if place.fullmatch(path):
                 yield formula, unit
@@ -115,10 +117,10 @@ def _joint_sites(joint: Joint) -> Iterator[tuple[Formula, str]]:
     turns = set(joint.rotation_coordinates if joint.quaternion is None else ())
     for path, coordinate, drive in joint.drives_with_paths():
         units = _LINEAR if coordinate in slides else _ANGULAR if coordinate in turns else {}
-        for use in drive.formula_sites(path):
-            word = use.path.removeprefix(f"{path}.")
+        for site in drive.formula_sites(path):
+            word = site.path.removeprefix(f"{path}.")
             if word in units:
-                yield use.formula, units[word]
+                yield site.formula, units[word]
     for coordinate, motion in joint.motion.items():
         if coordinate in slides | turns:
             yield motion, (_LINEAR if coordinate in slides else _ANGULAR)["motion"]

@@ -42,7 +42,7 @@ class Reaction(NamedTuple):
     moment: SympyMatrix
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, repr=False)
 class Textbook:
     """Formulas of one set of equations; all entries share one list of definitions.
 
@@ -58,6 +58,9 @@ class Textbook:
     _agreement: SingleFlight[None, None] = field(default_factory=SingleFlight, repr=False)
     _matrices: SingleFlight[str, SympyMatrix] = field(default_factory=SingleFlight, repr=False)
     _closed: SingleFlight[None, ClosedForms] = field(default_factory=SingleFlight, repr=False)
+
+    def __repr__(self) -> str:
+        return f"Textbook of {self.formed.topology.model.name!r}: the formulas of its equations"
 
     def matrix(self, name: str) -> SympyMatrix:
         """Return an output; written out if it is short, else in the symbols of `definitions`."""

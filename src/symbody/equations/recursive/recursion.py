@@ -39,9 +39,9 @@ class Recursion:
 
     Attributes
     ----------
-    tree : Tree
+    tree : KinematicTree
         Links as they are.
-    light : Tree
+    base_tree : KinematicTree
         Links with their base parameters only: the same motion, other reactions.
     method : str
         "articulated", "composite", or "" for the one with fewer operations.

@@ -41,7 +41,7 @@ def form_tree(
     topology: Topology,
     names: Names,
     rates: Mapping[int, int],
-    uses: Sequence[JointRole],
+    roles: Sequence[JointRole],
     *,
     align: bool = True,
 ) -> KinematicTree:
@@ -55,7 +55,7 @@ def form_tree(
         Whether axes are put along joints and common normals; else they are those of the joints' frames.
     """
     graph = names.graph
-    joints, groups = joints_and_groups(topology, names, {use.joint.name: use for use in uses}, align)
+    joints, groups = joints_and_groups(topology, names, {role.joint.name: role for role in roles}, align)
     following: dict[str, list[TreeJoint]] = {}
     for joint in joints:
         following.setdefault(joint.parent, []).append(joint)
@@ -163,7 +163,7 @@ def _link(
     kinematics = _joint_kinematics(names, rates, joint, chosen)
     x, y, z = components(kinematics.tree, kinematics.position(_NEAR, _FAR), _NEAR)
     return TreeLink(
-        joint=joint.use.joint.name,
+        joint=joint.role.joint.name,
         parent=parent_number,
         transform=Transform(chosen.steps, law.point_to_parent(Vector3((x, y, z + chosen.shift)))),
         motion=_joint_motion(kinematics, joint),
@@ -175,7 +175,7 @@ def _joint_kinematics(
     names: Names, rates: Mapping[int, int], tree_joint: TreeJoint, chosen: LinkAxes
 ) -> Kinematics:
     """Return the kinematics of one joint alone, from near to far frame, in the axes of its law."""
-    joint, forward = tree_joint.use.joint, tree_joint.branch.forward
+    joint, forward = tree_joint.role.joint, tree_joint.branch.forward
     frames = {"start": _NEAR, "end": _FAR} if forward else {"start": _FAR, "end": _NEAR}
     sign, back = 1 if forward else -1, chosen.law.T
 
@@ -199,7 +199,7 @@ def _joint_kinematics(
         [RotationStep(_FAR, _NEAR, steps, w)],
         [TranslationStep(_FAR, _NEAR, _FAR, shift, v)],
         rates,
-        [names.graph.symbol(speed) for speed in tree_joint.use.speeds],
+        [names.graph.symbol(speed) for speed in tree_joint.role.speeds],
     )
 
 

@@ -38,7 +38,7 @@ class TreeJoint:
         Its third column is the axis it turns about, in both frames; None: it has not one constant axis.
     """
 
-    use: JointRole
+    role: JointRole
     branch: TreeBranch
     parent: str
     steps: tuple[AxisRotation | EulerParameters, ...]
@@ -54,11 +54,11 @@ class TreeJoint:
     @property
     def has_displacements(self) -> bool:
         """Whether the far frame's origin moves relative to the near frame."""
-        return bool(self.use.joint.translation_coordinates)
+        return bool(self.role.joint.translation_coordinates)
 
 
 def joints_and_groups(
-    topology: Topology, names: Names, uses: dict[str, JointRole], align: bool
+    topology: Topology, names: Names, roles: dict[str, JointRole], align: bool
 ) -> tuple[list[TreeJoint], dict[str, tuple[str, LinkTransform]]]:
     """Return all moving joints outward from ground, and for each body its group and its transform therein."""
     graph = names.graph
@@ -66,8 +66,8 @@ def joints_and_groups(
     groups: dict[str, tuple[str, LinkTransform]] = {"ground": ("ground", here)}
     joints = []
     for branch in topology.rotation.branches:
-        use = uses[branch.edge.name]
-        joint = use.joint
+        role = roles[branch.edge.name]
+        joint = role.joint
         start, end = joint_ends(joint, branch)
         group, parent = groups[branch.parent]
         near, far = parent.then(_frame(topology, names, start)), _frame(topology, names, end)
@@ -81,7 +81,7 @@ def joints_and_groups(
         moving = tuple(step for step in rotation.turns if isinstance(step, AxisRotation | EulerParameters))
         only = moving[0] if len(moving) == 1 and align else None
         z = axes_with_z(graph, only.axis) if isinstance(only, AxisRotation) else None
-        joints.append(TreeJoint(use, branch, group, moving, near, far, z))
+        joints.append(TreeJoint(role, branch, group, moving, near, far, z))
         groups[branch.child] = (branch.child, here)
     return joints, groups
 

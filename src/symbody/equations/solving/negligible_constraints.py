@@ -8,6 +8,7 @@ hand. Each row is compared with them at a few random configurations, with values
 from __future__ import annotations
 
 from collections.abc import Mapping
+from collections.abc import Sequence as Items
 from dataclasses import replace
 from random import Random
 from typing import Final
@@ -20,24 +21,23 @@ from symbody.expr.sequence import Input, Roots, Sequence, build_sequence
 from symbody.spatial.vector import dot
 from symbody.tolerances import TYPED
 
-_POINTS: Final = 3
+POINTS: Final = 3  # random ones, the same at every call
+SEED: Final = 3
 
 
-def drop_negligible(
-    formed: EquationsOfMotion, parameters: Mapping[str, float], program: Sequence | None = None
-) -> EquationsOfMotion:
+def drop_negligible(formed: EquationsOfMotion, parameters: Mapping[str, float]) -> EquationsOfMotion:
     """Return the equations with all rows that are only rounding set to 0 = 0; their multipliers are 0.
 
     Parameters
     ----------
     parameters : mapping of name to float
         Those not named get random values.
-    program : Sequence, optional
-        What `magnitude_program` returns for these equations, if it is there already.
     """
-    if not formed.rows:
-        return formed
-    silent = _silent(formed, magnitude_program(formed) if program is None else program, parameters)
+    return drop_rows(formed, negligible_rows(formed, parameters, magnitude_program(formed)))
+
+
+def drop_rows(formed: EquationsOfMotion, silent: Items[bool]) -> EquationsOfMotion:
+    """Return the equations with some rows set to 0 = 0."""
     if not any(silent):
         return formed
     zero = Expr(formed.graph, 0)
@@ -59,11 +59,19 @@ def magnitude_program(formed: EquationsOfMotion) -> Sequence:
     return build_sequence(formed.graph, roots, input_places(formed), merge=False, contract=False)
 
 
-def _silent(formed: EquationsOfMotion, program: Sequence, parameters: Mapping[str, float]) -> list[bool]:
-    """Return which rows are below `TYPED` of the motions they compare, in every speed and at every point."""
+def negligible_rows(
+    formed: EquationsOfMotion, parameters: Mapping[str, float], program: Sequence
+) -> list[bool]:
+    """Return which rows are below `TYPED` of the motions they compare, in every speed and at every point.
+
+    Parameters
+    ----------
+    program : Sequence
+        What `magnitude_program` returns for these equations.
+    """
     silent = [True] * len(formed.rows)
-    random = Random(3)
-    for _ in range(_POINTS):
+    random = Random(SEED)
+    for _ in range(POINTS if formed.rows else 0):
         values = evaluate_sequence(program, random_point(formed, parameters, random))
         for k in range(len(silent)):
             slopes, squares = values[2 * k], values[2 * k + 1]

@@ -198,7 +198,7 @@ def _components(formed: EquationsOfMotion, totals: Mapping[str, Wrench]) -> Iter
     for name in (*(joint.name for joint in formed.topology.joints), *formed.topology.contacts):
         for entry, value in zip(ENTRIES, reaction_entries(formed, name, totals), strict=True):
             yield Component(f"reaction {name} {entry}", entry.startswith("M")), value
-    turning = {name for use in formed.uses for name in use.joint.rotation_coordinates}
+    turning = {name for role in formed.joint_roles for name in role.joint.rotation_coordinates}
     for name, coordinate, effort in prescribed_efforts(formed, totals):
         yield Component(f"effort {name}", coordinate in turning), effort
     holding = {law.holding_effort: law for law in formed.friction}

@@ -40,9 +40,9 @@ def set_modes(formed: EquationsOfMotion, modes: Mapping[str, int]) -> EquationsO
 def _holding_row(formed: EquationsOfMotion, law: FrictionLaw) -> ConstraintEquation:
     """Return the row that keeps the rate of a joint zero."""
     kinematics, joint = formed.kinematics, law.joint
-    use = next(use for use in formed.uses if use.joint.name == joint.name)
+    role = next(role for role in formed.joint_roles if role.joint.name == joint.name)
     wrench = NO_WRENCH
-    if law.coordinate not in use.coordinates:
+    if law.coordinate not in role.coordinates:
         one = number(formed.graph, 1)
         wrench = drive_wrench(formed.names, kinematics, joint, law.coordinate, one)
     return ConstraintEquation(

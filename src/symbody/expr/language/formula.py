@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
+from importlib import import_module
 from numbers import Rational, Real
 from typing import TypeAlias
 
+from symbody.arguments import is_sympy
 from symbody.errors import ExpressionError, Problem
 from symbody.expr.canonical import constant
 from symbody.expr.graph import Constant, Graph
@@ -122,6 +124,7 @@ def _plain(text: str) -> Formula:
     return Formula(text, read_program(Source(text, "", False)))
 
 
+# SymPy expressions, whose types are not known here, are taken too.
 FormulaLike: TypeAlias = Formula | str | int | Fraction | float | Decimal
 
 
@@ -189,7 +192,7 @@ def _apply_step(
 
 
 def _numeral(value: object, where: str) -> str:
-    """Return the decimal text of a number, or raise."""
+    """Return the text of a number or of a SymPy expression, or raise."""
     why, fix = (
         "only finite real numbers and text can be expressions",
         "give a number, or the expression as text",
@@ -211,6 +214,9 @@ def _numeral(value: object, where: str) -> str:
         raise ExpressionError(
             Problem("expression.not_finite", where, f"{value} is not a finite number", why, fix)
         )
+    if is_sympy(value):
+        text: str = import_module("symbody.expr.sympy_text").sympy_text(value, where)
+        return text
     what = f"{printable(repr(value))} of type {type(value).__name__} is not an expression"
     raise ExpressionError(Problem("expression.type", where, what, why, fix))
 

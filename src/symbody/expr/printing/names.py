@@ -32,3 +32,15 @@ def name_words(name: str) -> list[str]:
     if split is not None:
         head, indices = split[1], [split[2], *indices]
     return [head, *indices] if head and all(indices) else [name]
+
+
+def greek_name(name: str) -> str:
+    """Return a name whose head is the name of a Greek letter with that letter.
+
+    Examples
+    --------
+    >>> greek_name("theta1"), greek_name("lambda_C_1"), greek_name("thetas")
+    ('θ1', 'λ_C_1', 'thetas')
+    """
+    head = name_words(name)[0]
+    return GREEK[head] + name.removeprefix(head) if head in GREEK else name

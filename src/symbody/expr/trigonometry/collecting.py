@@ -9,7 +9,6 @@ operations written out become fewer.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
 from typing import Final
 
 from symbody.expr.canonical import ONE, ZERO, add, mul, power
@@ -19,6 +18,7 @@ from symbody.expr.trigonometry.polynomial import (
     Polynomial,
     content,
     cost,
+    divide,
     quotient,
     replace_sum,
     size,
@@ -120,7 +120,7 @@ class _Collector:
     def _pull_out(self, p: Polynomial, members: list[Monomial], factor: tuple[Monomial, Exact]) -> Polynomial:
         """Return `p` with the `factor` pulled out of `members`."""
         gone = set(members)
-        inner = self._define({quotient(m, factor[0]): Fraction(p[m]) / factor[1] for m in members})
+        inner = self._define({quotient(m, factor[0]): divide(p[m], factor[1]) for m in members})
         rest = {monomial: c for monomial, c in p.items() if monomial not in gone}
         return {**rest, tuple(sorted([*factor[0], (inner, 1)])): factor[1]}
 
@@ -132,18 +132,38 @@ class _Collector:
                 groups.setdefault(factor, []).append(monomial)
         best, most = None, 0
         for members in groups.values():
-            shared = _common_factor(p, members)
-            saved = self._operations_saved(p, members, shared) if len(members) > 1 else 0
-            if saved > most:
-                best, most = (members, shared), saved
+            if len(members) > 1:
+                shared = _common_factor(p, members)
+                saved = self._operations_saved_by_powers(p, members, shared)
+                if saved > most:
+                    best, most = (members, shared), saved
         return best
+
+    def _operations_saved_by_powers(
+        self, p: Polynomial, members: list[Monomial], factor: tuple[Monomial, Exact]
+    ) -> int:
+        """Return `_operations_saved` for a factor whose powers are those of the members.
+
+        Each power then leaves a term whole, with its multiplication; a term of nothing else becomes a number,
+        which costs nothing.
+        """
+        powers, size = factor
+        weights = self._weights.__getitem__
+        each = term_cost(powers, 1, weights) + 1
+        saved = 0
+        for monomial in members:
+            if len(monomial) == len(powers):
+                saved += each - 1 + (abs(p[monomial]) != 1)
+            else:
+                saved += each + (size != 1)
+        return saved - term_cost(powers, size, weights) - 1
 
     def _operations_saved(
         self, p: Polynomial, members: list[Monomial], factor: tuple[Monomial, Exact]
     ) -> int:
         weights = self._weights.__getitem__
         before = sum(term_cost(m, p[m], weights) for m in members)
-        after = sum(term_cost(quotient(m, factor[0]), Fraction(p[m]) / factor[1], weights) for m in members)
+        after = sum(term_cost(quotient(m, factor[0]), divide(p[m], factor[1]), weights) for m in members)
         return before - after - term_cost(*factor, weights) - 1
 
     def _build_sum(self, p: Polynomial) -> int:
@@ -165,6 +185,7 @@ class _Collector:
 def _common_factor(p: Polynomial, members: list[Monomial]) -> tuple[Monomial, Exact]:
     """Return the common factor of all `members`, and their coefficient if it is the same up to sign."""
     factors = set(members[0]).intersection(*members[1:])
-    size = abs(Fraction(p[members[0]]))
-    same = all(abs(p[monomial]) == size for monomial in members)
+    first = p[members[0]]
+    size = max(first, -first)
+    same = all((c := p[monomial]) == size or c == -size for monomial in members)
     return tuple(sorted(factors)), size if same else 1

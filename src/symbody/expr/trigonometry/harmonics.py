@@ -12,8 +12,8 @@ are negative: sine and cosine of basis angle i are -1-2i and -2-2i, others follo
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from fractions import Fraction
 from math import comb, prod
+from operator import add, neg, sub
 from typing import Final, NamedTuple
 
 from symbody.expr.graph import Exact
@@ -24,6 +24,7 @@ from symbody.expr.trigonometry.polynomial import (
     Polynomial,
     accumulate,
     cost,
+    divide,
     product,
     term_cost,
     times,
@@ -47,6 +48,7 @@ class Harmonic(NamedTuple):
 
 # A product of e sines and cosines as a sum, times 2**e: the factors are whole numbers, which are much faster.
 Series = dict[Harmonic, int]
+Terms = list[tuple[Monomial, int]]
 Ways = tuple[tuple[int, int], ...]  # angle and the way to write it
 
 
@@ -64,7 +66,7 @@ class Harmonics:
         self._places: dict[Harmonic, int] = {}
         self._weights: list[int] = []
         self._angle_cost = angle_cost
-        self._series: dict[Monomial, Series] = {}
+        self._sums: dict[Monomial, Terms] = {}
         self._shortest: dict[frozenset[tuple[Monomial, Exact]], Polynomial] = {}
         self._size = size
         self._effort = 0
@@ -155,25 +157,23 @@ class Harmonics:
             inner = tuple([factor for factor in monomial if factor[0] in inside])
             outer = tuple([factor for factor in monomial if factor[0] not in inside])
             scale = 2 ** (halvings - sum(e for _, e in inner)) * coefficient
-            terms = {
-                product(outer, self._monomial(harmonic)): scale * factor
-                for harmonic, factor in self._series_of(inner).items()
-            }
+            terms = {product(outer, term): scale * factor for term, factor in self._sum_of(inner)}
             accumulate(result, terms)
             self._effort += len(terms)
-        return {monomial: _divide(c, 2**halvings) for monomial, c in result.items()}
+        return {monomial: divide(c, 2**halvings) for monomial, c in result.items()}
 
     def _monomial(self, harmonic: Harmonic) -> Monomial:
         return ((self.variable(harmonic), 1),) if any(harmonic.angle) else UNIT
 
-    def _series_of(self, monomial: Monomial) -> Series:
-        if monomial not in self._series:
+    def _sum_of(self, monomial: Monomial) -> Terms:
+        """Return a product of sines and cosines, times a power of two, as a sum of them."""
+        if monomial not in self._sums:
             series: Series = {Harmonic(COS, (0,) * self._size): 1}
             for name, exponent in monomial:
                 for _ in range(exponent):
                     series = _multiply(series, self._table[-1 - name])
-            self._series[monomial] = series
-        return self._series[monomial]
+            self._sums[monomial] = [(self._monomial(each), factor) for each, factor in series.items()]
+        return self._sums[monomial]
 
     def _pair_terms(self, p: Polynomial) -> Polynomial:
         """Turn sums of two sines or cosines into products where these are shorter."""
@@ -258,6 +258,9 @@ def reduce_cosines(p: Polynomial, angle: int) -> Polynomial:
     kept = min(exponents) // 2 * 2
     result: Polynomial = {}
     for (monomial, coefficient), exponent in zip(p.items(), exponents, strict=True):
+        if exponent - kept < 2:
+            accumulate(result, {monomial: coefficient})
+            continue
         rest = tuple([factor for factor in monomial if factor[0] != name])
         odd = exponent % 2
         cosine: Polynomial = {((name, kept + odd),): coefficient} if kept + odd else {UNIT: coefficient}
@@ -288,11 +291,6 @@ def _degree(p: Polynomial) -> int:
     return max((sum(exponent for _, exponent in monomial) for monomial in p), default=0)
 
 
-def _divide(coefficient: Exact, divisor: int) -> Exact:
-    result = Fraction(coefficient) / divisor
-    return result.numerator if result.denominator == 1 else result
-
-
 def _degrees(p: Polynomial) -> dict[int, int]:
     degrees: dict[int, int] = {}
     for monomial in p:
@@ -315,8 +313,8 @@ def _multiply(series: Series, factor: Harmonic) -> Series:
     """Multiply by one sine or cosine, and by 2: products become sums and differences."""
     result: Series = {}
     for harmonic, coefficient in series.items():
-        for sign in (1, -1):
-            angle = tuple([i + sign * k for i, k in zip(harmonic.angle, factor.angle, strict=True)])
+        for sign, combine in ((1, add), (-1, sub)):
+            angle = tuple(map(combine, harmonic.angle, factor.angle))
             op = COS if harmonic.op == factor.op else SIN
             # 2 sin sin = cos(a-b) - cos(a+b), 2 cos sin = sin(a+b) - sin(a-b), else both signs are +
             flip = -1 if factor.op == SIN and sign == (1 if harmonic.op == SIN else -1) else 1
@@ -328,9 +326,9 @@ def _multiply(series: Series, factor: Harmonic) -> Series:
 
 def _upright(op: int, angle: Vector) -> tuple[Harmonic, int]:
     """Return the function with the first nonzero multiple positive, and the sign that this takes."""
-    lead = next((k for k in angle if k), 0)
-    if lead == 0:
-        return Harmonic(COS, angle), int(op == COS)
-    if lead > 0:
-        return Harmonic(op, angle), 1
-    return Harmonic(op, tuple([-k for k in angle])), -1 if op == SIN else 1
+    for lead in angle:
+        if lead > 0:
+            return Harmonic(op, angle), 1
+        if lead:
+            return Harmonic(op, tuple(map(neg, angle))), -1 if op == SIN else 1
+    return Harmonic(COS, angle), int(op == COS)

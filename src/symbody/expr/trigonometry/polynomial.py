@@ -94,6 +94,17 @@ def quotient(a: Monomial, b: Monomial) -> Monomial:
     return tuple([(name, exponent) for name, exponent in exponents.items() if exponent])
 
 
+def divide(a: Exact, b: Exact) -> Exact:
+    """Return ``a / b``, as an integer where it is one: arithmetic with those is much faster."""
+    if b == 1:
+        return a
+    if isinstance(a, int) and isinstance(b, int):
+        whole, rest = divmod(a, b)
+        return Fraction(a, b) if rest else whole
+    share = Fraction(a) / b
+    return share.numerator if share.denominator == 1 else share
+
+
 def multiplicity(a: Monomial, b: Monomial) -> int:
     """Return how often the monomial `b`, which is not 1, divides `a`."""
     exponents = dict(a)
@@ -155,7 +166,7 @@ def _divide(p: Polynomial, kernel: Polynomial) -> tuple[Polynomial, Polynomial]:
     for monomial in sorted(p, key=_order, reverse=True):
         if monomial in rest and multiplicity(monomial, lead):
             cofactor = quotient(monomial, lead)
-            share = Fraction(rest[monomial]) / kernel[lead]
+            share = divide(rest[monomial], kernel[lead])
             part: Polynomial = {product(cofactor, term): share * c for term, c in kernel.items()}
             if _contains(rest, part):
                 rest = plus(rest, part, -1)
@@ -165,7 +176,7 @@ def _divide(p: Polynomial, kernel: Polynomial) -> tuple[Polynomial, Polynomial]:
 
 def _contains(p: Polynomial, part: Polynomial) -> bool:
     """Tell whether `p` has all terms of `part`, with the same signs and at least as large."""
-    return all(term in p and 0 < Fraction(c) / p[term] <= 1 for term, c in part.items())
+    return all(term in p and (0 < c <= p[term] or p[term] <= c < 0) for term, c in part.items())
 
 
 def _order(monomial: Monomial) -> tuple[int, Monomial]:
@@ -176,10 +187,15 @@ def term_cost(monomial: Monomial, coefficient: Exact, weights: Weights) -> int:
     """Return the operations of one term; a sign is free."""
     if not monomial:
         return 0
-    total = sum(weights(name) + multiplications(exponent) for name, exponent in monomial)
-    return total + len(monomial) - 1 + (abs(coefficient) != 1)
+    total = len(monomial) - 1 + (coefficient != 1 and coefficient != -1)
+    for name, exponent in monomial:
+        total += weights(name) + (multiplications(exponent) if exponent > 1 else 0)
+    return total
 
 
 def cost(p: Polynomial, weights: Weights) -> int:
     """Return the operations of the sum of all terms."""
-    return sum(term_cost(monomial, c, weights) for monomial, c in p.items()) + max(len(p) - 1, 0)
+    total = max(len(p) - 1, 0)
+    for monomial, coefficient in p.items():
+        total += term_cost(monomial, coefficient, weights)
+    return total

@@ -151,7 +151,7 @@ def value_problems(
     """Return what is impossible about bodies and joints, by label, that read parameters given anew."""
     check = NumericChecks(values)
     for label, element in elements.items():
-        if changed.isdisjoint(name for use in element.formula_sites() for name in use.formula.names):
+        if changed.isdisjoint(name for site in element.formula_sites() for name in site.formula.names):
             continue
         if isinstance(element, Body):
             check_body(check, element, label)

@@ -93,41 +93,41 @@ def constraint_entries(condition: ConstraintElement, label: str) -> Iterator[tup
             yield f"{name}{suffix}", Meaning(word, f"{label}, parameter")
 
 
-def scope_problems(label: str, uses: Iterable[FormulaSite], symbols: Symbols) -> list[Problem]:
+def scope_problems(label: str, sites: Iterable[FormulaSite], symbols: Symbols) -> list[Problem]:
     """Return a problem for each name that does not belong where it stands."""
     problems = []
-    for use in uses:
-        for name in use.formula.names:
-            if name in use.local_names:
+    for site in sites:
+        for name in site.formula.names:
+            if name in site.local_names:
                 if name in symbols.meanings and not symbols.meanings[name].where.startswith(f"{label}, "):
                     problems.append(
-                        _shadow_problem(f"{label}, {use.path}", use, name, symbols.meanings[name])
+                        _shadow_problem(f"{label}, {site.path}", site, name, symbols.meanings[name])
                     )
-            elif not symbols.allows(name, use.scope):
-                problems.append(_scope_problem(f"{label}, {use.path}", use, name, symbols))
+            elif not symbols.allows(name, site.scope):
+                problems.append(_scope_problem(f"{label}, {site.path}", site, name, symbols))
     return problems
 
 
-def _shadow_problem(where: str, use: FormulaSite, name: str, meaning: Meaning) -> Problem:
-    return use.formula.problem(
+def _shadow_problem(where: str, site: FormulaSite, name: str, meaning: Meaning) -> Problem:
+    return site.formula.problem(
         "names.shadowed",
-        _column(use.formula, name),
+        _column(site.formula, name),
         f"{name!r} is this element's own, and a {meaning.word} of the model ({meaning.where})",
-        f"in this place {' and '.join(use.local_names)} are measured on the element",
+        f"in this place {' and '.join(site.local_names)} are measured on the element",
         f"rename the {meaning.word}",
         where,
     )
 
 
-def _scope_problem(where: str, use: FormulaSite, name: str, symbols: Symbols) -> Problem:
-    column = _column(use.formula, name)
+def _scope_problem(where: str, site: FormulaSite, name: str, symbols: Symbols) -> Problem:
+    column = _column(site.formula, name)
     meaning = symbols.meanings.get(name)
-    is_coordinate = use.scope is Scope.COORDINATE
-    takes = f"this place takes {use.scope.value}" + ("" if is_coordinate else ", and pi")
+    is_coordinate = site.scope is Scope.COORDINATE
+    takes = f"this place takes {site.scope.value}" + ("" if is_coordinate else ", and pi")
     if meaning is not None or name in RESERVED_SYMBOLS:
         kind = "" if meaning is None else f"{_ARTICLES.get(meaning.word, 'a')} {meaning.word}"
         word = kind or RESERVED_SYMBOLS[name]
-        return use.formula.problem(
+        return site.formula.problem(
             "names.not_here",
             column,
             f"{name!r} is {word}, which cannot stand here",
@@ -135,9 +135,9 @@ def _scope_problem(where: str, use: FormulaSite, name: str, symbols: Symbols) ->
             "name a coordinate of a joint" if is_coordinate else "write the formula without it",
             where,
         )
-    cure = nearest(name, [*use.local_names, *symbols.allowed_names(use.scope)])
+    cure = nearest(name, [*site.local_names, *symbols.allowed_names(site.scope)])
     defined = f"[parameters] {name} = .." + (f', or inputs = ["{name}"]' if "inputs" in takes else "")
-    return use.formula.problem(
+    return site.formula.problem(
         "names.unknown",
         column,
         f"there is no symbol {name!r}",

@@ -72,7 +72,7 @@ class EventFunctions:
         self._places = {k: [problem.eqs.state_names.index(name) for name in new] for k, new in maps.items()}
 
     def _check_shapes(self) -> None:
-        outputs = zip(self._events, self._values.sequence.outputs, strict=True)
+        outputs = zip(self._events, self._values.outputs, strict=True)
         problems = [
             Problem("simulation.event_shape", f"event {event.label!r}", f"its value has shape {output.shape}",
                     "an event watches one number", "name one component, such as 'reaction J Fx'")

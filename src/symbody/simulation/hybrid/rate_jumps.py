@@ -110,7 +110,7 @@ def jump_times(problem: SimulationProblem, x: Floats, span: tuple[float, float])
         If a prescribed position jumps.
     """
     eqs = problem.eqs
-    if not may_jump(eqs) or span[0] == span[1]:
+    if not eqs.plans.get("may jump", lambda: may_jump(eqs)) or span[0] == span[1]:
         return [], 0.0
     names = _prescribed_names(eqs)
     closed = ("constraints", "velocity_constraints") if eqs.multiplier_names else ()
@@ -149,7 +149,7 @@ def _sizes(problem: SimulationProblem, names: tuple[str, ...]) -> Floats:
 
 def _prescribed_names(eqs: EquationSet) -> tuple[str, ...]:
     """Return the names of the prescribed coordinates that are functions of time."""
-    return tuple(name for use in eqs.formed.uses for name in use.prescribed_coordinates)
+    return tuple(name for role in eqs.formed.joint_roles for name in role.prescribed_coordinates)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -90,6 +90,8 @@ class Breakpoints:
 
     def unite(self, other: Breakpoints) -> Breakpoints:
         """Return the pieces of both."""
+        if self is NO_BREAKPOINTS or other is NO_BREAKPOINTS:
+            return self if other is NO_BREAKPOINTS else other
         times = np.union1d(self.times, other.times)
         between = 0.5 * (times[1:] + times[:-1])
         inside = np.concatenate([times[:1] - 1.0, between, times[-1:] + 1.0]) if times.size else np.zeros(1)

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.errors import Problem, SimulationError
 from symbody.expr.language.formula import Formula
@@ -92,6 +92,15 @@ class InputLaws:
             there = np.array(self.evaluate(t, beside[n_u:], beside[:n_u].copy()))
             found[:, k] = (there - here) / (beside[k] - value)
         return found
+
+
+def silent_input_note(units: Mapping[str, str], name: str) -> str:
+    """Return the note on an input without a value; its unit, where it has one, says what it acts as.
+
+    >>> silent_input_note({"T": "N m"}, "T")
+    'input T has no value and is 0 N m'
+    """
+    return f"input {name} has no value and is 0 {units.get(name, '')}".rstrip()
 
 
 def input_laws(names: Sequence[str], given: Mapping[str, Law], span: tuple[float, float]) -> InputLaws:

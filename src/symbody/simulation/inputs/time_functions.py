@@ -7,13 +7,14 @@ that inputs, prescribed motions and conditions can be looked at before a mechani
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.codegen.function import CompiledFunction
 from symbody.expr import opcodes as op
 from symbody.expr.sequence import Operation
 from symbody.expr.sequence import Sequence as Program
@@ -212,6 +213,20 @@ def time_functions(
         ),
         np.array(steep, dtype=np.intp),
     )
+
+
+def function_of_time(function: CompiledFunction, tables: Mapping[int, Table]) -> TimeFunctions | None:
+    """Return what a function computes from time and its parameters alone, None if nothing depends on it.
+
+    The parameters are those of its code, `CompiledFunction.bound_values`.
+    """
+    places = tuple(tables)
+
+    def make() -> TimeFunctions | None:
+        return time_functions(function.shared_sequence, tables, with_parameters=True)
+
+    functions: TimeFunctions | None = function.kept_with_code(("functions of time", places), make)
+    return functions if functions is None or not places else replace(functions, tables=tables)
 
 
 def _is_steep(operation: Operation, moves: Flags, affine: bool) -> bool:

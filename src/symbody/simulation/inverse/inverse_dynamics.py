@@ -19,11 +19,11 @@ from numpy.typing import ArrayLike, NDArray
 from symbody.analysis.kinematics.continuation import continuation
 from symbody.analysis.scales import checked_scales
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, UsageError, nearest
-from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws
+from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, silent_input_note
 from symbody.simulation.inputs.tables import Table
 from symbody.simulation.inverse.motion_laws import Motion, motion_laws
 from symbody.simulation.inverse.prescribed_motion import PrescribedStates, prescribe_motion
@@ -60,7 +60,7 @@ def inverse_dynamics(
     unknowns : str or sequence of str
         Inputs to find; more than freedoms get the values of least norm, with a note.
     times : (N,) array
-        Rising times [s]; positions are followed from each to the next.
+        Rising times [s]; positions are followed from each to the next. One number gives one sample.
     parameters, inputs : mapping
         As for `simulate`; inputs without a law are 0.
     guess : mapping of name to number or formula in parameters
@@ -93,10 +93,13 @@ def inverse_dynamics(
     driven = continuation(eqs, *motion_laws(motion, span), given)
     path = prescribe_motion(eqs, driven, given, dict(guess or {}), checked_scales(scales), t)
     laws = input_laws([name for name in eqs.input_names if name not in names], others, span)
-    solver = InputSolver(path, eqs, laws, names, influence(eqs, names))
+    columns = eqs.plans.get(("influence", names), lambda: influence(eqs, names))
+    solver = InputSolver(path, eqs, laws, names, columns)
     samples = path.samples(t)
     inputs_found = solver.solve(samples)
     notes = tuple(_notes(eqs, names, others, laws, redundant=inputs_found.redundant))
+    if np.ndim(times) == 0:
+        notes += (f"times={t[0]:g} is one time; np.linspace(0, {t[0]:g}, 101) gives the motion up to it",)
     return _trajectory(solver, samples, inputs_found.values, notes, started)
 
 
@@ -228,7 +231,7 @@ def _notes(
     eqs: EquationSet, unknowns: Sequence[str], inputs: Mapping[str, Any], laws: InputLaws, *, redundant: bool
 ) -> list[str]:
     silent = [name for name in eqs.input_names if name not in inputs and name not in unknowns]
-    notes = [f"input {name} has no value and is 0" for name in silent]
+    notes = [silent_input_note(eqs.units, name) for name in silent]
     if redundant:
         notes.append(
             f"{', '.join(unknowns)} are more than the motion determines: of all values that give it, "

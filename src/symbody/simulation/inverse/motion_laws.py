@@ -10,7 +10,7 @@ import scipy
 from numpy.typing import ArrayLike
 
 from symbody.analysis.kinematics.continuation import Law
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.errors import Problem, UsageError
 from symbody.expr.graph import Graph
 from symbody.expr.language.formula import Formula

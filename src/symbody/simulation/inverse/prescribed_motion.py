@@ -14,7 +14,7 @@ from symbody.analysis.kinematics.continuation import Continuation
 from symbody.analysis.kinematics.driven import element_of
 from symbody.analysis.redundancy import redundancy
 from symbody.analysis.scales import Scales, mechanism_scales
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import AssemblyError, Problem, SimulationError, SymbodyError, UsageError
 

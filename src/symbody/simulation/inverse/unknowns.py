@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.codegen.compile import form_sequence
+from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.formulations.formulation import ProjectedDynamics
@@ -141,8 +141,9 @@ class InputSolver:
         if not self._functions:
             for eqs, name in [(self.eqs, "mass_matrix"), (self.eqs, "forcing"),
                               *((column, "forcing") for column in self.columns)]:  # fmt: skip
-                sequence = form_sequence(eqs, name, self.path.parameters, (), self.laws.formulas)
-                self._functions.append(CompiledFunction(*sequence))
+                self._functions.append(
+                    bound_function(eqs, name, self.path.parameters, (), self.laws.formulas)
+                )
         return self._functions
 
     def _evaluate(self, function: CompiledFunction, samples: PrescribedStates, r: Floats) -> Any:

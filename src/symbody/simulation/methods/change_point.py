@@ -18,19 +18,22 @@ from numpy.typing import NDArray
 from symbody.manifold import count_significant
 from symbody.simulation.methods.constraints import Projection
 from symbody.simulation.methods.explicit import Explicit
-from symbody.simulation.methods.integration import Constraints, Integration, MotionPlan, integrate_plan
+from symbody.simulation.methods.gear_gupta_leimkuhler import GGL
+from symbody.simulation.methods.integration import Integration, MotionPlan, end_run, integrate_plan
 from symbody.simulation.methods.loop_constraints import NEAR, LoopConstraints, motion_branch
+from symbody.simulation.methods.overconstrained import (
+    integrate_by_partition,
+    integrate_independent,
+    is_overconstrained,
+)
 from symbody.simulation.methods.partition import Partition
-from symbody.simulation.native.dense_output import DenseOutput, shorten
+from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import RawRun
-from symbody.simulation.native.segments import steps_before
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
 
-# Relative singular value of rows that no longer follow from others a step beside the closed configurations.
-_STANDS: Final = 1e-7
 _BESIDE: Final = 1e-2  # rad, or share of the mechanism's size
 # A change point is passed where the smallest singular value falls to this share of its largest, or a motion
 # breaks off below the larger one. A minimum worth a closer look is below the third.
@@ -40,6 +43,8 @@ _LOW: Final = 0.5
 # Share of a motion below which the last of too many steps is one that became ever smaller.
 _SHORT: Final = 1e-3
 _TWO: Final = 2
+_PROJECTION: Final = Projection()
+_PARTITION: Final = Partition()
 # Share of the prescribed velocities that counts.
 _DEMANDED: Final = 1e-2
 _REFINEMENTS: Final = 12
@@ -74,10 +79,6 @@ _LOCKED: Final = (
     "some constraints follow from others only where all loops are closed, see sb.redundancy(), so that {} "
     "finds the mechanism locked beside such states: leave constraints out, or use sb.Partition()"
 )
-_OVERCONSTRAINED: Final = (
-    "some constraints follow from others only where all loops are closed, see sb.redundancy(): "
-    "sb.Partition() integrates the motion"
-)
 _COLLAPSES: Final = (Status.STEP_COLLAPSE, Status.SINGULAR, Status.NOT_FINITE, Status.TOO_MANY_STEPS)
 # Ends after which the motion is looked at: one that was interrupted is not begun again.
 _JUDGED: Final = (Status.SUCCESS, Status.STOPPED, *_COLLAPSES)
@@ -85,22 +86,26 @@ _JUDGED: Final = (Status.SUCCESS, Status.STOPPED, *_COLLAPSES)
 
 def integrate_on_branch(plan: MotionPlan) -> Integration:
     """Return the run of a plan on its branch; without constraints given, `Projection` where that is safe."""
-    constraints = plan.constraints or Projection()
+    constraints = plan.constraints or _PROJECTION
     integration = plan.integration
     problem, eqs, t, x = integration.problem, integration.eqs, integration.span[0], integration.state
     if isinstance(constraints, Partition) or not eqs.multiplier_names or not eqs.speed_names:
         return integrate_plan(plan)
-    by_partition = replace(plan, constraints=Partition())
+    by_partition = replace(plan, constraints=_PARTITION)
     is_replaceable = isinstance(constraints, Projection) and isinstance(plan.integrator, Explicit | None)
-    if plan.constraints is None and is_replaceable and is_overconstrained(problem, t, x):
-        run = integrate_plan(by_partition)
-        return run._replace(notes=(_OVERCONSTRAINED, *run.notes))
-    run = integrate_plan(plan)
+    follows = is_overconstrained(problem, t, x)
+    if follows and is_replaceable:
+        return integrate_by_partition(plan)
+    run = integrate_plan(plan) if isinstance(constraints, GGL) or not follows else integrate_independent(plan)
     if run.raw.status not in _JUDGED:
         return run
     at = change_point(problem, run.raw) if plan.constraints is None else None
     is_plain = plan.constraints is None and at is None and run.raw.status.success
-    end = None if is_plain else _end_of_branch(problem, t, x, run)
+    end = (
+        None
+        if is_plain
+        else _end_of_branch(problem, t, x, run, is_locked=follows and isinstance(constraints, GGL))
+    )
     reason = "" if end is None else end.note.format("sb.Projection()")
     if at is not None:
         reason = _CHANGED.format(at)
@@ -110,7 +115,9 @@ def integrate_on_branch(plan: MotionPlan) -> Integration:
             return second._replace(notes=(reason, *second.notes))
         if second.raw.status is Status.SINGULAR and second.raw.reached == t:
             run = run._replace(notes=(*run.notes, _SEVERAL))
-    return run if end is None else _end_run(run, end, constraints)
+    if end is None:
+        return run
+    return end_run(run, end.t, end.note.format(f"sb.{type(constraints).__name__}()"))
 
 
 def is_change_point(problem: SimulationProblem, t: float, x: Floats) -> bool:
@@ -121,22 +128,6 @@ def is_change_point(problem: SimulationProblem, t: float, x: Floats) -> bool:
         branch.speeds > 0
         and loops.singular_values(t, x[loops.places])[branch.speeds - 1] < NEAR * branch.reference
     )
-
-
-def is_overconstrained(problem: SimulationProblem, t: float, x: Floats) -> bool:
-    """Return whether constraints follow from others only where all loops are closed."""
-    eqs = problem.eqs
-    if not eqs.multiplier_names or not eqs.speed_names:
-        return False
-    loops = LoopConstraints(problem)
-    if not loops.depends(t, x[loops.places]):
-        return False
-    branch = motion_branch(loops, t, x)
-    # Each coordinate that takes part goes on by an amount of its own: zeros stay, as across a plane.
-    tangents = np.linalg.svd(loops.positions(branch.t, branch.q)[1])[2][branch.positions :]
-    shares = np.linspace(0.5, 1.5, branch.q.size) * tangents.sum(axis=0)
-    sizes = loops.singular_values(branch.t, branch.q + _BESIDE * shares * loops.sizes)
-    return count_significant(sizes, _STANDS) > branch.speeds
 
 
 def change_point(problem: SimulationProblem, raw: RawRun) -> float | None:
@@ -153,8 +144,10 @@ class _BranchEnd:
     note: str
 
 
-def _end_of_branch(problem: SimulationProblem, t: float, x: Floats, run: Integration) -> _BranchEnd | None:
-    """Return where a motion leaves its branch, or breaks off for constraints that follow from others."""
+def _end_of_branch(
+    problem: SimulationProblem, t: float, x: Floats, run: Integration, *, is_locked: bool
+) -> _BranchEnd | None:
+    """Return where a motion leaves its branch, or breaks off; `is_locked` if for constraints that follow."""
     raw, _, watch = run
     passages = _passages(problem, raw, motion_branch(LoopConstraints(problem), t, x).speeds)
     if passages is not None:
@@ -169,7 +162,7 @@ def _end_of_branch(problem: SimulationProblem, t: float, x: Floats, run: Integra
         return _BranchEnd(None, _STARTS)
     if raw.dense_output is not None and not _is_collapse(raw.status, raw.dense_output.breaks):
         return None
-    if is_overconstrained(problem, t, x):
+    if is_locked:
         return _BranchEnd(None, _LOCKED)
     return _end_beside_change_point(problem, t, x, raw, passages)
 
@@ -209,26 +202,6 @@ def _locks_up(loops: LoopConstraints, t: float, q: Floats, rank: int, reference:
     return bool(np.linalg.norm(lost.T @ drift) > _DEMANDED * np.linalg.norm(drift))
 
 
-def _end_run(run: Integration, end: _BranchEnd, constraints: Constraints) -> Integration:
-    """Return a run that ends where its motion left the branch, with the reason."""
-    raw, notes, watch = run
-    notes = (*notes, end.note.format(f"sb.{type(constraints).__name__}()"))
-    dense = raw.dense_output
-    if end.t is None or dense is None:
-        return run._replace(notes=notes)
-    steps = steps_before(dense.breaks, dense.pieces.shape[0], end.t)
-    breaks, pieces = dense.breaks[: steps + 1].copy(), dense.pieces[:steps].copy()
-    share = (end.t - breaks[-2]) / (breaks[-1] - breaks[-2])
-    breaks[-1], pieces[-1] = end.t, shorten(pieces[-1], float(share))
-    direction = 1.0 if dense.breaks[-1] >= dense.breaks[0] else -1.0
-    kept = direction * (raw.t - end.t) <= 0.0
-    cut = replace(
-        raw, t=raw.t[kept], x=raw.x[:, kept], status=Status.SINGULAR, reached=end.t, state=None, kernel=None,
-        dense_output=DenseOutput(breaks, pieces),
-    )  # fmt: skip
-    return Integration(cut, notes, watch)
-
-
 def _passages(problem: SimulationProblem, raw: RawRun, most: int | None = None) -> _Passages | None:
     """Return what finds the change points of a motion; None if it has no constraints that count.
 
@@ -241,7 +214,7 @@ def _passages(problem: SimulationProblem, raw: RawRun, most: int | None = None) 
     if not eqs.multiplier_names or not eqs.speed_names or dense is None:
         return None
     loops = LoopConstraints(problem)
-    sizes = loops.singular_values(dense.breaks, dense(dense.breaks)[loops.places].T)
+    sizes = loops.singular_values(dense.breaks, dense.at_breaks()[loops.places].T)
     if not np.isfinite(sizes).all():
         return None
     rank = count_significant(sizes)
@@ -293,7 +266,9 @@ class _Passages:
             if _locks_up(self.loops, end, self.dense(end)[self.loops.places], self.rank, self.largest):
                 return None
             after = min(2.0 * at - before, end, key=lambda t: abs(t - at))
-        return before if self._differs(before, after, happened) else None
+        # Too short a motion before the change point is compared with where velocities beyond it come from.
+        sides = (before, after) if self._reaches(before, after) else (after, before)
+        return before if self._differs(*sides, happened) else None
 
     def last_clear(self) -> float | None:
         """Return the last time before the change point at which a motion ends; None if it came to none."""
@@ -305,14 +280,18 @@ class _Passages:
 
     def _differs(self, near: float, far: float, happened: list[float]) -> bool:
         """Return whether velocities at one time are not those to which they lead from beyond another one."""
-        times = near + (near - far) * np.array([0.5, 0.25, 0.0])
-        first, last = sorted(map(float, self.dense.breaks[[0, -1]]))
-        if not first <= times[0] <= last or any(min(near, far) <= t <= max(near, far) for t in happened):
+        if not self._reaches(near, far) or any(min(near, far) <= t <= max(near, far) for t in happened):
             return False
+        times = near + (near - far) * np.array([0.5, 0.25, 0.0])
         u = self.dense(np.array([*times, far])).T[:, : self.loops.speed_sizes.size] / self.loops.speed_sizes
         # The parabola through velocities at 0, 1 and 2, at 6.
         apart = np.abs(np.array([10.0, -24.0, 15.0]) @ u[:3] - u[3]).max()
         return bool(apart > _SAME_BRANCH * np.abs(u).max())
+
+    def _reaches(self, near: float, far: float) -> bool:
+        """Return whether there is enough motion on the far side of a time to lead to another one."""
+        first, last = sorted(map(float, self.dense.breaks[[0, -1]]))
+        return first <= near + 0.5 * (near - far) <= last
 
     def _time_beside(self, at: float, limit: float) -> float | None:
         """Return the nearest time towards a limit at which constraints are independent again."""

@@ -105,6 +105,10 @@ class Baumgarte:
 
     def applied(self, eqs: EquationSet) -> EquationSet:
         """Return the equations with the stabilizing terms in gamma."""
+        stabilized: EquationSet = eqs.plans.get(("baumgarte", self), lambda: self._stabilized(eqs))
+        return stabilized
+
+    def _stabilized(self, eqs: EquationSet) -> EquationSet:
         graph = eqs.formed.graph
         rows = []
         for row in eqs.formed.rows:
@@ -127,7 +131,7 @@ def make_projector(
     n_u, n_q = len(eqs.speed_names), len(eqs.coordinate_names)
     tolerance = residual_share(method, atol)
     scales = sizes.constraints(eqs)[: len(eqs.formed.holonomic)]
-    ones = np.ones(function.sequence.outputs[0].shape[0])
+    ones = np.ones(function.outputs[0].shape[0])
     ones[: scales.size] = scales
     empty = np.zeros(0)
     return Projector(
@@ -142,7 +146,7 @@ def make_projector(
         method.limit,
         sizes.coordinates(eqs),
         ROUNDED_PER_COORDINATE * n_q * EPSILON / tolerance,
-        function.sequence.output_size,
+        sum(len(output.values) for output in function.outputs),
     )
 
 

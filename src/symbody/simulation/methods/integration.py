@@ -25,8 +25,9 @@ from symbody.simulation.methods.gear_gupta_leimkuhler import GGL, run_ggl
 from symbody.simulation.methods.integration_problem import IntegrationProblem, StateProjector
 from symbody.simulation.methods.partition import Partition, run_partition
 from symbody.simulation.methods.stiff import Stiff, run_stiff
-from symbody.simulation.native.dense_output import DenseOutput
+from symbody.simulation.native.dense_output import DenseOutput, shorten
 from symbody.simulation.native.run import RawRun
+from symbody.simulation.native.segments import steps_before
 from symbody.simulation.status import Status
 from symbody.tolerances import CLOSED
 
@@ -36,6 +37,7 @@ Constraints = Projection | Baumgarte | GGL | Partition
 Notes = tuple[str, ...]
 
 DEFAULT: Final = Explicit()
+_PROJECTION: Final = Projection()
 # So many explicit steps take less than a second, and they are more exact than what `Stiff` does.
 BEARABLE: Final = 20_000
 
@@ -70,7 +72,7 @@ def integrate_plan(plan: MotionPlan) -> Integration:
     integration, integrator = plan.integration, plan.integrator
     constraints = _fitting_constraints(plan)
     # Methods that do not project after steps do so after events, except `Baumgarte`.
-    projection = constraints if isinstance(constraints, Projection) else Projection()
+    projection = constraints if isinstance(constraints, Projection) else _PROJECTION
     closing = None if isinstance(constraints, Baumgarte) else integration.projection(projection)
     watch = integration.event_watch(closing)
     raw, notes = _run_method(integration, integrator, constraints, closing, watch)
@@ -80,7 +82,7 @@ def integrate_plan(plan: MotionPlan) -> Integration:
 
 def _fitting_constraints(plan: MotionPlan) -> Constraints:
     """Return how constraints are held: without any, all ways are `Projection`."""
-    constraints = plan.constraints or Projection()
+    constraints = plan.constraints or _PROJECTION
     fits: tuple[type, ...]
     if isinstance(constraints, GGL):
         fits, name, why, fix = (Stiff,), "sb.GGL()", "are implicit equations", "sb.Stiff()"
@@ -91,7 +93,7 @@ def _fitting_constraints(plan: MotionPlan) -> Constraints:
     if not (plan.integrator is None or isinstance(plan.integrator, fits)):
         what = f"this integrator cannot be combined with {name}"
         raise UsageError(Problem("simulation.combination", "integrator", what, f"{name} {why}", f"use {fix}"))
-    return constraints if plan.integration.eqs.multiplier_names else Projection()
+    return constraints if plan.integration.eqs.multiplier_names else _PROJECTION
 
 
 def _run_method(
@@ -180,7 +182,7 @@ def work_tolerance(integration: IntegrationProblem) -> float:
     in fast motion would need steps without end.
     """
     problem, n_u, x = integration.problem, integration.n_u, integration.state
-    kinetic = problem.interpret("kinetic_energy", integration.span[0], x[n_u:], x[:n_u])
+    kinetic = problem.value("kinetic_energy", integration.span[0], x[n_u:], x[:n_u])
     usual = CLOSED * problem.scales.energy if integration.atol is None else integration.atol
     return min(max(usual, integration.rtol * kinetic), sys.float_info.max)
 
@@ -217,3 +219,23 @@ def _continue_stiff(
         return run_stiff(remainder, Stiff(), constraints, watch), (note,)
     except KeyboardInterrupt:  # while it compiled: what came before is kept
         return replace(first, status=Status.INTERRUPTED), ()
+
+
+def end_run(run: Integration, t: float | None, note: str) -> Integration:
+    """Return a run that ends at a time, or as it does if that is None, with the reason."""
+    raw = run.raw
+    run = run._replace(notes=(*run.notes, note))
+    dense = raw.dense_output
+    if t is None or dense is None:
+        return run
+    steps = max(steps_before(dense.breaks, dense.pieces.shape[0], t), 1)
+    breaks, pieces = dense.breaks[: steps + 1].copy(), dense.pieces[:steps].copy()
+    share = (t - breaks[-2]) / (breaks[-1] - breaks[-2])
+    breaks[-1], pieces[-1] = t, shorten(pieces[-1], float(share))
+    direction = 1.0 if dense.breaks[-1] >= dense.breaks[0] else -1.0
+    kept = direction * (raw.t - t) <= 0.0
+    cut = replace(
+        raw, t=raw.t[kept], x=raw.x[:, kept], status=Status.SINGULAR, reached=t, state=None, kernel=None,
+        dense_output=DenseOutput(breaks, pieces),
+    )  # fmt: skip
+    return run._replace(raw=cut)

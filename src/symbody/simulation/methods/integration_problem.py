@@ -33,6 +33,7 @@ from symbody.simulation.native.run import Progress, RawRun
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_8
 from symbody.simulation.native.segments import Watch
 from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.single_flight import SingleFlight
 
 Floats = NDArray[np.float64]
 
@@ -72,6 +73,7 @@ class IntegrationProblem:
     progress: Progress | None = None
     events: tuple[Event, ...] = ()
     before: RawRun | None = None
+    _kept: SingleFlight[str, Floats] = field(default_factory=SingleFlight, init=False, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "span", check_span(self.span))
@@ -87,7 +89,9 @@ class IntegrationProblem:
     @property
     def tolerances(self) -> Floats:
         """The absolute tolerance of each speed and coordinate (n_u + n_q,)."""
-        return self.problem.scales.tolerances(self.eqs, self.state, self.atol)
+        return self._kept.get(
+            "tolerances", lambda: self.problem.scales.tolerances(self.eqs, self.state, self.atol)
+        )
 
     @property
     def n_u(self) -> int:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Final
 
-from symbody.analysis.derivatives import partial_derivatives, with_laws, with_outputs
-from symbody.codegen.compile import Value, constant_values
+from symbody.analysis.derivatives import laws_key, partial_derivatives, with_laws, with_outputs
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.graph import Symbol
 from symbody.expr.sequence import Roots
@@ -20,8 +21,13 @@ def drop_idle_rows(eqs: EquationSet, parameters: Mapping[str, Value]) -> Equatio
     """Return the equations without constraints that are fulfilled whatever moves, for these parameters."""
     if not eqs.multiplier_names:
         return eqs
-    values = constant_values(eqs, {name: name for name in eqs.parameter_names}, parameters)
-    formed = eqs.for_values(values).formed
+    chosen = parameter_set(eqs, parameters).eqs
+    without: EquationSet = chosen.plans.get("without idle rows", lambda: _without_idle_rows(chosen))
+    return without
+
+
+def _without_idle_rows(eqs: EquationSet) -> EquationSet:
+    formed = eqs.formed
     moving = [any(not slope.is_zero for slope in row.jacobian.values()) for row in formed.rows]
     kept = [k for k, is_moving in enumerate(moving) if is_moving]
     return EquationSet(eqs.model, formed.with_independent(kept), eqs.notes)
@@ -34,6 +40,15 @@ def with_state_jacobian(
 
     With them is `CALLBACK_JACOBIAN`, the derivatives of the same by the inputs in `callbacks`.
     """
+    names = tuple(callbacks)
+    key = "state jacobian", laws_key(laws), names
+    wider: EquationSet = eqs.plans.get(key, lambda: _with_state_jacobian(eqs, laws, names))
+    return wider
+
+
+def _with_state_jacobian(
+    eqs: EquationSet, laws: Mapping[str, Value], callbacks: Iterable[str]
+) -> EquationSet:
     rates = with_laws(eqs, eqs.roots("xdot").nodes, laws)
     by = (*eqs.formed.u, *eqs.formed.q)
     derivatives = partial_derivatives(eqs, STATE_JACOBIAN, rates, by)

@@ -51,6 +51,11 @@ class DenseOutput:
             value = (value + self.pieces[step, row]) * (share if row % 2 == 1 else 1.0 - share)
         return np.moveaxis(self.pieces[step, 0] + value, -1, 0)
 
+    def at_breaks(self) -> Floats:
+        """Return the states at the ends of all steps (n, steps + 1)."""
+        starts, end = self.pieces[:, 0], self.pieces[-1:, 0] + self.pieces[-1:, 1]
+        return np.concatenate([starts, end]).T
+
     def _check_range(self, times: Floats) -> None:
         first, last = sorted((float(self.breaks[0]), float(self.breaks[-1])))
         outside = times[~((times >= first) & (times <= last))]

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.arguments import fits
-from symbody.codegen.compile import Value
-from symbody.expr.language.formula import Formula
+from symbody.codegen.formation.names import Value
+from symbody.expr.parser import parse_angle
 from symbody.formats.native import model_from_toml, model_to_toml
 from symbody.graph.trees import Trees
 from symbody.model.arguments import plain_value
@@ -79,8 +79,8 @@ def provenance_from(record: Record, arrays: Mapping[str, Floats], where: str) ->
 
 
 def _texts(values: Mapping[str, Value]) -> dict[str, str]:
-    return {name: Formula.from_value(plain_value(value), where=name).text for name, value in values.items()}
+    return {name: parse_angle(plain_value(value), where=name).text for name, value in values.items()}
 
 
 def _formulas(texts: Mapping[str, str], where: str) -> dict[str, Value]:
-    return {name: Formula.from_value(text, where=f"{where}, {name}") for name, text in texts.items()}
+    return {name: parse_angle(text, where=f"{where}, {name}") for name, text in texts.items()}

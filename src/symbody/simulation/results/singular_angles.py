@@ -54,7 +54,7 @@ def singular_passages(eqs: EquationSet, dense: DenseOutput) -> Iterator[tuple[Oc
         Of the states, speeds before coordinates.
     """
     n_u = len(eqs.speed_names)
-    triples = list(_triples(eqs))
+    triples: list[_Angles] = eqs.plans.get("singular angles", lambda: list(_triples(eqs)))
     if not triples:
         return
     breaks = dense.breaks
@@ -90,12 +90,14 @@ def _least(measure: Callable[[float], float], between: tuple[float, float]) -> t
 def _triples(eqs: EquationSet) -> Iterator[_Angles]:
     """Return the joints in the rotation tree that have three angles."""
     places = {name: k for k, name in enumerate(eqs.coordinate_names)}
-    for use in eqs.formed.uses:
-        turns = use.joint.turns()
+    for role in eqs.formed.joint_roles:
+        turns = role.joint.turns()
         names = [turn.angle.text for turn in turns]
-        if use.has_angles and len(set(names)) == 3 and names[1] in places:
+        if role.has_angles and len(set(names)) == 3 and names[1] in places:
             is_proper = turns[0].axis == turns[2].axis
-            yield _Angles(use.joint.name, places[names[1]], 0.0 if is_proper else np.pi / 2, _cure(use.joint))
+            yield _Angles(
+                role.joint.name, places[names[1]], 0.0 if is_proper else np.pi / 2, _cure(role.joint)
+            )
 
 
 def _cure(joint: Joint) -> str:

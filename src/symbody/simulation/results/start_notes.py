@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.named_values import angle_names
 from symbody.analysis.state import State
-from symbody.codegen.compile import constant_values
+from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.massless import massless_speeds
+from symbody.errors import number_in_words
 from symbody.manifold import null_space
 from symbody.model.model import Model
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -25,12 +29,78 @@ _FAR: Final = 0.5  # rad, or of the size of the mechanism
 _TWO: Final = 2  # coordinates of a rotation that cannot spin about every axis
 
 
-def start_notes(problem: SimulationProblem, first: State) -> tuple[str, ...]:
-    """Return what should be known of a motion that starts from a state."""
+def start_notes(
+    problem: SimulationProblem, first: State, given: Mapping[str, object] | None = None
+) -> tuple[str, ...]:
+    """Return what should be known of a motion that starts from a state.
+
+    Parameters
+    ----------
+    given : mapping of name to number or formula
+        Initial values and guesses of the caller.
+    """
     return (
+        *_whole_turns(problem, given or {}),
+        *_loose_bodies(problem),
+        *_no_freedom(problem, first),
         *_idle_speeds(problem, first),
         *_moved_initial_values(problem, first),
         *_open_loops(problem, first),
+    )
+
+
+def _whole_turns(problem: SimulationProblem, given: Mapping[str, object]) -> tuple[str, ...]:
+    """Return which angles are beyond a turn as plain numbers: most are degrees."""
+    eqs, notes = problem.eqs, []
+    angles = angle_names(eqs)
+    for name, value in {**eqs.model.initial, **given}.items():
+        number = _plain_number(value) if name in angles else None
+        if number is not None and abs(number) > math.tau:
+            degrees = math.degrees(number)
+            notes.append(
+                f"{name} = {number:g} rad is {degrees:.0f} deg; for {number:g} degrees write '{number:g} deg'"
+            )
+    return tuple(notes)
+
+
+def _plain_number(value: object) -> float | None:
+    """Return a number that stands there without a unit, or None."""
+    text = str(value).strip()
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def _loose_bodies(problem: SimulationProblem) -> tuple[str, ...]:
+    """Return which bodies nothing holds, where others are held: most have lost their joint."""
+    model = problem.eqs.model
+    if not isinstance(model, Model) or not model.joints:
+        return ()
+    names = [joint.end.body for joint in model.free_joints]
+    if not names:
+        return ()
+    several = len(names) > 1
+    return (
+        f"{'bodies' if several else 'body'} {', '.join(names)} {'have' if several else 'has'} no joint and "
+        f"{'move' if several else 'moves'} freely, {'each ' if several else ''}with six freedoms",
+    )
+
+
+def _no_freedom(problem: SimulationProblem, first: State) -> tuple[str, ...]:
+    """Return a note if the constraints leave nothing that can move."""
+    eqs = problem.eqs
+    n_u = len(eqs.speed_names)
+    if not n_u or len(eqs.multiplier_names) < n_u:
+        return ()
+    rows = np.asarray(first["jacobian"]) / problem.scales.constraints(eqs)[:, np.newaxis]
+    rows = rows * problem.scales.displacements(eqs)
+    if not np.isfinite(rows).all() or null_space(rows).shape[1]:
+        return ()
+    return (
+        "the mechanism has no freedom here and cannot move: "
+        f"{number_in_words(len(eqs.multiplier_names), 'constraint')} for {number_in_words(n_u, 'speed')}; "
+        "take away a joint that closes a loop, or give one of them a freedom",
     )
 
 
@@ -114,14 +184,18 @@ def _has_rods(problem: SimulationProblem) -> bool:
     model = problem.eqs.model
     if not isinstance(model, Model):
         return False
-    spherical = {
-        body for joint in model.joints if len(joint.rotation_coordinates) > _TWO
-        for body in (joint.start.body, joint.end.body)
-    }  # fmt: skip
-    formulas = {f"{k} {i}": body.inertia[i] for k, body in enumerate(model.bodies) for i in range(3)}
-    values = constant_values(problem.eqs, formulas, problem.parameters)
+    moments = parameter_set(problem.eqs, problem.parameters).quantities.moments
+    if 0.0 not in moments:
+        return False
+    spherical: frozenset[str] = problem.eqs.plans.get("spherical bodies", lambda: _spherical_bodies(model))
     for k, body in enumerate(model.bodies):
-        zeros = sum(values[f"{k} {i}"] == 0.0 for i in range(3))
+        zeros = moments[3 * k : 3 * k + 3].count(0.0)
         if zeros == 1 or (zeros > 1 and body.name in spherical):
             return True
     return False
+
+
+def _spherical_bodies(model: Model) -> frozenset[str]:
+    """Return the bodies at joints that turn in all ways."""
+    joints = [joint for joint in model.joints if len(joint.rotation_coordinates) > _TWO]
+    return frozenset(body for joint in joints for body in (joint.start.body, joint.end.body))

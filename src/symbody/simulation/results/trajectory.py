@@ -2,38 +2,35 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
-from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.arguments import checked_arguments
-from symbody.errors import EnvironmentFault, Problem, UsageError, nearest
+from symbody.errors import Problem, UsageError, nearest
 from symbody.model.model import Model
-from symbody.notebook import Displayed
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
-from symbody.simulation.results.archive import Path, motion_fields, not_ours, unwritable, write_archive
+from symbody.simulation.results.archive import Path, motion_fields, not_ours, write_archive
 from symbody.simulation.results.evaluate import Evaluate, EvaluateTogether
 from symbody.simulation.results.model_record import record_of
 from symbody.simulation.results.provenance import Provenance
 from symbody.simulation.results.recomputation import Recomputation, provenance_for
+from symbody.simulation.results.sample_table import SampleTable, refuse_table_ending
 from symbody.simulation.status import Status
-
-if TYPE_CHECKING:
-    import pandas
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Trajectory(Displayed):
+class Trajectory(SampleTable):
     """The samples of a motion; time is the last axis of every array.
+
+    As of a mapping, ``in``, ``len``, iteration and ``dict(run)`` go over the names that are stored.
 
     Attributes
     ----------
@@ -233,52 +230,17 @@ class Trajectory(Displayed):
         return self[f"reaction {joint}"]
 
     @checked_arguments
-    def columns(self, *names: str) -> dict[str, Floats]:
-        """Return outputs as columns (N,); vectors are split into "name x", "name y", "name z".
-
-        Parameters
-        ----------
-        *names : str
-            By default all coordinates and speeds.
-        """
-        chosen = names or (*self.coordinate_names, *self.speed_names)
-        found: dict[str, Floats] = {}
-        for name in chosen:
-            found.update(_split_columns(name, self._with_time(self[name])))
-        return found
-
-    @checked_arguments
-    def to_pandas(self, *names: str) -> pandas.DataFrame:
-        """Return `columns` as a pandas table indexed by t.
+    def save(self, path: Path, *names: str) -> None:
+        """Write the trajectory and its model to a file for `load`; outputs beside the states if named.
 
         Raises
         ------
+        UsageError
+            If the name ends as that of a table, such as ``.mat`` and ``.csv``, which other methods write.
         EnvironmentFault
-            If pandas is not installed.
+            If the file cannot be written.
         """
-        try:
-            import pandas
-        except ImportError:
-            what = "pandas is not installed"
-            fix = "pip install symbody[pandas], or use run.columns()"
-            raise EnvironmentFault(Problem("trajectory.pandas", "to_pandas", what, fix=fix)) from None
-        return pandas.DataFrame(self.columns(*names), index=pandas.Index(np.atleast_1d(self.t), name="t"))
-
-    @checked_arguments
-    def to_csv(self, path: Path, *names: str) -> None:
-        """Write t and `columns` as comma separated text whose numbers read back exactly."""
-        columns = {"t": np.atleast_1d(self.t), **self.columns(*names)}
-        try:
-            with open(path, "w", newline="", encoding="utf-8") as file:
-                writer = csv.writer(file)
-                writer.writerow(columns)
-                writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
-        except OSError as error:
-            raise unwritable(path, error) from error
-
-    @checked_arguments
-    def save(self, path: Path, *names: str) -> None:
-        """Write the trajectory and its model to a file for `load`; outputs beside the states if named."""
+        refuse_table_ending(path)
         stored = {**self.stored, **{name: self[name] for name in names if name not in self.names}}
         arrays = {"t": self.t, "q": self.q, "u": self.u}
         arrays |= {f"stored_{k}": values for k, values in enumerate(stored.values())}
@@ -363,6 +325,12 @@ class Trajectory(Displayed):
         samples, coordinates, speeds = (f"{n} {word}" if n == 1 else f"{n} {word}s" for n, word in counts)
         return f"<Trajectory {name}{samples} ({span}), {coordinates}, {speeds}, {self.status.name}>"
 
+    def __str__(self) -> str:
+        """Return what `repr` returns; of a motion that failed with what to try, and its notes."""
+        if self.success:
+            return repr(self)
+        return "\n".join([repr(self), f"  {self.status.value}", *(f"  note: {note}" for note in self.notes)])
+
 
 def _no_model() -> UsageError:
     return UsageError(
@@ -381,12 +349,3 @@ def _read_only(array: Floats) -> Floats:
     view = np.asarray(array).view()
     view.flags.writeable = False
     return view
-
-
-def _split_columns(name: str, values: Floats) -> Iterator[tuple[str, Floats]]:
-    """Yield one column after the other of an output with time last."""
-    shape = values.shape[:-1]
-    letters = "xyz" if all(size == 3 for size in shape) else ""
-    for place in product(*map(range, shape)):
-        suffix = "".join(letters[k] for k in place) if letters else str(list(place))
-        yield f"{name} {suffix}" if place else name, values[place]

@@ -19,9 +19,13 @@ from symbody.analysis.scales import (
     pose_share,
     state_tolerances,
 )
-from symbody.codegen.compile import Value, form_sequence, form_values
-from symbody.codegen.function import CompiledFunction
+from symbody.codegen.formation.bound_function import bound_function
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.values import formula_function
 from symbody.equations.equation_set import EquationSet
+from symbody.expr.language.formula import Formula
+from symbody.model.arguments import plain_value
+from symbody.model.numbers import as_float
 from symbody.simulation.sweeps.case_table import CaseTable
 
 Floats = NDArray[np.float64]
@@ -104,13 +108,18 @@ def case_scales(
 
 def case_values(eqs: EquationSet, table: CaseTable, formulas: Mapping[str, Value]) -> dict[str, Floats]:
     """Return the values (cases,) of each formula in parameters and t, at t = 0."""
-    if not formulas:
-        return {}
-    sequence = form_values(eqs, formulas, table.fixed_parameters, table.parameter_names)
-    found = CompiledFunction(*sequence, quick=True)(0.0, (), (), (), table.parameters)
-    columns = found if len(formulas) > 1 else (found,)
+    read = {name: Formula.from_value(plain_value(value), where=name) for name, value in formulas.items()}
+    numbers = {name: formula.constant() for name, formula in read.items()}
+    known = {name: as_float(number) for name, number in numbers.items() if number is not None}
+    others = {name: formula for name, formula in read.items() if name not in known}
+    columns: dict[str, Floats] = {}
+    if others:
+        function = formula_function(eqs, others, table.fixed_parameters, table.parameter_names)
+        values = function(0.0, (), (), (), table.parameters)
+        columns = dict(zip(others, values if len(others) > 1 else (values,), strict=True))
     return {
-        name: np.broadcast_to(column, (table.count,)) for name, column in zip(formulas, columns, strict=True)
+        name: np.broadcast_to(known[name] if name in known else columns[name], (table.count,))
+        for name in formulas
     }
 
 
@@ -125,9 +134,8 @@ def _equations(eqs: EquationSet, table: CaseTable, lengths: Floats) -> dict[str,
     if not rows_of_users:
         return {}
     inputs: dict[str, Value] = dict.fromkeys(eqs.input_names, 0)
-    function = CompiledFunction(
-        *form_sequence(eqs, "jacobian", table.fixed_parameters, table.parameter_names, inputs), quick=True
-    )
+    values = table.fixed_parameters, table.parameter_names, inputs
+    function = bound_function(eqs, "jacobian", *values, quick=True)
     columns = lengths[:, np.newaxis]
     q = pose_share(eqs) * np.where([units.get(name) == "m" for name in eqs.coordinate_names], columns, 1.0)
     moves = np.where([units.get(name) == "m/s" for name in eqs.speed_names], columns, 1.0)

@@ -5,15 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Rational
 from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.arguments import checked_fields
-from symbody.codegen.compile import Value
-from symbody.errors import Problem, UsageError
+from symbody.arguments import checked_fields, is_sympy
+from symbody.codegen.formation.names import Value
+from symbody.errors import ExpressionError, Problem, UsageError
 from symbody.expr.language.formula import Formula
+from symbody.expr.parser import parse_angle
+from symbody.model.arguments import plain_value
+from symbody.model.numbers import as_float, formula_value
 
 Floats = NDArray[np.float64]
 Law = Literal["uniform", "loguniform", "normal"]
@@ -190,7 +194,8 @@ def _check_columns(
         if column is None:
             problems.append(
                 Problem("sweep.values", f"{kind}, {name}", f"{value!r} is not a list of numbers",
-                        "each case takes one finite number", "give numbers such as np.linspace(1, 2, 11)")
+                        "each case takes one finite number",
+                        "give numbers such as np.linspace(1, 2, 11), or angles such as '30 deg'")
             )  # fmt: skip
         else:
             columns[kind, name] = column
@@ -208,10 +213,19 @@ def _check_columns(
 
 def _column(value: Varied) -> Floats | None:
     try:
-        column = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
+        entries = [_number(entry) for entry in value] if isinstance(value, list | tuple) else value
+        column = np.array(entries, dtype=np.float64)
+    except (TypeError, ValueError, ExpressionError):
         return None
     return column if column.ndim == 1 and column.size and np.isfinite(column).all() else None
+
+
+def _number(entry: object) -> object:
+    """Return the number that a text, a fraction or an expression of SymPy stands for, ``"30 deg"`` too."""
+    if isinstance(entry, str | Rational) or is_sympy(entry):
+        number = formula_value(parse_angle(plain_value(entry)))
+        return math.nan if number is None else as_float(number)
+    return entry
 
 
 def _count(columns: Mapping[tuple[str, str], Floats], combine: str) -> int:

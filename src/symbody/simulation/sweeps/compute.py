@@ -114,9 +114,7 @@ def _numbers(function: CompiledFunction | None, parameters: Floats) -> tuple[Flo
     if function is None:
         return nothing, nothing
     constants = function.constants(parameters)
-    if constants.ndim == 1:  # nothing to compute beforehand
-        return parameters, nothing
-    return parameters, np.broadcast_to(constants, (parameters.shape[0], constants.shape[1]))
+    return parameters, np.broadcast_to(constants, (parameters.shape[0], constants.shape[-1]))
 
 
 def _right_hand_side(function: CompiledFunction, numbers: tuple[Floats, Floats]) -> RightHandSide:
@@ -138,7 +136,7 @@ def _projector(job: LoopJob, chunk: Chunk, numbers: tuple[Floats, Floats]) -> Pr
         job.limit,
         np.zeros(chunk.sizes.shape[1]),
         job.rounding,
-        closing.sequence.output_size,
+        sum(len(output.values) for output in closing.outputs),
     )
 
 

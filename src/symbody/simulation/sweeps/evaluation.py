@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.scales import Scales, mechanism_scales
-from symbody.codegen.compile import form_sequence
+from symbody.codegen.formation.bound_function import bound_function
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.simulation.hybrid.concatenate import Piecewise, changing_shape
@@ -124,11 +124,10 @@ class Evaluation:
 
         def compile_outputs() -> CompiledFunction:
             table = self.table
-            sequence = form_sequence(
+            return bound_function(
                 self._equations(modes), outputs, table.fixed_parameters, table.parameter_names,
-                self.laws.formulas,
+                self.laws.formulas, quick=True,
             )  # fmt: skip
-            return CompiledFunction(*sequence, quick=True)
 
         return self._functions.get((modes, outputs), compile_outputs)
 

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from symbody.analysis.assembly import consistent_start
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator
 from symbody.analysis.named_values import positions_and_rates, refuse_unknown
-from symbody.codegen.compile import Value, form_sequence, form_values
-from symbody.codegen.function import CompiledFunction
+from symbody.codegen.formation.bound_function import bound_function
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import CompileError, SymbodyError
 from symbody.expr.language.formula import Formula
@@ -124,7 +125,7 @@ def check_names(eqs: EquationSet, table: CaseTable, guess: Mapping[str, Value]) 
     AssemblyError, CompileError
         Listing unknown names, or parameters without value.
     """
-    form_values(eqs, {}, table.fixed_parameters, table.parameter_names)
+    parameter_set(eqs, table.fixed_parameters, table.parameter_names)
     refuse_unknown(eqs, (*table.initial_names, *table.fixed_initial, *guess))
     legal = positions_and_rates(eqs)
     ordered = {**guess, **{name: value for name, value in eqs.model.initial.items() if name not in guess}}
@@ -156,8 +157,8 @@ class _Assembler:
         self._t = t
         self._angles = frozenset(name for name, unit in eqs.units.items() if unit == "rad")
         given = dict.fromkeys(eqs.input_names, 0) | dict(inputs)
-        sequence = form_sequence(eqs, _CLOSING, table.fixed_parameters, table.parameter_names, given)
-        self._function = CompiledFunction(*sequence, quick=True)
+        values = table.fixed_parameters, table.parameter_names, given
+        self._function = bound_function(eqs, _CLOSING, *values, quick=True)
 
     def all(
         self,

@@ -8,9 +8,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.codegen.compile import Value, form_sequence, form_values
+from symbody.codegen.formation.bound_function import bound_function
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.rounding_rows import RoundingRows
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.parameter_constraints import check_parameter_constraints
 from symbody.kernels.step_bounds import EPSILON
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
@@ -25,6 +28,7 @@ from symbody.simulation.methods.constraints import (
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration import DEFAULT
+from symbody.simulation.sweeps.case_scales import case_values
 from symbody.simulation.sweeps.case_table import CaseTable
 from symbody.simulation.sweeps.first_states import first_states
 from symbody.simulation.sweeps.records import Chunk, LoopJob
@@ -50,18 +54,16 @@ def prepare_loop(
     first = first_states(eqs, table, guess, laws.formulas, options.span, options.scales)
     stabilized = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
     values = table.fixed_parameters, table.parameter_names, laws.formulas
-    function = CompiledFunction(*form_sequence(stabilized, "xdot", *values))
+    function = bound_function(stabilized, "xdot", *values)
     method = options.integrator if isinstance(options.integrator, Explicit | FixedStep) else DEFAULT
     closing, scales, sizes = None, np.zeros((table.count, 0)), np.zeros((table.count, 0))
     rounding, limit = 0.0, np.inf
     if (eqs.multiplier_names or eqs.quaternions) and not isinstance(constraints, Baumgarte):
         projection = constraints if isinstance(constraints, Projection) else Projection()
         tolerance = residual_share(projection, options.atol)
-        closing = CompiledFunction(*form_sequence(eqs, PROJECTED, *values))
+        closing = bound_function(eqs, PROJECTED, *values)
         own_scales = first.scales.constraints()
-        scales = np.ones(
-            (table.count, closing.sequence.outputs[0].shape[0])
-        )  # norms of quaternions come last
+        scales = np.ones((table.count, closing.outputs[0].shape[0]))  # norms of quaternions come last
         scales[:, : own_scales.shape[1]] = own_scales
         scales, sizes = tolerance * scales, first.scales.coordinates()
         rounding = ROUNDED_PER_COORDINATE * len(eqs.coordinate_names) * EPSILON / tolerance
@@ -106,20 +108,17 @@ def cases_apart(eqs: EquationSet, table: CaseTable) -> list[int]:
     if not (eqs.multiplier_names and table.parameter_names):
         return []
     names = eqs.parameter_names
-    sequence = form_values(eqs, {name: name for name in names}, table.fixed_parameters, table.parameter_names)
-    found = CompiledFunction(*sequence, quick=True)(0.0, (), (), (), table.parameters)
-    columns = found if len(names) > 1 else (found,)
-    rows = np.stack([np.broadcast_to(column, (table.count,)) for column in columns], axis=1)
+    columns = case_values(eqs, table, {name: name for name in names})
+    rows = np.stack([columns[name] for name in names], axis=1)
     varied = {name for k, name in enumerate(names) if (rows[:, k] != rows[0, k]).any()}
     known = {name: float(rows[0, k]) for k, name in enumerate(names) if name not in varied}
-    usual = _rows(eqs.for_values(known))
+    check_parameter_constraints(eqs.formed, known)
+    rounding: RoundingRows = eqs.plans.get("rounding rows", lambda: RoundingRows(eqs))
+    usual = rounding(known)
     different, place = np.unique(rows, axis=0, return_inverse=True)
-    is_apart = [
-        _rows(eqs.for_values(dict(zip(names, row, strict=True)))) != usual for row in different.tolist()
-    ]
+    is_apart = []
+    for row in different.tolist():
+        values = dict(zip(names, row, strict=True))
+        check_parameter_constraints(eqs.formed, values)
+        is_apart.append(rounding(values) != usual)
     return np.flatnonzero(np.array(is_apart)[np.ravel(place)]).tolist()
-
-
-def _rows(eqs: EquationSet) -> list[tuple[int, ...]]:
-    """Return the nodes of all constraints."""
-    return [(row.value.index, row.gamma.index, *row.jacobian) for row in eqs.formed.rows]

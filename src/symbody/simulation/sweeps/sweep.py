@@ -14,16 +14,16 @@ from numpy.typing import ArrayLike
 
 from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.codegen.llvm import machine
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import SymbodyError
 from symbody.kernels import block as at
 from symbody.simulation.events.events import Event, check_events
-from symbody.simulation.inputs.input_laws import Law, input_laws
-from symbody.simulation.methods.change_point import is_overconstrained
+from symbody.simulation.inputs.input_laws import Law, input_laws, silent_input_note
 from symbody.simulation.methods.explicit import check_span
 from symbody.simulation.methods.integration import Constraints, Integrator
+from symbody.simulation.methods.overconstrained import is_overconstrained
 from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -235,7 +235,7 @@ def _reason_of_branch(job: SweepJob, chunk: Chunk) -> str:
     q = dict(zip(eqs.coordinate_names, x[len(eqs.speed_names) :].tolist(), strict=True))
     scales = mechanism_scales(eqs, values, options.scales, q).fit_span(*options.span)
     problem = SimulationProblem(eqs, values, job.laws, scales)
-    if options.constraints is None and is_overconstrained(problem, options.span[0], x):
+    if is_overconstrained(problem, options.span[0], x):
         return "some constraints follow from others only where all loops are closed"
     try:
         notes = job.simulate_case(case).notes
@@ -256,7 +256,7 @@ def _worth_another_try(job: SweepJob, records: Records) -> list[int]:
 
 def _notes(job: SweepJob, apart: Sequence[int]) -> tuple[str, ...]:
     silent = sorted(set(job.eqs.input_names).difference(job.inputs))
-    notes = [*job.laws.notes, *(f"input {name} has no value and is 0" for name in silent)]
+    notes = [*job.laws.notes, *(silent_input_note(job.eqs.units, name) for name in silent)]
     if job.eqs.multiplier_names and job.options.constraints is None:
         notes.append(
             "change points are not looked for in a sweep: where constraints become dependent on the way, "

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.analysis.scales import checked_scales
-from symbody.codegen.compile import Value, form_sequence
-from symbody.codegen.function import CompiledFunction
+from symbody.codegen.formation.names import Value
+from symbody.codegen.formation.sequences import form_sequence
+from symbody.codegen.signature import source_text
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, SimulationError, UsageError
 from symbody.kernels.block import COUNTS
@@ -144,10 +145,8 @@ class SweepJob:
     def digest(self) -> str:
         """Return what stands for all that results depend on."""
         table, options = self.table, self.options
-        function = CompiledFunction(
-            *form_sequence(self.eqs, "xdot", table.fixed_parameters, table.parameter_names), quick=True
-        )
-        about = hashlib.sha256(function.source("c").encode())
+        sequence = form_sequence(self.eqs, "xdot", table.fixed_parameters, table.parameter_names)
+        about = hashlib.sha256(source_text(sequence[0], "c", sequence[1]).encode())
         for array in (table.parameters, table.initial, options.times):
             about.update(array.tobytes())
         choices = (

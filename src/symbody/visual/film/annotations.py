@@ -13,7 +13,7 @@ from symbody.visual.film.camera import Camera
 from symbody.visual.film.drawing import Caption, Mark, Stroke
 from symbody.visual.film.facets import Floats
 from symbody.visual.film.palette import AXES, FORCE, TORQUE, Paper
-from symbody.visual.film.shapes import rotation_of
+from symbody.visual.film.solid_facets import rotation_of
 from symbody.visual.film.stage import BodyPlaces
 from symbody.visual.film.text_metrics import text_width
 from symbody.visual.scene.scene import MotionVector, Scene, SceneMotion, VectorKind

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from symbody.visual.film.facets import Facets, Floats, facets_of, join_facets, unit
-from symbody.visual.film.shapes import facets_of_solid, grid_triangles
+from symbody.visual.film.solid_facets import facets_of_solid, grid_triangles
 from symbody.visual.scene.scene import Connector, Solid
 
 PER_TURN: Final = 20  # points of a coil

@@ -47,7 +47,7 @@ class Layer:
         Those that are drawn where they are visible: creases and outlines.
     outlines : (E,) array
         Whether an edge is an outline, beyond which the surface turns away.
-    edge_parts : (E,) array
+    edge_triangles : (E,) array
         A triangle beside each edge.
     """
 

@@ -11,7 +11,7 @@ import numpy as np
 from symbody.visual.film.connector_shapes import coil, cylinder_between, damper, rope_points, side_of
 from symbody.visual.film.facets import NOTHING, Facets, Floats, join_facets, unit
 from symbody.visual.film.palette import CONNECTORS, body_color, components
-from symbody.visual.film.shapes import facets_of_solid, line_of_solid, rotation_of
+from symbody.visual.film.solid_facets import facets_of_solid, line_of_solid, rotation_of
 from symbody.visual.scene.scene import Anchor, Connector, Scene, SceneMotion
 
 _SOLID: Final = 0.995  # opacities from here on hide what is behind

@@ -109,7 +109,7 @@ def label_curves(axes: Axes, across: PlottedCurve, title: str | None) -> None:
     axes.set_xlabel(across.text)
     labels = list(dict.fromkeys(_curves_in(axes)))
     axes.set_ylabel(labels[0] if len(labels) == 1 else shared_quantity(labels))
-    _finish(axes, title)
+    finish_axes(axes, title)
 
 
 def label_panels(panels: Sequence[Axes], across: PlottedCurve, title: str | None) -> None:
@@ -118,7 +118,7 @@ def label_panels(panels: Sequence[Axes], across: PlottedCurve, title: str | None
     for axes in panels:
         _, labels = axes.get_legend_handles_labels()
         axes.set_ylabel(_wrap(shared_label(labels, letters), letters))
-        _finish(axes, title if axes is panels[0] else None)
+        finish_axes(axes, title if axes is panels[0] else None)
     panels[-1].set_xlabel(across.text)
     panels[0].figure.align_ylabels(panels)
 
@@ -128,7 +128,7 @@ def label_paths(axes: Axes, paths: Sequence[PlanePath], title: str | None) -> No
     for letter, curves in zip("xyz", zip(*(path.curves for path in paths), strict=True), strict=False):
         texts = list(dict.fromkeys(curve.text for curve in curves))
         axes.set(**{f"{letter}label": texts[0] if len(texts) == 1 else _shared_component(curves)})
-    _finish(axes, title)
+    finish_axes(axes, title)
 
 
 def _shared_component(curves: Sequence[PlottedCurve]) -> str:
@@ -151,7 +151,8 @@ def _wrap(text: str, letters: int) -> str:
     return "\n".join(lines)
 
 
-def _finish(axes: Axes, title: str | None) -> None:
+def finish_axes(axes: Axes, title: str | None) -> None:
+    """Put the title over axes, and a legend of all that they and their twins hold beside them."""
     together = _axes_at_same_place(axes)
     for each in together:
         old = each.get_legend()

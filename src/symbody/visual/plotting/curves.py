@@ -38,6 +38,8 @@ QUANTITIES: Final[Mapping[str, str]] = {
     "kg m^2": "moment of inertia",
 }
 
+_FLAT: Final = 1e-9  # of the largest extent: what a path may leave its plane by
+
 _MOTION: Final = {"r": "m", "v": "m/s", "vdot": "m/s^2", "w": "rad/s", "wdot": "rad/s^2"}
 _WRENCH: Final = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 
@@ -126,6 +128,21 @@ def path_of(run: Trajectory, expressions: Sequence[str]) -> PlanePath:
     return PlanePath(
         name, tuple(curves), readable(stem) if stem else ", ".join(curve.label for curve in curves)
     )
+
+
+def in_their_plane(paths: Sequence[PlanePath]) -> Sequence[PlanePath]:
+    """Return paths in space without the component that is constant along each of them, if there is one."""
+    if {len(path.curves) for path in paths} != {3}:
+        return paths
+    ranges = np.array([[float(np.ptp(curve.values)) for curve in path.curves] for path in paths])
+    still = np.flatnonzero((ranges <= _FLAT * ranges.max(initial=0.0)).all(axis=0))
+    if not still.size or not np.isfinite(ranges).all():
+        return paths
+    left = int(still[-1])  # of a straight line z, then y
+    return [
+        replace(path, curves=tuple(curve for k, curve in enumerate(path.curves) if k != left))
+        for path in paths
+    ]
 
 
 def _common_stem(names: Sequence[str]) -> str:

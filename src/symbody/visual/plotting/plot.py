@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from symbody.arguments import checked_arguments
 from symbody.errors import EnvironmentFault, Problem, UsageError
 from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.sweeps.result import Sweep
 from symbody.visual.plotting.canvas import (
     draw,
     is_in_space,
@@ -25,17 +26,19 @@ from symbody.visual.plotting.curves import (
     PlanePath,
     PlottedCurve,
     curves_of,
+    in_their_plane,
     path_of,
     rename_curves,
     single_curve,
 )
 from symbody.visual.plotting.event_marks import mark_events
 from symbody.visual.plotting.line_sampling import is_continuous, smooth_motion
+from symbody.visual.plotting.sweep_plot import plot_sweep
 
 
 @checked_arguments
 def plot(
-    run: Trajectory,
+    run: Trajectory | Sweep,
     *expressions: str | tuple[str, ...],
     ax: Axes | None = None,
     x: str = "t",
@@ -52,11 +55,14 @@ def plot(
 
     Parameters
     ----------
+    run : Trajectory or Sweep
+        Of a sweep all cases are drawn over time, each output in a panel of its own.
     *expressions : str or tuple of str
         Any name or formula of ``run[...]``, such as ``"0.5*m*x_dot^2"`` and
         ``"sqrt('reaction A Fx'^2 + 'reaction A Fy'^2)"``; all coordinates if none is given.
         A vector makes three curves. A tuple makes a path of its two or three components, in the plane or in
-        space: ``("X", "Y")``, or ``("frame r P",)`` for the way of a frame. Curves and paths do not mix.
+        space: ``("X", "Y")``, or ``("frame r P",)`` for the way of a frame; paths in space that all stay in a
+        plane x, y or z = constant are drawn in it. Curves and paths do not mix.
     ax : Axes, optional
         Where to draw, for instance from ``matplotlib.pyplot.subplots()`` to see a window. By default a new
         figure that belongs to no window: ``ax.figure``, or `save_plot`. What is given takes all curves,
@@ -79,8 +85,10 @@ def plot(
     UsageError
         An unknown name, an output with several components where one is needed, or too few labels.
     """
+    if isinstance(run, Sweep):
+        return plot_sweep(run, expressions, ax, title)
     if not isinstance(run, Trajectory):
-        fix = "give what simulate returns; of a sweep, one case: sweep.trajectory(3)"
+        fix = "give what simulate, inverse_dynamics or sweep returns"
         raise UsageError(Problem("plot.not_a_motion", "run", f"{run!r} is not a motion", fix=fix))
     chosen = expressions or run.coordinate_names
     curves = [item for item in chosen if isinstance(item, str)]
@@ -149,6 +157,8 @@ def _curves(
 
 
 def _paths(paths: Sequence[PlanePath], ax: Axes | None, title: str | None, equal: bool | None) -> Axes:
+    if ax is None or not is_in_space(ax):
+        paths = in_their_plane(paths)
     sizes = {len(path.curves) for path in paths}
     axes = new_axes(sizes == {3}) if ax is None else ax
     if sizes != {3 if is_in_space(axes) else 2}:

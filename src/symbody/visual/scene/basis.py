@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -46,7 +46,7 @@ class SceneBasis:
 
     Attributes
     ----------
-    frames : mapping of Address to RigidTransform
+    frames : mapping of FrameRef to RigidTransform
         Every frame on its body.
     joints : tuple of Joint
         Those of the model and those that stand for bodies without one.
@@ -57,11 +57,19 @@ class SceneBasis:
         Joints that have such coordinates.
     travel : mapping of name to (lowest, highest)
         Of the coordinates whose motion is known.
+    steps : mapping of joint to RigidTransform
+        Where its end frame stands in its start frame at the start.
     moments : tuple of mapping of body to RigidTransform
         Where bodies stand in ground's axes, at the start and at some later times if the motion is known;
         loops may be open.
     links : tuple of Link
         What connects two frames, except the joints of bodies that move freely.
+    linked, loose : mapping of body to tuple of FrameRef
+        Its frames that links connect, and those with a name that none connects.
+    lengths : mapping of body to float
+        The largest distance between two of its frames [m].
+    places : mapping of body to int
+        Its place among the bodies of the scene; ground has 0.
     size : float
         Of the mechanism [m].
     rod : float
@@ -76,8 +84,13 @@ class SceneBasis:
     coordinates: Mapping[str, float]
     doubtful: frozenset[str]
     travel: Mapping[str, tuple[float, float]]
+    steps: Mapping[str, RigidTransform]
     moments: tuple[Mapping[str, RigidTransform], ...]
     links: tuple[Link, ...]
+    linked: Mapping[str, tuple[FrameRef, ...]]
+    loose: Mapping[str, tuple[FrameRef, ...]]
+    lengths: Mapping[str, float]
+    places: Mapping[str, int]
     size: float
     rod: float
 
@@ -96,8 +109,7 @@ class SceneBasis:
 
     def extent(self, body: str) -> float:
         """Return the largest distance between two frames of a body [m]; of ground 0."""
-        points = [frame.at for address, frame in self.frames.items() if address.body == body != GROUND]
-        return _largest_distance(points) if points else 0.0
+        return 0.0 if body == GROUND else self.lengths.get(body, 0.0)
 
     def course(self, start: FrameRef, end: FrameRef) -> Floats:
         """Return the places (N, 3) of a frame's origin in another frame, at the moments [m]."""
@@ -111,22 +123,15 @@ class SceneBasis:
     def points(self, body: str) -> list[Floats]:
         """Return the distinct points of a body [m] where something is connected to it, in its axes."""
         points: list[Floats] = []
-        for link in self.links:
-            for address in (link.start, link.end):
-                if address.body == body:
-                    at = self.frames[address].at
-                    if all(np.linalg.norm(at - other) > SAME_POINT * self.size for other in points):
-                        points.append(at)
+        for address in self.linked.get(body, ()):
+            at = self.frames[address].at
+            if all(np.linalg.norm(at - other) > SAME_POINT * self.size for other in points):
+                points.append(at)
         return points
 
     def loose_points(self, body: str) -> list[Floats]:
         """Return the places of a body's frames [m] at which nothing is connected to it, in its axes."""
-        linked = {address for link in self.links for address in (link.start, link.end)}
-        return [
-            frame.at
-            for address, frame in self.frames.items()
-            if address.body == body and address.frame and address not in linked
-        ]
+        return [self.frames[address].at for address in self.loose.get(body, ())]
 
 
 def scene_basis(
@@ -149,16 +154,21 @@ def scene_basis(
     start |= {name: float(values[0]) for name, values in courses.items()}
     doubtful = frozenset(joint.name for joint in joints if not _is_known(joint, start))
     count = max((values.size for values in courses.values()), default=1)
-    moments = [
-        _placed_bodies(model, numbers, frames, doubtful, _values_at(start, courses, place))
+    steps = [
+        _steps(joints, numbers, _values_at(start, courses, place))
         for place in np.linspace(0, count - 1, min(count, _MOMENTS)).astype(int).tolist()
     ]
+    unplaced = {body.name: RigidTransform() for body in model.bodies}
+    moments = [{**unplaced, **body_transforms(joints, frames, each, doubtful)} for each in steps]
     lengths = _body_lengths(frames)
-    size = _size(model, numbers, [moments[0][each.body] @ frame for each, frame in frames.items()], lengths)
+    size = _size(model, numbers, _points(frames, moments[0]), lengths.values())
     rod = _ROD * size
-    usual = [length for length in lengths if length > SAME_POINT * size]
+    usual = [length for length in lengths.values() if length > SAME_POINT * size]
     if usual:
         rod = min(rod, _ROD_OF_BODY * float(np.median(usual)))
+    links = _links(model, freedoms)
+    linked = _grouped(address for link in links for address in (link.start, link.end))
+    attached = {address for addresses in linked.values() for address in addresses}
     return SceneBasis(
         model=model,
         numbers=numbers,
@@ -172,8 +182,13 @@ def scene_basis(
         },
         doubtful=doubtful,
         travel={name: (float(values.min()), float(values.max())) for name, values in courses.items()},
+        steps=steps[0],
         moments=tuple(moments),
-        links=_links(model, freedoms),
+        links=links,
+        linked=linked,
+        loose=_grouped(address for address in frames if address.frame and address not in attached),
+        lengths=lengths,
+        places={name: place for place, name in enumerate((GROUND, *(body.name for body in model.bodies)))},
         size=size,
         rod=rod,
     )
@@ -187,21 +202,14 @@ def _values_at(
     return {**start, **later}
 
 
-def _placed_bodies(
-    model: Model,
-    numbers: ModelNumbers,
-    frames: Mapping[FrameRef, RigidTransform],
-    doubtful: frozenset[str],
-    values: Mapping[str, Formula | float],
+def _steps(
+    joints: Iterable[Joint], numbers: ModelNumbers, values: Mapping[str, Formula | float]
 ) -> dict[str, RigidTransform]:
-    """Return where bodies stand in ground's axes at some values of coordinates."""
-    joints = (*model.joints, *model.free_joints)
-    steps = {
+    """Return where the end frame of each joint stands in its start frame, at some values of coordinates."""
+    return {
         joint.name: joint_transform(joint, numbers, joint_coordinates(joint, numbers, values))
         for joint in joints
     }
-    bodies = body_transforms(joints, frames, steps, doubtful)
-    return {**{body.name: RigidTransform() for body in model.bodies}, **bodies}
 
 
 def _links(model: Model, freedoms: Mapping[str, JointFreedoms]) -> tuple[Link, ...]:
@@ -220,24 +228,36 @@ def _is_known(joint: Joint, values: Mapping[str, object]) -> bool:
     return all(name in values or name in joint.motions for name in joint.coordinates)
 
 
-def _body_lengths(frames: Mapping[FrameRef, RigidTransform]) -> list[float]:
+def _grouped(addresses: Iterable[FrameRef]) -> dict[str, tuple[FrameRef, ...]]:
+    """Return the frames of each body, each once, in the order of their first appearance."""
+    groups: dict[str, list[FrameRef]] = {}
+    for address in dict.fromkeys(addresses):
+        groups.setdefault(address.body, []).append(address)
+    return {body: tuple(group) for body, group in groups.items()}
+
+
+def _body_lengths(frames: Mapping[FrameRef, RigidTransform]) -> dict[str, float]:
     """Return for each body the largest distance between two of its frames [m]."""
     points: dict[str, list[Floats]] = {}
     for address, transform in frames.items():
         points.setdefault(address.body, []).append(transform.at)
-    return [_largest_distance(each) for each in points.values()]
+    return {body: _largest_distance(each) for body, each in points.items()}
 
 
-def _largest_distance(points: Iterable[Floats]) -> float:
-    array = np.array(list(points))
+def _largest_distance(points: Sequence[Floats]) -> float:
+    if len(points) < 2:
+        return 0.0
+    array = np.array(points)
     return float(np.linalg.norm(array[:, None] - array[None], axis=-1).max())
 
 
-def _size(
-    model: Model, numbers: ModelNumbers, placed: Iterable[RigidTransform], lengths: Iterable[float]
-) -> float:
+def _points(frames: Mapping[FrameRef, RigidTransform], bodies: Mapping[str, RigidTransform]) -> Floats:
+    """Return the origins (N, 3) of all frames in ground's axes [m]."""
+    return np.array([bodies[address.body].point(frame.at) for address, frame in frames.items()])
+
+
+def _size(model: Model, numbers: ModelNumbers, points: Floats, lengths: Iterable[float]) -> float:
     """Return a length that fits the mechanism [m]: of the box round its frames, else of formulas, else 1."""
-    points = np.array([frame.at for frame in placed])
     radii = [numbers.number(part.radius) for part in model.constraints if isinstance(part, Rolling)]
     size = max([float(np.ptp(points, axis=0).max()), *lengths, *(2.0 * abs(radius) for radius in radii)])
     if size > 0.0:

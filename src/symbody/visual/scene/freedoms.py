@@ -31,7 +31,7 @@ class JointFreedoms:
     slides_in : str
         "start" or "end".
     is_screw : bool
-        Whether a rotation brings a translation with it.
+        Whether a rotation brings a translation along its axis with it.
     is_untwisted : bool
         Whether end never turns about its shaft.
     """
@@ -63,8 +63,19 @@ def joint_freedoms(joint: Joint, numbers: ModelNumbers) -> JointFreedoms:
         axes,
         tuple(slides),
         joint.shift_in,
-        bool(coupled),
+        bool(coupled) and _rises(joint, numbers, axes),
         joint.is_untwisted,
+    )
+
+
+def _rises(joint: Joint, numbers: ModelNumbers, axes: tuple[Floats, ...]) -> bool:
+    """Return whether the shift has parts along the first axis that change with the coupled coordinates."""
+    zero = dict.fromkeys(joint.coordinates, 0.0)
+    origin = numbers.vector(joint.shift(), **zero)
+    return any(
+        abs(axes[0] @ (numbers.vector(joint.shift(), **{**zero, name: value}) - origin)) > PARALLEL
+        for name in joint.coupled_coordinates
+        for value in (1.0, 2.0)
     )
 
 

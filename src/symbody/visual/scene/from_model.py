@@ -27,23 +27,8 @@ from symbody.model.loads.springs import Bushing, TorsionSpring
 from symbody.model.model import Model
 from symbody.model.naming import CENTRE, GROUND
 from symbody.visual.scene.basis import SceneBasis, scene_basis
-from symbody.visual.scene.body_shapes import body_shapes
-from symbody.visual.scene.connectors import (
-    anchor,
-    bushing_shapes,
-    distance_connectors,
-    distance_shapes,
-    drive_connectors,
-    drive_shapes,
-    spring_damper_connectors,
-    torsion_shapes,
-)
 from symbody.visual.scene.fixed_shape import GROUND_COLOR, FixedShape
-from symbody.visual.scene.gears import gear_shapes
-from symbody.visual.scene.ground_shapes import ground_shapes
-from symbody.visual.scene.joint_shapes import joint_shapes
 from symbody.visual.scene.numbers import ModelNumbers, model_numbers
-from symbody.visual.scene.patches import curve_shapes, floor_shapes, line_shapes, plane_shapes, surface_shapes
 from symbody.visual.scene.poses import as_point
 from symbody.visual.scene.scene import (
     Connector,
@@ -54,9 +39,30 @@ from symbody.visual.scene.scene import (
     SceneMesh,
     Solid,
 )
-from symbody.visual.scene.user_shapes import user_shapes
+from symbody.visual.scene.shapes.body_shapes import body_shapes
+from symbody.visual.scene.shapes.connectors import (
+    anchor,
+    bushing_shapes,
+    distance_connectors,
+    distance_shapes,
+    drive_connectors,
+    drive_shapes,
+    spring_damper_connectors,
+    torsion_shapes,
+)
+from symbody.visual.scene.shapes.gears import gear_shapes
+from symbody.visual.scene.shapes.ground_shapes import ground_shapes
+from symbody.visual.scene.shapes.joint_shapes import joint_shapes
+from symbody.visual.scene.shapes.patches import (
+    curve_shapes,
+    floor_shapes,
+    line_shapes,
+    plane_shapes,
+    surface_shapes,
+)
+from symbody.visual.scene.shapes.user_shapes import user_shapes
+from symbody.visual.scene.shapes.wheels import knife_shapes, rolling_shapes
 from symbody.visual.scene.view import gravity_of, plane_normal, up_direction
-from symbody.visual.scene.wheels import knife_shapes, rolling_shapes
 
 _NOTHING: Mapping[str, float] = MappingProxyType({})
 
@@ -85,9 +91,13 @@ def make_scene(
     ModelError
         If names are not parameters, values not formulas, or formulas depend on each other in a circle.
     """
-    numbers = model_numbers(model, parameters)
     courses = {name: np.asarray(values, dtype=np.float64) for name, values in motion.items()}
-    basis = scene_basis(model, numbers, courses)
+    return draw_scene(scene_basis(model, model_numbers(model, parameters), courses))
+
+
+def draw_scene(basis: SceneBasis) -> Scene:
+    """Return the mechanism of a basis as shapes."""
+    model = basis.model
     gravity, normal = gravity_of(basis), plane_normal(basis)
     up = up_direction(gravity, normal)
     given, remarks = user_shapes(basis)
@@ -105,7 +115,7 @@ def make_scene(
             for joint in model.joints
         ),
         meshes=meshes,
-        notes=(*_notes(numbers), *remarks),
+        notes=(*_notes(basis.numbers), *remarks),
     )
 
 

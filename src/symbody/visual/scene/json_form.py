@@ -54,8 +54,10 @@ def _round(value: Any) -> Any:
     """Return dataclasses as mappings, sequences as lists, and floats with seven digits."""
     if isinstance(value, float):
         return float(f"{value:.7g}")
-    if isinstance(value, list | tuple):
+    if isinstance(value, tuple | list):
         return [_round(each) for each in value]
+    if isinstance(value, str | int | None):  # most of what is left: sooner than a look for fields
+        return value
     if is_dataclass(value):
         return {name: _round(getattr(value, name)) for name in value.__dataclass_fields__}
     return value

@@ -52,7 +52,7 @@ class ModelNumbers:
         **names : float
             Values of what the formula may contain beside parameters.
         """
-        if names:
+        if names and not names.keys().isdisjoint(formula.names):
             return self._value(formula, default, {**self.values, **names})
         kept = self._kept.get((formula.text, default))
         if kept is None:

@@ -19,6 +19,7 @@ from symbody.model.naming import GROUND
 from symbody.visual.scene.numbers import ModelNumbers
 from symbody.visual.scene.scene import Floats, Point, Quaternion
 
+_LETTERS: Final = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 # Entries of rotation matrices below this are rounding: right angles stay right.
 _ROUNDING: Final = 1e-15
 
@@ -81,6 +82,8 @@ def matrix_quaternion(matrix: Floats) -> Quaternion:
     Pictures hold hundreds of them, each of which costs a library that takes arrays a tenth of a millisecond.
     """
     (a, b, c), (d, e, f), (g, h, i) = matrix.tolist()
+    if a == e == i == 1.0 and not (b or c or d or f or g or h):  # as most frames stand
+        return (1.0, 0.0, 0.0, 0.0)
     # four times the products of one component, the largest, with all of them
     products = max(
         ((1.0 + a + e + i, h - f, c - g, d - b), 0), ((h - f, 1.0 + a - e - i, b + d, c + g), 1),
@@ -101,7 +104,15 @@ def rotation_matrix(quaternion: Quaternion) -> Floats:
 
 def axis_rotation(axis: Floats, angle: float) -> Floats:
     """Return the matrix (3, 3) of a rotation about a unit vector."""
-    matrix = np.asarray(Rotation.from_rotvec(axis * angle).as_matrix())
+    x, y, z = axis.tolist()
+    sine, cosine, half = math.sin(angle), math.cos(angle), math.sin(0.5 * angle)
+    rise = 2.0 * half * half  # 1 - cosine
+    a, b, c = sine * x, sine * y, sine * z
+    matrix = np.array([
+        [cosine + rise * x * x, rise * x * y - c, rise * x * z + b],
+        [rise * x * y + c, cosine + rise * y * y, rise * y * z - a],
+        [rise * x * z - b, rise * y * z + a, cosine + rise * z * z],
+    ])  # fmt: skip
     matrix[np.abs(matrix) < _ROUNDING] = 0.0
     return matrix
 
@@ -114,20 +125,16 @@ def axes_along(direction: Floats, sideways: Floats | None = None) -> Floats:
     sideways : (3,) array, optional
         The first axis is the part of it that is across `direction`.
     """
-    candidates = [np.eye(3)[k] for k in np.argsort(np.abs(direction), kind="stable")]
-    for candidate in candidates if sideways is None else [sideways, *candidates]:
-        across = candidate - (candidate @ direction) * direction
-        length = np.linalg.norm(across)
+    x, y, z = direction.tolist()
+    candidates = [_LETTERS[k] for k in sorted(range(3), key=lambda k: abs((x, y, z)[k]))]
+    for a, b, c in candidates if sideways is None else [sideways.tolist(), *candidates]:
+        along = a * x + b * y + c * z
+        a, b, c = a - along * x, b - along * y, c - along * z
+        length = math.sqrt(a * a + b * b + c * c)
         if length > 1e-6:
-            first = across / length
-            return np.column_stack([first, _cross(direction, first), direction])
+            a, b, c = a / length, b / length, c / length
+            return np.array([[a, y * c - z * b, x], [b, z * a - x * c, y], [c, x * b - y * a, z]])
     return np.eye(3)
-
-
-def _cross(left: Floats, right: Floats) -> Floats:
-    """Return a vector product (3,) without the overhead of one that takes arrays of any shape."""
-    (a, b, c), (x, y, z) = left.tolist(), right.tolist()
-    return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
 def frame_transform(frame: Frame, numbers: ModelNumbers) -> RigidTransform:

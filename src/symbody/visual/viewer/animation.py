@@ -223,7 +223,7 @@ class LiveAnimation:
 
     Attributes
     ----------
-    widget : anywidget.AnyWidget
+    widget : widget of anywidget
         With traits ``time`` [s], ``playing``, ``slider_values``, ``message``; `observe` follows them.
     """
 

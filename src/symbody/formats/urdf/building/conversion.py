@@ -35,9 +35,9 @@ class Parts:
 
     Attributes
     ----------
-    links : mapping of link to Address
+    links : mapping of link to FrameRef
         The frame of each link.
-    homes : mapping of link to (BodyPlan or None, Placement)
+    homes : mapping of link to (BodyPlan or None, FramePlacement)
         The body each link is part of, None for the ground, and its frame from that of the first link.
     lines : mapping of label to int
         Of the file, for each element, by "body NAME" or "joint NAME".

@@ -26,7 +26,7 @@ class Lump:
 
     Attributes
     ----------
-    places : mapping of link to Placement
+    places : mapping of link to FramePlacement
         Where their frames are; the first is the link nearest to the root.
     mass : number
     centre : (3,) number

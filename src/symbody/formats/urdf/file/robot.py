@@ -39,7 +39,7 @@ class UrdfLink:
 
     Attributes
     ----------
-    centre : Placement
+    centre : FramePlacement
         Where the centre of mass is, and the axes of its inertia, from the link's frame.
     inertia : (6,) number
         Tensor entries xx, yy, zz, xy, xz, yz about the centre of mass [kg m^2].

@@ -35,7 +35,7 @@ class Hung:
 
     Attributes
     ----------
-    end : Address
+    end : FrameRef
         The frame of the child that is its link's frame.
     details : tuple of str
         What stands in the joint beside its ends and origin.

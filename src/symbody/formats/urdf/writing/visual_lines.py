@@ -16,7 +16,7 @@ def visual_lines(shape: BodyShape, centre: UrdfPose, values: Values, folder: str
 
     Parameters
     ----------
-    centre : Pose
+    centre : UrdfPose
         Of the body's centre of mass, from the frame of its link.
     folder : str
         Where the file stands: paths of meshes lead from there.

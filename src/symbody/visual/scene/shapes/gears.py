@@ -15,14 +15,14 @@ import numpy as np
 
 from symbody.model.constraints.couplings import Belt, Gear, RackPinion
 from symbody.visual.scene.basis import SAME_POINT, SceneBasis
-from symbody.visual.scene.belts import belt_shapes
 from symbody.visual.scene.fixed_shape import FixedShape, mesh_shape
 from symbody.visual.scene.freedoms import are_parallel
-from symbody.visual.scene.gear_profile import DEDENDUM, rack_tooth
-from symbody.visual.scene.meshes import join_meshes, prism
 from symbody.visual.scene.poses import RigidTransform, axes_along
 from symbody.visual.scene.scene import Floats, SceneMesh
-from symbody.visual.scene.toothed_wheels import (
+from symbody.visual.scene.shapes.belts import belt_shapes
+from symbody.visual.scene.shapes.gear_profile import DEDENDUM, rack_tooth
+from symbody.visual.scene.shapes.meshes import join_meshes, prism
+from symbody.visual.scene.shapes.toothed_wheels import (
     ToothedWheel,
     draft_wheel,
     find_wheel,
@@ -30,7 +30,7 @@ from symbody.visual.scene.toothed_wheels import (
     tooth_share,
     toothed_shapes,
 )
-from symbody.visual.scene.wheel_sites import WheelSite, wheel_sites
+from symbody.visual.scene.shapes.wheel_sites import WheelSite, wheel_sites
 
 # The smaller wheel of a pair has at least so many teeth, the larger one at most.
 _FEWEST, _MOST = 15, 240

@@ -18,10 +18,10 @@ from symbody.visual.scene.fixed_shape import (
     shift_frame,
 )
 from symbody.visual.scene.freedoms import are_parallel
-from symbody.visual.scene.meshes import tube
 from symbody.visual.scene.poses import RigidTransform, axes_along
 from symbody.visual.scene.scene import Floats
-from symbody.visual.scene.wheel_sites import wheel_sites
+from symbody.visual.scene.shapes.meshes import tube
+from symbody.visual.scene.shapes.wheel_sites import wheel_sites
 
 
 def belt_shapes(basis: SceneBasis, element: Belt) -> list[FixedShape]:

@@ -19,8 +19,8 @@ from symbody.visual.scene.fixed_shape import (
     mesh_shape,
     rod,
 )
-from symbody.visual.scene.meshes import ring
 from symbody.visual.scene.poses import RigidTransform
+from symbody.visual.scene.shapes.meshes import ring
 
 _SPOKES = 6
 

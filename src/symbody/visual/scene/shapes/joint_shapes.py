@@ -22,9 +22,9 @@ from symbody.visual.scene.fixed_shape import (
     shift_frame,
 )
 from symbody.visual.scene.freedoms import JointFreedoms, are_parallel
-from symbody.visual.scene.meshes import helix, tube
 from symbody.visual.scene.poses import RigidTransform
 from symbody.visual.scene.scene import Floats
+from symbody.visual.scene.shapes.meshes import helix, tube
 
 # Sizes in radii of rods.
 _HINGE, _PIN, _BALL, _RAIL = 2.0, 1.25, 2.2, 0.9

@@ -20,10 +20,10 @@ from symbody.visual.scene.fixed_shape import (
     rod,
     shift_frame,
 )
-from symbody.visual.scene.meshes import prism
 from symbody.visual.scene.poses import RigidTransform, rotation_matrix
 from symbody.visual.scene.scene import Floats, Solid
-from symbody.visual.scene.wheels import ball_with_marks
+from symbody.visual.scene.shapes.meshes import prism
+from symbody.visual.scene.shapes.wheels import ball_with_marks
 
 # Bodies without extent: the edge of the heaviest, and of the lightest, as shares of the size.
 _LARGEST, _SMALLEST = 0.17, 0.07
@@ -179,10 +179,12 @@ def _limit_size(shape: FixedShape, largest: float) -> FixedShape:
 
 def _frame_work(body: str, points: Sequence[Floats], radius: float) -> list[FixedShape]:
     """Return a rod through points on a line, a plate through points in a plane, else rods to their mean."""
+    if len(points) == 2:
+        return [rod(body, body, points[0], points[1], radius)]
     array = np.array(points)
     middle = array.mean(axis=0)
     _, extents, directions = np.linalg.svd(array - middle)
-    if len(points) == 2 or extents[1] < _OFF * extents[0]:
+    if extents[1] < _OFF * extents[0]:
         order = np.argsort((array - middle) @ directions[0])
         pairs = zip(order[:-1], order[1:], strict=True)
         return [rod(body, body, array[i], array[j], radius) for i, j in pairs]
@@ -208,9 +210,11 @@ def _plate(body: str, points: Floats, middle: Floats, directions: Floats, radius
 def _distance_to_lines(points: Sequence[Floats]) -> float:
     """Return how far the centre of mass is from the rods of a body."""
     array = np.array(points)
+    if len(points) == 2:
+        return _distance_to_line(array[0], array[1])
     middle = array.mean(axis=0)
     _, extents, directions = np.linalg.svd(array - middle)
-    if len(points) > 2 and extents[1] >= _OFF * extents[0]:
+    if extents[1] >= _OFF * extents[0]:
         if len(extents) >= 3 and extents[2] >= _OFF * extents[0]:
             return float(np.linalg.norm(middle))
         normal = np.cross(directions[0], directions[1])
@@ -221,3 +225,10 @@ def _distance_to_lines(points: Sequence[Floats]) -> float:
     position = float(-middle @ directions[0])
     beyond = max(0.0, position - float(along_line.max()), float(along_line.min()) - position)
     return float(np.hypot(np.linalg.norm(across), beyond))
+
+
+def _distance_to_line(start: Floats, end: Floats) -> float:
+    """Return how far the centre of mass is from the rod between two points."""
+    along = end - start
+    share = min(1.0, max(0.0, -float(start @ along) / float(along @ along)))
+    return float(np.linalg.norm(start + share * along))

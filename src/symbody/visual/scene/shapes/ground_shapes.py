@@ -13,9 +13,9 @@ from symbody.model.loads.springs import Bushing
 from symbody.model.naming import GROUND
 from symbody.visual.scene.basis import Link, SceneBasis
 from symbody.visual.scene.fixed_shape import GROUND_COLOR, FixedShape, mesh_shape
-from symbody.visual.scene.meshes import join_meshes, split_faces
 from symbody.visual.scene.poses import RigidTransform, axes_along, axis_rotation
 from symbody.visual.scene.scene import Floats, SceneMesh
+from symbody.visual.scene.shapes.meshes import join_meshes, split_faces
 
 # Sizes in radii of rods: half the width of the plate, its thickness, its depth below the joint.
 _WIDTH, _THICKNESS, _DEPTH = 4.0, 0.7, 3.6

@@ -18,11 +18,11 @@ from symbody.visual.scene.fixed_shape import (
     mesh_shape,
     shift_frame,
 )
-from symbody.visual.scene.gear_profile import gear_outline, ring_outlines
-from symbody.visual.scene.meshes import cone_prism, hollow_prism, prism
 from symbody.visual.scene.poses import axis_rotation
 from symbody.visual.scene.scene import Floats, SceneMesh
-from symbody.visual.scene.wheel_sites import WheelSite
+from symbody.visual.scene.shapes.gear_profile import gear_outline, ring_outlines
+from symbody.visual.scene.shapes.meshes import cone_prism, hollow_prism, prism
+from symbody.visual.scene.shapes.wheel_sites import WheelSite
 
 # Width of wheels as a share of the smaller radius; of cones along their edge, of its length.
 _WIDTH, _CONE_WIDTH = 0.3, 0.3

@@ -14,9 +14,9 @@ from symbody.model.shapes import BodyShape, Box, Capsule, Cone, Cylinder, Mesh, 
 from symbody.model.shapes.colors import hex_color
 from symbody.visual.scene.basis import SceneBasis
 from symbody.visual.scene.fixed_shape import FixedShape, fixed_shape, mesh_shape
-from symbody.visual.scene.mesh_files import read_mesh, stretch_mesh
 from symbody.visual.scene.poses import frame_transform
 from symbody.visual.scene.scene import SceneMesh, SolidKind
+from symbody.visual.scene.shapes.mesh_files import read_mesh, stretch_mesh
 
 # What stands for a mesh that is not there: a box of this share of the mechanism's size.
 _STAND_IN: Final = 0.12

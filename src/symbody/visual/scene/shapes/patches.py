@@ -23,10 +23,10 @@ from symbody.visual.scene.fixed_shape import (
     shift_frame,
 )
 from symbody.visual.scene.freedoms import PARALLEL
-from symbody.visual.scene.level_surface import level_surface
-from symbody.visual.scene.meshes import prism, tube
 from symbody.visual.scene.poses import RigidTransform
 from symbody.visual.scene.scene import Floats
+from symbody.visual.scene.shapes.level_surface import level_surface
+from symbody.visual.scene.shapes.meshes import prism, tube
 
 # Sides of planes that something rolls on, and that a point slides on, in sizes of the mechanism.
 _FLOOR, _PATCH, _LINE, _REACH = 3.0, 1.2, 1.4, 0.8

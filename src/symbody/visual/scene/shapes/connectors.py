@@ -25,9 +25,9 @@ from symbody.visual.scene.fixed_shape import (
     mesh_shape,
     shift_frame,
 )
-from symbody.visual.scene.meshes import spiral, tube
 from symbody.visual.scene.poses import RigidTransform
 from symbody.visual.scene.scene import Anchor, Connector, ConnectorKind, Floats
+from symbody.visual.scene.shapes.meshes import spiral, tube
 
 # Sizes in radii of rods.
 _COIL, _DAMPER, _ROPE, _ROD = 2.4, 1.3, 0.35, 0.6
@@ -46,8 +46,7 @@ def anchor(basis: SceneBasis, address: FrameRef) -> Anchor:
 
 def anchor_at(basis: SceneBasis, body: str, where: RigidTransform) -> Anchor:
     """Return the origin of a frame on a body as an anchor."""
-    names = ["ground", *(each.name for each in basis.model.bodies)]
-    return Anchor(names.index(body), where.place)
+    return Anchor(basis.places[body], where.place)
 
 
 def spring_damper_connectors(basis: SceneBasis, element: SpringDamper) -> list[Connector]:
@@ -130,7 +129,9 @@ def torsion_shapes(basis: SceneBasis, element: TorsionSpring) -> list[FixedShape
 def drive_shapes(basis: SceneBasis, joint: Joint) -> list[FixedShape]:
     """Return the spirals and the motors of what acts about a joint's axes, and the feet of its springs."""
     freedoms = basis.freedoms[joint.name]
-    shapes = []
+    shapes: list[FixedShape] = []
+    if not (joint.torque or joint.force or joint.motion):
+        return shapes
     frame = basis.frames[joint.start]
     driven = {name: drive for name, drive in joint.torque.items() if name in joint.angle_coordinates}
     if freedoms.rotations == 1 and freedoms.translations == 0:

@@ -1,0 +1,44 @@
+"""Names of parameters and inputs as callers give them, and what is wrong with them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from collections.abc import Sequence as Items
+
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import CompileError, Problem, nearest
+from symbody.expr.language.formula import Formula
+
+Value = int | float | str | Formula
+
+
+def check_names(eqs: EquationSet, given: Mapping[str, Value], free: Items[str]) -> None:
+    """Refuse names that are no parameters.
+
+    Raises
+    ------
+    CompileError
+        Naming each, with the nearest ones.
+    """
+    known = eqs.parameter_names
+    problems = [unknown_name("parameter", name, known) for name in (*given, *free) if name not in known]
+    if problems:
+        raise CompileError(*problems)
+
+
+def unknown_name(kind: str, name: str, known: Items[str]) -> Problem:
+    """Return what to say about a name that the model does not have."""
+    return Problem(
+        f"compile.unknown_{kind}", name, f"the model has no {kind} {name!r}", "", nearest(name, known)
+    )
+
+
+def missing_value(names: Items[str]) -> Problem:
+    """Return what to say about parameters without a value."""
+    listed = ", ".join(names)
+    return Problem(
+        "compile.missing_value", "parameters", f"no value is given for {listed}",
+        "a number is needed to compute with",
+        f"give parameters={{{names[0]!r}: ...}}; compile and generate_code take it as an argument by "
+        f"free=[{names[0]!r}]",
+    )  # fmt: skip

@@ -1,0 +1,98 @@
+"""Lengths, gravity, masses and moments of inertia of a model with values of its parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Set
+from collections.abc import Sequence as Items
+from itertools import islice
+from typing import Final, NamedTuple
+
+from symbody.codegen.formation.formula_values import FormulaValues
+from symbody.equations.equation_set import EquationSet
+from symbody.model.body import Body
+from symbody.model.inertia import is_possible_inertia
+from symbody.model.joint import Joint
+from symbody.model.lengths import model_lengths
+from symbody.model.model import Model
+
+_THREE: Final = 3
+
+
+class Quantities(NamedTuple):
+    """Numbers of a model at t = 0 [m, m/s^2, kg, kg m^2].
+
+    Attributes
+    ----------
+    lengths : list of float
+        All lengths of the model.
+    gravity : list of float
+        Components of the acceleration of free fall.
+    masses, moments : list of float
+        One mass and three moments of inertia a body.
+    """
+
+    lengths: list[float]
+    gravity: list[float]
+    masses: list[float]
+    moments: list[float]
+
+    @property
+    def are_plainly_possible(self) -> bool:
+        """Whether no mass is negative, and moments of inertia without products are those of bodies."""
+        if not all(map(math.isfinite, (*self.lengths, *self.masses, *self.moments))):
+            return False
+        triples = zip(*(islice(self.moments, k, None, _THREE) for k in range(_THREE)), strict=True)
+        return all(mass >= 0.0 for mass in self.masses) and all(map(_is_possible, triples))
+
+
+class QuantityPlan:
+    """Computes the quantities of a model for values of its parameters.
+
+    Attributes
+    ----------
+    judged : set of str
+        Parameters that are read by what plain quantities do not show to be possible: axes, rotations, joints,
+        products of inertia.
+    """
+
+    def __init__(self, eqs: EquationSet) -> None:
+        bodies = eqs.model.bodies
+        moments = [moment for body in bodies for moment in body.inertia]
+        groups = [[*model_lengths(eqs.model)], [*eqs.model.gravity], [body.mass for body in bodies], moments]
+        self._formulas = FormulaValues(eqs, [formula for group in groups for formula in group], timed=True)
+        self._sizes = [len(group) for group in groups]
+        self.judged: Set[str] = frozenset(_judged(eqs.model))
+
+    def quantities(self, values: Mapping[str, float]) -> Quantities:
+        """Return the quantities with values of all parameters."""
+        numbers = iter(self._formulas.numbers(values))
+        lengths, gravity, masses, moments = (list(islice(numbers, size)) for size in self._sizes)
+        return Quantities(lengths, gravity, masses, moments)
+
+
+def quantity_plan(eqs: EquationSet) -> QuantityPlan:
+    """Return what computes the quantities of the model of some equations."""
+    plan: QuantityPlan = eqs.plans.get("quantities", lambda: QuantityPlan(eqs))
+    return plan
+
+
+def _judged(model: Model) -> Iterator[str]:
+    """Yield the parameters of axes, rotations and joints, and of bodies with products of inertia."""
+    for element in model.elements:
+        if isinstance(element, Joint) or (isinstance(element, Body) and _is_special(element)):
+            for use in element.formula_sites():
+                yield from use.formula.names
+
+
+def _is_special(body: Body) -> bool:
+    return (
+        body.unphysical
+        or any(product.constant() != 0 for product in body.products)
+        or any(frame.rotate or frame.matrix is not None for frame in body.frames.values())
+    )
+
+
+def _is_possible(moments: Items[float]) -> bool:
+    is_planar = min(moments) >= 0.0 and sum(map(bool, moments)) <= 1
+    return is_planar or is_possible_inertia(moments, [0.0] * _THREE)

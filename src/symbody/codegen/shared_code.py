@@ -1,0 +1,78 @@
+"""`SharedCode`: machine code of a sequence, in two parts, for any values of the parameters.
+
+What parameters alone determine is computed once a set of values, into the numbers c; the code that is called
+again and again reads c, and no parameter. Functions with different values of parameters share it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.codegen.native_call import GROUPS, NativeCall
+from symbody.expr.deadline import begin
+from symbody.expr.folding import fold_constants
+from symbody.expr.sequence import Sequence
+from symbody.single_flight import SingleFlight
+
+Floats = NDArray[np.float64]
+_MOST_NOTES: Final = 16
+_NOTHING: Final = np.zeros(0)
+
+
+class SharedCode:
+    """Machine code of a sequence.
+
+    Parameters
+    ----------
+    sequence : Sequence
+        What is computed.
+    quick : bool
+        Compile in less than half the time for calls that take 1.5 to 3 times as long.
+    lanes : bool or None
+        Whether batches are computed several points at once; see `NativeCall`.
+
+    Attributes
+    ----------
+    head : NativeCall or None
+        Computes c from the parameters; None where nothing depends on them.
+    tail : NativeCall
+        Computes the outputs from t, q, u, r and c.
+    notes : SingleFlight
+        What others have learned from the sequence.
+    """
+
+    __slots__ = ("head", "lanes", "notes", "quick", "sequence", "tail")
+
+    def __init__(self, sequence: Sequence, *, quick: bool = False, lanes: bool | None = None) -> None:
+        self.sequence = sequence
+        self.quick = quick
+        self.lanes = lanes
+        self.notes: SingleFlight[Hashable, Any] = SingleFlight(_MOST_NOTES)
+        begin("constants")
+        head, tail = fold_constants(sequence).split("p")
+        self.head = NativeCall(head, quick=True) if head.output_size else None
+        self.tail = NativeCall(tail, quick=quick, lanes=lanes)
+
+    @property
+    def constant_count(self) -> int:
+        """How many numbers c are."""
+        return 0 if self.head is None else self.head.sequence.output_size
+
+    def constants(self, p: Floats) -> Floats:
+        """Return c (..., n_c) for parameters (..., n_p).
+
+        Raises
+        ------
+        SimulationError
+            If equations in parameters alone have no solution.
+        """
+        if self.head is None:
+            return _NOTHING
+        if p.ndim == 1:
+            return self.head.at_point(p=p)
+        given = {group: _NOTHING for group in GROUPS} | {"p": p}
+        return self.head(given, p.shape[:-1])

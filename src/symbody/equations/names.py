@@ -1,0 +1,57 @@
+"""Names of what equations are about, in the order of arrays."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from symbody.equations.equations_of_motion import EquationsOfMotion
+
+
+class Names(NamedTuple):
+    """Names in order.
+
+    Attributes
+    ----------
+    coordinates, speeds, accelerations, states : tuple of str
+        Of q, u, u', and x, which is u before q.
+    inputs, parameters : tuple of str
+        Of r, and of the model.
+    multipliers : tuple of str
+        One a constraint.
+    quaternions : tuple of tuple of str
+        The four Euler parameters of each quaternion in q, scalar first.
+    measured_angles : tuple of str
+        Angles of cut joints.
+    """
+
+    coordinates: tuple[str, ...]
+    speeds: tuple[str, ...]
+    accelerations: tuple[str, ...]
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    parameters: tuple[str, ...]
+    multipliers: tuple[str, ...]
+    quaternions: tuple[tuple[str, ...], ...]
+    measured_angles: tuple[str, ...]
+
+
+def names_of(formed: EquationsOfMotion) -> Names:
+    """Return the names of equations."""
+    q, u = (tuple(symbol.label for symbol in symbols) for symbols in (formed.q, formed.u))
+    labels = {formed.graph.symbol(symbol): symbol.label for symbol in formed.q}
+    return Names(
+        coordinates=q,
+        speeds=u,
+        accelerations=tuple(symbol.derivative.label for symbol in formed.u),
+        states=u + q,
+        inputs=tuple(symbol.name for symbol in formed.inputs),
+        parameters=tuple(symbol.name for symbol in formed.parameters),
+        multipliers=tuple(row.name for row in formed.rows),
+        quaternions=tuple(tuple(labels[k] for k in nodes) for nodes in formed.variables.quaternions),
+        measured_angles=tuple(
+            name
+            for use in formed.uses
+            for name in use.joint.rotation_coordinates
+            if name not in use.coordinates and use.joint.quaternion is None
+        ),
+    )

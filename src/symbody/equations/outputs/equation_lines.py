@@ -1,0 +1,157 @@
+"""The equations as people read them: rates, equations of motion, constraints, and names for shared parts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from symbody.arguments import checked_arguments
+from symbody.equations.outputs.display import display_sides, latex_sides
+from symbody.equations.outputs.textbook import MOST_SPEEDS, Textbook
+from symbody.expr.canonical import ZERO
+from symbody.expr.graph import Graph
+from symbody.expr.printing.latex import latex_name, to_display_with_definitions, to_latex_with_definitions
+from symbody.expr.printing.latex_rows import WIDTH, latex_equations_page
+from symbody.expr.printing.names import greek_name
+from symbody.expr.rewrite import tree_size
+from symbody.notebook import Displayed
+
+# Operations of one equation that somebody will read without names for its parts.
+LONG: Final = 400
+
+_Printer = Callable[[Graph, Sequence[int], int], tuple[list[str], list[tuple[str, str]]]]
+_Sides = list[tuple[str, str]]
+_NAME: Final = re.compile(r"[^\W\d]\w*")
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """Equations ``left = right`` under a title, as nodes."""
+
+    title: str
+    sides: list[tuple[int, int]]
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenSection:
+    """Equations ``left = right`` under a title, as text."""
+
+    title: str
+    sides: _Sides
+
+    @property
+    def lines(self) -> list[str]:
+        """One line an equation."""
+        return [f"{left} = {right}" for left, right in self.sides]
+
+
+class PrintedEquations(Displayed):
+    """Equations of motion that print themselves as text and as LaTeX."""
+
+    __slots__ = ()
+
+    @property
+    def textbook(self) -> Textbook:
+        """The same equations as formulas."""
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        """Return the equations as text; of more than 8 speeds, what `repr` returns and where they are."""
+        if len(self.textbook.formed.u) > MOST_SPEEDS:
+            return f"{self!r}; text() returns its equations"
+        return self.text()
+
+    @checked_arguments
+    def text(self, limit: int = LONG, greek: bool = False) -> str:
+        """Return the equations of motion as text, a line an equation, with the constraints there are.
+
+        Primes are time derivatives, blanks are products. ``symbody equations`` prints the same.
+
+        Parameters
+        ----------
+        limit : int
+            If an equation has more operations, shared parts are named z1, z2, ... and defined at the end.
+        greek : bool
+            Whether names of Greek letters become letters: ``theta1`` is written ``θ1``.
+        """
+        return equation_text(self.textbook, limit, greek)
+
+    @checked_arguments
+    def latex(self, limit: int = LONG, width: int = WIDTH) -> str:
+        r"""Return the equations of motion as LaTeX, an ``aligned`` environment without delimiters.
+
+        Parameters
+        ----------
+        limit : int
+            As in `text`.
+        width : int
+            Letters of a row; longer sides take several, broken in front of the signs of their terms.
+        """
+        return equation_latex(self.textbook, limit, width)
+
+
+def equation_lines(textbook: Textbook, latex: bool = False, limit: int = LONG) -> list[str]:
+    """Return the equations of motion, a line an equation.
+
+    Rates of coordinates come first where they are not speeds themselves, constraints last; with them there
+    are titles. If one has more than `limit` operations, shared parts are named and defined at the end.
+    """
+    sections = written_sections(textbook, latex, limit)
+    if len(sections) == 1:
+        return sections[0].lines
+    return [line for section in sections for line in _block(section, latex)]
+
+
+def equation_text(textbook: Textbook, limit: int = LONG, greek: bool = False) -> str:
+    """Return `equation_lines` as one text, on demand with Greek letters for their names."""
+    text = "\n".join(equation_lines(textbook, limit=limit))
+    return _NAME.sub(lambda match: greek_name(match[0]), text) if greek else text
+
+
+def equation_latex(textbook: Textbook, limit: int = LONG, width: int = WIDTH) -> str:
+    r"""Return the equations as one ``aligned`` environment, broken into rows of about `width` letters."""
+    sections = written_sections(textbook, True, limit)
+    return latex_equations_page([section.sides for section in sections], width)
+
+
+def written_sections(textbook: Textbook, latex: bool, limit: int) -> list[WrittenSection]:
+    """Return all equations as text, the definitions of shared parts under "where" at the end."""
+    sections = _sections(textbook)
+    graph = textbook.formed.graph
+    nodes = [node for section in sections for pair in section.sides for node in pair]
+    printer: _Printer = to_latex_with_definitions if latex else to_display_with_definitions
+    texts, definitions = printer(graph, nodes, limit)
+    pairs = iter(zip(texts[::2], texts[1::2], strict=True))
+    written = [WrittenSection(section.title, _take(pairs, len(section.sides))) for section in sections]
+    if max((tree_size(graph, node) for node in nodes), default=0) <= limit:
+        # Short enough for the arrangement of textbooks.
+        sides = latex_sides(textbook) if latex else display_sides(textbook)
+        written = [WrittenSection("motion", sides) if part.title == "motion" else part for part in written]
+    if definitions:
+        named = [(latex_name(name) if latex else name, text) for name, text in definitions]
+        written.append(WrittenSection("where", named))
+    return written
+
+
+def _take(pairs: Iterator[tuple[str, str]], count: int) -> _Sides:
+    return [next(pairs) for _ in range(count)]
+
+
+def _sections(textbook: Textbook) -> list[Section]:
+    graph = textbook.formed.graph
+    symbols = [graph.symbol(symbol.derivative) for symbol in textbook.formed.q]
+    rates = zip(symbols, textbook.readable("qdot").nodes, strict=True)
+    sections = [
+        Section("rates", [(left, right) for left, right in rates if left != right]),
+        Section("motion", list(zip(textbook.inertial_side.nodes, textbook.forcing_side.nodes, strict=True))),
+        Section("constraints", [(node, ZERO) for node in textbook.readable("constraints").nodes]),
+    ]
+    return [section for section in sections if section.sides or section.title == "motion"]
+
+
+def _block(section: WrittenSection, latex: bool) -> list[str]:
+    if latex:
+        return [f"% {section.title}", *section.lines]
+    return [f"{section.title}:", *(f"  {line}" for line in section.lines)]
