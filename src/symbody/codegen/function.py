@@ -231,7 +231,7 @@ class CompiledFunction:
     @property
     def tail(self) -> Sequence:
         """What is computed at `address`: all but what depends on parameters alone."""
-        return self._tail.sequence
+        return self._code.tail.sequence
 
     @property
     def address(self) -> int:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from symbody.analysis.assembly import assemble
 from symbody.arguments import checked_arguments
-from symbody.codegen.compile import Value
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
 from symbody.simulation.inputs.input_laws import Law, input_laws
