@@ -50,8 +50,8 @@ def names_of(formed: EquationsOfMotion) -> Names:
         quaternions=tuple(tuple(labels[k] for k in nodes) for nodes in formed.variables.quaternions),
         measured_angles=tuple(
             name
-            for use in formed.uses
-            for name in use.joint.rotation_coordinates
-            if name not in use.coordinates and use.joint.quaternion is None
+            for role in formed.joint_roles
+            for name in role.joint.rotation_coordinates
+            if name not in role.coordinates and role.joint.quaternion is None
         ),
     )

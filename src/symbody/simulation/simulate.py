@@ -82,7 +82,7 @@ def simulate(
         If names, values, times, tables or events make no sense, initial values do not fit, or a function
         given as input fails. Other failures on the way stand in `status`.
     """
-    _check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
+    check_arguments(eqs, t_end, integrator, constraints, initial=initial, inputs=inputs)
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     watched, laws = check_events(events, eqs), input_laws(eqs.input_names, inputs or {}, span)
     first = assemble(eqs, initial, guess, parameters, laws.formulas, span[0], scales=scales)
@@ -141,7 +141,7 @@ def _undetermined_notes(eqs: EquationSet, first: State, run: Trajectory) -> tupl
     return share_notes(eqs.formed, [name for name in names if name not in always], " in this motion")
 
 
-def _check_arguments(
+def check_arguments(
     eqs: object, t_end: object, integrator: object, constraints: object, **by_name: object
 ) -> None:
     """Refuse arguments of `simulate` of other kinds than it takes; those `by_name` are mappings.

@@ -157,9 +157,17 @@ class EventWatch:
         Their values and actions.
     span : float
         Length of the run [s].
+    just_happened : sequence of int
+        Places of the events that happened at its start: their values have to leave zero first.
     """
 
-    def __init__(self, events: Sequence[Event], functions: EventFunctions, span: float) -> None:
+    def __init__(
+        self,
+        events: Sequence[Event],
+        functions: EventFunctions,
+        span: float,
+        just_happened: Sequence[int] = (),
+    ) -> None:
         self.occurrences: list[Occurrence] = []
         self.chattering = ""
         self._events = tuple(events)
@@ -171,7 +179,7 @@ class EventWatch:
             for event in self._events
         ]
         self._largest = np.zeros(len(self._events))
-        self._start(0, [])
+        self._start(0, just_happened)
 
     def _start(self, first: int, just_happened: Sequence[int]) -> None:
         """Begin a stretch of smooth motion with step number `first`."""

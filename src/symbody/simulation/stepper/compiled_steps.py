@@ -1,0 +1,313 @@
+"""Steps in the compiled loop: one call of machine code for each, and what it needs from time to time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Final, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.codegen.function import CompiledFunction
+from symbody.kernels import block as at
+from symbody.kernels import stepping
+from symbody.simulation.events.events import Occurrence
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
+from symbody.simulation.inputs.input_laws import CallbackFunction
+from symbody.simulation.inputs.time_functions import function_of_time
+from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
+from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.methods.integration_problem import StateProjector
+from symbody.simulation.native.blocks import make_block
+from symbody.simulation.native.description import Projector, RightHandSide
+from symbody.simulation.native.machine import address
+from symbody.simulation.native.run import VERDICTS, RawRun, Statistics
+from symbody.simulation.status import Status
+from symbody.simulation.stepper.numbers import StepNumbers
+from symbody.simulation.stepper.settings import WINDOW
+from symbody.simulation.stepper.step_kernel import bound_step, step_kernel
+from symbody.simulation.stepper.step_problem import StepProblem
+
+Floats = NDArray[np.float64]
+
+# Operations during which the interpreter's lock may be kept: about a millisecond.
+_LOCKED: Final = 1_000_000
+# Steps of the integrator between two looks at Ctrl-C.
+_SLICE: Final = 1000
+# Numbers of the block that change from step to step; with them go the vectors of `_kept_vectors`.
+_KEPT: Final = np.array(
+    [
+        at.ACCEPTED, at.REJECTED, at.EVALUATIONS, at.KERNEL, at.STATE, at.AFTER_REJECTION, at.STIFF_VOTES,
+        at.OTHER_VOTES, at.UNJUDGED, at.TIME, at.STEP, at.ERROR, at.LENGTH, at.T_NEW, at.T_END, at.FIRST_STEP,
+    ]
+)  # fmt: skip
+
+
+@contextmanager
+def python_laws(laws: CallbackFunction | None) -> Iterator[None]:
+    """Let a loop call laws of inputs; what one of them raised is raised behind the loop."""
+    if laws is None:
+        yield
+        return
+    laws.error = None
+    with laws.interruptible():
+        yield
+    if laws.error is not None:
+        raise laws.error
+
+
+class Ending(NamedTuple):
+    """How a step ended, and why if not as usual."""
+
+    status: Status
+    note: str = ""
+
+
+class Steps(Protocol):
+    """What takes the steps of a stepper.
+
+    Attributes
+    ----------
+    go_on : callable
+        Takes a step, or a part of one; returns `at.FINISHED` where it came to its end.
+    occurrences : tuple of Occurrence
+        What happened in the last step.
+    """
+
+    occurrences: tuple[Occurrence, ...]
+
+    @property
+    def go_on(self) -> Callable[[], int]:
+        """See above."""
+        ...
+
+    def restart(self) -> None:
+        """Begin anew from the numbers of the stepper."""
+        ...
+
+    def end(self, code: int) -> Ending:
+        """Bring a step to its end after another code; return how it ended."""
+        ...
+
+    def kept(self) -> Floats:
+        """Return the numbers beside those of the stepper on which further steps depend."""
+        ...
+
+    def resume(self, kept: Floats) -> None:
+        """Go on from numbers that `kept` returned."""
+        ...
+
+    def copy(self, problem: StepProblem, numbers: StepNumbers) -> Steps:
+        """Return what goes on from here with other numbers."""
+        ...
+
+
+class CompiledSteps:
+    """Steps of an explicit method in the compiled loop.
+
+    Parameters
+    ----------
+    problem : StepProblem
+        What moves.
+    numbers : StepNumbers
+        Time, state and inputs, which are renewed by every step.
+    """
+
+    def __init__(self, problem: StepProblem, numbers: StepNumbers) -> None:
+        self.occurrences: tuple[Occurrence, ...] = ()
+        self._problem = problem
+        self._numbers = numbers
+        self._function: CompiledFunction = problem.problem.compile_outputs(("xdot", "power"))
+        self._closing = self._projection()
+        self._laws = CallbackFunction(self._function, problem.problem.laws) if problem.calls_python else None
+        numbers.array[stepping.INPUTS] = 0.0 if problem.calls_python else numbers.inputs.size
+        numbers.array[stepping.DERIVED] = 0.0
+        self._window = numbers.t
+        self._block = self._new_block()
+        self._call = self._bound()
+        self.go_on: Callable[[], int] = self._way()
+
+    def end(self, code: int) -> Ending:
+        """Bring a step to its end after another code than `FINISHED`; return how it ended."""
+        while code == at.RUNNING:
+            code = self._unlocked()
+        status = VERDICTS[code]
+        return Ending(status, "" if status.success else self._raw(status).stop_note(self._state_names))
+
+    def restart(self) -> None:
+        """Begin anew from time and state at present."""
+        self.occurrences = ()
+        self._window = self._numbers.t
+        self._numbers.array[stepping.DERIVED] = 0.0
+        self._use_block(self._new_block())
+
+    def kept(self) -> Floats:
+        """Return the numbers of the block that change, its vectors, and where its window begins."""
+        block = self._block
+        return np.concatenate([[self._window], block[_KEPT], *self._kept_vectors(block)])
+
+    def resume(self, kept: Floats) -> None:
+        """Go on from numbers that `kept` returned."""
+        if kept[0] != self._window:
+            self._window = float(kept[0])
+            self._renew_block(self._new_block(), kept[1:])
+        else:
+            self._set_kept(self._block, kept[1:])
+
+    def copy(self, problem: StepProblem, numbers: StepNumbers) -> CompiledSteps:
+        """Return steps that go on from here with other numbers."""
+        made = type(self)(problem, numbers)
+        made.resume(self.kept())
+        numbers.array[:] = self._numbers.array
+        return made
+
+    def take_lengths(self, others: CompiledSteps) -> None:
+        """Go on with the step lengths of others, which computed with other values of parameters."""
+        self._block[_KEPT] = others._block[_KEPT]
+
+    @property
+    def _state_names(self) -> tuple[str, ...]:
+        return (*self._problem.settings.eqs.state_names, "work")
+
+    def _projection(self) -> StateProjector | None:
+        settings, numbers = self._problem.settings, self._numbers
+        projection = settings.projection
+        if projection is None:
+            return None
+        span = (numbers.t, numbers.t + settings.dt)
+        return self._problem.integration(numbers.x, span).projection(projection)
+
+    def _way(self) -> Callable[[], int]:
+        """Return the shortest way to take a step."""
+        if self._laws is not None:
+            return self._go_on_with_laws
+        if self._depends_on_time:
+            return self._go_on_in_window
+        return self._call
+
+    @property
+    def _depends_on_time(self) -> bool:
+        """Whether steps have to be bounded by what happens at certain times."""
+        if isinstance(self._problem.settings.method, FixedStep):
+            return False
+        functions = function_of_time(self._function, self._problem.problem.laws.tables)
+        return functions is not None and bool(functions.moves.any())
+
+    def _go_on_in_window(self) -> int:
+        """Take a step, and before it look ahead where nobody has looked yet."""
+        self._look_ahead()
+        return self._call()
+
+    def _look_ahead(self) -> None:
+        array = self._numbers.array
+        if array[stepping.NOW] + array[stepping.DURATION] > self._window_end:
+            kept = self.kept()
+            self._window = self._numbers.t
+            self._renew_block(self._new_block(), kept[1:])
+
+    def _go_on_with_laws(self) -> int:
+        """Take a step whose inputs are computed by functions of Python."""
+        laws, array = self._laws, self._numbers.array
+        assert laws is not None
+        self._problem.check_tables(self._numbers.t, self._numbers.t + float(array[stepping.DURATION]))
+        if not array[stepping.UNDER_WAY]:
+            array[stepping.DERIVED] = 0.0
+        with python_laws(laws):
+            code = self._go_on_in_window()
+            while code == at.RUNNING and laws.error is None:
+                code = self._unlocked()
+        return code
+
+    @property
+    def _window_end(self) -> float:
+        step = max(self._problem.settings.dt, self._numbers.array.item(stepping.DURATION))
+        return self._window + WINDOW * step
+
+    def _breakpoints(self) -> Breakpoints:
+        settings = self._problem.settings
+        if isinstance(settings.method, FixedStep):
+            return NO_BREAKPOINTS
+        return self._problem.integration(self._numbers.x, (self._window, self._window_end)).breakpoints
+
+    def _new_block(self) -> Floats:
+        """Return the block of a motion from time and state at present."""
+        numbers, sizes, method = self._numbers, self._problem.sizes, self._problem.settings.method
+        nothing = np.zeros(0)
+        rhs = RightHandSide(
+            self._right_hand_side, len(self._problem.settings.eqs.speed_names), np.zeros(numbers.inputs.size),
+            nothing, self._function.constants(), self._function.work_size,
+        )  # fmt: skip
+        settings, span = self._problem.settings, (self._window, self._window_end)
+        goal = make_goal(
+            span, settings.rtol, np.array(sizes.tolerances), method.max_step, self._breakpoints()
+        )
+        goal = goal._replace(max_trials=settings.max_steps)
+        first = 0.0 if method.first_step is None else float(method.first_step)
+        return make_block(rhs, self._projector, method.tableau, goal, numbers.x, numbers.t, first)
+
+    def _renew_block(self, block: Floats, kept: Floats) -> None:
+        """Go on with another block of the same motion."""
+        self._set_kept(block, kept)
+        self._use_block(block)
+
+    def _use_block(self, block: Floats) -> None:
+        self._block = block
+        self._call = self._bound()
+        self.go_on = self._way()
+
+    def _set_kept(self, block: Floats, kept: Floats) -> None:
+        block[_KEPT] = kept[: _KEPT.size]
+        place = _KEPT.size
+        for vector in self._kept_vectors(block):
+            vector[:] = kept[place : place + vector.size]
+            place += vector.size
+
+    def _kept_vectors(self, block: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return views: the states at both ends of the last step, the derivative behind it, its inputs."""
+        n = int(block[at.N])
+        vectors = block[at.VECTORS :]
+        inputs = block[int(block[at.FUNCTION]) + at.R_PLACE :][: self._numbers.inputs.size]
+        rows = (at.STATE_OLD, at.STATE_NEW, at.VECTOR_ROWS)
+        old, new, derivative = (vectors[row * n :][:n] for row in rows)
+        return old, new, derivative, inputs
+
+    @property
+    def _right_hand_side(self) -> int:
+        return self._function.address if self._laws is None else self._laws.address
+
+    @property
+    def _projector(self) -> Projector:
+        if self._closing is None:
+            return NOTHING_TO_PROJECT
+        projector = self._closing.projector
+        if isinstance(self._problem.settings.method, FixedStep):
+            return projector._replace(limit=math.inf)
+        return projector
+
+    @property
+    def _pointers(self) -> tuple[int, int, int, int]:
+        numbers = self._numbers.array
+        return self._right_hand_side, self._projector.address, address(self._block), address(numbers)
+
+    def _bound(self) -> Callable[[], int]:
+        stages = int(self._block[at.METHOD + at.STAGES])
+        trials = max(1, _LOCKED // (stages * max(1, self._function.operations)))
+        return bound_step(self._pointers, trials)
+
+    def _unlocked(self) -> int:
+        """Go on with a long step, in slices between which Python sees Ctrl-C and other threads run."""
+        return step_kernel().unlocked(*self._pointers, _SLICE)
+
+    def _raw(self, status: Status) -> RawRun:
+        """Return the step as a run that ended early."""
+        block, numbers = self._block, self._numbers
+        counts = Statistics(int(block[at.ACCEPTED]), int(block[at.REJECTED]), int(block[at.EVALUATIONS]), 0.0)
+        blamed = status in (Status.STEP_COLLAPSE, Status.NOT_FINITE)
+        return RawRun(
+            np.array([numbers.t]), numbers.x[:, np.newaxis].copy(), status, counts, numbers.t,
+            int(block[at.STATE]) if blamed else None,
+            int(block[at.KERNEL]) - 1 if status is Status.SINGULAR else None,
+            None,
+        )  # fmt: skip

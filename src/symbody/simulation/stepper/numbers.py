@@ -1,0 +1,111 @@
+"""The numbers of a stepper: time, state and inputs, at places that stay the same as long as it lives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.state import State
+from symbody.kernels import stepping as at
+
+Floats = NDArray[np.float64]
+
+
+class StepNumbers:
+    """One array, see `symbody.kernels.stepping`, and what lies where in it.
+
+    Attributes
+    ----------
+    array : array
+        All numbers.
+    x : (n,) array
+        The state (u, q, work), a view.
+    inputs : (n_r,) array
+        The inputs that are arguments of the right-hand side, a view; NaN where none was given yet.
+    """
+
+    __slots__ = ("array", "inputs", "x")
+
+    def __init__(self, array: Floats, n: int) -> None:
+        self.array = array
+        self.x: Floats = array[at.STATE_AT :][:n]
+        self.inputs: Floats = array[at.STATE_AT + n :]
+
+    @classmethod
+    def fresh(cls, n: int, inputs: int) -> StepNumbers:
+        """Return numbers of n states and so many inputs, none of which has a value."""
+        numbers = cls(np.zeros(at.STATE_AT + n + inputs), n)
+        numbers.inputs[:] = np.nan
+        return numbers
+
+    @property
+    def t(self) -> float:
+        """Time [s]."""
+        return self.array.item(at.NOW)
+
+    def copy(self) -> StepNumbers:
+        """Return the same numbers at another place."""
+        return StepNumbers(self.array.copy(), self.x.size)
+
+    def next_end(self) -> float:
+        """Begin a step outside the compiled loop; return its end [s]."""
+        array = self.array
+        array[at.COUNT] += 1.0
+        return float(array[at.START] + array[at.COUNT] * array[at.DURATION])
+
+    def arrive(self, t: float, x: Floats, *, at_end: bool) -> None:
+        """Set time and state after a step; later ones are counted from there if it was not its end."""
+        self.array[at.NOW], self.x[:] = t, x
+        if not at_end:
+            self.count_from(t)
+
+    def count_from(self, t: float) -> None:
+        """Count steps from a time on."""
+        self.array[at.START], self.array[at.COUNT] = t, 0.0
+        self.array[at.UNDER_WAY] = 0.0
+
+    def set_duration(self, duration: float) -> None:
+        """Set how long each step is [s]; one that was interrupted ends where it came to."""
+        if duration != self.array[at.DURATION]:
+            self.count_from(self.t)
+            self.array[at.DURATION] = duration
+
+    def begin(self, t: float, duration: float, x: Floats) -> None:
+        """Begin at a time [s] and a state (u, q), without inputs and without work done."""
+        inputs = self.array[at.INPUTS]
+        self.array[:] = 0.0
+        self.array[[at.NOW, at.DURATION, at.INPUTS]] = t, duration, inputs
+        self.x[:-1] = x
+        self.inputs[:] = np.nan
+        self.count_from(t)
+
+    def take(self, array: Floats) -> None:
+        """Take over all numbers but how many inputs there are, which tells where memory ends."""
+        inputs = self.array[at.INPUTS]
+        self.array[:] = array
+        self.array[at.INPUTS] = inputs
+
+    @contextmanager
+    def unless_it_fails(self) -> Iterator[None]:
+        """Give all numbers their values of before if what follows raises."""
+        before = self.array.copy()
+        try:
+            yield
+        except BaseException:
+            self.array[:] = before
+            raise
+
+
+def read_only(array: Floats) -> Floats:
+    """Return a view through which nothing can be changed."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
+
+
+def state_values(state: State) -> Floats:
+    """Return (u, q) of a state."""
+    return np.array([*state.u.values(), *state.q.values()])

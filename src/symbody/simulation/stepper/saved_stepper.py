@@ -1,0 +1,147 @@
+"""What `Stepper.save` returns: bytes that hold a stepper to the bit, and show whether they are whole.
+
+Behind a line that names the format stands the hash of the rest: a line of JSON, then numbers of 8 bytes.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from hashlib import sha256
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.codegen.formation.names import Value
+from symbody.errors import Problem, UsageError
+from symbody.simulation.events.events import Occurrence
+from symbody.simulation.status import Status
+from symbody.simulation.stepper.settings import StepperSettings
+
+Floats = NDArray[np.float64]
+
+_FORMAT: Final = b"symbody stepper 1\n"
+_DIGEST: Final = 32
+_REAL: Final = np.dtype("<f8")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SavedStepper:
+    """The content of saved bytes.
+
+    Attributes
+    ----------
+    kind : str
+        A hash of the settings; only steppers with the same take it up.
+    parameters : mapping of name to number or formula
+        Those that differ from the model.
+    numbers, kept : arrays
+        Those of the stepper, and those of its steps.
+    """
+
+    kind: str
+    parameters: Mapping[str, Value]
+    status: Status
+    events: tuple[Occurrence, ...]
+    numbers: Floats
+    kept: Floats
+
+    def to_bytes(self) -> bytes:
+        """Return the content as bytes."""
+        header = {
+            "kind": self.kind,
+            "parameters": saved_parameters(self.parameters),
+            "status": self.status.name,
+            "events": [[event.name, event.t, dict(event.state)] for event in self.events],
+            "sizes": [self.numbers.size, self.kept.size],
+        }
+        values = np.concatenate([self.numbers, self.kept]).astype(_REAL)
+        content = json.dumps(header).encode() + b"\n" + values.tobytes()
+        return _FORMAT + sha256(content).digest() + content
+
+
+def read_saved(saved: object) -> SavedStepper:
+    """Return the content of saved bytes.
+
+    Raises
+    ------
+    UsageError
+        If these are no bytes that `Stepper.save` returned, or not all of them.
+    """
+    if not isinstance(saved, bytes):
+        raise _refusal(f"{type(saved).__name__} is not what save() returns")
+    if not saved.startswith(_FORMAT):
+        raise _refusal("these bytes do not come from save() of this version")
+    digest, content = saved[len(_FORMAT) :][:_DIGEST], saved[len(_FORMAT) + _DIGEST :]
+    if sha256(content).digest() != digest:
+        raise _refusal("the bytes were cut or changed")
+    line, _, values = content.partition(b"\n")
+    try:
+        return _read_content(json.loads(line), np.frombuffer(values, dtype=_REAL).astype(np.float64))
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise _refusal("the bytes have a hash, but not the content of a stepper") from error
+
+
+def kind_of(settings: StepperSettings) -> str:
+    """Return a hash of what stays the same while a stepper moves."""
+    eqs = settings.eqs
+    laws = {name: "function" if callable(law) else repr(law) for name, law in settings.laws.items()}
+    fixed = (
+        eqs.model.name, eqs.state_names, eqs.input_names, eqs.parameter_names, eqs.multiplier_names,
+        eqs.identity, settings.held, sorted(laws.items()), settings.integrator, settings.constraints,
+        settings.events, settings.rtol, settings.atol, settings.scales, settings.max_steps,
+    )  # fmt: skip
+    return sha256(repr(fixed).encode()).hexdigest()
+
+
+def _read_content(header: Mapping[str, Any], values: Floats) -> SavedStepper:
+    first, second = header["sizes"]
+    if values.size != first + second:
+        raise ValueError
+    parameters = dict(header["parameters"])
+    if not all(isinstance(value, str | int | float) for value in parameters.values()):
+        raise TypeError
+    events = tuple(
+        Occurrence(str(name), float(t), {str(key): float(x) for key, x in state.items()})
+        for name, t, state in header["events"]
+    )
+    return SavedStepper(
+        str(header["kind"]), parameters, Status[header["status"]], events, values[:first], values[first:]
+    )
+
+
+def saved_parameters(parameters: Mapping[str, Value]) -> dict[str, Value]:
+    """Return values of parameters as they are saved: numbers, and formulas as text."""
+    return {
+        name: value if isinstance(value, int | float) else str(value) for name, value in parameters.items()
+    }
+
+
+def check_kind(saved: SavedStepper, settings: StepperSettings, size: int) -> None:
+    """Refuse what a stepper of other equations or settings has saved.
+
+    Raises
+    ------
+    UsageError
+        If its kind, or how many numbers it has, differs.
+    """
+    if saved.kind != kind_of(settings) or saved.numbers.size != size:
+        raise other_kind()
+
+
+def other_kind() -> UsageError:
+    """Return the refusal of what another kind of stepper has saved."""
+    return UsageError(
+        Problem("stepper.other_kind", "saved", "another kind of stepper has saved this",
+                "equations, inputs, events, tolerances and method have to be the same",
+                "restore it in a stepper made by the same arguments")
+    )  # fmt: skip
+
+
+def _refusal(what: str) -> UsageError:
+    return UsageError(
+        Problem("stepper.not_saved", "saved", what, "nothing is read that is not whole",
+                "give the bytes that save() returned")
+    )  # fmt: skip

@@ -1,0 +1,129 @@
+"""Steps that are motions of their own: for methods and mechanisms that the compiled loop does not know."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.codegen.formation.names import Value
+from symbody.kernels import block as at
+from symbody.simulation.events.events import Occurrence
+from symbody.simulation.hybrid.rate_jumps import may_jump, run_with_jumps
+from symbody.simulation.hybrid.switching import run_switching, switches
+from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.methods.constraints import Baumgarte, Projection
+from symbody.simulation.methods.integration import MotionPlan
+from symbody.simulation.methods.overconstrained import is_overconstrained
+from symbody.simulation.methods.stiff import Stiff
+from symbody.simulation.results.trajectory import Trajectory
+from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.simulation.status import Status
+from symbody.simulation.stepper.compiled_steps import Ending
+from symbody.simulation.stepper.numbers import StepNumbers
+from symbody.simulation.stepper.step_problem import StepProblem
+from symbody.simulation.stepper.watched_steps import OTHERWISE, just_happened
+
+Floats = NDArray[np.float64]
+
+
+def why_separate(problem: StepProblem, numbers: StepNumbers) -> str:
+    """Return why steps have to be motions of their own, empty where the compiled loop can take them."""
+    settings = problem.settings
+    eqs = settings.moving
+    if isinstance(settings.integrator, Stiff):
+        return "sb.Stiff() starts anew in each"
+    if not isinstance(settings.constraints, Projection | Baumgarte | None):
+        return f"sb.{type(settings.constraints).__name__}() starts anew in each"
+    if switches(eqs.formed):
+        return "joints may stick or ropes go slack"
+    if eqs.formed.elimination is not None:
+        return "dependent speeds are watched"
+    if eqs.plans.get("may jump", lambda: may_jump(eqs)):
+        return "prescribed rates may jump"
+    if settings.constraints is None and is_overconstrained(problem.problem, numbers.t, numbers.x[:-1].copy()):
+        return "some constraints follow from others only where all loops are closed"
+    return ""
+
+
+class SeparateMotions:
+    """Steps each of which is a motion as `simulate` computes it; see `compiled_steps.Steps`.
+
+    Parameters
+    ----------
+    problem : StepProblem
+        What moves.
+    numbers : StepNumbers
+        Time, state and inputs.
+    """
+
+    def __init__(self, problem: StepProblem, numbers: StepNumbers) -> None:
+        self.occurrences: tuple[Occurrence, ...] = ()
+        self._problem = problem
+        self._numbers = numbers
+        self._last: Trajectory | None = None
+        self._posed: tuple[bytes, SimulationProblem] | None = None
+
+    def go_on(self) -> int:
+        """Take a step; return `OTHERWISE` where it did not come to its end."""
+        numbers, settings = self._numbers, self._problem.settings
+        start = numbers.t
+        end = numbers.next_end()
+        self._problem.check_tables(start, end)
+        x = np.append(numbers.x[:-1], 0.0)
+        integration = self._problem.integration(x, (start, end), self._pose())
+        # An event that stopped the last step stands at zero: it is watched again from the next step on.
+        before = just_happened(settings.events, self.occurrences, start)
+        others = tuple(event for place, event in enumerate(settings.events) if place not in before)
+        integration = replace(integration, events=others)
+        plan = MotionPlan(integration, settings.integrator, settings.constraints)
+        run = run_switching(plan) if switches(settings.moving.formed) else run_with_jumps(plan)
+        self._last, self.occurrences = run, run.events
+        arrived = run.status is Status.SUCCESS
+        if run.t.size:
+            x = np.concatenate([run.u[:, -1], run.q[:, -1], numbers.x[-1:] + run["work"][-1]])
+            numbers.arrive(end if arrived else float(run.t[-1]), x, at_end=arrived)
+        else:
+            numbers.count_from(start)
+        return at.FINISHED if arrived else OTHERWISE
+
+    def end(self, code: int) -> Ending:
+        """Return how the last step ended; `code` says only that it was not as usual."""
+        if self._last is None:
+            return Ending(Status.NOT_STARTED, f"code {code}")
+        if self._last.status is Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        note = "" if self._last.status.success else "; ".join(self._last.notes[-1:])
+        return Ending(self._last.status, note)
+
+    def restart(self) -> None:
+        """Begin anew from time and state at present."""
+        self.occurrences = ()
+
+    def kept(self) -> Floats:
+        """Return no numbers: each motion follows from its first state."""
+        return np.zeros(0)
+
+    def resume(self, kept: Floats) -> None:
+        """Go on; `kept` is empty."""
+
+    def copy(self, problem: StepProblem, numbers: StepNumbers) -> SeparateMotions:
+        """Return what goes on from here with other numbers."""
+        return SeparateMotions(problem, numbers)
+
+    def _pose(self) -> SimulationProblem:
+        """Return the equations with the inputs of this step, and with compiled functions while these stay."""
+        inputs = self._numbers.inputs.tobytes()
+        if self._posed is None or self._posed[0] != inputs:
+            problem, laws = self._problem.problem, self._problem.own_laws
+            formulas: Mapping[str, Value] = {**self._held_values(), **laws.formulas}
+            now = InputLaws(formulas, laws.callbacks, (), laws.tables)
+            self._posed = inputs, SimulationProblem(problem.eqs, problem.parameters, now, problem.scales)
+        return self._posed[1]
+
+    def _held_values(self) -> dict[str, float]:
+        names = tuple(self._problem.problem.laws.callbacks)
+        values = zip(names, self._numbers.inputs.tolist(), strict=True)
+        return {name: value for name, value in values if name in self._problem.settings.held}

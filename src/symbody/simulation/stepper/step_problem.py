@@ -1,0 +1,142 @@
+"""The equations of a stepper with values of parameters, and with inputs that are given step by step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.assembly import assemble
+from symbody.analysis.scales import Scales, mechanism_scales
+from symbody.analysis.state import State
+from symbody.codegen.formation.names import Value
+from symbody.simulation.inputs.input_laws import Callback, InputLaws, input_laws
+from symbody.simulation.methods.integration import work_tolerance
+from symbody.simulation.methods.integration_problem import IntegrationProblem
+from symbody.simulation.simulation_problem import SimulationProblem
+from symbody.simulation.stepper.numbers import StepNumbers
+from symbody.simulation.stepper.settings import WINDOW, Sizes, StepperSettings
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HeldInput:
+    """An input that keeps its value, as a law; 0 before one is given."""
+
+    numbers: StepNumbers
+    place: int
+
+    def __call__(self, t: float, q: Floats, u: Floats) -> float:
+        """Return the value at present."""
+        value = self.numbers.inputs.item(self.place)
+        return value if value == value else 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepProblem:
+    """What moves, and how exactly.
+
+    Attributes
+    ----------
+    own_laws : InputLaws
+        Of the inputs that have laws; `problem` has those that are held too.
+    """
+
+    settings: StepperSettings
+    parameters: Mapping[str, Value]
+    problem: SimulationProblem
+    own_laws: InputLaws
+    sizes: Sizes
+
+    @property
+    def calls_python(self) -> bool:
+        """Whether laws of inputs are functions of Python."""
+        return bool(self.own_laws.callbacks)
+
+    def integration(
+        self, x: Floats, span: tuple[float, float], problem: SimulationProblem | None = None
+    ) -> IntegrationProblem:
+        """Return a motion from x = (u, q, work)."""
+        settings = self.settings
+        return IntegrationProblem(
+            problem or self.problem, x, span, None, settings.rtol, settings.atol, settings.max_steps, None,
+            settings.events,
+        )  # fmt: skip
+
+    def check_tables(self, start: float, end: float) -> None:
+        """Refuse a step that leaves a table which must not be left.
+
+        Raises
+        ------
+        UsageError
+            Naming the input.
+        """
+        names = tuple(self.own_laws.callbacks)
+        for place, table in self.own_laws.tables.items():
+            table.check_span(names[place], start, end)
+
+
+def own_laws(settings: StepperSettings, t: float) -> InputLaws:
+    """Return the laws of the inputs that are not held."""
+    names = [name for name in settings.eqs.input_names if name not in settings.held]
+    return input_laws(names, settings.laws, (t, t))
+
+
+def step_problem(
+    settings: StepperSettings,
+    parameters: Mapping[str, Value],
+    numbers: StepNumbers,
+    x: Floats,
+    sizes: Sizes | None = None,
+) -> StepProblem:
+    """Return the equations with values of parameters; `sizes` follow from a state x if there are none."""
+    laws = own_laws(settings, numbers.t)
+    problem = SimulationProblem(
+        settings.moving,
+        dict(parameters),
+        _all_laws(settings, laws, numbers),
+        _scales(settings, parameters, x) if sizes is None else sizes.scales,
+    )
+    made = StepProblem(settings, dict(parameters), problem, laws, sizes or Sizes(problem.scales, ()))
+    if sizes is not None:
+        return made
+    t = numbers.t
+    motion = made.integration(x, (t, t + settings.dt))
+    tolerances = (*motion.tolerances.tolist(), work_tolerance(motion))
+    return StepProblem(settings, made.parameters, problem, laws, Sizes(problem.scales, tolerances))
+
+
+def first_state(
+    settings: StepperSettings, parameters: Mapping[str, Value], other: Mapping[str, Value] | None = None
+) -> State:
+    """Return the state at the start, or there with `other` values."""
+    laws = own_laws(settings, settings.t_start)
+    initial = {**settings.initial, **(other or {})}
+    return assemble(
+        settings.eqs, initial, settings.guess, parameters, laws.formulas, settings.t_start,
+        scales=settings.scales,
+    )  # fmt: skip
+
+
+def inputs_read(settings: StepperSettings, laws: InputLaws) -> tuple[str, ...]:
+    """Return the inputs that compiled functions take: those held, and those with laws in Python."""
+    return tuple(name for name in settings.eqs.input_names if name not in laws.formulas)
+
+
+def _all_laws(settings: StepperSettings, laws: InputLaws, numbers: StepNumbers) -> InputLaws:
+    names = inputs_read(settings, laws)
+    callbacks: dict[str, Callback] = {
+        name: laws.callbacks.get(name, HeldInput(numbers, place)) for place, name in enumerate(names)
+    }
+    own = tuple(laws.callbacks)
+    tables = {names.index(own[place]): table for place, table in laws.tables.items()}
+    return InputLaws(laws.formulas, callbacks, laws.notes, tables)
+
+
+def _scales(settings: StepperSettings, parameters: Mapping[str, Value], x: Floats) -> Scales:
+    q = dict(zip(settings.eqs.coordinate_names, x[len(settings.eqs.speed_names) : -1].tolist(), strict=True))
+    scales = mechanism_scales(settings.eqs, dict(parameters), settings.scales, q)
+    return scales.fit_span(0.0, WINDOW * settings.dt)

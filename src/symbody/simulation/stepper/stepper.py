@@ -1,0 +1,403 @@
+"""`Stepper`: a motion that goes on by one step whenever its caller wants, with inputs given step by step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import count
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbody.analysis.assembly import assemble
+from symbody.analysis.named_values import check_mappings
+from symbody.analysis.state import State
+from symbody.arguments import checked_arguments
+from symbody.codegen.formation.names import Value
+from symbody.equations.equation_set import EquationSet
+from symbody.errors import UsageError
+from symbody.kernels import block as at
+from symbody.kernels import stepping
+from symbody.simulation.events.events import Event, Occurrence, check_events
+from symbody.simulation.inputs.input_laws import Law
+from symbody.simulation.methods.constraints import Baumgarte
+from symbody.simulation.methods.integration import Constraints, Integrator
+from symbody.simulation.simulate import check_arguments
+from symbody.simulation.status import Status
+from symbody.simulation.stepper.compiled_steps import CompiledSteps, Steps
+from symbody.simulation.stepper.input_values import checked_inputs, missing_values, set_inputs
+from symbody.simulation.stepper.numbers import StepNumbers, read_only, state_values
+from symbody.simulation.stepper.saved_stepper import (
+    SavedStepper,
+    check_kind,
+    kind_of,
+    other_kind,
+    read_saved,
+    saved_parameters,
+)
+from symbody.simulation.stepper.settings import (
+    Sizes,
+    StepperSettings,
+    checked_duration,
+    checked_start,
+    split_inputs,
+    unknown_name,
+)
+from symbody.simulation.stepper.step_problem import (
+    StepProblem,
+    first_state,
+    inputs_read,
+    own_laws,
+    step_problem,
+)
+from symbody.simulation.stepper.ways import broken_off, steps_of
+
+Floats = NDArray[np.float64]
+
+
+class Stepper:
+    """A motion that goes on by one step of `dt` at each call of `step`.
+
+    It serves loops of the caller's own: controllers, games, hardware in the loop, reinforcement learning. A
+    step takes as many steps of the integrator as the tolerances need, so that the motion is that of
+    `simulate` with inputs that are constant over each step. Loops stay closed. One stepper serves one thread
+    at a time.
+
+    Parameters
+    ----------
+    dt : float
+        How long each step is [s].
+    parameters, initial, guess : mapping of name to number or formula
+        As for `simulate`.
+    inputs : mapping of name to law, or names, optional
+        Laws as for `simulate`: all inputs without one are given by `step`. Or the names of those that are
+        given, the others being 0. By default all are given.
+    integrator, constraints : optional
+        By default ``Explicit()`` and ``Projection()``. With `Stiff`, `GGL` and `Partition`, and where joints
+        stick or ropes go slack, each step is a motion of its own, some milliseconds long: see `notes`.
+    events : Event or sequence of Event
+        One that stops ends its step early; the next goes on from there.
+    t : float
+        Time at the start [s].
+    rtol, atol, scales : optional
+        As for `simulate`; sizes follow from the state at the start.
+    max_steps : int
+        How many steps of the integrator one step may take.
+
+    Raises
+    ------
+    CompileError, FormulationError, UsageError, AssemblyError
+        If names, values or tables make no sense, or initial values do not fit.
+    """
+
+    _go_on: Callable[[], int]
+
+    @checked_arguments
+    def __init__(
+        self, eqs: EquationSet, dt: float, parameters: Mapping[str, Value] | None = None,
+        initial: Mapping[str, Value] | None = None, inputs: Mapping[str, Law] | Iterable[str] | None = None,
+        integrator: Integrator | None = None, constraints: Constraints | None = None,
+        events: Event | Sequence[Event] = (), *, guess: Mapping[str, Value] | None = None, t: float = 0.0,
+        rtol: float = 1e-8, atol: float | None = None, scales: Mapping[str, float] | None = None,
+        max_steps: int = 100_000,
+    ) -> None:  # fmt: skip
+        check_arguments(
+            eqs, 0.0, integrator, constraints, initial=initial, guess=guess, parameters=parameters
+        )
+        duration, start = checked_duration("dt", dt), checked_start(t)
+        held, laws = split_inputs(eqs, inputs)
+        moving = constraints.applied(eqs) if isinstance(constraints, Baumgarte) else eqs
+        settings = StepperSettings(
+            eqs, moving, duration, dict(initial or {}), dict(guess or {}), start, held, dict(laws),
+            integrator, constraints, check_events(events, eqs), rtol, atol, scales, max_steps,
+        )  # fmt: skip
+        own = own_laws(settings, start)
+        silent = [f"input {name} has no law and is 0" for name in settings.silent]
+        self._input_notes = (*silent, *own.notes)
+        self._settings, self._names = settings, inputs_read(settings, own)
+        self._lay_out(StepNumbers.fresh(len(eqs.state_names) + 1, len(self._names)))
+        given = dict(parameters or {})
+        self._numbers.begin(start, duration, state_values(first_state(settings, given)))
+        self._status = Status.SUCCESS
+        self._use(given, None)
+
+    def step(self, duration: float | None = None, /, **inputs: float) -> Self:
+        """Go on by `dt`, or by another duration [s] once; `inputs` keep their values for later steps.
+
+        Returns
+        -------
+        Stepper
+            This stepper, at the end of the step; at the event if one stopped it: `status` says so.
+
+        Raises
+        ------
+        UsageError
+            If an input is unknown, has no value or one that is not a finite number; nothing has moved then.
+        SimulationError
+            If the motion cannot go on, or the law of an input fails; the stepper is as far as it came.
+        """
+        if duration is not None:
+            return self._step_once(duration, inputs)
+        if inputs:
+            set_inputs(self._numbers.array, self._places, inputs)
+        if self._missing:
+            self._check_missing(inputs)
+        code = self._go_on()
+        if code != at.FINISHED:
+            self._end(code)
+        else:
+            self._status = Status.SUCCESS
+        return self
+
+    @property
+    def t(self) -> float:
+        """Time [s]."""
+        return self._numbers.array.item(stepping.NOW)
+
+    @property
+    def q(self) -> Floats:
+        """The coordinates (n_q,), a view that steps renew."""
+        return self._q
+
+    @property
+    def u(self) -> Floats:
+        """The speeds (n_u,), a view that steps renew."""
+        return self._u
+
+    @property
+    def dt(self) -> float:
+        """How long each step is [s]."""
+        return self._settings.dt
+
+    @property
+    def status(self) -> Status:
+        """How the last step ended: `Status.SUCCESS`, or `Status.STOPPED` by an event."""
+        return self._status
+
+    @property
+    def events(self) -> tuple[Occurrence, ...]:
+        """What happened in the last step: (name, t, state), in order."""
+        return self._steps.occurrences
+
+    @property
+    def parameters(self) -> dict[str, Value]:
+        """The values of parameters that differ from the model."""
+        return dict(self._problem.parameters)
+
+    @property
+    def inputs(self) -> dict[str, float]:
+        """The inputs that steps give, with their values at present; those without a value are missing."""
+        values = self._numbers.array
+        return {name: values.item(k) for name, k in self._places.items() if name not in self._missing}
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the reader should know: inputs that are 0, and why steps are slow where they are."""
+        return (*self._input_notes, *self._slow)
+
+    @checked_arguments
+    def __getitem__(self, name: str) -> float | Floats:
+        """Return a coordinate, a speed, or any output or expression at present.
+
+        Raises
+        ------
+        FormulationError
+            If the name is neither an output nor an expression.
+        UsageError
+            If it depends on an input that has no value yet.
+        """
+        place = self._state_places.get(name)
+        if place is not None:
+            return self._numbers.array.item(place)
+        problem = self._problem.problem
+        function = problem.compile_outputs(name, quick=True)
+        value = np.asarray(function(self.t, self._q, self._u, self._inputs_now()))
+        if self._missing and not np.isfinite(value).all():
+            raise missing_values(self._missing)
+        return float(value) if value.ndim == 0 else value
+
+    def state(self) -> State:
+        """Return the state at present, with accelerations and multipliers.
+
+        Raises
+        ------
+        UsageError
+            If an input has no value yet.
+        """
+        if self._missing:
+            raise missing_values(self._missing)
+        inputs = dict(zip(self._names, self._inputs_now(), strict=True))
+        return self._assembled(self._problem.parameters, {**self._problem.own_laws.formulas, **inputs})
+
+    @checked_arguments
+    def set(self, **values: Value) -> Self:
+        """Change values of parameters, or of inputs that steps give; return this stepper.
+
+        Coordinates and speeds stay as they are; loops that other lengths open are closed by the least move.
+
+        Raises
+        ------
+        UsageError, CompileError, FormulationError, AssemblyError
+            If a name is unknown, a value impossible, or the loops do not close; nothing has changed then.
+        """
+        settings = self._settings
+        inputs = {name: value for name, value in values.items() if name in self._places}
+        chosen = {name: value for name, value in values.items() if name not in inputs}
+        unknown = [name for name in chosen if name not in settings.eqs.parameter_names]
+        if unknown:
+            names = (*settings.eqs.parameter_names, *self._places)
+            raise UsageError(*(unknown_name("parameter or input", name, names) for name in unknown))
+        checked_inputs(inputs, self._places)
+        if chosen:
+            parameters = {**self._problem.parameters, **chosen}
+            is_closed = self._problem.problem.is_closed
+            state = self._assembled(parameters, self._problem.own_laws.formulas) if is_closed else None
+            self._use(parameters, self._problem.sizes, state)
+        set_inputs(self._numbers.array, self._places, inputs)
+        self._missing.difference_update(inputs)
+        return self
+
+    @checked_arguments
+    def reset(self, initial: Mapping[str, Value] | None = None, /, **values: Value) -> Self:
+        """Go back to the start, there with other initial values where they are given; return this stepper.
+
+        Parameters keep their values, inputs lose theirs: what follows does not depend on what was.
+
+        Raises
+        ------
+        AssemblyError
+            If the values do not fit, or a name is unknown; nothing has changed then.
+        """
+        check_mappings(initial=initial)
+        parameters = self._problem.parameters
+        first = first_state(self._settings, parameters, {**(initial or {}), **values})
+        self._numbers.begin(self._settings.t_start, self.dt, state_values(first))
+        self._missing = set(self._settings.held)
+        self._steps.restart()
+        self._take(self._problem, self._steps, self._slow, Status.SUCCESS)
+        return self
+
+    def copy(self) -> Stepper:
+        """Return a stepper that goes on from here by itself; compiled functions are shared."""
+        other: Stepper = object.__new__(type(self))
+        other._settings, other._names, other._input_notes = self._settings, self._names, self._input_notes
+        other._lay_out(self._numbers.copy())
+        other._missing = set(self._missing)
+        problem = step_problem(
+            self._settings, self._problem.parameters, other._numbers, other._numbers.x, self._problem.sizes
+        )
+        other._take(problem, self._steps.copy(problem, other._numbers), self._slow, self._status)
+        other._steps.occurrences = self._steps.occurrences
+        return other
+
+    def save(self) -> bytes:
+        """Return all that further steps depend on, to the bit; see `restore`."""
+        return SavedStepper(
+            kind_of(self._settings), self._problem.parameters, self._status, self.events,
+            self._numbers.array, self._steps.kept(),
+        ).to_bytes()  # fmt: skip
+
+    @checked_arguments
+    def restore(self, saved: bytes) -> Self:
+        """Go on from what `save` returned, here or in another process; return this stepper.
+
+        The bytes hold numbers and names, no code. Further steps are the same to the bit on the same machine.
+
+        Raises
+        ------
+        UsageError
+            If the bytes are damaged, or a stepper of other equations or settings has saved them.
+        """
+        content, numbers, problem = read_saved(saved), self._numbers, self._problem
+        check_kind(content, self._settings, numbers.array.size)
+        with numbers.unless_it_fails():
+            numbers.take(content.numbers)
+            steps, slow = self._steps, self._slow
+            if content.parameters != saved_parameters(problem.parameters):
+                problem = step_problem(self._settings, content.parameters, numbers, numbers.x, problem.sizes)
+                steps, slow = steps_of(problem, numbers)
+            if steps.kept().size != content.kept.size:
+                raise other_kind()
+            steps.resume(content.kept)
+            numbers.take(content.numbers)
+        self._missing = {name for name, place in self._places.items() if np.isnan(numbers.array[place])}
+        self._take(problem, steps, slow, content.status)
+        steps.occurrences = content.events
+        return self
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name} = {self[name]:.6g}" for name in self._settings.eqs.coordinate_names[:4])
+        return f"Stepper({self._settings.eqs.model.name!r}, dt={self.dt:g}): t = {self.t:.9g} s, {values}"
+
+    def _lay_out(self, numbers: StepNumbers) -> None:
+        """Use these numbers for as long as the stepper lives, and name their places."""
+        n_u = len(self._settings.eqs.speed_names)
+        self._numbers = numbers
+        self._u, self._q = (read_only(part) for part in (numbers.x[:n_u], numbers.x[n_u:-1]))
+        names = (*self._settings.eqs.state_names, "work")
+        self._state_places = dict(zip(names, count(stepping.STATE_AT), strict=False), t=stepping.NOW)
+        first = stepping.STATE_AT + len(names)
+        held = self._settings.held
+        self._places = {name: first + k for k, name in enumerate(self._names) if name in held}
+        self._missing = set(held)
+
+    def _use(self, parameters: Mapping[str, Value], sizes: Sizes | None, moved: State | None = None) -> None:
+        """Go on with values of parameters from the present state, or from where it moved."""
+        numbers = self._numbers
+        with numbers.unless_it_fails():
+            if moved is not None:
+                numbers.x[:-1] = state_values(moved)
+            problem = step_problem(self._settings, parameters, numbers, numbers.x, sizes)
+            steps, slow = steps_of(problem, numbers)
+        if sizes is not None and isinstance(steps, CompiledSteps) and isinstance(self._steps, CompiledSteps):
+            steps.take_lengths(self._steps)
+        self._take(problem, steps, slow, self._status)
+
+    def _take(self, problem: StepProblem, steps: Steps, slow: tuple[str, ...], status: Status) -> None:
+        """Take further steps by these."""
+        self._problem, self._steps, self._slow, self._status = problem, steps, slow, status
+        self._go_on = steps.go_on
+
+    def _check_missing(self, given: Iterable[str]) -> None:
+        """Note which inputs have a value now.
+
+        Raises
+        ------
+        UsageError
+            If one has none.
+        """
+        self._missing.difference_update(given)
+        if self._missing:
+            raise missing_values(self._missing)
+
+    def _step_once(self, duration: float, inputs: Mapping[str, float]) -> Self:
+        self._numbers.set_duration(checked_duration("step", duration))
+        try:
+            return self.step(**inputs)
+        finally:
+            self._numbers.set_duration(self.dt)
+
+    def _end(self, code: int) -> None:
+        """Bring a step to its end that did not come to it at once.
+
+        Raises
+        ------
+        SimulationError
+            If the motion cannot go on.
+        """
+        ending = self._steps.end(code)
+        self._status = ending.status
+        if not ending.status.success:
+            raise broken_off(self.t, ending)
+
+    def _inputs_now(self) -> Floats:
+        """Return the inputs that compiled functions take."""
+        if not self._problem.calls_python:
+            return self._numbers.inputs
+        return np.array(self._problem.problem.laws.evaluate(self.t, self._q, self._u))
+
+    def _assembled(self, parameters: Mapping[str, Value], inputs: Mapping[str, Value]) -> State:
+        """Return the closed state nearest to the present one."""
+        eqs = self._settings.eqs
+        near = dict(zip(eqs.state_names, self._numbers.x.tolist(), strict=False))
+        return assemble(eqs, None, near, parameters, inputs, self.t, scales=self._problem.sizes.scales.sizes)

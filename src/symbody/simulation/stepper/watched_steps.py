@@ -1,0 +1,87 @@
+"""Steps in the compiled loop that are searched for events."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Final
+
+import numpy as np
+
+from symbody.kernels import block as at
+from symbody.kernels import stepping
+from symbody.simulation.events.event_watch import EventFunctions, EventWatch
+from symbody.simulation.events.events import Event, Occurrence
+from symbody.simulation.native.blocks import state_of
+from symbody.simulation.native.run import NativeRun, RawRun, drive, fresh_record
+from symbody.simulation.status import Status
+from symbody.simulation.stepper.compiled_steps import CompiledSteps, Ending, python_laws
+from symbody.simulation.stepper.numbers import StepNumbers
+from symbody.simulation.stepper.step_problem import StepProblem
+
+# What steps return that did not simply come to their end.
+OTHERWISE: Final = -1
+
+
+def just_happened(events: Sequence[Event], occurrences: Iterable[Occurrence], t: float) -> list[int]:
+    """Return the places of events that happened at a time."""
+    labels = {occurrence.name for occurrence in occurrences if occurrence.t == t}
+    return [place for place, event in enumerate(events) if event.label in labels]
+
+
+class WatchedSteps(CompiledSteps):
+    """Steps with events: each is a short run of the compiled loop that an `EventWatch` looks at."""
+
+    def __init__(self, problem: StepProblem, numbers: StepNumbers) -> None:
+        super().__init__(problem, numbers)
+        scales = None if self._closing is None else self._closing.projector.scales
+        self._functions = EventFunctions(problem.problem, problem.settings.events, scales)
+        self._last: RawRun | None = None
+        self._chattering = ""
+
+    def end(self, code: int) -> Ending:
+        """Return how the last step ended; `code` says only that it was not as usual."""
+        if code >= 0 or self._last is None:
+            return super().end(code)
+        status = self._last.status
+        if status is Status.INTERRUPTED:
+            raise KeyboardInterrupt
+        note = "" if status.success else self._last.stop_note(self._state_names)
+        if status is Status.CHATTERING:
+            note += f"; there event {self._chattering!r} happens again and again"
+        return Ending(status, note)
+
+    def _way(self) -> Callable[[], int]:
+        return self._go_on_watched
+
+    def _go_on_watched(self) -> int:
+        """Take a step; return `OTHERWISE` where it did not come to its end."""
+        numbers = self._numbers
+        start = numbers.t
+        self._problem.check_tables(start, start + float(numbers.array[stepping.DURATION]))
+        self._look_ahead()
+        end = numbers.next_end()
+        events = self._problem.settings.events
+        watch = EventWatch(
+            events, self._functions, end - start, just_happened(events, self.occurrences, start)
+        )
+        with python_laws(self._laws):
+            raw = self._last = self._run(end, watch)
+        self.occurrences, self._chattering = tuple(watch.occurrences), watch.chattering
+        arrived = raw.status is Status.SUCCESS
+        numbers.arrive(raw.reached, state_of(self._block), at_end=arrived)
+        return at.FINISHED if arrived else OTHERWISE
+
+    def _run(self, end: float, watch: EventWatch) -> RawRun:
+        """Run the loop to a time, beginning with the step that the last run would have taken."""
+        block = self._block
+        planned = max(block[at.STEP], block[at.FIRST_STEP])
+        block[[at.ACCEPTED, at.REJECTED, at.SAMPLES, at.STEPS, at.KERNEL, at.AFTER_REJECTION]] = 0.0
+        block[at.T_END], block[at.FIRST_STEP] = end, planned
+        *_, inputs = self._kept_vectors(block)
+        inputs[:] = self._numbers.inputs
+        run = NativeRun(self._right_hand_side, self._projector.address, block)
+        raw = drive(run, fresh_record(run, np.array([end]), dense=True), None, watch)
+        was_cut = block[at.ACCEPTED] > 1.0 or block[at.REJECTED] > 0.0 or raw.status is not Status.SUCCESS
+        if was_cut:  # the longer step of before is no guide any more
+            block[at.FIRST_STEP] = 0.0
+        return raw

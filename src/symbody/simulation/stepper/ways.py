@@ -1,0 +1,28 @@
+"""Which way a stepper takes its steps."""
+
+from __future__ import annotations
+
+from symbody.errors import Problem, SimulationError
+from symbody.simulation.stepper.compiled_steps import CompiledSteps, Ending, Steps
+from symbody.simulation.stepper.numbers import StepNumbers
+from symbody.simulation.stepper.separate_motions import SeparateMotions, why_separate
+from symbody.simulation.stepper.step_problem import StepProblem
+from symbody.simulation.stepper.watched_steps import WatchedSteps
+
+
+def steps_of(problem: StepProblem, numbers: StepNumbers) -> tuple[Steps, tuple[str, ...]]:
+    """Return what takes the steps of a problem, and a note on why they are slow where they are."""
+    reason = why_separate(problem, numbers)
+    if reason:
+        return SeparateMotions(problem, numbers), (f"each step is a motion of its own, slow: {reason}",)
+    if problem.settings.events:
+        return WatchedSteps(problem, numbers), ()
+    return CompiledSteps(problem, numbers), ()
+
+
+def broken_off(t: float, ending: Ending) -> SimulationError:
+    """Return what to say about a step that did not come to its end."""
+    return SimulationError(
+        Problem("stepper.broke_off", f"t = {t:.9g} s", f"the step broke off: {ending.note}",
+                ending.status.value, "reset() the stepper, or restore() what it saved before")
+    )  # fmt: skip
