@@ -70,7 +70,12 @@ def machine_samples(motion: PreparedMotion) -> Floats:
     return np.column_stack([record.t, record.x])
 
 
-@pytest.mark.parametrize("name", MOTIONS)
+QUICK = {"slider_crank", "rr_robot"}
+
+
+@pytest.mark.parametrize(
+    "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.exhaustive) for name in MOTIONS]
+)
 def test_programs_give_the_bits_of_machine_code_in_every_language(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -11,7 +11,7 @@ from symbody.equations.outputs.textbook import Reaction
 from symbody.expr.closed_form import closed_forms
 from symbody.expr.graph import TIME, Symbol, SymbolKind
 from symbody.expr.printing.definitions import EXPAND_LIMIT
-from symbody.expr.sympy_bridge import SympyEquation, SympyExpr, SympyMatrix, symbol_to_sympy, to_sympy
+from symbody.expr.sympy_writer import SympyEquation, SympyExpr, SympyMatrix, symbol_to_sympy, to_sympy
 
 Substitutions = Mapping[SympyExpr, object] | Iterable[SympyEquation]
 

@@ -29,14 +29,29 @@ from typing import TYPE_CHECKING, TypeAlias, TypeGuard
 from symbody.expr.graph import Graph, Symbol
 from symbody.expr.printing.definitions import EXPAND_LIMIT
 
+
+class _KnownByName(type):
+    """The type of classes that stand for those of SymPy before these are imported."""
+
+    def __instancecheck__(cls, thing: object) -> bool:
+        return any(
+            kind.__name__ == cls.__name__ and kind.__module__.startswith("sympy.")
+            for kind in type(thing).__mro__
+        )
+
+
 if TYPE_CHECKING:
     import sympy as sp
 
     from symbody.expr.sympy_reader import Lookup
 
-SympyExpr: TypeAlias = "sp.Expr"
-SympyEquation: TypeAlias = "sp.Eq"
-SympyMatrix: TypeAlias = "sp.Matrix"
+    SympyExpr: TypeAlias = sp.Expr
+    SympyEquation: TypeAlias = sp.Eq
+    SympyMatrix: TypeAlias = sp.Matrix
+else:
+    SympyExpr = _KnownByName("Expr", (), {})
+    SympyEquation = _KnownByName("Equality", (), {})
+    SympyMatrix = _KnownByName("MutableDenseMatrix", (), {})
 
 
 def to_sympy(graph: Graph, nodes: Iterable[int]) -> list[SympyExpr]:

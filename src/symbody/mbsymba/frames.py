@@ -7,7 +7,7 @@ from typing import Final
 from symbody.errors import FrameError, Problem
 from symbody.expr.expression import sqrt
 from symbody.expr.fingerprint import find_zeros
-from symbody.expr.sympy_bridge import SympyExpr, SympyMatrix
+from symbody.expr.sympy_writer import SympyExpr, SympyMatrix
 from symbody.mbsymba.arguments import as_frame
 from symbody.mbsymba.objects import FRAME, VECTOR
 from symbody.mbsymba.workplace import WORKPLACE, to_expressions, triple

@@ -13,7 +13,8 @@ from symbody.expr.closed_form import readable
 from symbody.expr.expression import Expr, common_graph
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.opcodes import SYMBOL
-from symbody.expr.sympy_bridge import SympyExpr, nodes_from_sympy, to_sympy
+from symbody.expr.sympy_reader import nodes_from_sympy
+from symbody.expr.sympy_writer import SympyExpr, to_sympy
 from symbody.spatial.matrix import Triple
 from symbody.spatial.placed import PlacedVector
 
