@@ -11,8 +11,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import RK45
 
+from symbody.kernels import block as at
+from symbody.simulation.native.blocks import method_numbers
 from symbody.simulation.native.dense_output import DenseOutput
-from symbody.simulation.native.run import method_arrays
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8, Tableau
 
 ALL_METHODS = (DORMAND_PRINCE_5, DORMAND_PRINCE_8)
@@ -75,10 +76,12 @@ def defects(A: Floats, weights: Floats, order: int, value: float = 1.0, share: f
 
 def coefficients(tableau: Tableau) -> tuple[Floats, Floats, Floats]:
     """Return A, error estimates and dense output as the compiled loop gets them, with their zeros."""
-    method, size = method_arrays(tableau), len(tableau.A)
-    full = np.zeros((len(method.first) - 1, size))
-    for row, (start, end) in zip(full, pairwise(method.first), strict=True):
-        row[method.columns[start:end]] = method.weights[start:end]
+    numbers, size = method_numbers(tableau, 1), len(tableau.A)
+    firsts = numbers[at.ROWS :][: size + 2 + len(tableau.dense) + 1].astype(int)
+    full = np.zeros((len(firsts) - 1, size))
+    for row, (start, end) in zip(full, pairwise(firsts), strict=True):
+        stages, weights = numbers[at.ENTRIES + 2 * start : at.ENTRIES + 2 * end].reshape(-1, 2).T
+        row[stages.astype(int)] = weights
     return full[:size], full[size : size + 2], full[size + 2 :]
 
 

@@ -7,7 +7,8 @@ floats and for numbers of `mpmath`, which know their own square root.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import operator
+from collections.abc import Callable, Sequence
 from typing import Final, Protocol, Self
 
 NAN: Final = math.nan
@@ -44,9 +45,82 @@ class Reals:
         return Reals(self._storage, self._offset + offset)
 
 
+# A function of generated code: t, q, u, r, p, c, out, work to a status, 0 if all went well.
+Function = Callable[[Reals, Reals, Reals, Reals, Reals, Reals, Reals, Reals], int]
+
+
 def part(array: Reals, offset: int, size: int) -> Reals:  # noqa: ARG001
     """Return `size` entries of an array from `offset` on; no other entry of it may be used."""
     return array.shift(offset)
+
+
+# How many lanes a register has; what is made for a processor follows its own.
+LANES: Final = 4
+
+
+class Lanes:
+    """As many reals as a register holds; a comparison gives the truth of each lane."""
+
+    __slots__ = ("values",)
+
+    def __init__(self, values: Sequence[float]) -> None:
+        self.values = tuple(values)
+
+    def _each(self, operation: Callable[[float, float], float], other: Lanes | float) -> Lanes:
+        others = other.values if isinstance(other, Lanes) else [other] * len(self.values)
+        return Lanes([operation(a, b) for a, b in zip(self.values, others, strict=True)])
+
+    def __add__(self, other: Lanes | float) -> Lanes:
+        return self._each(operator.add, other)
+
+    def __sub__(self, other: Lanes | float) -> Lanes:
+        return self._each(operator.sub, other)
+
+    def __mul__(self, other: Lanes | float) -> Lanes:
+        return self._each(operator.mul, other)
+
+    def __rmul__(self, other: float) -> Lanes:
+        return self._each(operator.mul, other)
+
+    def __truediv__(self, other: Lanes | float) -> Lanes:
+        return self._each(operator.truediv, other)
+
+    def __rtruediv__(self, other: float) -> Lanes:
+        return spread(other) / self
+
+    def __abs__(self) -> Lanes:
+        return Lanes([abs(a) for a in self.values])
+
+    def __lt__(self, other: Lanes | float) -> tuple[bool, ...]:
+        return self._compare(operator.lt, other)
+
+    def __gt__(self, other: Lanes | float) -> tuple[bool, ...]:
+        return self._compare(operator.gt, other)
+
+    def _compare(self, test: Callable[[float, float], bool], other: Lanes | float) -> tuple[bool, ...]:
+        others = other.values if isinstance(other, Lanes) else [other] * len(self.values)
+        return tuple(test(a, b) for a, b in zip(self.values, others, strict=True))
+
+
+def spread(x: float) -> Lanes:
+    """Return a real in every lane."""
+    return Lanes([x] * LANES)
+
+
+def take(array: Reals, place: int) -> Lanes:
+    """Return the entries of an array from a place on, one for each lane."""
+    return Lanes([array[place + lane] for lane in range(LANES)])
+
+
+def put(array: Reals, place: int, values: Lanes) -> None:
+    """Store the entries of all lanes from a place of an array on."""
+    for lane in range(LANES):
+        array[place + lane] = values.values[lane]
+
+
+def where(mask: tuple[bool, ...], a: Lanes, b: Lanes) -> Lanes:
+    """Return the lanes of a where the mask is true, and those of b elsewhere."""
+    return Lanes([x if is_so else y for is_so, x, y in zip(mask, a.values, b.values, strict=True)])
 
 
 def sqrt(x: float) -> float:

@@ -9,7 +9,9 @@ from typing import Final
 from symbody.codegen.kernels.dialect import BRACES, PREFIX, Arrays, KernelDialect, Names
 from symbody.codegen.kernels.tree import KernelTree, Parameter, Type
 
-_TYPES: Final = {Type.REAL: "double ", Type.INTEGER: "int ", Type.ARRAY: "double *"}
+_TYPES: Final = {
+    Type.REAL: "double ", Type.INTEGER: "int ", Type.ARRAY: "double *", Type.FUNCTION: "symbody_function ",
+}  # fmt: skip
 
 # Without contraction: a * b + c is rounded twice, so that all languages give the same bits. GCC does not know
 # the standard pragma and warns of it.
@@ -22,6 +24,11 @@ PREAMBLE: Final = """\
 #include <math.h>
 """
 _HELPERS: Final = {
+    "Function": """\
+typedef int (*symbody_function)(
+    const double *t, const double *q, const double *u, const double *r, const double *p, const double *c,
+    double *out, double *work);
+""",
     "min": "static double symbody_smaller(double a, double b) { return b < a ? b : a; }\n",
     "max": "static double symbody_larger(double a, double b) { return b > a ? b : a; }\n",
     "half": "static int symbody_half(int e) { return (e - (e & 1)) / 2; }\n",

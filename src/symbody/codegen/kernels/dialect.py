@@ -101,7 +101,7 @@ class KernelDialect:
         ``last`` (from 1).
     statements : StatementFormats
     helpers : mapping of word to text
-        What a word needs in front of the kernels, where one uses it.
+        What a word, or a type of parameters, needs in front of the kernels, where one uses it.
     continuation : str
         Ends a line that goes on.
     result : str

@@ -9,6 +9,7 @@ from typing import Final, NoReturn
 
 from symbody.codegen.kernels.source import KernelSource
 from symbody.codegen.kernels.tree import (
+    FUNCTION_ARGUMENTS,
     Apply,
     ArrayEntry,
     Assign,
@@ -33,7 +34,7 @@ from symbody.codegen.kernels.tree import (
     variable_names,
 )
 
-_TYPES: Final = {kind.value: kind for kind in Type if kind != Type.TRUTH}
+_TYPES: Final = {kind.value: kind for kind in Type if kind not in {Type.TRUTH, Type.MASK}}
 _CONSTANTS: Final = {"NAN": math.nan, "INFINITY": math.inf}
 _ARITHMETIC: Final = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
 _COMPARISONS: Final = {
@@ -63,9 +64,9 @@ def read_signature(source: KernelSource, node: ast.FunctionDef) -> Signature:
     if returns is None or (isinstance(returns, ast.Constant) and returns.value is None):
         return parameters, None
     result = _type(source, returns)
-    if result == Type.ARRAY:
+    if result in {Type.ARRAY, Type.FUNCTION, Type.LANES}:
         source.refuse(
-            node, f"{node.name} returns an array", "take the array as a parameter and store into it"
+            node, f"{node.name} returns an array or a function", "store into an array that is a parameter"
         )
     return parameters, result
 
@@ -124,6 +125,9 @@ class FunctionReader:
                 return Leave()
             case ast.Return():
                 return self._return(node)
+            case ast.Expr(value=ast.Call(func=ast.Name(id="put"), args=[array, index, value])):
+                entry = self._entry(array, index)
+                return StoreEntry(entry.array, entry.index, self._convert(value, Type.LANES))
             case ast.Expr(value=ast.Call() as call):
                 return Perform(self._call(call))
         self._refuse(node, "this statement is not in the kernel language", "see docs/kernels.md")
@@ -131,7 +135,7 @@ class FunctionReader:
     def _assign(self, node: ast.stmt, name: str, value: ast.expr) -> Assign:
         expression = self._expression(value)
         kind = expression.type
-        if kind is None or kind == Type.TRUTH:
+        if kind is None or kind in {Type.TRUTH, Type.FUNCTION, Type.MASK}:
             self._refuse(
                 node, f"{name} becomes neither a number nor an array", "assign numbers or parts of arrays"
             )
@@ -200,6 +204,8 @@ class FunctionReader:
             if isinstance(expression, Literal):
                 return Literal(float(expression.value), Type.REAL)
             return Apply("real", (expression,), Type.REAL)
+        if kind == Type.LANES and expression.type == Type.REAL:
+            return Apply("spread", (expression,), Type.LANES)
         was = expression.type.value if expression.type is not None else "nothing"
         self._refuse(node, f"a value of type {was} stands where {kind.value} is needed", "convert it")
 
@@ -241,6 +247,8 @@ class FunctionReader:
             return Variable(name, kind)
         if name in self._source.constants:
             return self._source.constants[name]
+        if name == "LANES":
+            return Apply("lanes", (), Type.INTEGER)
         if name in _CONSTANTS:
             return Literal(_CONSTANTS[name], Type.REAL)
         self._refuse(node, f"{name} has no value here", "assign it first")
@@ -253,6 +261,8 @@ class FunctionReader:
 
     def _number_type(self, node: ast.AST, *values: Expression) -> Type:
         kinds = {value.type for value in values}
+        if Type.LANES in kinds and kinds <= {Type.REAL, Type.LANES}:
+            return Type.LANES
         if not kinds <= {Type.REAL, Type.INTEGER}:
             self._refuse(node, "operands are numbers", "use entries of arrays, not arrays or conditions")
         return Type.REAL if Type.REAL in kinds else Type.INTEGER
@@ -279,7 +289,8 @@ class FunctionReader:
                 self._refuse(node, "this comparison is not in the kernel language", "use < <= > >= == !=")
             kind = self._number_type(node, a, b)
             both = (self._as_type(node, a, kind), self._as_type(node, b, kind))
-            pairs.append(Apply(_COMPARISONS[type(operator)], both, Type.TRUTH))
+            result = Type.MASK if kind == Type.LANES else Type.TRUTH
+            pairs.append(Apply(_COMPARISONS[type(operator)], both, result))
         return pairs[0] if len(pairs) == 1 else Apply("and", tuple(pairs), Type.TRUTH)
 
     def _call_or_word(self, node: ast.Call) -> Expression:
@@ -293,6 +304,8 @@ class FunctionReader:
             array = self._convert(node.args[0], Type.ARRAY)
             offset, size = (self._convert(argument, Type.INTEGER) for argument in node.args[1:])
             return Part(array, offset, size)
+        if name in {"take", "where", "spread"} and name not in self._signatures:
+            return self._lanes_word(node, name)
         if name in _WORDS and len(node.args) == len(_WORDS[name][0]):
             kinds, result = _WORDS[name]
             values = [self._expression(argument) for argument in node.args]
@@ -301,8 +314,23 @@ class FunctionReader:
             return Apply(name, operands, result or common)
         return self._call(node)
 
+    def _lanes_word(self, node: ast.Call, name: str) -> Expression:
+        match name, node.args:
+            case "take", [array, index]:
+                entry = self._entry(array, index)
+                return ArrayEntry(entry.array, entry.index, Type.LANES)
+            case "spread", [value]:
+                return Apply(name, (self._convert(value, Type.REAL),), Type.LANES)
+            case "where", [mask, first, second]:
+                kinds = ((mask, Type.MASK), (first, Type.LANES), (second, Type.LANES))
+                return Apply(name, tuple(self._convert(value, kind) for value, kind in kinds), Type.LANES)
+        self._refuse(node, f"{name} takes other arguments", "see docs/kernels.md")
+
     def _call(self, node: ast.Call) -> Call:
         name = node.func.id if isinstance(node.func, ast.Name) else ""
+        if self._type_of(name) == Type.FUNCTION and len(node.args) == FUNCTION_ARGUMENTS:
+            arrays = (self._convert(a, Type.ARRAY) for a in node.args)
+            return Call(name, tuple(arrays), Type.INTEGER, is_parameter=True)
         if name not in self._signatures or node.keywords:
             self._refuse(
                 node, f"{ast.unparse(node.func)} is not a kernel", "call kernels, with arguments in order"

@@ -45,16 +45,22 @@ _INTEGER_TESTS: Final = {"<": "slt", "<=": "sle", ">": "sgt", ">=": "sge", "==":
 _INFINITY: Final = "0x7FF0000000000000"
 
 
-def llvm_text(kernels: Mapping[str, KernelTree], public: Sequence[str], width: int = 1) -> str:
+def llvm_text(
+    kernels: Mapping[str, KernelTree], public: Sequence[str], width: int = 1, lanes: int = 1
+) -> str:
     """Return a module with kernels, of which those named can be called from elsewhere.
 
     Integers are 64 bits wide; arrays are pointers that do not overlap. In lanes names end in ``_in_lanes``,
-    and a pointer to the flag follows the arguments.
+    and a pointer to the flag follows the arguments. Values of the type `Lanes` have `lanes` entries.
     """
-    real, suffix = _real_type(width), "" if width == 1 else f".v{width}f64"
-    declarations = [f"declare {real} @llvm.{word}{suffix or '.f64'}({real})" for word in ("fabs", "sqrt")]
+    declarations = [
+        f"declare {real} @{_intrinsic_name(word, real)}({real})"
+        for word in ("fabs", "sqrt")
+        for real in dict.fromkeys([_real_type(width), _real_type(lanes)])
+    ]
     written = (
-        "\n".join(_FunctionWriter(tree, tree.name in public, width).lines()) for tree in kernels.values()
+        "\n".join(_FunctionWriter(tree, tree.name in public, width, lanes).lines())
+        for tree in kernels.values()
     )
     return "\n".join([*declarations, "", *written, ""])
 
@@ -68,14 +74,27 @@ def _real_type(width: int) -> str:
     return "double" if width == 1 else f"<{width} x double>"
 
 
+def _intrinsic_name(word: str, real: str) -> str:
+    return f"llvm.{word}.f64" if real == "double" else f"llvm.{word}.v{_width(real)}f64"
+
+
+def _width(kind: str) -> int:
+    """Return how many entries a value of a type has."""
+    return int(kind[1:].partition(" ")[0]) if kind.startswith("<") else 1
+
+
 class _FunctionWriter:
     """Writes one kernel."""
 
-    def __init__(self, tree: KernelTree, is_public: bool, width: int) -> None:
+    def __init__(self, tree: KernelTree, is_public: bool, width: int, lanes: int) -> None:
         self._tree = tree
         self._linkage = "" if is_public else "internal "
         self._width = width
-        self._types = {Type.REAL: _real_type(width), Type.INTEGER: "i64", Type.ARRAY: "ptr"}
+        self._lanes = lanes
+        self._types = {
+            Type.REAL: _real_type(width), Type.INTEGER: "i64", Type.ARRAY: "ptr", Type.FUNCTION: "ptr",
+            Type.LANES: _real_type(lanes), Type.MASK: f"<{lanes} x i1>",
+        }  # fmt: skip
         self._parameters = {p.name for p in tree.parameters}
         self._count = 0
         self._lines: list[str] = []
@@ -91,14 +110,14 @@ class _FunctionWriter:
         result = types[tree.result] if tree.result else "void"
         name = kernel_name(tree.name, self._width)
         yield f"define {self._linkage}{result} @{name}({', '.join(parameters)}) {{"
-        yield "entry:"
+        yield ".entry:"
         for name, kind in tree.variables.items():
             yield f"  %{name} = alloca {types[kind]}"
         self._block(tree.body)
         if not always_returns(tree.body):
             self._write("ret void")
         if self._width > 1:
-            self._begin("give_up")
+            self._begin(".give_up")
             self._write("store i8 1, ptr %mixed")
             self._write(f"ret {result} zeroinitializer" if tree.result else "ret void")
         yield from self._lines
@@ -122,7 +141,7 @@ class _FunctionWriter:
 
     def _give_up_if(self, condition: str) -> None:
         (on,) = self._labels("on")
-        self._write(f"br i1 {condition}, label %give_up, label %{on}")
+        self._write(f"br i1 {condition}, label %.give_up, label %{on}")
         self._begin(on)
 
     def _type(self, expression: Expression) -> str:
@@ -220,6 +239,9 @@ class _FunctionWriter:
 
     def _call(self, call: Call) -> str:
         arguments = [f"{self._type(a)} {self._text(a)}" for a in call.arguments]
+        if call.is_parameter:
+            status = self._value(f"call i32 %{call.kernel}({', '.join(arguments)})")
+            return self._value(f"sext i32 {status} to i64")
         arguments += ["ptr %mixed"] if self._width > 1 else []
         line = f"@{kernel_name(call.kernel, self._width)}({', '.join(arguments)})"
         result = ""
@@ -242,7 +264,7 @@ class _FunctionWriter:
                 return self._value(f"load {self._type(expression)}, ptr %{name}")
             case ArrayEntry(array, index):
                 address = self._address(array, index)
-                return self._value(f"load {self._types[Type.REAL]}, ptr {address}, align 8")
+                return self._value(f"load {self._type(expression)}, ptr {address}, align 8")
             case Part(array, offset, _):
                 return self._address(array, offset)
             case Call():
@@ -255,6 +277,8 @@ class _FunctionWriter:
         return bits if self._width == 1 else f"<{', '.join([f'double {bits}'] * self._width)}>"
 
     def _apply(self, operator: str, texts: list[str], expression: Apply) -> str:
+        if operator == "lanes":
+            return str(self._lanes)
         operand = expression.operands[0]
         if operator in {"and", "or"}:
             result = texts[0]
@@ -263,14 +287,14 @@ class _FunctionWriter:
             return result
         if operator == "not":
             return self._value(f"xor i1 {texts[0]}, true")
-        kind, is_real = self._type(operand), operand.type == Type.REAL
+        kind, is_real = self._type(operand), operand.type in {Type.REAL, Type.LANES}
         if operator in _REAL:
             word = (_REAL if is_real else _INTEGER)[operator]
             return self._value(f"{word} {kind} {', '.join(texts)}")
         if operator in _REAL_TESTS:
             word = f"fcmp {_REAL_TESTS[operator]}" if is_real else f"icmp {_INTEGER_TESTS[operator]}"
             truth = self._value(f"{word} {kind} {', '.join(texts)}")
-            return self._common(truth) if is_real else truth
+            return self._common(truth) if operand.type == Type.REAL else truth
         return _WORDS[operator](self, kind, *texts)
 
     def _common(self, mask: str) -> str:
@@ -284,17 +308,16 @@ class _FunctionWriter:
         self._give_up_if(self._value(f"xor i1 {is_true}, {is_any}"))
         return is_true
 
-    def _spread(self, value: str) -> str:
-        """Return a double in every lane."""
-        if self._width == 1:
+    def _spread(self, value: str, kind: str) -> str:
+        """Return a double in every lane of a type."""
+        if kind == "double":
             return value
-        kind = self._types[Type.REAL]
         first = self._value(f"insertelement {kind} poison, double {value}, i64 0")
-        zeros = f"<{self._width} x i32> zeroinitializer"
+        zeros = f"<{_width(kind)} x i32> zeroinitializer"
         return self._value(f"shufflevector {kind} {first}, {kind} poison, {zeros}")
 
     def _mask(self, kind: str) -> str:
-        return f"<{self._width} x i1>" if kind.startswith("<") else "i1"
+        return f"<{_width(kind)} x i1>" if kind.startswith("<") else "i1"
 
     def _integers(self) -> str:
         return "i64" if self._width == 1 else f"<{self._width} x i64>"
@@ -317,14 +340,13 @@ class _FunctionWriter:
 
     def _absolute(self, kind: str, a: str) -> str:
         return (
-            self._intrinsic("fabs", a)
+            self._intrinsic("fabs", kind, a)
             if "double" in kind
             else self._extremum(kind, a, self._negative(kind, a), "gt")
         )
 
-    def _intrinsic(self, word: str, a: str) -> str:
-        real, suffix = self._types[Type.REAL], "f64" if self._width == 1 else f"v{self._width}f64"
-        return self._value(f"call {real} @llvm.{word}.{suffix}({real} {a})")
+    def _intrinsic(self, word: str, kind: str, a: str) -> str:
+        return self._value(f"call {kind} @{_intrinsic_name(word, kind)}({kind} {a})")
 
     def _exponent(self, kind: str, a: str) -> str:
         """Return the exponent from the bits of a double; subnormal numbers have the least."""
@@ -356,14 +378,18 @@ class _FunctionWriter:
 
     def _to_real(self, kind: str, a: str) -> str:
         if kind == "i64":
-            return self._spread(self._value(f"sitofp i64 {a} to double"))
+            return self._spread(self._value(f"sitofp i64 {a} to double"), self._types[Type.REAL])
         return self._value(f"sitofp {kind} {a} to {self._types[Type.REAL]}")
+
+    def _where(self, mask: str, which: str, a: str, b: str) -> str:
+        kind = self._types[Type.LANES]
+        return self._value(f"select {mask} {which}, {kind} {a}, {kind} {b}")
 
     def _to_integer(self, kind: str, a: str) -> str:
         first = a
         if self._width > 1:
             first = self._value(f"extractelement {kind} {a}, i64 0")
-            self._common(self._value(f"fcmp oeq {kind} {a}, {self._spread(first)}"))
+            self._common(self._value(f"fcmp oeq {kind} {a}, {self._spread(first, kind)}"))
         return self._value(f"fptosi double {first} to i64")
 
 
@@ -372,11 +398,13 @@ _WORDS: Final[Mapping[str, Callable[..., str]]] = {
     "abs": _FunctionWriter._absolute,
     "min": lambda writer, kind, a, b: writer._extremum(kind, a, b, "lt"),
     "max": lambda writer, kind, a, b: writer._extremum(kind, a, b, "gt"),
-    "sqrt": lambda writer, kind, a: writer._intrinsic("sqrt", a),
+    "sqrt": lambda writer, kind, a: writer._intrinsic("sqrt", kind, a),
     "is_finite": _FunctionWriter._finite,
     "exponent": _FunctionWriter._exponent,
     "power_of_two": _FunctionWriter._power_of_two,
     "half": _FunctionWriter._half,
     "real": _FunctionWriter._to_real,
+    "spread": lambda writer, _, a: writer._spread(a, writer._types[Type.LANES]),
+    "where": _FunctionWriter._where,
     "integer": _FunctionWriter._to_integer,
 }

@@ -26,6 +26,7 @@ from symbody.codegen.kernels.tree import (
     StoreEntry,
     Type,
     Variable,
+    changed_arguments,
     walk,
 )
 
@@ -42,6 +43,7 @@ def kernel_text(kernels: Mapping[str, KernelTree], dialect: KernelDialect) -> st
     """Return kernels as text, each behind the kernels that it calls."""
     nodes = (node for tree in kernels.values() for node in walk(tree.body))
     words = {node.operator for node in nodes if isinstance(node, Apply)}
+    words |= {p.type.value for tree in kernels.values() for p in tree.parameters}
     helpers = [text for word, text in dialect.helpers.items() if word in words]
     written = ["\n".join(_KernelWriter(tree, kernels, dialect).lines()) + "\n" for tree in kernels.values()]
     return "\n".join([*helpers, *written])
@@ -121,9 +123,7 @@ class _KernelWriter:
         return self._form.assign.format(name=target, value=self._text(call))
 
     def _changed_arrays(self, call: Call) -> list[str]:
-        parameters = self._kernels[call.kernel].parameters
-        pairs = zip(call.arguments, parameters, strict=True)
-        return [self._array(argument) for argument, parameter in pairs if parameter.is_changed]
+        return [self._array(argument) for argument in changed_arguments(call, self._kernels)]
 
     def _perform(self, call: Call) -> str:
         d = self._dialect
@@ -225,9 +225,10 @@ class _KernelWriter:
                 return self._dialect.entry.format(**self._place_words(array, index))
             case Part():
                 return self._array(expression)
-            case Call(kernel, arguments):
+            case Call(kernel, arguments, _, is_parameter):
                 written = (self._array(a) if a.type == Type.ARRAY else self._text(a) for a in arguments)
-                return f"{PREFIX}{kernel}({', '.join(written)})"
+                name = self._name(kernel) if is_parameter else f"{PREFIX}{kernel}"
+                return f"{name}({', '.join(written)})"
             case Apply(operator, operands, kind):
                 word = f"{operator} {kind.value}"  # one for integers goes first
                 if word in self._dialect.words or operator in self._dialect.words:

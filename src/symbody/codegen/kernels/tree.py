@@ -8,15 +8,24 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum
+from typing import Final
 
 
 class Type(Enum):
-    """The types of values: arrays hold reals."""
+    """The types of values: arrays hold reals, functions are parameters only, comparing lanes gives a mask."""
 
     REAL = "float"
     INTEGER = "int"
     TRUTH = "bool"
     ARRAY = "Reals"
+    FUNCTION = "Function"
+    LANES = "Lanes"
+    MASK = "mask"
+
+
+# What a function given as parameter takes: t, q, u, r, p, c, out, work. It returns an integer.
+FUNCTION_ARGUMENTS: Final = 8
+FUNCTION_RESULTS: Final = (6, 7)  # which of them it changes
 
 
 # Expressions
@@ -40,7 +49,7 @@ class Variable:
 
 @dataclass(frozen=True, slots=True)
 class ArrayEntry:
-    """One real of an array."""
+    """One real of an array, or as many as there are lanes."""
 
     array: Expression
     index: Expression
@@ -62,7 +71,7 @@ class Apply:
     """An operator or word of the language applied to operands.
 
     `operator` is one of ``+ - * / < <= > >= == != and or not neg``, or a word: ``abs sqrt min max is_finite
-    exponent power_of_two half real integer``.
+    exponent power_of_two half real integer``, and of lanes ``spread where lanes`` (how many there are).
     """
 
     operator: str
@@ -72,11 +81,12 @@ class Apply:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A call of another kernel."""
+    """A call of another kernel, or of a function that is a parameter."""
 
     kernel: str
     arguments: tuple[Expression, ...]
     type: Type | None
+    is_parameter: bool = False
 
 
 Expression = Literal | Variable | ArrayEntry | Part | Apply | Call
@@ -210,7 +220,7 @@ def assigned_names(body: tuple[Statement, ...]) -> set[str]:
 
 def called_kernels(body: tuple[Statement, ...]) -> set[str]:
     """Return the names of the kernels that statements call."""
-    return {part.kernel for part in walk(body) if isinstance(part, Call)}
+    return {part.kernel for part in walk(body) if isinstance(part, Call) and not part.is_parameter}
 
 
 def changed_arrays(body: tuple[Statement, ...], kernels: Mapping[str, KernelTree]) -> set[str]:
@@ -221,13 +231,20 @@ def changed_arrays(body: tuple[Statement, ...], kernels: Mapping[str, KernelTree
         if isinstance(part, StoreEntry):
             changed |= variable_names(_whole_array(part.array))
         elif isinstance(part, Call):
-            for argument, parameter in zip(part.arguments, kernels[part.kernel].parameters, strict=True):
-                if parameter.is_changed:
-                    changed |= variable_names(_whole_array(argument))
+            for argument in changed_arguments(part, kernels):
+                changed |= variable_names(_whole_array(argument))
     for name, value in reversed(parts.items()):  # a part of an array is that array
         if name in changed and isinstance(value, Part):
             changed |= variable_names(_whole_array(value))
     return changed
+
+
+def changed_arguments(call: Call, kernels: Mapping[str, KernelTree]) -> list[Expression]:
+    """Return the arguments into which a call stores."""
+    if call.is_parameter:
+        return [call.arguments[place] for place in FUNCTION_RESULTS]
+    pairs = zip(call.arguments, kernels[call.kernel].parameters, strict=True)
+    return [argument for argument, parameter in pairs if parameter.is_changed]
 
 
 def _whole_array(array: Expression) -> Expression:

@@ -14,8 +14,8 @@ from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
 from symbody.expr.expression import Expr
-from symbody.simulation.native.interface import Projector
-from symbody.simulation.native.loop import EPSILON
+from symbody.kernels.step_bounds import EPSILON
+from symbody.simulation.native.description import Projector
 from symbody.tolerances import CLOSED
 
 Floats = NDArray[np.float64]

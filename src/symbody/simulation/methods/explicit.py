@@ -12,11 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
+from symbody.kernels.step_bounds import EPSILON
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.methods.fixed_step import FixedStep
-from symbody.simulation.native.interface import Goal, Projector, RightHandSide
-from symbody.simulation.native.loop import EPSILON
-from symbody.simulation.native.run import NativeRun, drive, fresh_memory, fresh_record, method_arrays
+from symbody.simulation.native.blocks import make_block
+from symbody.simulation.native.description import Goal, Projector, RightHandSide
+from symbody.simulation.native.run import NativeRun, drive, fresh_record
 from symbody.simulation.native.run import Progress as Progress
 from symbody.simulation.native.run import RawRun as RawRun
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8, Tableau
@@ -25,6 +26,7 @@ from symbody.simulation.native.segments import Watch
 Floats = NDArray[np.float64]
 
 _NOTHING: Final = np.zeros(0)
+NO_FUNCTION: Final = RightHandSide(0, 0, _NOTHING, _NOTHING, _NOTHING, _NOTHING, np.zeros(1))
 NOTHING_TO_PROJECT: Final = Projector(
     0,
     0,
@@ -114,7 +116,7 @@ def integrate(
     Parameters
     ----------
     address, work_size : int
-        A function with the signature of all generated code, see `native.loop`, and its doubles of scratch.
+        A function of generated code, see `kernels.language.Function`, and its doubles of scratch.
     times : array, optional
         The samples to store, in the order of the motion; by default every step is stored.
     rtol, atol : float, float or (n_u + n_q,) array
@@ -139,12 +141,13 @@ def integrate(
     (start, end), x = check_span(t_span), _check_state(x0, n_u + n_q)
     goal = _goal((start, end), method, check_rtol(rtol), check_atol(atol, x.size), breakpoints)
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
-    tableau = method.tableau
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
     rhs = RightHandSide(int(address), int(n_u), r, p, c, np.zeros(work_size), np.zeros(1))
-    run = NativeRun(rhs, projector, method_arrays(tableau), goal, fresh_memory(tableau, x, start))
+    first_step = 0.0 if method.first_step is None else float(method.first_step)
+    block = make_block(rhs, projector, method.tableau, goal, x, start, first_step)
+    run = NativeRun(rhs.address, projector.address, block)
     record = fresh_record(run, check_times(times, start, end), dense)
-    return drive(run, record, 0.0 if method.first_step is None else float(method.first_step), progress, watch)
+    return drive(run, record, progress, watch)
 
 
 def _goal(

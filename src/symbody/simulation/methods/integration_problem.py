@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -13,10 +13,12 @@ from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.simulation.events.event_watch import EventFunctions, EventWatch
 from symbody.simulation.events.events import Event
-from symbody.simulation.inputs.breakpoints import Breakpoints
+from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import PROJECTED, Projection, make_projector
 from symbody.simulation.methods.explicit import (
+    NO_FUNCTION,
+    NOTHING_TO_PROJECT,
     check_rtol,
     check_single_atol,
     check_span,
@@ -24,10 +26,11 @@ from symbody.simulation.methods.explicit import (
     make_goal,
 )
 from symbody.simulation.methods.stepping import Course, StepEnds
-from symbody.simulation.native.interface import Projector
-from symbody.simulation.native.layout import COUNTS
-from symbody.simulation.native.loop import project_row
+from symbody.simulation.native.blocks import make_block
+from symbody.simulation.native.description import Projector
+from symbody.simulation.native.machine import address, step_machine
 from symbody.simulation.native.run import Progress, RawRun
+from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_8
 from symbody.simulation.native.segments import Watch
 from symbody.simulation.simulation_problem import SimulationProblem
 
@@ -134,7 +137,9 @@ class IntegrationProblem:
         bounds = self.breakpoints
         bounds = replace(bounds, longest=share * bounds.longest)
         goal = make_goal(self.span, self.rtol, np.zeros(1), np.inf, [bounds])
-        return StepEnds(goal, np.zeros(COUNTS, dtype=np.int64))
+        return StepEnds(
+            make_block(NO_FUNCTION, NOTHING_TO_PROJECT, DORMAND_PRINCE_8, goal, NOTHING, self.span[0])
+        )
 
     def projection(self, method: Projection) -> StateProjector | None:
         """Return what brings states back onto the constraints; None if there are none."""
@@ -194,18 +199,28 @@ class StateProjector:
     projector: Projector
     rtol: float
     atol: Floats
+    _block: Floats = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        goal = make_goal((0.0, 1.0), self.rtol, self.atol, np.inf, [NO_BREAKPOINTS])
+        rhs = NO_FUNCTION._replace(n_u=self.projector.n_u)
+        block = make_block(rhs, self.projector, DORMAND_PRINCE_8, goal, np.zeros(self.atol.size), 0.0)
+        object.__setattr__(self, "_block", block)
+
+    def _project(self, t: float, x: Floats) -> float:
+        """Move a state onto the constraints; return how far over the tolerated error."""
+        return step_machine().project(self.projector.address, address(self._block), t, address(x))
 
     def project_one(self, t: float, x: Floats) -> tuple[Floats, float]:
         """Return a closed state, and its distance from `x` over the tolerated error."""
         rows = x[np.newaxis].copy()
-        moved = float(project_row(self.projector, self.rtol, self.atol, t, rows, 0))
-        return rows[0], moved
+        return rows[0], self._project(t, rows[0])
 
     def project_all(self, t: Floats, x: Floats) -> Floats:
         """Return closed states; those out of reach stay what they are."""
         rows = np.ascontiguousarray(x)
         for k, time in enumerate(t):
             kept = rows[k].copy()
-            if not np.isfinite(project_row(self.projector, self.rtol, self.atol, float(time), rows, k)):
+            if not np.isfinite(self._project(float(time), rows[k])):
                 rows[k] = kept
         return rows

@@ -18,13 +18,13 @@ from scipy.integrate import DOP853
 
 from symbody.arguments import checked_fields
 from symbody.errors import Problem, SimulationError, UsageError
+from symbody.kernels.step_bounds import EPSILON
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.integration_problem import IntegrationProblem
 from symbody.simulation.methods.partition_states import PartitionStates
 from symbody.simulation.methods.stepping import NODES, SHARES, Failure, Step, march
 from symbody.simulation.methods.sundials import MonitoredFunction
-from symbody.simulation.native.loop import EPSILON
 from symbody.simulation.native.run import RawRun
 from symbody.simulation.status import Status
 

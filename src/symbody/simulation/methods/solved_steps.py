@@ -16,8 +16,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.kernels.step_bounds import EPSILON
 from symbody.simulation.methods.stepping import NODES, SHARES
-from symbody.simulation.native.loop import EPSILON
 
 Floats = NDArray[np.float64]
 

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.simulation.native.dense_output import DenseOutput, shorten
-from symbody.simulation.native.interface import Goal, Integers
-from symbody.simulation.native.loop import longest_step
+from symbody.simulation.native.machine import address, step_machine
 from symbody.simulation.native.run import SLICE_SECONDS, Progress, RawRun, Statistics, memory_limit
 from symbody.simulation.native.segments import Cut, Watch, steps_before
 from symbody.simulation.status import Status
@@ -80,18 +79,19 @@ class Failure:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepEnds:
-    """How far steps may lead, by the breakpoints in a goal; `counts` is the place in these."""
+    """How far steps may lead, by the breakpoints in a block."""
 
-    goal: Goal
-    counts: Integers
+    block: Floats
 
     def __call__(self, t: float) -> tuple[float, float, float]:
         """Return from where to where the longest step at a time leads, and at which time it counts as ended.
 
         A step begins behind a jump that lies at its time, and ends before one.
         """
-        found: tuple[float, float, float] = longest_step(self.goal, self.counts, t)
-        return found
+        ends = np.zeros(3)
+        step_machine().longest_step(address(self.block), t, address(ends))
+        start, stop, end = ends.tolist()
+        return start, stop, end
 
 
 class Stepper(Protocol):

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.errors import EnvironmentFault, Problem, SimulationError
+from symbody.kernels.step_bounds import EPSILON
 from symbody.simulation.methods.stepping import NODES, SHARES, Failure, Step, StepEnds
-from symbody.simulation.native.loop import EPSILON
 from symbody.simulation.status import Status
 from symbody.single_flight import fork_safe_lock
 

@@ -1,4 +1,4 @@
-"""One run of the compiled loop: its arrays, their growth, and the slices between which Python acts."""
+"""One run of the integrator: its record, its growth, and the slices between which Python acts."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from symbody.errors import Problem, SimulationError
-from symbody.simulation.native import layout
-from symbody.simulation.native import loop as native
+from symbody.kernels import block as at
+from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.dense_output import DenseOutput
-from symbody.simulation.native.interface import Floats, Goal, Memory, Method, Projector, Record, RightHandSide
-from symbody.simulation.native.runge_kutta import Tableau
+from symbody.simulation.native.description import Floats, Record
+from symbody.simulation.native.machine import address, step_machine
 from symbody.simulation.native.segments import Watch, cut_back, go_on
 from symbody.simulation.status import Status
 
@@ -30,12 +30,12 @@ FIRST_CAPACITY: Final = 256
 ASSUMED_MEMORY: Final = 8 * 2**30
 
 VERDICTS: Final[Mapping[int, Status]] = {
-    layout.FINISHED: Status.SUCCESS,
-    layout.COLLAPSED: Status.STEP_COLLAPSE,
-    layout.NOT_FINITE: Status.NOT_FINITE,
-    layout.SINGULAR: Status.SINGULAR,
-    layout.TOO_MANY: Status.TOO_MANY_STEPS,
-    layout.STIFF: Status.STIFF,
+    at.FINISHED: Status.SUCCESS,
+    at.COLLAPSED: Status.STEP_COLLAPSE,
+    at.NOT_FINITE: Status.NOT_FINITE,
+    at.SINGULAR: Status.SINGULAR,
+    at.TOO_MANY: Status.TOO_MANY_STEPS,
+    at.STIFF: Status.STIFF,
 }
 
 
@@ -104,48 +104,39 @@ class RawRun:
 
 
 class NativeRun(NamedTuple):
-    """All arguments of the compiled loop but the record, which grows."""
+    """All arguments of the integrator but the record, which grows.
 
-    rhs: RightHandSide
-    projector: Projector
-    method: Method
-    goal: Goal
-    memory: Memory
+    Attributes
+    ----------
+    rhs, projector : int
+        The addresses of the functions; 0 if nothing is projected.
+    block : array
+        See `symbody.kernels.block`.
+    """
 
+    rhs: int
+    projector: int
+    block: Floats
 
-def method_arrays(tableau: Tableau) -> Method:
-    """Return a tableau as arrays."""
-    rows = (*tableau.A, *tableau.error, *tableau.dense)
-    columns = [[j for j, weight in enumerate(row) if weight != 0.0] for row in rows]
-    return Method(
-        np.cumsum([0, *map(len, columns)], dtype=np.int64),
-        np.array([j for places in columns for j in places], dtype=np.uintp),
-        np.array([weight for row in rows for weight in row if weight != 0.0]),
-        np.array(tableau.c, dtype=np.float64),
-        tableau.order,
-        tableau.stages,
-        tableau.error_reads_end,
-        tableau.exponent,
-        tableau.memory,
-        tableau.shrink,
-        tableau.growth,
-        tableau.stiff_bound,
-        tableau.split,
-    )
+    def begin(self, record: Record) -> int:
+        """Compute what a run begins with; return a code of `symbody.kernels.block`."""
+        self._show_room(record)
+        places = (record.wanted, record.t, record.x, record.breaks)
+        return step_machine().begin(self.rhs, address(self.block), *map(address, places))
 
+    def advance(self, record: Record, trials: int) -> int:
+        """Try up to so many steps; return a code of `symbody.kernels.block`."""
+        self._show_room(record)
+        places = (record.wanted, record.t, record.x, record.breaks, record.pieces)
+        return step_machine().advance(
+            self.rhs, self.projector, address(self.block), *map(address, places), trials
+        )
 
-def fresh_memory(tableau: Tableau, x: Floats, t: float) -> Memory:
-    """Return the loop's memory at its first time and state."""
-    memory = Memory(
-        np.zeros((layout.VECTORS, x.size)),
-        np.zeros((len(tableau.A), x.size)),
-        np.zeros((1, 4 + len(tableau.dense), x.size)),
-        np.zeros(layout.REALS),
-        np.zeros(layout.COUNTS, dtype=np.int64),
-    )
-    memory.vectors[layout.STATE_OLD] = x
-    memory.real[layout.TIME] = t
-    return memory
+    def _show_room(self, record: Record) -> None:
+        block = self.block
+        block[at.EVERY_STEP], block[at.KEEP_DENSE] = record.every_step, record.keep_dense
+        block[at.TIMES], block[at.SAMPLE_ROOM] = record.wanted.size, record.t.size
+        block[at.STEP_ROOM] = record.pieces.shape[0]
 
 
 def fresh_record(run: NativeRun, times: Floats | None, dense: bool) -> Record:
@@ -156,7 +147,7 @@ def fresh_record(run: NativeRun, times: Floats | None, dense: bool) -> Record:
     SimulationError
         More samples than the memory holds.
     """
-    _, rows, n = run.memory.F.shape
+    n, rows = int(run.block[at.N]), int(run.block[at.METHOD + at.DENSE_ROWS])
     if times is not None:
         check_memory(times.size, n)
     capacity = FIRST_CAPACITY if times is None else times.size
@@ -196,25 +187,22 @@ def memory_limit() -> int:
         return ASSUMED_MEMORY // 2
 
 
-def drive(
-    run: NativeRun, record: Record, first_step: float, progress: Progress | None, watch: Watch | None = None
-) -> RawRun:
+def drive(run: NativeRun, record: Record, progress: Progress | None, watch: Watch | None = None) -> RawRun:
     """Run the loop to its end, in slices; Ctrl-C ends it between two of them and keeps what there is."""
     status: Status | None = None
     clock = [0.0]
-    start = float(run.memory.real[layout.TIME])
+    start = float(run.block[at.TIME])
     budget = FIRST_SLICE
-    code = layout.RUNNING
+    code = at.RUNNING
     try:
-        code = native.begin(run.rhs, run.method, run.goal, run.memory, record, first_step)
-        native.advance(*run, record, 0)  # compiles, or reads the cache, before the clock is read
-        while code in (layout.RUNNING, layout.FULL):
-            if code == layout.FULL:
-                record = _grow(record, run.memory)
+        code = run.begin(record)
+        while code in (at.RUNNING, at.FULL):
+            if code == at.FULL:
+                record = _grow(record, run.block)
             code, budget = _slice(run, record, budget, watch, clock)
             if watch is not None:
                 record, code, status = _cut_at_event(run, record, watch, code)
-            if status is None and code in (layout.RUNNING, layout.FULL):
+            if status is None and code in (at.RUNNING, at.FULL):
                 status = None if _report_progress(run, start, progress) else Status.INTERRUPTED
             if status is not None:
                 break
@@ -233,7 +221,7 @@ def _slice(
     """Run one slice and add its time; return the loop's code and the budget of the next slice."""
     most = budget if watch is None else min(budget, watch.most_steps)
     began = time.perf_counter()
-    code = native.advance(*run, record, most)
+    code = run.advance(record, most)
     spent = time.perf_counter() - began
     clock[0] += spent
     return code, _next_budget(budget, spent)
@@ -243,29 +231,28 @@ def _cut_at_event(
     run: NativeRun, record: Record, watch: Watch, code: int
 ) -> tuple[Record, int, Status | None]:
     """Cut the run where something happened; return its record, the loop's code, and the verdict at an end."""
-    counts, memory = run.memory.counts, run.memory
-    is_over = code not in (layout.RUNNING, layout.FULL)
-    cut = watch.look(record.breaks, record.pieces, int(counts[layout.STEPS]), is_over)
+    block = run.block
+    is_over = code not in (at.RUNNING, at.FULL)
+    cut = watch.look(record.breaks, record.pieces, int(block[at.STEPS]), is_over)
     if cut is None:
         return record, code, None
-    record = cut_back(counts, record, cut)
-    memory.real[layout.TIME] = cut.t
-    memory.vectors[layout.STATE_OLD] = cut.before if cut.after is None else cut.after
+    record = cut_back(block, record, cut)
+    block[at.TIME] = cut.t
+    state_of(block)[:] = cut.before if cut.after is None else cut.after
     if cut.after is None:
         return record, code, cut.status
     # Steps of one length stay so; others begin with a short one, as at the start.
-    first_step = run.goal.max_step if run.method.growth == 1.0 else 0.0
-    begin = partial(native.begin, run.rhs, run.method, run.goal, memory, record, first_step)
-    return record, go_on(begin, counts, record, cut), None
+    block[at.FIRST_STEP] = block[at.MAX_STEP] if block[at.METHOD + at.GROWTH] == 1.0 else 0.0
+    return record, go_on(partial(run.begin, record), block, record, cut), None
 
 
 def _cut_unseen_part(run: NativeRun, record: Record, watch: Watch) -> Record:
     """End an interrupted run at the event that would have changed it, if one was computed."""
-    cut = watch.look(record.breaks, record.pieces, int(run.memory.counts[layout.STEPS]), True)
+    cut = watch.look(record.breaks, record.pieces, int(run.block[at.STEPS]), True)
     if cut is None:
         return record
-    run.memory.real[layout.TIME] = cut.t
-    return cut_back(run.memory.counts, record, cut._replace(after=None))
+    run.block[at.TIME] = cut.t
+    return cut_back(run.block, record, cut._replace(after=None))
 
 
 def _next_budget(budget: int, spent: float) -> int:
@@ -276,11 +263,11 @@ def _next_budget(budget: int, spent: float) -> int:
 
 
 def _report_progress(run: NativeRun, start: float, progress: Progress | None) -> bool:
-    share = (float(run.memory.real[layout.TIME]) - start) / (run.goal.t_end - start)
+    share = (float(run.block[at.TIME]) - start) / (float(run.block[at.T_END]) - start)
     return progress is None or progress(share) is not False
 
 
-def _grow(record: Record, memory: Memory) -> Record:
+def _grow(record: Record, block: Floats) -> Record:
     """Return a record with room for twice as many samples and steps.
 
     Raises
@@ -288,7 +275,7 @@ def _grow(record: Record, memory: Memory) -> Record:
     MemoryError
         No room is left.
     """
-    samples, steps = int(memory.counts[layout.SAMPLES]), int(memory.counts[layout.STEPS])
+    samples, steps = int(block[at.SAMPLES]), int(block[at.STEPS])
     if 2 * (record.x.nbytes + record.pieces.nbytes) > memory_limit():
         raise MemoryError
     if record.every_step and samples == record.t.size:
@@ -307,10 +294,10 @@ def _double(array: Floats) -> Floats:
 
 def _raw_run(run: NativeRun, record: Record, status: Status, seconds: float) -> RawRun:
     """Cut the record to what was written, and turn it so that time comes last."""
-    counts = run.memory.counts
-    samples, steps = int(counts[layout.SAMPLES]), int(counts[layout.STEPS])
+    counts = run.block
+    samples, steps = int(counts[at.SAMPLES]), int(counts[at.STEPS])
     statistics = Statistics(
-        int(counts[layout.ACCEPTED]), int(counts[layout.REJECTED]), int(counts[layout.EVALUATIONS]), seconds
+        int(counts[at.ACCEPTED]), int(counts[at.REJECTED]), int(counts[at.EVALUATIONS]), seconds
     )
     blamed = status in (Status.STEP_COLLAPSE, Status.NOT_FINITE)
     return RawRun(
@@ -318,9 +305,9 @@ def _raw_run(run: NativeRun, record: Record, status: Status, seconds: float) -> 
         np.ascontiguousarray(record.x[:samples].T),
         status,
         statistics,
-        float(run.memory.real[layout.TIME]),
-        int(counts[layout.STATE]) if blamed else None,
-        int(counts[layout.KERNEL]) - 1 if status is Status.SINGULAR else None,
+        float(run.block[at.TIME]),
+        int(counts[at.STATE]) if blamed else None,
+        int(counts[at.KERNEL]) - 1 if status is Status.SINGULAR else None,
         _dense_output(run, record, steps) if record.keep_dense else None,
     )
 
@@ -329,5 +316,5 @@ def _dense_output(run: NativeRun, record: Record, steps: int) -> DenseOutput:
     if steps:
         return DenseOutput(record.breaks[: steps + 1].copy(), record.pieces[:steps].copy())
     piece = np.zeros((1, *record.pieces.shape[1:]))  # no step: the state stays what it was at this one time
-    piece[0, 0] = run.memory.vectors[layout.STATE_OLD]
-    return DenseOutput(np.full(2, run.memory.real[layout.TIME]), piece)
+    piece[0, 0] = state_of(run.block)
+    return DenseOutput(np.full(2, run.block[at.TIME]), piece)

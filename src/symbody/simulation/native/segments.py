@@ -7,9 +7,9 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from symbody.simulation.native import layout
+from symbody.kernels import block as at
 from symbody.simulation.native.dense_output import shorten
-from symbody.simulation.native.interface import Floats, Integers, Record
+from symbody.simulation.native.description import Floats, Record
 from symbody.simulation.status import Status
 
 
@@ -57,9 +57,9 @@ def steps_before(breaks: Floats, steps: int, t: float) -> int:
     return int(np.searchsorted(direction * breaks[: steps + 1], direction * t))
 
 
-def cut_back(counts: Integers, record: Record, cut: Cut) -> Record:
+def cut_back(block: Floats, record: Record, cut: Cut) -> Record:
     """Forget what lies beyond a cut; its state is a sample if every step is one, or if it is the end."""
-    steps, count = int(counts[layout.STEPS]), int(counts[layout.SAMPLES])
+    steps, count = int(block[at.STEPS]), int(block[at.SAMPLES])
     direction = 1.0 if record.breaks[steps] >= record.breaks[0] else -1.0
     end = steps_before(record.breaks, steps, cut.t)
     start = record.breaks[end - 1]
@@ -68,26 +68,26 @@ def cut_back(counts: Integers, record: Record, cut: Cut) -> Record:
         record.pieces[end - 1] = shorten(record.pieces[end - 1], float(share))
     sample = int(np.searchsorted(direction * record.t[:count], direction * cut.t))
     record.breaks[end] = cut.t
-    counts[layout.STEPS], counts[layout.SAMPLES] = end, sample
+    block[at.STEPS], block[at.SAMPLES] = end, sample
     if record.t.size < sample + 2:
         record = record._replace(t=_longer(record.t), x=_longer(record.x))
     if record.every_step or cut.after is None:
         record.t[sample], record.x[sample] = cut.t, cut.before
-        counts[layout.SAMPLES] = sample + 1
+        block[at.SAMPLES] = sample + 1
     return record
 
 
-def go_on(begin: Callable[[], int], counts: Integers, record: Record, cut: Cut) -> int:
+def go_on(begin: Callable[[], int], block: Floats, record: Record, cut: Cut) -> int:
     """Begin anew at a cut; return the code of `begin`, which stores the state if every step is a sample."""
-    for place in (layout.KERNEL, layout.AFTER_REJECTION, layout.STIFF_VOTES, layout.OTHER_VOTES):
-        counts[place] = 0
+    for place in (at.KERNEL, at.AFTER_REJECTION, at.STIFF_VOTES, at.OTHER_VOTES):
+        block[place] = 0
     first = float(record.breaks[0])
     code = begin()
     record.breaks[0] = first  # it belongs to the first segment
-    sample = int(counts[layout.SAMPLES])
-    if code == layout.FINISHED and sample < record.wanted.size and cut.after is not None:
+    sample = int(block[at.SAMPLES])
+    if code == at.FINISHED and sample < record.wanted.size and cut.after is not None:
         record.t[sample], record.x[sample] = cut.t, cut.after
-        counts[layout.SAMPLES] = sample + 1
+        block[at.SAMPLES] = sample + 1
     return code
 
 

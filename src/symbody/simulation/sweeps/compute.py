@@ -13,15 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.function import CompiledFunction
+from symbody.kernels import block as at
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
 from symbody.simulation.inputs.time_functions import time_functions
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
-from symbody.simulation.native.cases import Cases, Outcome, run_cases
-from symbody.simulation.native.interface import Memory, Projector, Record, RightHandSide
+from symbody.simulation.native.blocks import make_block
+from symbody.simulation.native.cases import Cases, Outcome
+from symbody.simulation.native.description import Goal, Memory, Projector, Record, RightHandSide
+from symbody.simulation.native.interface import fresh_memory, method_arrays
 from symbody.simulation.native.lanes.arithmetic import WIDTH
 from symbody.simulation.native.lanes.lane_cases import Single, run_cases_in_lanes
 from symbody.simulation.native.lanes.lane_steps import ONE, TRIALS, Bundle
-from symbody.simulation.native.run import fresh_memory, method_arrays
+from symbody.simulation.native.layout import COUNTS
+from symbody.simulation.native.machine import address, step_machine
 from symbody.simulation.sweeps.case_by_case import compute_case
 from symbody.simulation.sweeps.records import NOT_STARTED, Chunk, LoopJob, Records, Signal, blocks
 from symbody.simulation.sweeps.sweep_job import SweepJob
@@ -33,6 +37,8 @@ Integers = NDArray[np.int64]
 # A register, and a line of the processor's cache, has so many bytes at most: what begins at a multiple of it
 # is loaded by one access.
 _LINE: Final = 64
+# Steps between two looks at whether the work is to stop.
+_SLICE: Final = 1000
 # Cases whose breakpoints are looked for at once.
 _TOGETHER: Final = 256
 
@@ -58,7 +64,40 @@ def compute_in_loop(job: LoopJob, chunk: Chunk, records: Records, stop: Integers
         )
         run_cases_in_lanes(single, wide, _bundle(single.memory), job.span[0], first_step, cases, outcome)
     else:
-        run_cases(*single, job.span[0], first_step, cases, outcome)
+        _run_one_by_one(job, single.rhs, single.projector, single.goal, cases, outcome, first_step)
+
+
+def _run_one_by_one(
+    job: LoopJob,
+    rhs: RightHandSide,
+    projector: Projector,
+    goal: Goal,
+    cases: Cases,
+    outcome: Outcome,
+    first_step: float,
+) -> None:
+    """Compute cases one after the other, with a look at the signal now and then."""
+    count, samples, n = outcome.x.shape
+    block = make_block(rhs, projector, job.method.tableau, goal, np.zeros(n), job.span[0], first_step)
+    block[at.TIMES] = block[at.SAMPLE_ROOM] = samples
+    firsts = block[at.BREAKS] + at.BREAK_SIZE * cases.first_breaks[:, np.newaxis]
+    rows = np.hstack([
+        cases.states, cases.atol, firsts, cases.parameters, cases.constants, cases.projector_parameters,
+        cases.projector_constants, cases.scales, cases.sizes,
+    ])  # fmt: skip
+    verdicts = np.zeros((count, at.VERDICT_SIZE))
+    verdicts[:, at.CODE], verdicts[:, at.REACHED] = outcome.codes, outcome.reached
+    verdicts[:, at.VERDICT_COUNTS :][:, :COUNTS] = outcome.counts
+    x, scratch = np.ascontiguousarray(outcome.x), np.zeros(samples)
+    arrays = [*map(address, (job.times, scratch, x, verdicts))]
+    functions = rhs.address, projector.address, address(block)
+    code = at.RUNNING
+    while code == at.RUNNING and outcome.stop[0] == 0:
+        code = step_machine().run_cases(*functions, *rows.shape, address(rows), *arrays, _SLICE)
+        outcome.done[0] = block[at.CASES_ENDED]
+    outcome.x[:] = x
+    outcome.codes[:], outcome.reached[:] = verdicts[:, at.CODE], verdicts[:, at.REACHED]
+    outcome.counts[:] = verdicts[:, at.VERDICT_COUNTS :][:, :COUNTS]
 
 
 def _breakpoints(job: LoopJob, chunk: Chunk) -> Sequence[Breakpoints]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from symbody.codegen.compile import Value, form_sequence, form_values
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.kernels.step_bounds import EPSILON
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, find_breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inputs.time_functions import time_functions
@@ -24,7 +25,6 @@ from symbody.simulation.methods.constraints import (
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration import DEFAULT
-from symbody.simulation.native.loop import EPSILON
 from symbody.simulation.sweeps.case_table import CaseTable
 from symbody.simulation.sweeps.first_states import first_states
 from symbody.simulation.sweeps.records import Chunk, LoopJob

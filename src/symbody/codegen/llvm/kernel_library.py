@@ -1,0 +1,34 @@
+"""Kernels as machine code: compiled once on a computer, then read from its disk."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import llvmlite.binding as binding
+
+from symbody.codegen.kernels.llvm_kernels import kernel_name, llvm_text
+from symbody.codegen.kernels.reader import read_kernels
+from symbody.codegen.llvm.machine import SMALL, environment, optimized_code, target_machine
+from symbody.codegen.llvm.stored_module import Module, read_module, store_module, written_by
+
+_LIBRARIES: Final[list[binding.ResourceTracker]] = []  # functions live as long as these
+
+
+def load_kernels(module: str, names: Sequence[str]) -> Mapping[str, int]:
+    """Return the addresses of kernels that one file holds or imports, valid as long as the process lives."""
+    key = written_by() and b"\n".join([written_by(), module.encode(), *map(str.encode, names)])
+    key = key and key + environment().encode()
+    stored = read_module(key)
+    if stored is None:
+        code = optimized_code(llvm_text(read_kernels(module, *names), names))
+        stored = Module((code,), 0, calls_runtime=False)
+        store_module(key, stored)
+    builder = binding.JITLibraryBuilder().add_current_process()
+    for code in stored.codes:
+        builder.add_object_img(code)
+    for name in names:
+        builder.export_symbol(kernel_name(name))
+    library = builder.link(binding.create_lljit_compiler(target_machine(), use_jit_link=SMALL), module)
+    _LIBRARIES.append(library)
+    return {name: int(library[kernel_name(name)]) for name in names}

@@ -1,0 +1,124 @@
+"""How long a step may be: to the end of a motion, and by what depends on time alone."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from symbody.kernels.block import (
+    BREAK_JUMPS,
+    BREAK_LONGEST,
+    BREAK_MARGIN,
+    BREAK_SIZE,
+    BREAK_TIME,
+    DIRECTION,
+    FIRST_BREAK,
+    LENGTH,
+    MAX_STEP,
+    NEXT_BREAK,
+    T_END,
+    T_NEW,
+)
+from symbody.kernels.language import INFINITY, Reals
+
+EPSILON: Final = 2.220446049250313e-16
+SMALLEST_STEP: Final = 1e-290  # absolute, for motions that fail at t = 0
+
+
+def next_break(B: Reals, t: float) -> int:
+    """Return where the next breakpoint after a time lies in the block, one that is at hand left behind."""
+    direction = B[DIRECTION]
+    place = int(B[NEXT_BREAK])
+    first = int(B[FIRST_BREAK])
+    while place > first:
+        before = place - BREAK_SIZE
+        if not (B[before + BREAK_TIME] - t) * direction > 2.0 * B[before + BREAK_MARGIN]:
+            break
+        place = before  # an event led back
+    while (B[place + BREAK_TIME] - t) * direction <= 2.0 * B[place + BREAK_MARGIN]:
+        place = place + BREAK_SIZE
+    B[NEXT_BREAK] = float(place)
+    return place
+
+
+def bound_step(B: Reals, t: float, h: float) -> int:
+    """Set `LENGTH` to how long a step of length h may be; return the breakpoint where it has to end, or -1.
+
+    A step is no longer than every piece that it enters allows; it ends where it would enter one that allows
+    less than the way there.
+    """
+    place = next_break(B, t)
+    length = min(abs(h), B[place + BREAK_LONGEST])
+    while abs(B[place + BREAK_TIME] - t) < length:
+        way = abs(B[place + BREAK_TIME] - t)
+        if B[place + BREAK_JUMPS] != 0.0 or B[place + BREAK_SIZE + BREAK_LONGEST] < way:
+            B[LENGTH] = way
+            return place
+        place = place + BREAK_SIZE
+        length = min(length, B[place + BREAK_LONGEST])
+    B[LENGTH] = length
+    return -1
+
+
+def plan_trial(B: Reals, t: float, h: float) -> None:
+    """Set `LENGTH` and `T_NEW` of the next trial; the length is 0 where steps are too short to go on.
+
+    Before a jump the step is shorter than its end tells, by the margin of the jump.
+    """
+    t_end = B[T_END]
+    direction = B[DIRECTION]
+    rest = t_end - t
+    place = bound_step(B, t, h)
+    length = B[LENGTH]
+    # stretched by one percent rather than leave a tiny last step, but never beyond the step that was allowed,
+    # and a step that ends beside the end by the rounding of times alone ends there
+    allowed = length + 4.0 * EPSILON * abs(t_end)
+    if length == abs(h) and abs(rest) <= abs(B[int(B[NEXT_BREAK]) + BREAK_TIME] - t):
+        allowed = 1.01 * length
+    if abs(rest) <= allowed and abs(rest) <= B[MAX_STEP] * (1.0 + 1e-9):
+        B[LENGTH] = rest
+        B[T_NEW] = t_end
+        return
+    if place >= 0:
+        end = B[place + BREAK_TIME]
+        B[LENGTH] = end - t
+        if B[place + BREAK_JUMPS] != 0.0:
+            B[LENGTH] = end - t - direction * B[place + BREAK_MARGIN]
+        B[T_NEW] = end
+        return
+    if length <= max(10.0 * EPSILON * abs(t), SMALLEST_STEP):
+        B[LENGTH] = 0.0
+        B[T_NEW] = t
+        return
+    B[LENGTH] = direction * length
+    B[T_NEW] = t + direction * length
+
+
+def behind_jump(B: Reals, t: float) -> float:
+    """Return a time just behind a jump that lies at this time; the time itself without one before the end."""
+    place = next_break(B, t)
+    if place <= int(B[FIRST_BREAK]) or t == B[T_END]:
+        return t
+    direction = B[DIRECTION]
+    before = place - BREAK_SIZE
+    margin = B[before + BREAK_MARGIN]
+    if B[before + BREAK_JUMPS] != 0.0 and (B[before + BREAK_TIME] - t) * direction >= -margin:
+        behind = B[before + BREAK_TIME] + direction * margin
+        if (B[T_END] - behind) * direction > 0.0:  # motions may end just before a jump
+            return behind
+    return t
+
+
+def longest_step(B: Reals, t: float, ends: Reals) -> None:
+    """Set `ends` (3,) to where the longest step at a time begins and ends, and when it is said to end."""
+    start = behind_jump(B, t)
+    plan_trial(B, start, B[DIRECTION] * INFINITY)
+    end = B[T_NEW]
+    place = next_break(B, end)
+    ends[0] = start
+    ends[1] = end
+    ends[2] = end
+    if end != B[T_END] and place > int(B[FIRST_BREAK]):
+        before = place - BREAK_SIZE
+        if B[before + BREAK_JUMPS] != 0.0 and B[before + BREAK_TIME] == end:
+            ends[1] = end - B[DIRECTION] * B[before + BREAK_MARGIN]
+    B[NEXT_BREAK] = B[FIRST_BREAK]
